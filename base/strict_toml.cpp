@@ -1,0 +1,211 @@
+#include "base/strict_toml.h"
+
+#include "base/input_error.h"
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <utility>
+
+namespace springdrive {
+
+struct StrictTomlTable::Contents {
+    std::filesystem::path file;
+    std::string prefix; ///< "motor." for keys of [motor]
+    std::shared_ptr<const toml::table> root;
+    const toml::table *table = nullptr; ///< this table, owned by `root`
+    std::set<std::string, std::less<>> asked;
+
+    const toml::node *find(std::string_view key) {
+        asked.emplace(key);
+        return table->get(key);
+    }
+};
+
+namespace {
+
+std::string plain(double value) {
+    std::ostringstream out;
+    out << value;
+    return out.str();
+}
+
+std::string allowed(NumberRange range) {
+    if (range.lowest == NumberRange{}.lowest && range.highest == NumberRange{}.highest) {
+        return "a finite number";
+    }
+    return "a number from " + plain(range.lowest) + " to " + plain(range.highest);
+}
+
+/// The value of a TOML integer or float, NaN for anything else.
+double as_number(const toml::node &node) {
+    return node.is_number() ? node.value<double>().value_or(std::nan("")) : std::nan("");
+}
+
+bool lies_in(double value, NumberRange range) {
+    return std::isfinite(value) && value >= range.lowest && value <= range.highest;
+}
+
+/// How a value stands in the file, for a message; on one line.
+std::string as_written(const toml::node &node) {
+    std::ostringstream out;
+    if (node.is_table() || node.is_array_of_tables()) {
+        return "a table";
+    }
+    if (node.is_number()) {
+        return plain(as_number(node));
+    }
+    node.visit([&out](const auto &value) { out << value; });
+    std::string text = out.str();
+    for (char &c : text) {
+        c = c == '\n' ? ' ' : c;
+    }
+    return text;
+}
+
+} // namespace
+
+StrictTomlTable::StrictTomlTable(std::unique_ptr<Contents> contents)
+    : contents_(std::move(contents)) {}
+StrictTomlTable::~StrictTomlTable() = default;
+StrictTomlTable::StrictTomlTable(StrictTomlTable &&) noexcept = default;
+StrictTomlTable &StrictTomlTable::operator=(StrictTomlTable &&) noexcept = default;
+
+StrictTomlTable StrictTomlTable::read(const std::filesystem::path &file) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) {
+        throw InputError(file.string() + ": is a folder; name a TOML file");
+    }
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw InputError(file.string() + ": cannot be opened; check the name and its permissions");
+    }
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    auto contents = std::make_unique<Contents>();
+    contents->file = file;
+    try {
+        contents->root = std::make_shared<toml::table>(toml::parse(text, file.string()));
+    } catch (const toml::parse_error &error) {
+        throw InputError(file.string() + ":" + std::to_string(error.source().begin.line) +
+                         ": is not valid TOML: " + std::string(error.description()));
+    }
+    contents->table = contents->root.get();
+    return StrictTomlTable(std::move(contents));
+}
+
+void StrictTomlTable::refuse(std::string_view key, const std::string &problem) const {
+    const toml::node *node = contents_->table->get(key);
+    const toml::source_position where =
+        node != nullptr ? node->source().begin : contents_->table->source().begin;
+    const std::string line = where ? ":" + std::to_string(where.line) : "";
+    throw InputError(contents_->file.string() + line + ": " + contents_->prefix + std::string(key) +
+                     " " + problem);
+}
+
+bool StrictTomlTable::has(std::string_view key) const { return contents_->table->contains(key); }
+
+std::string StrictTomlTable::text(std::string_view key) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be a text");
+    }
+    if (!node->is_string()) {
+        refuse(key, "is " + as_written(*node) + "; it must be a text");
+    }
+    return node->value<std::string>().value_or("");
+}
+
+double StrictTomlTable::number(std::string_view key, NumberRange range) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be " + allowed(range));
+    }
+    const double value = as_number(*node);
+    if (!lies_in(value, range)) {
+        refuse(key, "is " + as_written(*node) + "; it must be " + allowed(range));
+    }
+    return value;
+}
+
+int StrictTomlTable::integer(std::string_view key, int lowest, int highest) {
+    const double value = number(key, {static_cast<double>(lowest), static_cast<double>(highest)});
+    if (value != std::floor(value)) {
+        refuse(key, "is " + plain(value) + "; it must be a whole number");
+    }
+    return static_cast<int>(value);
+}
+
+Vector3 StrictTomlTable::vector(std::string_view key, NumberRange range_of_each) {
+    const std::string expected = "three numbers in brackets, each " + allowed(range_of_each);
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be " + expected);
+    }
+    const toml::array *array = node->as_array();
+    Vector3 values = Vector3::Zero();
+    bool good = array != nullptr && array->size() == 3;
+    for (int i = 0; good && i < 3; ++i) {
+        values[i] = as_number((*array)[static_cast<std::size_t>(i)]);
+        good = lies_in(values[i], range_of_each);
+    }
+    if (!good) {
+        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
+    }
+    return values;
+}
+
+StrictTomlTable StrictTomlTable::table(std::string_view key) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr || !node->is_table()) {
+        refuse(key, "is missing; add a table [" + contents_->prefix + std::string(key) + "]");
+    }
+    auto inner = std::make_unique<Contents>();
+    inner->file = contents_->file;
+    inner->prefix = contents_->prefix + std::string(key) + ".";
+    inner->root = contents_->root;
+    inner->table = node->as_table();
+    return StrictTomlTable(std::move(inner));
+}
+
+int StrictTomlTable::tables(std::string_view key, int count,
+                            const std::function<void(int, StrictTomlTable &)> &read_one) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr || !node->is_array_of_tables()) {
+        StrictTomlTable only = table(key);
+        read_one(0, only);
+        return 1;
+    }
+    const toml::array &array = *node->as_array();
+    if (array.size() != static_cast<std::size_t>(count)) {
+        refuse(key, "stands " + std::to_string(array.size()) + " times; it must stand once or " +
+                        std::to_string(count) + " times");
+    }
+    for (int i = 0; i < count; ++i) {
+        auto inner = std::make_unique<Contents>();
+        inner->file = contents_->file;
+        inner->prefix = contents_->prefix + std::string(key) + "[" + std::to_string(i + 1) + "].";
+        inner->root = contents_->root;
+        inner->table = array[static_cast<std::size_t>(i)].as_table();
+        StrictTomlTable one(std::move(inner));
+        read_one(i, one);
+    }
+    return count;
+}
+
+void StrictTomlTable::refuse_unknown_keys() const {
+    for (const auto &[key, node] : *contents_->table) {
+        if (!contents_->asked.contains(key.str())) {
+            std::string known;
+            for (const std::string &name : contents_->asked) {
+                known += (known.empty() ? "" : ", ") + name;
+            }
+            refuse(key.str(), "is not known here; known are " + known);
+        }
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,132 @@
+# shellcheck shell=bash
+# From a bare machine to a built tree, for app/run and tests/run to source:
+#   prepare TARGET ARGUMENT...   installs what is missing, configures, builds TARGET
+# ARGUMENTs are the caller's own, handed on should it have to start again as another user.
+# Standard input and output belong to the program; all that is said here goes to standard error.
+
+project=$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/..")
+build=$project/build/release
+packages=$project/setup/packages.txt
+readonly project build packages
+
+prepare() {
+    local -r target=$1
+    shift
+    install_missing_packages </dev/null >&2
+    leave_root_of_sudo "$@"
+    configure </dev/null >&2
+    build "$target" </dev/null >&2
+}
+
+say() { printf 'springdrive: %s\n' "$*" >&2; }
+
+die() {
+    say "$*"
+    exit 1
+}
+
+# Debian or what descends from it, such as Ubuntu.
+is_debian() {
+    local -r os_release=${SPRINGDRIVE_OS_RELEASE:-/etc/os-release}
+    # shellcheck source=/dev/null
+    case " $(. "$os_release" 2>/dev/null && echo "${ID-} ${ID_LIKE-}") " in
+        *" debian "* | *" ubuntu "*) ;;
+        *) return 1 ;;
+    esac
+}
+
+# Asks dpkg alone, so that nothing missing costs no time.
+missing_packages() {
+    # shellcheck disable=SC2016 # the variables are dpkg's
+    local -r installed='${db:Status-Status} ${Package}\n'
+    sed 's/#.*//' "$packages" | awk 'NF { print $1 }' |
+        grep -vxFf <(dpkg-query --show --showformat="$installed" | sed -n 's/^installed //p') ||
+        true # grep's word for "none missing"
+}
+
+install_missing_packages() {
+    is_debian || return 0
+    local -a missing as_root=()
+    mapfile -t missing < <(missing_packages)
+    ((${#missing[@]} > 0)) || return 0
+
+    local -r install="apt-get install --no-install-recommends ${missing[*]}"
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null ||
+            die "packages are missing, with neither root nor sudo to install them;" \
+                "as root run: apt-get update && $install"
+        as_root=(sudo)
+        say "sudo is used to install packages, and may ask for your password"
+    fi
+    say "installing ${#missing[@]} packages: ${missing[*]}"
+    as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get --yes -o DPkg::Lock::Timeout=120)
+    wait_for_package_lists
+    "${as_root[@]}" update || say "apt-get update failed; trying with the package lists at hand"
+    "${as_root[@]}" install --no-install-recommends "${missing[@]}" ||
+        die "could not install the packages; as root try: apt-get update && $install"
+}
+
+# Another apt-get may be updating the lists, as a new machine does after its first boot. Our own
+# would not wait: DPkg::Lock::Timeout is for dpkg's lock alone.
+wait_for_package_lists() {
+    local inode seconds
+    inode=$(stat --format=%i /var/lib/apt/lists/lock 2>/dev/null) || return 0
+    for ((seconds = 0; seconds < 120; ++seconds)); do
+        grep -q ":$inode " /proc/locks || return 0
+        ((seconds > 0)) || say "waiting for another apt-get to finish"
+        sleep 1
+    done
+}
+
+# Through sudo, root is for installing only: what is built and run is the user's, unless the
+# tree is root's own.
+leave_root_of_sudo() {
+    [[ $EUID == 0 && ${SUDO_UID:-0} != 0 && ! -O $project ]] || return 0
+    local home
+    home=$(getent passwd "$SUDO_UID" | cut -d: -f6)
+    exec setpriv --reuid="$SUDO_UID" --regid="${SUDO_GID:?}" --init-groups \
+        env HOME="$home" USER="${SUDO_USER:?}" LOGNAME="$SUDO_USER" \
+        bash "$(readlink -f "$0")" "$@"
+}
+
+check_other_distribution() {
+    local tool
+    say "neither Debian nor Ubuntu: nothing is installed here by itself. Needed, by Debian's names:"
+    sed '/^#/d; s/^/  /' "$packages"
+    for tool in cmake ninja c++; do
+        command -v "$tool" >/dev/null ||
+            die "no '$tool' here; install what is listed above, then start again"
+    done
+}
+
+# A tree that was moved is configured anew: CMake keeps absolute paths.
+is_configured() {
+    [[ -f $build/build.ninja ]] &&
+        grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$project" "$build/CMakeCache.txt"
+}
+
+configure() {
+    ! is_configured || return 0
+    is_debian || check_other_distribution
+    say "configuring build/release"
+    rm -f "$build/build.ninja"
+    cmake -S "$project" --preset release --fresh ||
+        die "could not configure; setup/packages.txt lists what is needed"
+}
+
+build() {
+    local -r target=$1
+    # Asked first, as ninja has no way to be silent only when there is nothing to do.
+    [[ $(ninja -C "$build" -n "$target") != *"no work to do"* ]] || return 0
+    say "building $target"
+    # Killing this script must not leave a build behind.
+    setpriv --pdeathsig TERM ninja -C "$build" -j "$(job_count)" "$target"
+}
+
+# As many compilers as there are cores, and memory for: one may take 1.5 GiB.
+job_count() {
+    awk -v cores="$(nproc)" '/^MemAvailable:/ {
+        fit = int($2 / (1.5 * 1024 * 1024))
+        print fit < 1 ? 1 : (fit < cores ? fit : cores)
+    }' /proc/meminfo
+}
