@@ -1,0 +1,112 @@
+#include "device/simulated/hand_path.h"
+
+#include "base/input_error.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    const std::string_view blanks = " \t\r";
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) {
+        return {};
+    }
+    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// Four comma-separated finite numbers, or false.
+bool parse_row(std::string_view line, std::array<double, 4> &row) {
+    for (std::size_t column = 0; column < row.size(); ++column) {
+        const std::size_t comma = line.find(',');
+        if ((comma == std::string_view::npos) != (column + 1 == row.size())) {
+            return false;
+        }
+        const std::string_view cell = trimmed(line.substr(0, comma));
+        const char *end = cell.data() + cell.size();
+        const auto [stop, error] = std::from_chars(cell.data(), end, row[column]);
+        if (error != std::errc{} || stop != end || !std::isfinite(row[column])) {
+            return false;
+        }
+        line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
+    }
+    return true;
+}
+
+} // namespace
+
+HandPath::HandPath(std::vector<Point> points) : points_(std::move(points)) {
+    if (points_.empty()) {
+        throw InputError("the hand's path has no point; give it at least one");
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (!std::isfinite(points_[i].time_s) || !points_[i].position_m.allFinite()) {
+            throw InputError("the hand's path is not finite at point " + std::to_string(i + 1));
+        }
+        if (i > 0 && points_[i].time_s <= points_[i - 1].time_s) {
+            throw InputError("the hand's path does not move forward in time at point " +
+                             std::to_string(i + 1));
+        }
+    }
+}
+
+HandPath HandPath::read_csv(const std::filesystem::path &file) {
+    std::ifstream stream(file);
+    if (!stream) {
+        throw InputError(file.string() + ": cannot be opened; check the name and its permissions");
+    }
+    std::vector<Point> points;
+    std::string line;
+    for (int number = 1; std::getline(stream, line); ++number) {
+        const std::string where = file.string() + ":" + std::to_string(number) + ": ";
+        if (number == 1) {
+            if (trimmed(line) != "t,x,y,z") {
+                throw InputError(where + "the first line must be t,x,y,z (seconds and metres)");
+            }
+            continue;
+        }
+        if (trimmed(line).empty()) {
+            continue;
+        }
+        std::array<double, 4> row{};
+        if (!parse_row(line, row)) {
+            throw InputError(where + "must hold four finite numbers t,x,y,z");
+        }
+        if (!points.empty() && row[0] <= points.back().time_s) {
+            throw InputError(where + "its time does not come after the line before");
+        }
+        points.push_back({row[0], Vector3(row[1], row[2], row[3])});
+    }
+    if (stream.bad()) {
+        throw InputError(file.string() + ": cannot be read to its end");
+    }
+    if (points.empty()) {
+        throw InputError(file.string() + ": holds no point; add lines of t,x,y,z");
+    }
+    return HandPath(std::move(points));
+}
+
+HandTarget HandPath::at(double time_s) noexcept {
+    while (next_ < points_.size() && points_[next_].time_s <= time_s) {
+        ++next_;
+    }
+    if (next_ == 0 || next_ == points_.size()) {
+        return {next_ == 0 ? points_.front().position_m : points_.back().position_m,
+                Vector3::Zero()};
+    }
+    const Point &before = points_[next_ - 1];
+    const Point &after = points_[next_];
+    const Vector3 velocity =
+        (after.position_m - before.position_m) / (after.time_s - before.time_s);
+    return {before.position_m + (time_s - before.time_s) * velocity, velocity};
+}
+
+} // namespace springdrive

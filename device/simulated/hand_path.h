@@ -1,0 +1,42 @@
+// Where a hand wants to be over time: a polyline through timed points.
+#pragma once
+
+#include "base/vector.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace springdrive {
+
+struct HandTarget {
+    Vector3 position_m{Vector3::Zero()};
+    Vector3 velocity_m_per_s{Vector3::Zero()};
+};
+
+/// Linear between its points; at rest before the first and after the last.
+class HandPath {
+public:
+    struct Point {
+        double time_s = 0.0;
+        Vector3 position_m{Vector3::Zero()};
+    };
+
+    /// @throw InputError unless there is a point, all are finite and their times increase.
+    explicit HandPath(std::vector<Point> points);
+
+    /// Reads a CSV file with the header `t,x,y,z` [s, m].
+    /// @throw InputError naming the file, the line and what is wrong with it.
+    [[nodiscard]] static HandPath read_csv(const std::filesystem::path &file);
+
+    /// RT-safe. Time must not run backwards between calls.
+    [[nodiscard]] HandTarget at(double time_s) noexcept;
+
+    [[nodiscard]] double duration_s() const { return points_.back().time_s; }
+    [[nodiscard]] const std::vector<Point> &points() const { return points_; }
+
+private:
+    std::vector<Point> points_;
+    std::size_t next_ = 0; ///< the first point later than the last time asked for
+};
+
+} // namespace springdrive
