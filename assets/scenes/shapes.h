@@ -1,0 +1,76 @@
+// The shapes of the project's own scenes: closed meshes, wound counter-clockwise seen from outside.
+//
+// Only + − × ÷ and √ enter the coordinates, which IEEE 754 rounds alike everywhere: the files that
+// generate.cpp writes from them are the same bytes on every machine.
+#pragma once
+
+#include "base/vector.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::scenes {
+
+/// What becomes one glTF node.
+struct Part {
+    std::string name;
+    std::vector<Vector3> positions_m;
+    std::vector<Vector3> normals;                     ///< unit, one a vertex
+    std::vector<std::array<std::uint8_t, 4>> colours; ///< linear RGBA, one a vertex; may be empty
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::array<double, 3> base_colour{1.0, 1.0, 1.0}; ///< linear
+    std::optional<double> eta;                        ///< η of (30), if the node says any
+};
+
+/// A grid of box cells with faces at these coordinates, each list rising.
+struct CellGrid {
+    std::vector<double> x_m;
+    std::vector<double> y_m;
+    std::vector<double> z_m;
+};
+
+/// The solid of those cells (i, j, k) for which `is_solid` holds, with flat faces.
+[[nodiscard]] Part cell_solid(const CellGrid &grid,
+                              const std::function<bool(int, int, int)> &is_solid);
+
+/// A box with flat faces, 12 triangles.
+[[nodiscard]] Part box(const Vector3 &lower_m, const Vector3 &upper_m);
+
+/// Directions over the unit sphere: an icosahedron with each edge cut into `frequency` pieces,
+/// pushed out to the sphere. 20 f² triangles over 10 f² + 2 vertices; `normals` equal the
+/// positions.
+[[nodiscard]] Part geodesic_sphere(int frequency);
+
+/// A blob of the organic shape: (1 − |p − centre|²/radius²)³ inside, 0 outside.
+struct Blob {
+    Vector3 centre;
+    double radius;
+};
+
+/// Where the sum of `blobs` falls to `level`, seen from the origin, with a vertex on each direction
+/// of a geodesic sphere; smooth normals, coloured by distance from the origin.
+/// The surface must be star-shaped: no ray from the origin may cross it twice.
+[[nodiscard]] Part blob_union(const std::vector<Blob> &blobs, double level, int frequency);
+
+/// A scene file of the project.
+struct SceneDescription {
+    std::string name;
+    bool in_metres = false; ///< else it is fitted to the device's workspace when loaded
+    std::vector<Part> parts;
+};
+
+/// Every scene, in the frame of the device: x right, y up, z towards the user.
+[[nodiscard]] std::vector<SceneDescription> all_scenes();
+
+inline constexpr double kSphereRadius_m = 0.045;
+inline constexpr int kSphereFrequency = 32;
+
+/// The blobs of the organic scene, and the level of their union.
+[[nodiscard]] const std::vector<Blob> &organic_blobs();
+inline constexpr double kOrganicLevel = 0.35;
+
+} // namespace springdrive::scenes

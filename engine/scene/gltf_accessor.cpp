@@ -1,0 +1,238 @@
+#include "engine/scene/gltf_accessor.h"
+
+#include "base/input_error.h"
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace springdrive::gltf {
+
+namespace {
+
+std::string name_of(int accessor) { return "accessor " + std::to_string(accessor); }
+
+const tinygltf::Accessor &find_accessor(const tinygltf::Model &model, int index) {
+    if (index < 0 || static_cast<std::size_t>(index) >= model.accessors.size()) {
+        throw InputError(name_of(index) + " is not in the file, which has " +
+                         std::to_string(model.accessors.size()) + " of them");
+    }
+    return model.accessors[static_cast<std::size_t>(index)];
+}
+
+std::size_t component_size(int component_type, const std::string &place) {
+    switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return 4;
+    default:
+        throw InputError(place + ": component type " + std::to_string(component_type) +
+                         " is not one of glTF's");
+    }
+}
+
+template <typename Component> Component load(const unsigned char *bytes) {
+    Component value{};
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+template <typename Integer> double to_number(const unsigned char *bytes, bool normalised) {
+    const double value = load<Integer>(bytes);
+    return normalised ? std::max(value / std::numeric_limits<Integer>::max(), -1.0) : value;
+}
+
+double load_number(const unsigned char *bytes, int component_type, bool normalised) {
+    switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return to_number<std::int8_t>(bytes, normalised);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return to_number<std::uint8_t>(bytes, normalised);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return to_number<std::int16_t>(bytes, normalised);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return to_number<std::uint16_t>(bytes, normalised);
+    default:
+        return static_cast<double>(load<float>(bytes));
+    }
+}
+
+std::uint32_t load_index(const unsigned char *bytes, int component_type) {
+    switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return load<std::uint8_t>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return load<std::uint16_t>(bytes);
+    default:
+        return load<std::uint32_t>(bytes);
+    }
+}
+
+bool is_index_type(int component_type) {
+    return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+           component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+           component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+/// A run of equally spaced elements that all lie within their buffer view.
+struct Elements {
+    const unsigned char *first = nullptr;
+    std::size_t stride = 0;
+
+    [[nodiscard]] const unsigned char *operator[](std::size_t i) const {
+        return first + i * stride;
+    }
+};
+
+Elements find_elements(const tinygltf::Model &model, int view, std::size_t offset,
+                       std::size_t count, std::size_t element_size, const std::string &place) {
+    const std::span<const unsigned char> bytes = view_bytes(model, view);
+    const std::size_t declared = model.bufferViews[static_cast<std::size_t>(view)].byteStride;
+    const std::size_t stride = declared == 0 ? element_size : declared;
+    if (stride < element_size) {
+        throw InputError(place + ": its elements take " + std::to_string(element_size) +
+                         " bytes, but stand " + std::to_string(stride) + " apart");
+    }
+    const bool fits =
+        count == 0 || (offset <= bytes.size() && element_size <= bytes.size() - offset &&
+                       count - 1 <= (bytes.size() - offset - element_size) / stride);
+    if (!fits) {
+        throw InputError(place + ": its " + std::to_string(count) +
+                         " elements reach beyond buffer view " + std::to_string(view) + " of " +
+                         std::to_string(bytes.size()) + " bytes");
+    }
+    return {count == 0 ? bytes.data() : bytes.data() + offset, stride};
+}
+
+void check_count(const tinygltf::Accessor &accessor, const std::string &place) {
+    if (accessor.count > kMostVertices) {
+        throw InputError(place + ": holds " + std::to_string(accessor.count) +
+                         " elements; at most " + std::to_string(kMostVertices) + " are allowed");
+    }
+}
+
+/// Calls `replace(index, bytes)` for each element that a sparse accessor overrides.
+template <typename Replace>
+void for_each_sparse(const tinygltf::Model &model, const tinygltf::Accessor &accessor,
+                     std::size_t element_size, const std::string &place, Replace &&replace) {
+    if (!accessor.sparse.isSparse) {
+        return;
+    }
+    const auto &sparse = accessor.sparse;
+    if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > accessor.count ||
+        sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 ||
+        !is_index_type(sparse.indices.componentType)) {
+        throw InputError(place + ": its sparse part has an impossible count, offset or type");
+    }
+    const auto count = static_cast<std::size_t>(sparse.count);
+    const Elements indices = find_elements(
+        model, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
+        count, component_size(sparse.indices.componentType, place), place);
+    const Elements values = find_elements(model, sparse.values.bufferView,
+                                          static_cast<std::size_t>(sparse.values.byteOffset), count,
+                                          element_size, place);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t index = load_index(indices[i], sparse.indices.componentType);
+        if (index >= accessor.count) {
+            throw InputError(place + ": sparse index " + std::to_string(index) + " is beyond its " +
+                             std::to_string(accessor.count) + " elements");
+        }
+        replace(index, values[i]);
+    }
+}
+
+} // namespace
+
+std::span<const unsigned char> view_bytes(const tinygltf::Model &model, int view) {
+    const std::string place = "buffer view " + std::to_string(view);
+    if (view < 0 || static_cast<std::size_t>(view) >= model.bufferViews.size()) {
+        throw InputError(place + " is not in the file, which has " +
+                         std::to_string(model.bufferViews.size()) + " of them");
+    }
+    const tinygltf::BufferView &description = model.bufferViews[static_cast<std::size_t>(view)];
+    const int buffer = description.buffer;
+    if (buffer < 0 || static_cast<std::size_t>(buffer) >= model.buffers.size()) {
+        throw InputError(place + ": buffer " + std::to_string(buffer) + " is not in the file");
+    }
+    const std::span<const unsigned char> bytes(
+        model.buffers[static_cast<std::size_t>(buffer)].data);
+    if (description.byteOffset > bytes.size() ||
+        description.byteLength > bytes.size() - description.byteOffset) {
+        throw InputError(place + ": " + std::to_string(description.byteLength) + " bytes from " +
+                         std::to_string(description.byteOffset) + " reach beyond buffer " +
+                         std::to_string(buffer) + " of " + std::to_string(bytes.size()) + " bytes");
+    }
+    return bytes.subspan(description.byteOffset, description.byteLength);
+}
+
+Attribute read_attribute(const tinygltf::Model &model, int index, Scaling scaling) {
+    const tinygltf::Accessor &accessor = find_accessor(model, index);
+    const std::string place = name_of(index);
+    check_count(accessor, place);
+    const int type = accessor.componentType;
+    if (accessor.type < TINYGLTF_TYPE_VEC2 || accessor.type > TINYGLTF_TYPE_VEC4 ||
+        type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+        throw InputError(place + ": a vertex attribute is a vector of floats or of 8- or 16-bit "
+                                 "integers");
+    }
+    const std::size_t size = component_size(type, place);
+    const bool normalised = accessor.normalized || scaling == Scaling::unit_range;
+    const auto width = static_cast<std::size_t>(accessor.type); // TINYGLTF_TYPE_VECn is n
+    const bool has_view =
+        accessor.bufferView >= 0; // without one all is zero, but for sparse values
+    Elements elements;
+    if (has_view) {
+        elements = find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                 width * size, place);
+    }
+    Attribute attribute{accessor.type, std::vector<double>(accessor.count * width)};
+    const auto load_element = [&](std::size_t i, const unsigned char *bytes) {
+        for (std::size_t c = 0; c < width; ++c) {
+            attribute.values[i * width + c] = load_number(bytes + c * size, type, normalised);
+        }
+    };
+    for (std::size_t i = 0; has_view && i < accessor.count; ++i) {
+        load_element(i, elements[i]);
+    }
+    for_each_sparse(model, accessor, width * size, place, load_element);
+    return attribute;
+}
+
+std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int index) {
+    const tinygltf::Accessor &accessor = find_accessor(model, index);
+    const std::string place = name_of(index);
+    check_count(accessor, place);
+    const int type = accessor.componentType;
+    if (accessor.type != TINYGLTF_TYPE_SCALAR || !is_index_type(type)) {
+        throw InputError(place + ": indices are scalars of 8, 16 or 32 bits, unsigned");
+    }
+    const std::size_t size = component_size(type, place);
+    const Elements elements =
+        find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count, size, place);
+    std::vector<std::uint32_t> indices(accessor.count);
+    for (std::size_t i = 0; i < accessor.count; ++i) {
+        indices[i] = load_index(elements[i], type);
+    }
+    for_each_sparse(model, accessor, size, place, [&](std::size_t i, const unsigned char *bytes) {
+        indices[i] = load_index(bytes, type);
+    });
+    return indices;
+}
+
+std::size_t accessor_count(const tinygltf::Model &model, int accessor) {
+    return find_accessor(model, accessor).count;
+}
+
+bool is_normalised(const tinygltf::Model &model, int accessor) {
+    return find_accessor(model, accessor).normalized;
+}
+
+} // namespace springdrive::gltf

@@ -1,0 +1,63 @@
+// What a glTF material says about colour, and its textures, decoded when first asked for.
+#pragma once
+
+#include "engine/scene/scene.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace tinygltf {
+class Model;
+}
+
+namespace springdrive::gltf {
+
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
+/// KHR_texture_transform: scaled, then turned, then shifted.
+struct TextureTransform {
+    std::array<double, 2> offset{0.0, 0.0};
+    double rotation_rad = 0.0;
+    std::array<double, 2> scale{1.0, 1.0};
+
+    [[nodiscard]] std::array<double, 2> operator()(double u, double v) const;
+};
+
+struct BaseColour {
+    std::array<double, 4> factor{1.0, 1.0, 1.0, 1.0}; ///< linear
+    int texture = -1;                                 ///< index into the model's textures
+    int texture_set = 0;                              ///< n of TEXCOORD_n
+    TextureTransform transform;
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    double alpha_cutoff = 0.5; ///< of AlphaMode::mask
+    bool double_sided = false;
+};
+
+/// @param material index into the model's materials; −1 gives glTF's default material
+/// @throw InputError for a material that is not there or whose numbers are too few.
+[[nodiscard]] BaseColour read_base_colour(const tinygltf::Model &model, int material);
+
+/// The textures of a scene, each decoded once for each way in which its alpha is used.
+class TextureLibrary {
+public:
+    explicit TextureLibrary(const tinygltf::Model &model) : model_(model) {}
+
+    /// @return index into the textures, or −1 when the base colour has none or its image cannot
+    ///         be had: then `remarks` says why, once for each texture.
+    /// @throw InputError for references to textures, images or samplers that are not there.
+    int find_or_load(const BaseColour &colour, std::vector<std::string> &remarks);
+
+    [[nodiscard]] std::vector<Texture> take() { return std::move(textures_); }
+
+private:
+    const tinygltf::Model &model_;
+    std::vector<Texture> textures_;
+    std::map<std::tuple<int, AlphaMode, double>, int> loaded_;
+    std::size_t pixels_ = 0;
+};
+
+} // namespace springdrive::gltf

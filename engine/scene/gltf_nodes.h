@@ -1,0 +1,36 @@
+// The node graph of a glTF, flattened: which meshes stand where, and how they feel.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <string>
+#include <vector>
+
+namespace tinygltf {
+class Model;
+class Value;
+} // namespace tinygltf
+
+namespace springdrive::gltf {
+
+/// A node that holds a mesh.
+struct PlacedMesh {
+    std::string name;  ///< the node's, else the mesh's, else "node 3"
+    std::string label; ///< for messages: "node 'name'" or "node 3"
+    int mesh = -1;     ///< index into the model's meshes
+    Eigen::Affine3d to_world{Eigen::Affine3d::Identity()};
+    double eta = 0.0; ///< η of (30), inherited along the graph
+    bool has_skin = false;
+};
+
+/// The meshes of the default scene, depth first in the file's order. Without a default the first
+/// scene is taken; without any scene, every node that has no parent.
+/// @throw InputError naming the node: for a graph that is no tree, references to what is not
+///        there, transforms that are not finite or no affine maps, and η outside [0, 1].
+[[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
+
+/// Whether the scene that `place_meshes` takes, or the asset, is in metres.
+/// @throw InputError for `extras.units` other than "m".
+[[nodiscard]] bool is_in_metres(const tinygltf::Model &model);
+
+} // namespace springdrive::gltf

@@ -1,0 +1,53 @@
+// A scene as loaded from a glTF file: what is drawn, what is touched, and how it was fitted.
+#pragma once
+
+#include "base/vector.h"
+#include "device/device_file.h"
+#include "engine/contact/haptic_mesh.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+struct VisualVertex {
+    std::array<float, 3> position_m; ///< device frame
+    std::array<float, 3> normal;     ///< unit
+    std::array<float, 4> colour;     ///< base colour × vertex colour, linear, straight alpha
+    std::array<float, 2> texture_coordinate;
+};
+
+/// One triangle list with one texture at most.
+struct VisualMesh {
+    std::string name; ///< the glTF node's name
+    std::vector<VisualVertex> vertices;
+    std::vector<std::uint32_t> indices; ///< three a triangle
+    int texture = -1;                   ///< index into Scene::textures, −1 for none
+    bool double_sided = false;
+};
+
+struct Texture {
+    enum class Wrap : std::uint8_t { repeat, mirror, clamp };
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> rgba; ///< sRGB colour, four bytes a pixel, top row first
+    Wrap wrap_s = Wrap::repeat;
+    Wrap wrap_t = Wrap::repeat;
+};
+
+struct Scene {
+    std::filesystem::path file;
+    std::vector<VisualMesh> meshes;
+    std::vector<Texture> textures;
+    TriangleSoup surface;             ///< all that can be touched
+    Vector3 lower_m{Vector3::Zero()}; ///< bounding box, device frame
+    Vector3 upper_m{Vector3::Zero()};
+    double metres_per_unit = 1.0;     ///< how the file's units were scaled
+    bool in_metres = false;           ///< the file asked for metres, so nothing was fitted
+    std::vector<std::string> remarks; ///< what of the file cannot be touched or drawn, by name
+};
+
+} // namespace springdrive

@@ -1,0 +1,189 @@
+#include "engine/scene/gltf_material.h"
+
+#include "tests/engine/scene/gltf_builder.h"
+
+#include <stb/stb_image_write.h>
+
+#include <numbers>
+
+namespace springdrive::test {
+namespace {
+
+/// 2 × 1 pixels: one half-transparent orange, one nearly transparent blue.
+const std::vector<std::uint8_t> kPixels = {255, 128, 0, 160, 10, 20, 250, 40};
+
+std::string png() {
+    std::string bytes;
+    const auto collect = [](void *target, void *data, int size) {
+        static_cast<std::string *>(target)->append(static_cast<const char *>(data),
+                                                   static_cast<std::size_t>(size));
+    };
+    stbi_write_png_to_func(collect, &bytes, 2, 1, 4, kPixels.data(), 8);
+    return bytes;
+}
+
+/// A textured triangle; `image` is the image's JSON.
+GltfBuilder textured(const std::string &image, const std::string &material_members = "",
+                     const std::string &texture_members = "") {
+    GltfBuilder builder = one_triangle(R"("name": "picture")");
+    builder.add_accessor(std::vector<float>{0.25F, 0.5F, 1, 0, 0, 1}, kFloat, "VEC2"); // 1
+    builder.add_accessor(std::vector<std::uint8_t>{51, 102, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0},
+                         kUnsignedByte, "VEC4", R"(, "normalized": true)"); // 2, only filler
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+                                          "material": 0}]})"};
+    builder.materials = {R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0)" +
+                         texture_members + "}}" + material_members + "}"};
+    builder.textures = {R"({"source": 0})"};
+    builder.images = {image};
+    return builder;
+}
+
+std::string embedded_image() {
+    return R"({"uri": "data:image/png;base64,)" + to_base64(png()) + "\"}";
+}
+
+const std::string kBlend = R"(, "alphaMode": "BLEND")";
+
+void expect_pixels(const Scene &scene, const std::vector<std::uint8_t> &rgba) {
+    ASSERT_EQ(scene.textures.size(), 1U);
+    EXPECT_EQ(scene.meshes.front().texture, 0);
+    EXPECT_EQ(scene.textures[0].width, 2);
+    EXPECT_EQ(scene.textures[0].height, 1);
+    EXPECT_EQ(scene.textures[0].rgba, rgba);
+}
+
+TEST(GltfMaterial, ImagesInDataUrisAreDecoded) {
+    expect_pixels(load(textured(embedded_image(), kBlend)), kPixels);
+}
+
+TEST(GltfMaterial, ImagesInBufferViewsAreDecoded) {
+    GltfBuilder builder = textured("", kBlend);
+    const int view = builder.add_view(png());
+    builder.images = {R"({"mimeType": "image/png", "bufferView": )" + std::to_string(view) + "}"};
+    expect_pixels(load(builder), kPixels);
+    expect_pixels(load_bytes(builder.glb()), kPixels);
+}
+
+TEST(GltfMaterial, ImagesBesideTheFileAreDecoded) {
+    const TemporaryFolder folder;
+    folder.write("a picture.png", png());
+    const auto file =
+        folder.write("scene.gltf", textured(R"({"uri": "a%20picture.png"})", kBlend).gltf());
+    expect_pixels(load_gltf(file, small_workspace()), kPixels);
+}
+
+TEST(GltfMaterial, AlphaIsBakedAsTheMaterialUsesIt) {
+    expect_pixels(load(textured(embedded_image())), {255, 128, 0, 255, 10, 20, 250, 255});
+    expect_pixels(load(textured(embedded_image(), R"(, "alphaMode": "MASK")")),
+                  {255, 128, 0, 255, 10, 20, 250, 0});
+    expect_pixels(load(textured(embedded_image(), R"(, "alphaMode": "MASK", "alphaCutoff": 0.7)")),
+                  {255, 128, 0, 0, 10, 20, 250, 0});
+}
+
+TEST(GltfMaterial, OneTextureUsedTwiceIsDecodedOnce) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.nodes.push_back(builder.nodes.front());
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.textures.size(), 1U);
+    EXPECT_EQ(scene.meshes[1].texture, 0);
+}
+
+TEST(GltfMaterial, WrapModesFollowTheSampler) {
+    EXPECT_EQ(load(textured(embedded_image())).textures[0].wrap_s, Texture::Wrap::repeat);
+    GltfBuilder builder = textured(embedded_image());
+    builder.textures = {R"({"source": 0, "sampler": 0})"};
+    builder.samplers = {R"({"wrapS": 33071, "wrapT": 33648})"};
+    const Texture texture = load(builder).textures[0];
+    EXPECT_EQ(texture.wrap_s, Texture::Wrap::clamp);
+    EXPECT_EQ(texture.wrap_t, Texture::Wrap::mirror);
+}
+
+TEST(GltfMaterial, ImagesThatCannotBeHadAreRemarkedOnAndLeftOut) {
+    const auto expect_left_out = [](const GltfBuilder &builder, const std::string &why) {
+        const Scene scene = load(builder);
+        EXPECT_EQ(scene.surface.triangles.size(), 1U);
+        EXPECT_EQ(scene.meshes.front().texture, -1);
+        EXPECT_TRUE(scene.textures.empty());
+        EXPECT_TRUE(has_remark(scene, "texture 0 is left out: its image " + why))
+            << (scene.remarks.empty() ? "" : scene.remarks.back());
+    };
+    expect_left_out(textured(R"({"uri": "missing.png"})"), "'missing.png' cannot be read");
+    expect_left_out(textured(R"({"uri": "data:image/png;base64,aGVsbG8gd29ybGQ="})"),
+                    "is neither PNG nor JPEG");
+    const std::string cut = png().substr(0, 30);
+    expect_left_out(textured(R"({"uri": "data:image/png;base64,)" + to_base64(cut) + "\"}"),
+                    "is damaged");
+    std::string huge = png(); // the header's width and height, big-endian, from byte 16
+    huge.replace(16, 8, std::string("\0\0\x3a\x98\0\0\x3a\x98", 8));
+    expect_left_out(textured(R"({"uri": "data:image/png;base64,)" + to_base64(huge) + "\"}"),
+                    "is too large with 15000 x 15000 pixels");
+    GltfBuilder webp = textured(embedded_image());
+    webp.textures = {R"({"extensions": {"EXT_texture_webp": {"source": 0}}})"};
+    webp.more = R"("extensionsUsed": ["EXT_texture_webp"], )";
+    expect_left_out(webp, "names no PNG or JPEG");
+    EXPECT_TRUE(has_remark(load(webp), "extension 'EXT_texture_webp' is left out"));
+}
+
+TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.textures = {R"({"source": 1})"};
+    expect_failure(builder, "image 1 is not in the file, which has 1");
+    builder.textures = {R"({"source": 0, "sampler": 0})"};
+    expect_failure(builder, "sampler 0 is not in the file");
+    builder.textures.clear();
+    expect_failure(builder, "texture 0 is not in the file");
+    builder = textured(R"({"bufferView": 0, "mimeType": "image/png"})");
+    builder.views[0] = R"({"buffer": 0, "byteOffset": 4000000, "byteLength": 100})";
+    expect_failure(builder, "buffer view 0");
+    builder = textured(embedded_image());
+    builder.materials = {R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1]}})"};
+    expect_failure(builder, "baseColorFactor");
+}
+
+TEST(GltfMaterial, TheTextureSetIsChosenByTheMaterial) {
+    GltfBuilder builder = textured(embedded_image(), "", R"(, "texCoord": 1)");
+    EXPECT_TRUE(has_remark(load(builder), "node 'picture': it has a texture but no TEXCOORD_1"));
+    EXPECT_EQ(load(builder).meshes.front().texture, -1);
+    // A second set, of bytes four apart.
+    const std::vector<std::uint8_t> bytes = {51, 102, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0};
+    const int view = builder.add_view({reinterpret_cast<const char *>(bytes.data()), 12},
+                                      R"(, "byteStride": 4)");
+    builder.accessors[2] = R"({"bufferView": )" + std::to_string(view) +
+                           R"(, "componentType": 5121, "normalized": true, "count": 3,
+                               "type": "VEC2"})";
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1,
+                                          "TEXCOORD_1": 2}, "material": 0}]})"};
+    const VisualMesh mesh = load(builder).meshes.front();
+    EXPECT_EQ(mesh.texture, 0);
+    EXPECT_FLOAT_EQ(mesh.vertices[0].texture_coordinate[0], 0.2F);
+    EXPECT_FLOAT_EQ(mesh.vertices[0].texture_coordinate[1], 0.4F);
+}
+
+TEST(GltfMaterial, TextureTransformScalesThenTurnsThenShifts) {
+    const std::string quarter_turn = std::to_string(std::numbers::pi / 2);
+    const VisualMesh mesh = load(textured(embedded_image(), "",
+                                          R"(, "extensions": {"KHR_texture_transform":
+                          {"offset": [10, 20], "scale": [2, 4], "rotation": )" +
+                                              quarter_turn + "}}"))
+                                .meshes.front();
+    // (¼, ½) → scaled (½, 2) → a quarter turn, (u, v) ↦ (v, −u) → (2, −½) → shifted.
+    constexpr float kRounding = 1e-5F; // to_string gives π/2 six digits
+    EXPECT_NEAR(mesh.vertices[0].texture_coordinate[0], 12.0F, kRounding);
+    EXPECT_NEAR(mesh.vertices[0].texture_coordinate[1], 19.5F, kRounding);
+}
+
+TEST(GltfMaterial, TextureTransformMayChooseTheSetToo) {
+    const Scene scene = load(
+        textured(embedded_image(), "",
+                 R"(, "texCoord": 3, "extensions": {"KHR_texture_transform": {"texCoord": 0}})"));
+    EXPECT_EQ(scene.meshes.front().texture, 0);
+    EXPECT_FLOAT_EQ(scene.meshes.front().vertices[0].texture_coordinate[1], 0.5F);
+}
+
+TEST(GltfMaterial, DoubleSidedComesThrough) {
+    GltfBuilder builder = textured(embedded_image(), R"(, "doubleSided": true)");
+    EXPECT_TRUE(load(builder).meshes.front().double_sided);
+}
+
+} // namespace
+} // namespace springdrive::test

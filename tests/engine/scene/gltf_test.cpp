@@ -1,0 +1,128 @@
+#include "engine/scene/gltf.h"
+
+#include "tests/engine/scene/gltf_builder.h"
+
+#include <cmath>
+
+namespace springdrive::test {
+namespace {
+
+constexpr double kRounding_m = 1e-12; // a few double operations on metres
+
+TEST(Gltf, ASceneWithoutUnitsIsFittedAndCentred) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0"})";
+    const Scene scene = load(builder);
+    // ½ × ¼ units into 60 % of 0.2 × 0.1 m: both axes ask for 0.24 m a unit.
+    EXPECT_FALSE(scene.in_metres);
+    EXPECT_NEAR(scene.metres_per_unit, 0.24, kRounding_m);
+    EXPECT_LT((scene.lower_m - Vector3(-0.06, 0.0, -0.015)).norm(), kRounding_m);
+    EXPECT_LT((scene.upper_m - Vector3(0.06, 0.06, -0.015)).norm(), kRounding_m);
+    EXPECT_LT((scene.surface.vertices_m[1] - Vector3(0.06, 0.0, -0.015)).norm(), kRounding_m);
+    EXPECT_FLOAT_EQ(scene.meshes[0].vertices[1].position_m[0], 0.06F);
+    EXPECT_EQ(scene.file.filename(), "scene.gltf");
+}
+
+TEST(Gltf, FittingIsTheSameWhateverTheUnitAndPlace) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0"})";
+    const Scene plain = load(builder);
+    builder.nodes = {R"({"mesh": 0, "scale": [1000, 1000, 1000], "translation": [5000, 0, -70]})"};
+    const Scene large = load(builder);
+    EXPECT_NEAR(large.metres_per_unit * 1000.0, plain.metres_per_unit, kRounding_m);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_LT((large.surface.vertices_m[i] - plain.surface.vertices_m[i]).norm(), kRounding_m);
+    }
+}
+
+TEST(Gltf, MetresAreTakenAsTheyStandFromAssetOrScene) {
+    GltfBuilder builder = one_triangle();
+    EXPECT_EQ(load(builder).surface.vertices_m[1], Vector3(0.5, 0, 0));
+    builder.asset = R"({"version": "2.0"})";
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": "m"}})"};
+    const Scene scene = load(builder);
+    EXPECT_TRUE(scene.in_metres);
+    EXPECT_EQ(scene.metres_per_unit, 1.0);
+    EXPECT_EQ(scene.surface.vertices_m[1], Vector3(0.5, 0, 0));
+    EXPECT_EQ(scene.upper_m, Vector3(0.5, 0.25, 0));
+}
+
+TEST(Gltf, OtherUnitsAreRefused) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0", "extras": {"units": "mm"}})";
+    expect_failure(builder, "asset.extras.units is 'mm'; it must be 'm'");
+    builder.asset = R"({"version": "2.0"})";
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": 1}})"};
+    expect_failure(builder, "scene.extras.units is no text");
+}
+
+TEST(Gltf, MetresOutsideTheWorkspaceAreRemarkedOnAndAbsurdOnesRefused) {
+    EXPECT_TRUE(has_remark(load(one_triangle()), "outside the device's workspace"));
+    EXPECT_FALSE(has_remark(load(one_triangle(R"("scale": [0.1, 0.1, 0.1])")), "outside"));
+    expect_failure(one_triangle(R"("scale": [-4000, 1, 1])"), "reaches 2000 m far");
+}
+
+TEST(Gltf, UnusedVerticesDoNotCountForTheFit) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0"})";
+    const Scene plain = load(builder);
+    std::vector<float> with_stray = kTriangle;
+    with_stray.insert(with_stray.end(), {1000.0F, 0.0F, 0.0F});
+    builder.add_positions(with_stray);
+    builder.add_accessor(std::vector<std::uint8_t>{0, 1, 2}, kUnsignedByte, "SCALAR");
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 1}, "indices": 2}]})"};
+    EXPECT_EQ(load(builder).metres_per_unit, plain.metres_per_unit);
+}
+
+TEST(Gltf, NothingToTouchIsRefused) {
+    GltfBuilder builder;
+    expect_failure(builder, "has no triangle to touch");
+    builder = one_triangle();
+    builder.nodes = {R"({"name": "camera"})"};
+    expect_failure(builder, "has no triangle to touch");
+    builder = one_triangle();
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]})"};
+    expect_failure(builder, "has no triangle to touch (node 0: 3 points");
+    builder = one_triangle();
+    builder.scenes = {R"({"nodes": []})"};
+    expect_failure(builder, "has no triangle to touch");
+}
+
+TEST(Gltf, EverythingInOnePointIsRefused) {
+    expect_failure(one_triangle(R"("scale": [0, 0, 0])"), "all its triangles lie in one point");
+}
+
+TEST(Gltf, AbsurdNumbersOfTrianglesAreRefused) {
+    // 300 nodes with 70,000 triangles each: 21 million.
+    GltfBuilder builder = one_triangle();
+    builder.add_accessor(std::vector<std::uint8_t>(210'000, 0), kUnsignedByte, "SCALAR");
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]})"};
+    builder.nodes.assign(300, R"({"mesh": 0})");
+    expect_failure(builder, "more than 20000000 triangles");
+}
+
+TEST(Gltf, MoreMaterialsThanTrianglesCanNameAreRefused) {
+    GltfBuilder builder = one_triangle();
+    builder.nodes.assign(65'536, R"({"mesh": 0})");
+    EXPECT_EQ(load(builder).surface.material_of_triangle.back(), 65'535);
+    builder.nodes.emplace_back(R"({"mesh": 0})");
+    expect_failure(builder, "has more than 65536 nodes with triangles");
+}
+
+TEST(Gltf, SkinsAndMorphTargetsAreTouchedAtRestAndRemarkedOn) {
+    GltfBuilder builder = one_triangle(R"("name": "figure", "skin": 0)");
+    builder.meshes = {
+        R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}]}]})"};
+    builder.more = R"("skins": [{"joints": [0]}], )";
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.surface.vertices_m[1], Vector3(0.5, 0, 0));
+    EXPECT_TRUE(has_remark(scene, "node 'figure': its skin is left out"));
+    EXPECT_TRUE(has_remark(scene, "node 'figure': its morph targets are left out"));
+}
+
+TEST(Gltf, ANameWithLineEndsStillMakesOneLine) {
+    expect_failure(one_triangle(R"("name": "a\nb\u001b[2J", "scale": [1])"), "node 'a b [2J'");
+}
+
+} // namespace
+} // namespace springdrive::test

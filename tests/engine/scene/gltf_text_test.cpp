@@ -1,0 +1,28 @@
+#include "engine/scene/gltf_text.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::gltf {
+namespace {
+
+TEST(GltfText, OneLineHasNoControlCharacters) {
+    EXPECT_EQ(one_line("  a\n\tb\x1b[31m \r\n c \n"), "a b [31m c");
+    EXPECT_EQ(one_line(""), "");
+    EXPECT_EQ(one_line("\n\n"), "");
+}
+
+TEST(GltfText, LongTextIsCutButNotWithinACharacter) {
+    EXPECT_EQ(one_line("abcdef", 6), "abcdef");
+    EXPECT_EQ(one_line("abcdefg", 6), "abcdef...");
+    // "ä" is two bytes; cutting after five bytes would halve the third.
+    EXPECT_EQ(one_line("\u00e4\u00e4\u00e4\u00e4", 5), "\u00e4\u00e4...");
+}
+
+TEST(GltfText, ShortestNumberReadsBackAsItself) {
+    EXPECT_EQ(shortest(0.1), "0.1");
+    EXPECT_EQ(shortest(-3.0), "-3");
+    EXPECT_EQ(shortest(1e300), "1e+300");
+}
+
+} // namespace
+} // namespace springdrive::gltf
