@@ -1,0 +1,42 @@
+// What follows from a tuning: the numbers that the tuning panel shows beside the sliders.
+#pragma once
+
+#include "device/motor/motor.h"
+#include "engine/control/tuning.h"
+#include "engine/control/velocity_filter.h"
+
+namespace springdrive {
+
+/// The coupling K_θ between one rotor and its set-point.
+struct Coupling {
+    double K_L_Nm_per_rad = 0.0;      ///< inductive stiffness k_T²/L (4)
+    double K_DC_Nm_per_rad = 0.0;     ///< static stiffness k_T K_P/dR (13)
+    double K_HF_Nm_per_rad = 0.0;     ///< high-frequency stiffness k_T²/L (14)
+    double B_dR_Nms_per_rad = 0.0;    ///< residual series damper k_T²/dR (8)
+    double loop_lag_s = 0.0;          ///< τ = T (a/(1 − a) + 1 + d)
+    double added_inertia_kg_m2 = 0.0; ///< k_T² τ/dR, felt at the rotor in free space
+};
+
+/// @param period_s       T, the servo period
+/// @param delay_samples  d, whole samples between reading θ and applying e_W
+[[nodiscard]] inline Coupling coupling(const MotorParameters &motor, const Tuning &tuning,
+                                       double period_s, int delay_samples) {
+    const double k_T = motor.torque_constant_Nm_per_A;
+    const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
+    Coupling c;
+    c.K_L_Nm_per_rad = inductive_stiffness_Nm_per_rad(motor);
+    c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / tuning.dR_Ohm;
+    c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
+    c.B_dR_Nms_per_rad = series_damping_Nms_per_rad(motor, tuning.dR_Ohm);
+    c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_samples);
+    c.added_inertia_kg_m2 = c.B_dR_Nms_per_rad * c.loop_lag_s;
+    return c;
+}
+
+/// Static tip stiffness of the transpose map (27) behind an η: (1 − η) α K_DC [N/m].
+[[nodiscard]] inline double tip_stiffness_N_per_m(const Coupling &c, double alpha_rad2_per_m2,
+                                                  double eta) {
+    return (1.0 - eta) * alpha_rad2_per_m2 * c.K_DC_Nm_per_rad;
+}
+
+} // namespace springdrive

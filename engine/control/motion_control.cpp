@@ -1,0 +1,103 @@
+#include "engine/control/motion_control.h"
+
+#include "device/phantom/kinematics.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace springdrive {
+
+namespace {
+
+/// Below this |det J| relative to the product of its columns' lengths the linkage counts as
+/// aligned: a set-point rate there would be round-off times a million.
+constexpr double kSingularDeterminant = 1e-6;
+
+[[nodiscard]] bool is_singular(const Matrix3 &J) {
+    const double scale = J.col(0).norm() * J.col(1).norm() * J.col(2).norm();
+    return !(std::abs(J.determinant()) > kSingularDeterminant * scale);
+}
+
+} // namespace
+
+TipSetPoint contact_set_point(const Vector3 &tip_m, const Vector3 &tip_velocity_m_per_s,
+                              const Contact &contact, double eta) {
+    TipSetPoint target;
+    target.x_Sd_m = eta * tip_m + (1.0 - eta) * contact.x0_m;
+    target.x_Sd_rate_m_per_s =
+        eta * tip_velocity_m_per_s + (1.0 - eta) * (contact.allowed_motion * tip_velocity_m_per_s);
+    return target;
+}
+
+MotorSetPoint inverse_map(const PhantomGeometry &geometry, const Configuration &configuration,
+                          const TipSetPoint &target, bool &possible) {
+    const std::optional<Vector3> q_Sd_rad = joint_angles_rad(geometry, target.x_Sd_m);
+    possible = q_Sd_rad.has_value() && !is_singular(configuration.J);
+    if (!possible) {
+        return {configuration.theta_rad, configuration.theta_rate_rad_per_s};
+    }
+    return {motor_from_joint(geometry, *q_Sd_rad),
+            configuration.J.inverse() * target.x_Sd_rate_m_per_s};
+}
+
+MotorSetPoint transpose_map(const Configuration &configuration, const TipSetPoint &target,
+                            double alpha_rad2_per_m2, const Vector3 &relative_stiffness) {
+    const Matrix3 map = alpha_rad2_per_m2 * relative_stiffness.cwiseInverse().asDiagonal() *
+                        configuration.J.transpose();
+    const Vector3 rate_gap = target.x_Sd_rate_m_per_s - configuration.tip_velocity_m_per_s();
+    return {configuration.theta_rad + map * (target.x_Sd_m - configuration.tip_m),
+            configuration.theta_rate_rad_per_s + map * rate_gap};
+}
+
+double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness) {
+    const Matrix3 compliance = J * relative_stiffness.cwiseInverse().asDiagonal() * J.transpose();
+    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(compliance, Eigen::EigenvaluesOnly);
+    return 1.0 / solver.eigenvalues()[2];
+}
+
+double global_alpha_bound(const DeviceDescription &device, int points_per_axis) {
+    const Vector3 weights = relative_stiffness(device);
+    const double step = 1.0 / std::max(1, points_per_axis - 1);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < points_per_axis; ++i) {
+        for (int j = 0; j < points_per_axis; ++j) {
+            for (int k = 0; k < points_per_axis; ++k) {
+                const Vector3 fraction(i * step - 0.5, j * step - 0.5, k * step - 0.5);
+                const Vector3 point_m =
+                    device.workspace.centre_m + fraction.cwiseProduct(device.workspace.size_m);
+                const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, point_m);
+                if (q_rad) {
+                    least = std::min(least,
+                                     alpha_bound(motor_jacobian(device.geometry, *q_rad), weights));
+                }
+            }
+        }
+    }
+    return std::isfinite(least) ? least : 0.0;
+}
+
+Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,
+                             const Configuration &configuration, const MotorSetPoint &set_point) {
+    const Vector3 rate_error =
+        set_point.theta_Sd_rate_rad_per_s - configuration.theta_rate_rad_per_s;
+    return k_T.cwiseProduct(set_point.theta_Sd_rate_rad_per_s) +
+           tuning.K_D_Vs_per_rad * rate_error +
+           tuning.K_P_V_per_rad * (set_point.theta_Sd_rad - configuration.theta_rad);
+}
+
+Vector3 torque_constants(const DeviceDescription &device) {
+    return {device.motor[0].torque_constant_Nm_per_A, device.motor[1].torque_constant_Nm_per_A,
+            device.motor[2].torque_constant_Nm_per_A};
+}
+
+Vector3 relative_stiffness(const DeviceDescription &device) {
+    const Vector3 k_T = torque_constants(device);
+    return k_T / k_T.mean();
+}
+
+} // namespace springdrive

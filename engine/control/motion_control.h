@@ -1,0 +1,88 @@
+// From a contact constraint to motor voltages: equations (10), (18), (23), (24), (29), (30).
+//
+// Everything is done in motor coordinates, J = ∂x/∂θ (DESIGN section 2). Motors may differ: with
+// K_q diagonal and k̄ its mean, W = K_q/k̄ below is their stiffness relative to one another, and
+// (23), (24) and (29) become
+//
+//   θ_Sd = θ + α W⁻¹ Jᵀ (x_Sd − x)         K_x = α k̄ I         α ≤ λ_min(J⁻ᵀ W J⁻¹)
+//
+// Pure functions over values. RT-safe: no allocation, lock, I/O or throw.
+#pragma once
+
+#include "base/vector.h"
+#include "device/device_file.h"
+#include "engine/contact/contact.h"
+#include "engine/control/tuning.h"
+
+namespace springdrive {
+
+/// Where the coupling K_θ is to be held, in tip space.
+struct TipSetPoint {
+    Vector3 x_Sd_m{Vector3::Zero()};
+    Vector3 x_Sd_rate_m_per_s{Vector3::Zero()};
+};
+
+/// The same in motor space.
+struct MotorSetPoint {
+    Vector3 theta_Sd_rad{Vector3::Zero()};
+    Vector3 theta_Sd_rate_rad_per_s{Vector3::Zero()};
+};
+
+/// What the maps need to know of the present configuration.
+struct Configuration {
+    Vector3 theta_rad{Vector3::Zero()};
+    Vector3 theta_rate_rad_per_s{Vector3::Zero()}; ///< θ̇_f, filtered
+    Vector3 tip_m{Vector3::Zero()};                ///< x = fk(q)
+    Matrix3 J{Matrix3::Identity()};                ///< ∂x/∂θ [m/rad]
+
+    [[nodiscard]] Vector3 tip_velocity_m_per_s() const { return J * theta_rate_rad_per_s; }
+};
+
+/// Motion control (30) with a constraint that slides:
+///
+///   x_Sd = η x + (1 − η) x₀        ẋ_Sd = η ẋ + (1 − η) P ẋ
+///
+/// Departs from the paper, which holds x₀ fixed (P = 0): there a frictionless surface would drag
+/// (DESIGN section 3). `eta` is that of surface and tuning together, see `combined_eta`.
+[[nodiscard]] TipSetPoint contact_set_point(const Vector3 &tip_m,
+                                            const Vector3 &tip_velocity_m_per_s,
+                                            const Contact &contact, double eta);
+
+/// η of a surface under a tuning: their stiffness fractions 1 − η multiply.
+[[nodiscard]] inline double combined_eta(double surface_eta, double tuning_eta) {
+    return 1.0 - (1.0 - surface_eta) * (1.0 - tuning_eta);
+}
+
+/// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Where x_Sd is out of reach or J
+/// singular the set-point stays with the device, so that no force results; `possible` tells.
+[[nodiscard]] MotorSetPoint inverse_map(const PhantomGeometry &geometry,
+                                        const Configuration &configuration,
+                                        const TipSetPoint &target, bool &possible);
+
+/// Transpose map (23), (24) with the relative stiffness W above [diagonal, mean 1].
+[[nodiscard]] MotorSetPoint transpose_map(const Configuration &configuration,
+                                          const TipSetPoint &target, double alpha_rad2_per_m2,
+                                          const Vector3 &relative_stiffness);
+
+/// The bound (29) on α at one configuration: λ_min(J⁻ᵀ W J⁻¹) = 1/λ_max(J W⁻¹ Jᵀ) [rad²/m²].
+[[nodiscard]] double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness);
+
+/// The least of (29) over a grid of `points_per_axis`³ points of the workspace box that the tip
+/// can reach [rad²/m²]. Takes milliseconds: not for the servo thread.
+[[nodiscard]] double global_alpha_bound(const DeviceDescription &device, int points_per_axis = 15);
+
+/// Drift compensation (10) for three motors with torque constants k_T:
+///
+///   e_W = k_T θ̇_Sd + K_D (θ̇_Sd − θ̇_f) + K_P (θ_Sd − θ)      [V]
+[[nodiscard]] Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,
+                                           const Configuration &configuration,
+                                           const MotorSetPoint &set_point);
+
+/// k_T of the three motors [N·m/A].
+[[nodiscard]] Vector3 torque_constants(const DeviceDescription &device);
+
+/// W: what one motor's K_θ (12) is at low frequency relative to the mean of all. With the same dR,
+/// K_P and K_D on every motor it goes with k_T (13).
+[[nodiscard]] Vector3 relative_stiffness(const DeviceDescription &device);
+
+} // namespace springdrive

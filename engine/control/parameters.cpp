@@ -1,0 +1,35 @@
+#include "engine/control/parameters.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace springdrive {
+
+namespace {
+
+/// Written so that a NaN lies in no range.
+bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept {
+    const double value = tuning.*parameter.value;
+    return value >= parameter.lowest && value <= parameter.highest;
+}
+
+} // namespace
+
+bool is_valid(const Tuning &tuning) noexcept {
+    return std::all_of(kParameters.begin(), kParameters.end(),
+                       [&tuning](const Parameter &p) { return lies_in_range(p, tuning); });
+}
+
+std::string what_is_wrong_with(const Tuning &tuning) {
+    for (const Parameter &parameter : kParameters) {
+        if (!lies_in_range(parameter, tuning)) {
+            std::ostringstream message;
+            message << parameter.name << " is " << tuning.*parameter.value << "; it must be from "
+                    << parameter.lowest << " to " << parameter.highest;
+            return message.str();
+        }
+    }
+    return {};
+}
+
+} // namespace springdrive

@@ -1,0 +1,53 @@
+#include "engine/control/tuning_file.h"
+
+#include "base/strict_toml.h"
+#include "engine/control/parameters.h"
+
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+MotionMap read_map(StrictTomlTable &file) {
+    const std::string name = file.text("map");
+    if (name == "inverse") {
+        return MotionMap::inverse;
+    }
+    if (name == "transpose") {
+        return MotionMap::transpose;
+    }
+    file.refuse("map", "is \"" + name + "\"; it must be inverse or transpose");
+}
+
+AlphaMode read_alpha_mode(StrictTomlTable &file) {
+    const std::string name = file.text("alpha_mode");
+    if (name == "on_the_fly") {
+        return AlphaMode::on_the_fly;
+    }
+    if (name == "global") {
+        return AlphaMode::global;
+    }
+    if (name == "by_hand") {
+        return AlphaMode::by_hand;
+    }
+    file.refuse("alpha_mode", "is \"" + name + "\"; it must be on_the_fly, global or by_hand");
+}
+
+} // namespace
+
+Tuning read_tuning_file(const std::filesystem::path &path) {
+    StrictTomlTable file = StrictTomlTable::read(path);
+    Tuning tuning;
+    static_cast<void>(file.text("description"));
+    for (const Parameter &parameter : kParameters) {
+        tuning.*parameter.value =
+            file.number(parameter.name, {parameter.lowest, parameter.highest});
+    }
+    tuning.map = read_map(file);
+    tuning.alpha_mode = read_alpha_mode(file);
+    file.refuse_unknown_keys();
+    return tuning;
+}
+
+} // namespace springdrive

@@ -1,0 +1,257 @@
+// Covers engine/control/motion_control.cpp.
+#include "engine/control/motion_control.h"
+
+#include "device/phantom/kinematics.h"
+#include "engine/analysis/force_direction.h"
+#include "tests/support/devices.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace springdrive {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+Configuration at(const DeviceDescription &device, const Vector3 &q_rad) {
+    Configuration now;
+    now.theta_rad = motor_from_joint(device.geometry, q_rad);
+    now.tip_m = tip_position_m(device.geometry, q_rad);
+    now.J = motor_jacobian(device.geometry, q_rad);
+    return now;
+}
+
+Contact wall(const Vector3 &x0_m, const Vector3 &normal) {
+    Contact contact;
+    contact.touching = true;
+    contact.x0_m = x0_m;
+    contact.normal = normal;
+    contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
+    contact.eta = 0.0;
+    contact.active_constraints = 1;
+    return contact;
+}
+
+/// Links less than 70° from square, and a tip in front of the base axis.
+Vector3 random_configuration(std::mt19937_64 &random) {
+    std::uniform_real_distribution<double> angle(-1.0, 1.0);
+    while (true) {
+        const double q2 = 0.6 * angle(random);
+        const double q3 = q2 + 1.2 * angle(random);
+        if (std::cos(q2) + std::sin(q3) > 0.2) {
+            return {angle(random), q2, q3};
+        }
+    }
+}
+
+Vector3 random_unit(std::mt19937_64 &random) {
+    std::normal_distribution<double> normal;
+    return Vector3(normal(random), normal(random), normal(random)).normalized();
+}
+
+/// Largest angle between the static force and the surface's normal over all surfaces in the plane
+/// of the two joints that remain when the base is locked.
+struct PlanarError {
+    double inverse_deg = 0.0;
+    double transpose_deg = 0.0;
+};
+PlanarError largest_planar_error(const DeviceDescription &device, double q2_deg, double q3_deg) {
+    const Configuration now =
+        at(device, Vector3(0.0, q2_deg * kRadiansPerDegree, q3_deg * kRadiansPerDegree));
+    const Vector3 weights = relative_stiffness(device);
+    // Small enough for J⁻¹ to stand for invkin: its curvature bends by less than 1e-4/l = 0.04°.
+    constexpr double kPenetration_m = 1e-6;
+    PlanarError largest;
+    for (int step = 0; step < 3600; ++step) {
+        const double angle = 0.1 * step * kRadiansPerDegree;
+        const Vector3 normal(0.0, std::sin(angle), std::cos(angle));
+        const TipSetPoint target = contact_set_point(
+            now.tip_m, Vector3::Zero(), wall(now.tip_m + kPenetration_m * normal, normal), 0.0);
+        bool possible = false;
+        const MotorSetPoint inverse = inverse_map(device.geometry, now, target, possible);
+        EXPECT_TRUE(possible);
+        const MotorSetPoint transpose =
+            transpose_map(now, target, alpha_bound(now.J, weights), weights);
+        const auto error_deg = [&](const MotorSetPoint &set_point) {
+            const Vector3 force =
+                static_tip_force(now.J, weights, set_point.theta_Sd_rad - now.theta_rad);
+            return direction_error_rad(force, normal) / kRadiansPerDegree;
+        };
+        largest.inverse_deg = std::max(largest.inverse_deg, error_deg(inverse));
+        largest.transpose_deg = std::max(largest.transpose_deg, error_deg(transpose));
+    }
+    return largest;
+}
+
+TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
+    // DESIGN section 5, first identity: |q₃ − q₂| exactly, where l₁ = l₂ and N₂ = N₃.
+    const DeviceDescription device = testing::phantom_1_0();
+    const PlanarError paper = largest_planar_error(device, 20.0, -15.0);
+    EXPECT_NEAR(paper.inverse_deg, 35.0, 0.1);
+    EXPECT_LT(paper.transpose_deg, 0.1);
+    for (const double elbow_deg : {0.0, 10.0, -25.0, 45.0, -60.0}) {
+        const PlanarError error = largest_planar_error(device, -5.0, -5.0 + elbow_deg);
+        EXPECT_NEAR(error.inverse_deg, std::abs(elbow_deg), 0.1);
+        EXPECT_LT(error.transpose_deg, 1e-6);
+    }
+}
+
+TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
+    // DESIGN section 5, second identity: α = N²/(l²(1 + |sin(q₃ − q₂)|)) for the two joints. The
+    // base joint's own eigenvalue is N₁²/r², so the bound for all three is the lesser of the two.
+    const DeviceDescription device = testing::phantom_1_0();
+    const double l = device.geometry.upper_arm_m;
+    std::mt19937_64 random(6);
+    for (int i = 0; i < 1000; ++i) {
+        const Vector3 q = random_configuration(random);
+        const double N = device.geometry.transmission_ratio[1];
+        const double N1 = device.geometry.transmission_ratio[0];
+        const double r = l * (std::cos(q[1]) + std::sin(q[2]));
+        const double planar = N * N / (l * l * (1.0 + std::abs(std::sin(q[2] - q[1]))));
+        const double expected = std::min(planar, N1 * N1 / (r * r));
+        ASSERT_NEAR(alpha_bound(motor_jacobian(device.geometry, q), Vector3::Ones()), expected,
+                    1e-11 * expected); // round-off of a 3×3 eigenvalue
+    }
+}
+
+TEST(MotionControl, TransposeMapRendersASphereWithinTheEllipsoid) {
+    // (25)–(28), motors unequal too: K_trans = α k̄ I ≤ λ_min(K_inv), touching it at the bound.
+    DeviceDescription device = testing::phantom_premium_1_5();
+    device.motor[1].torque_constant_Nm_per_A *= 1.4;
+    device.motor[2].torque_constant_Nm_per_A *= 0.8;
+    const Vector3 weights = relative_stiffness(device);
+    EXPECT_NEAR(weights.mean(), 1.0, 1e-15);
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 1000; ++i) {
+        const Configuration now = at(device, random_configuration(random));
+        const double alpha = alpha_bound(now.J, weights);
+        const Vector3 gap = 1e-3 * random_unit(random);
+        const MotorSetPoint set_point =
+            transpose_map(now, {now.tip_m + gap, Vector3::Zero()}, alpha, weights);
+        const Vector3 force =
+            static_tip_force(now.J, weights, set_point.theta_Sd_rad - now.theta_rad);
+        // Round-off, grown by the condition of J (below 30 here).
+        ASSERT_LT((force - alpha * gap).norm(), 1e-13 * 30 * force.norm());
+        const Matrix3 K_inv = now.J.transpose().inverse() * weights.asDiagonal() * now.J.inverse();
+        const double least = Eigen::SelfAdjointEigenSolver<Matrix3>(K_inv).eigenvalues().minCoeff();
+        ASSERT_NEAR(alpha, least, 1e-10 * least);
+    }
+}
+
+TEST(MotionControl, FreeSpaceAsksForNothing) {
+    // (16): x_Sd = x and ẋ_Sd = ẋ leave only e_W = k_T θ̇_f, with either map.
+    const DeviceDescription device = testing::phantom_1_0();
+    const Vector3 k_T = torque_constants(device);
+    std::mt19937_64 random(8);
+    for (int i = 0; i < 200; ++i) {
+        Configuration now = at(device, random_configuration(random));
+        now.theta_rate_rad_per_s = 5.0 * random_unit(random);
+        Contact free;
+        free.x0_m = now.tip_m;
+        const TipSetPoint target =
+            contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), free, free.eta);
+        bool possible = false;
+        const MotorSetPoint inverse = inverse_map(device.geometry, now, target, possible);
+        const MotorSetPoint transpose = transpose_map(now, target, 5000.0, Vector3::Ones());
+        const Vector3 expected = k_T.cwiseProduct(now.theta_rate_rad_per_s);
+        // Round-off of invkin and J⁻¹, times the gains.
+        ASSERT_TRUE(possible);
+        ASSERT_LT((drift_compensation_V(k_T, {}, now, inverse) - expected).norm(), 1e-11);
+        ASSERT_LT((drift_compensation_V(k_T, {}, now, transpose) - expected).norm(), 1e-12);
+    }
+}
+
+TEST(MotionControl, SlidingIsNotHeldBack) {
+    // On a frictionless face the set-point moves along: no force resists tangential motion.
+    const DeviceDescription device = testing::phantom_1_0();
+    Configuration now = at(device, Vector3(0.2, 0.1, -0.3));
+    const Vector3 normal = Vector3(1.0, 2.0, 3.0).normalized();
+    const Vector3 tangent = normal.cross(Vector3::UnitX()).normalized();
+    now.theta_rate_rad_per_s = now.J.inverse() * (0.1 * tangent - 0.05 * normal);
+    const TipSetPoint target =
+        contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), wall(now.tip_m, normal), 0.25);
+    EXPECT_LT((target.x_Sd_rate_m_per_s - (0.1 * tangent - 0.25 * 0.05 * normal)).norm(), 1e-15);
+}
+
+TEST(MotionControl, SurfaceAndTuningMultiplyTheirStiffness) {
+    EXPECT_EQ(combined_eta(0.0, 0.0), 0.0);
+    EXPECT_EQ(combined_eta(1.0, 0.3), 1.0);
+    EXPECT_EQ(combined_eta(0.3, 1.0), 1.0);
+    EXPECT_DOUBLE_EQ(combined_eta(0.5, 0.5), 0.75);
+}
+
+TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
+    const DeviceDescription device = testing::phantom_1_0();
+    // q₃ − q₂ = −90°: folded onto each other (DESIGN section 6).
+    const Configuration now =
+        at(device, Vector3(0.0, 70.0 * kRadiansPerDegree, 160.0 * kRadiansPerDegree));
+    bool possible = true;
+    const MotorSetPoint held = inverse_map(
+        device.geometry, now, {now.tip_m + Vector3(0.0, 1e-3, 0.0), Vector3::Ones()}, possible);
+    EXPECT_FALSE(possible);
+    EXPECT_EQ(held.theta_Sd_rad, now.theta_rad);
+    EXPECT_EQ(held.theta_Sd_rate_rad_per_s, now.theta_rate_rad_per_s);
+    // Out of reach from a good configuration.
+    const Configuration good = at(device, Vector3::Zero());
+    static_cast<void>(
+        inverse_map(device.geometry, good, {Vector3(1.0, 0.0, 0.0), Vector3::Zero()}, possible));
+    EXPECT_FALSE(possible);
+}
+
+TEST(MotionControl, GlobalAlphaIsWithinTheBoundOverTheWorkspace) {
+    for (const DeviceDescription &device :
+         {testing::phantom_1_0(), testing::phantom_premium_1_5()}) {
+        const double global = global_alpha_bound(device);
+        std::mt19937_64 random(9);
+        std::uniform_real_distribution<double> coordinate(-0.5, 0.5);
+        int reached = 0;
+        double least = INFINITY;
+        for (int i = 0; i < 5000; ++i) {
+            const Vector3 fraction(coordinate(random), coordinate(random), coordinate(random));
+            const auto q = joint_angles_rad(device.geometry,
+                                            device.workspace.centre_m +
+                                                fraction.cwiseProduct(device.workspace.size_m));
+            if (q) {
+                ++reached;
+                least = std::min(least, alpha_bound(motor_jacobian(device.geometry, *q),
+                                                    relative_stiffness(device)));
+            }
+        }
+        ASSERT_GT(reached, 3000);
+        // The grid may miss the true least by what α changes over half its pitch.
+        EXPECT_LT(global, 1.02 * least);
+        EXPECT_GT(global, 0.8 * least);
+    }
+}
+
+TEST(DriftCompensation, IsTheSumOfItsThreeTerms) {
+    // (10) with numbers that keep the terms apart.
+    Configuration now;
+    now.theta_rad = Vector3(1.0, 2.0, 3.0);
+    now.theta_rate_rad_per_s = Vector3(10.0, 20.0, 30.0);
+    Tuning tuning;
+    tuning.K_P_V_per_rad = 1000.0;
+    tuning.K_D_Vs_per_rad = 1.0;
+    const MotorSetPoint set_point{Vector3(1.5, 2.0, 2.0), Vector3(11.0, 18.0, 30.0)};
+    const Vector3 e_W = drift_compensation_V(Vector3(0.01, 0.02, 0.03), tuning, now, set_point);
+    EXPECT_DOUBLE_EQ(e_W[0], 0.11 + 1.0 + 500.0);
+    EXPECT_DOUBLE_EQ(e_W[1], 0.36 - 2.0 + 0.0);
+    EXPECT_DOUBLE_EQ(e_W[2], 0.90 + 0.0 - 1000.0);
+}
+
+TEST(ForceDirection, IsExactForSmallAnglesAndSilentForNoForce) {
+    const Vector3 normal = Vector3::UnitY();
+    EXPECT_DOUBLE_EQ(direction_error_rad(Vector3(3e-9, 3.0, 0.0), normal), 1e-9);
+    EXPECT_DOUBLE_EQ(direction_error_rad(Vector3(0.0, -2.0, 0.0), normal), std::numbers::pi);
+    EXPECT_TRUE(std::isnan(direction_error_rad(Vector3::Zero(), normal)));
+    EXPECT_TRUE(std::isnan(direction_error_rad(normal, Vector3::Zero())));
+}
+
+} // namespace
+} // namespace springdrive
