@@ -1,0 +1,59 @@
+// Quantiles of durations without keeping them: a histogram with logarithmic bins.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace springdrive {
+
+/// Bins are 1/16 octave wide, so a quantile is at most 4.5 % above the true one, never below.
+class DurationHistogram {
+public:
+    /// RT-safe.
+    void add(double duration_s) noexcept {
+        const double octaves = std::log2(std::max(duration_s, kShortest_s) / kShortest_s);
+        const auto bin = static_cast<std::size_t>(octaves * kBinsPerOctave);
+        ++bins_[std::min(bin, bins_.size() - 1)];
+        ++count_;
+        sum_s_ += duration_s;
+        longest_s_ = std::max(longest_s_, duration_s);
+    }
+
+    /// The duration that a share `fraction` of all does not exceed [s]; 0 when there is none.
+    [[nodiscard]] double quantile_s(double fraction) const noexcept {
+        const double wanted = fraction * static_cast<double>(count_);
+        std::uint64_t seen = 0;
+        for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+            seen += bins_[bin];
+            if (bin + 1 == bins_.size()) {
+                break; // open above
+            }
+            if (seen > 0 && static_cast<double>(seen) >= wanted) {
+                const double upper =
+                    kShortest_s * std::exp2(static_cast<double>(bin + 1) / kBinsPerOctave);
+                return std::min(upper, longest_s_);
+            }
+        }
+        return longest_s_;
+    }
+
+    [[nodiscard]] double mean_s() const noexcept {
+        return count_ == 0 ? 0.0 : sum_s_ / static_cast<double>(count_);
+    }
+    [[nodiscard]] double longest_s() const noexcept { return longest_s_; }
+    [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+private:
+    static constexpr double kShortest_s = 10e-9;
+    static constexpr double kBinsPerOctave = 16.0;
+
+    std::array<std::uint64_t, std::size_t{16} * 30> bins_{}; ///< up to 10 s
+    std::uint64_t count_ = 0;
+    double sum_s_ = 0.0;
+    double longest_s_ = 0.0;
+};
+
+} // namespace springdrive

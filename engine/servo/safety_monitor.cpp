@@ -1,0 +1,109 @@
+#include "engine/servo/safety_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+/// From nothing to the full command.
+constexpr double kRampTime_s = 0.5;
+
+/// The force limit is one of lasting force; the shock of hitting a stiff surface is shorter, and
+/// the current limit bounds it.
+constexpr double kForceTolerated_s = 0.02;
+
+} // namespace
+
+std::string_view description(TripCause cause) {
+    switch (cause) {
+    case TripCause::none:
+        return "no trip";
+    case TripCause::emergency_stop:
+        return "emergency stop";
+    case TripCause::device_lost:
+        return "the device does not answer";
+    case TripCause::not_finite:
+        return "a value that is not finite";
+    case TripCause::tip_speed:
+        return "tip speed above its limit [m/s]";
+    case TripCause::tip_force:
+        return "tip force above its limit [N]";
+    case TripCause::current:
+        return "winding current above its limit [A]";
+    }
+    return "unknown";
+}
+
+SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
+    : device_(std::move(device)), period_s_(period_s) {}
+
+void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcept {
+    if (status_.state != SafetyState::tripped) {
+        status_ = {SafetyState::tripped, cause, measured, limit, 0.0};
+    }
+}
+
+void SafetyMonitor::reset() noexcept {
+    if (status_.state == SafetyState::tripped) {
+        status_ = {};
+        ticks_above_force_limit_ = 0;
+    }
+}
+
+void SafetyMonitor::check(const DeviceCommand &wanted, const Measurement &measured,
+                          bool emergency_stop) noexcept {
+    if (emergency_stop) {
+        trip(TripCause::emergency_stop, 0.0, 0.0);
+    }
+    if (measured.health != DeviceHealth::ok) {
+        trip(TripCause::device_lost, 0.0, 0.0);
+    }
+    if (!measured.all_finite || !wanted.e_W_V.allFinite() ||
+        !wanted.cancelled_resistance_Ohm.allFinite() || !measured.current_A.allFinite() ||
+        !measured.tip_velocity_m_per_s.allFinite() || !measured.tip_force_N.allFinite()) {
+        trip(TripCause::not_finite, 0.0, 0.0);
+        return;
+    }
+    const double speed = measured.tip_velocity_m_per_s.norm();
+    if (speed > device_.limits.tip_speed_m_per_s) {
+        trip(TripCause::tip_speed, speed, device_.limits.tip_speed_m_per_s);
+    }
+    const double force = measured.tip_force_N.norm();
+    ticks_above_force_limit_ =
+        force > device_.limits.tip_force_N ? ticks_above_force_limit_ + 1 : 0;
+    if (ticks_above_force_limit_ * period_s_ > kForceTolerated_s + 0.5 * period_s_) {
+        trip(TripCause::tip_force, force, device_.limits.tip_force_N);
+    }
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double limit = device_.motor[static_cast<std::size_t>(j)].peak_current_A;
+        if (std::abs(measured.current_A[j]) > limit) {
+            trip(TripCause::current, std::abs(measured.current_A[j]), limit);
+        }
+    }
+}
+
+DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Measurement &measured,
+                                  bool emergency_stop) noexcept {
+    check(wanted, measured, emergency_stop);
+    if (status_.state == SafetyState::tripped) {
+        return DeviceCommand::braking();
+    }
+    status_.ramp = std::min(1.0, status_.ramp + period_s_ / kRampTime_s);
+    status_.state = status_.ramp < 1.0 ? SafetyState::starting : SafetyState::running;
+
+    DeviceCommand command;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
+        command.e_W_V[j] =
+            std::clamp(status_.ramp * wanted.e_W_V[j], -motor.supply_V, motor.supply_V);
+        // Never a net resistance of zero or less, whoever asks (7).
+        command.cancelled_resistance_Ohm[j] = std::clamp(
+            status_.ramp * wanted.cancelled_resistance_Ohm[j], 0.0, 0.995 * motor.resistance_Ohm);
+    }
+    return command;
+}
+
+} // namespace springdrive

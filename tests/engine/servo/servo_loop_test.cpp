@@ -1,0 +1,303 @@
+// Covers engine/servo/servo_loop.cpp: the whole signal path on the simulated device.
+#include "engine/servo/servo_loop.h"
+
+#include "device/phantom/kinematics.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/coupling.h"
+#include "engine/control/motion_control.h"
+#include "engine/control/tuning_file.h"
+#include "tests/support/devices.h"
+#include "tests/support/surfaces.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+const Vector3 kStart_m(0.0, 0.02, 0.0);
+
+/// A device, a surface and a servo ticked by hand.
+struct Rig {
+    explicit Rig(const SimulationOptions &options, TriangleSoup soup = {})
+        : device(testing::phantom_1_0(), options, kStart_m), loop(device, options.servo_period_s),
+          mesh(std::move(soup)) {
+        inputs.mesh = &mesh;
+    }
+
+    ServoSample tick() { return loop.update(loop.exchange(), inputs); }
+
+    void run(double seconds) {
+        for (int i = 0; i < static_cast<int>(std::round(seconds / loop.period_s())); ++i) {
+            tick();
+        }
+    }
+
+    SimulatedPhantom device;
+    ServoLoop loop;
+    HapticMesh mesh;
+    ServoInputs inputs;
+};
+
+/// A plate whose top is at y = 0, wide enough for every slide.
+TriangleSoup plate() {
+    return testing::box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06));
+}
+
+SimulationOptions following(std::vector<HandPath::Point> points) {
+    SimulationOptions options;
+    options.path.emplace(std::move(points));
+    return options;
+}
+
+struct StaticContact {
+    double stiffness_N_per_m = 0.0; ///< mean force over mean penetration of the true tip
+    double predicted_N_per_m = 0.0; ///< (1 − η) α K_DC
+    double force_angle_rad = 0.0;   ///< between mean hand force and the plate's normal
+    double penetration_m = 0.0;
+};
+
+/// Presses on the plate at `depth_m` below its top and takes means over the last half second.
+StaticContact press(double eta, bool quantised) {
+    constexpr double kDepth_m = 0.012;
+    SimulationOptions options = following({{0.0, kStart_m},
+                                           {0.6, Vector3(0.01, 0.003, 0.005)},
+                                           {1.2, Vector3(0.01, -kDepth_m, 0.005)}});
+    options.quantised_encoders = quantised;
+    Rig rig(options, plate());
+    rig.inputs.tuning.eta = eta;
+    rig.run(3.0);
+    Vector3 force = Vector3::Zero();
+    double penetration = 0.0;
+    double predicted = 0.0;
+    constexpr int kTicks = 500;
+    for (int i = 0; i < kTicks; ++i) {
+        const ServoSample sample = rig.tick();
+        EXPECT_EQ(sample.contact.active_constraints, 1);
+        force -= rig.device.truth().hand_force_N / kTicks;
+        penetration -= rig.device.truth().tip_m.y() / kTicks;
+        const Coupling c = coupling(rig.device.description().motor[0], rig.inputs.tuning, kPeriod_s,
+                                    rig.device.delay_samples());
+        predicted += tip_stiffness_N_per_m(c, sample.alpha_rad2_per_m2, eta) / kTicks;
+    }
+    return {force.norm() / penetration, predicted,
+            std::atan2(force.cross(Vector3::UnitY()).norm(), force.y()), penetration};
+}
+
+TEST(ServoLoop, StaticTipStiffnessIsAlphaTimesKDC) {
+    // (13), (27), (30). Exact but for the proxy's clearance of 0.1 µm and J's change with x.
+    for (const double eta : {0.0, 0.25, 0.5, 0.75}) {
+        const StaticContact contact = press(eta, false);
+        EXPECT_GT(contact.penetration_m, 5e-4);
+        EXPECT_NEAR(contact.stiffness_N_per_m / contact.predicted_N_per_m, 1.0, 0.001)
+            << "η " << eta;
+        EXPECT_LT(contact.force_angle_rad, 1e-3) << "η " << eta;
+    }
+}
+
+TEST(ServoLoop, StaticTipStiffnessHoldsWithEncoders) {
+    for (const double eta : {0.0, 0.25, 0.5, 0.75}) {
+        const StaticContact contact = press(eta, true);
+        // The law sees the tip off by up to half a count of each joint: as an angle, that over
+        // the penetration. The stiffness is off by no more than as much of one joint's force.
+        const double half_count_m = 0.5 * 2.0 * std::numbers::pi / 4096 / 11.2 * 0.16;
+        const double quantum_angle_rad = std::sqrt(3.0) * half_count_m / contact.penetration_m;
+        EXPECT_NEAR(contact.stiffness_N_per_m / contact.predicted_N_per_m, 1.0, 0.01)
+            << "η " << eta;
+        EXPECT_LT(contact.force_angle_rad, quantum_angle_rad) << "η " << eta;
+    }
+}
+
+TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
+    Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
+    rig.run(2.5);
+    Vector3 rendered = Vector3::Zero();
+    Vector3 felt = Vector3::Zero();
+    for (int i = 0; i < 500; ++i) {
+        rendered += rig.tick().tip_force_N / 500;
+        felt -= rig.device.truth().hand_force_N / 500;
+    }
+    EXPECT_GT(felt.norm(), 1.0);
+    // At rest what the windings give is what the hand holds; J at the counts, not at the truth.
+    EXPECT_LT((rendered - felt).norm(), 0.002 * felt.norm());
+}
+
+TEST(ServoLoop, FreeSpaceIsFree) {
+    // A slow hand, 30 mm/s this way and that: less than 0.05 N at any moment once it moves evenly.
+    for (const Vector3 &direction : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
+        Rig rig(following(
+            {{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * direction.normalized()}}));
+        rig.run(1.2);
+        double greatest = 0.0;
+        for (int i = 0; i < 1400; ++i) {
+            rig.tick();
+            greatest = std::max(greatest, rig.device.truth().hand_force_N.norm());
+        }
+        EXPECT_LT(greatest, 0.05) << direction.transpose();
+        EXPECT_GT(rig.device.truth().tip_velocity_m_per_s.dot(direction), 0.02); // not vacuous
+    }
+}
+
+struct Inertia {
+    double measured_kg = 0.0;
+    double predicted_kg = 0.0;
+};
+
+/// Shakes the tip along x in free space and fits force to acceleration: what is more than tip and
+/// rotors have is added by the loop's lag.
+Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
+    constexpr double kShake_rad_per_s = 2.0 * std::numbers::pi * 4.0;
+    constexpr double kReach_m = 0.02;
+    std::vector<HandPath::Point> points;
+    for (int i = 0; i <= 3000; ++i) {
+        const double t = i * 1e-3;
+        points.push_back({t, kStart_m + Vector3(kReach_m * std::sin(kShake_rad_per_s * t), 0, 0)});
+    }
+    SimulationOptions options = following(std::move(points));
+    options.servo_period_s = period_s;
+    options.delay_samples = delay;
+    options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // holds the tip firmly to the path
+    Rig rig(options);
+    rig.inputs.tuning = tuning;
+    rig.run(1.0);
+    // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
+    double force_acceleration = 0.0;
+    double acceleration_squared = 0.0;
+    double predicted = 0.0;
+    const int ticks = static_cast<int>(std::round(1.5 / period_s));
+    const Coupling c = coupling(rig.device.description().motor[0], tuning, period_s, delay);
+    for (int i = 0; i < ticks; ++i) {
+        const ServoSample sample = rig.tick();
+        const double t = rig.device.truth().time_s - 0.5 * period_s; // of the mean force
+        const double a =
+            -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
+        force_acceleration += rig.device.truth().hand_force_N.x() * a;
+        acceleration_squared += a * a;
+        const Matrix3 J =
+            motor_jacobian(rig.device.description().geometry,
+                           joint_from_motor(rig.device.description().geometry, sample.theta_rad));
+        const Matrix3 J_inverse = J.inverse();
+        predicted += c.added_inertia_kg_m2 * J_inverse.col(0).squaredNorm() / ticks;
+    }
+    const double tip_kg = rig.device.description().tip_mass_kg;
+    const double rotor = rig.device.description().motor[0].rotor_inertia_kg_m2;
+    const double rotors_kg = predicted / c.added_inertia_kg_m2 * rotor;
+    return {force_acceleration / acceleration_squared - tip_kg - rotors_kg, predicted};
+}
+
+TEST(ServoLoop, AddedInertiaIsThatOfTheLoopsLag) {
+    // k_T² τ/dR per motor, τ = T (a/(1 − a) + 1 + d): the slope at zero frequency. At 4 Hz the
+    // winding's own lag, L/dR, and the filter's curvature are below a few per cent.
+    for (const double dR : {0.2, 0.4, 0.8}) {
+        for (const double lambda : {500.0, 2000.0}) {
+            for (const int delay : {0, 1}) {
+                Tuning tuning;
+                tuning.dR_Ohm = dR;
+                tuning.lambda_rad_per_s = lambda;
+                const Inertia inertia = added_inertia(tuning, 1e-3, delay);
+                EXPECT_NEAR(inertia.measured_kg / inertia.predicted_kg, 1.0, 0.10)
+                    << "dR " << dR << " λ " << lambda << " d " << delay << ": "
+                    << inertia.measured_kg << " kg, predicted " << inertia.predicted_kg;
+            }
+        }
+    }
+}
+
+TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
+    // The tangential force while sliding at 30 mm/s is that of free space, not of a brake.
+    Rig rig(following({{0.0, kStart_m},
+                       {0.8, Vector3(-0.03, -0.01, 0.0)},
+                       {1.2, Vector3(-0.03, -0.01, 0.0)},
+                       {3.2, Vector3(0.03, -0.01, 0.0)}}),
+            plate());
+    rig.run(1.8);
+    Vector3 mean = Vector3::Zero();
+    for (int i = 0; i < 1000; ++i) {
+        const ServoSample sample = rig.tick();
+        ASSERT_TRUE(sample.contact.touching);
+        mean += rig.device.truth().hand_force_N / 1000;
+    }
+    EXPECT_LT(mean.y(), -1.0);
+    EXPECT_LT(std::abs(mean.x()), 0.02);
+}
+
+TEST(ServoLoop, TheOtherMapIsJudgedOnTheSameState) {
+    Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.03, -0.01, 0.02)}}), plate());
+    rig.run(2.0);
+    const ServoSample transpose = rig.tick();
+    EXPECT_LT(transpose.transpose_error_rad, 1e-6);
+    EXPECT_GT(transpose.inverse_error_rad, 0.02);
+    rig.inputs.tuning.map = MotionMap::inverse;
+    const ServoSample inverse = rig.tick();
+    EXPECT_EQ(inverse.map, MotionMap::inverse);
+    EXPECT_LT(inverse.transpose_error_rad, 1e-6);
+    EXPECT_NEAR(inverse.inverse_error_rad, transpose.inverse_error_rad, 0.02);
+    // Given time, the rendered force takes the inverse map's direction.
+    rig.run(1.0);
+    const ServoSample settled = rig.tick();
+    EXPECT_NEAR(settled.rendered_error_rad, settled.inverse_error_rad, 0.03);
+}
+
+TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
+    Rig rig(following({{0.0, kStart_m}, {0.5, Vector3(0.0, -0.008, 0.0)}}), plate());
+    rig.run(1.5);
+    ASSERT_TRUE(rig.tick().contact.touching);
+    const HapticMesh block(
+        testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
+    rig.inputs.mesh = &block;
+    ++rig.inputs.scene_id;
+    for (int i = 0; i < 500; ++i) {
+        const ServoSample sample = rig.tick();
+        ASSERT_FALSE(sample.contact.touching);
+        ASSERT_EQ(sample.scene_id, rig.inputs.scene_id);
+    }
+}
+
+TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
+    Rig rig({}, plate());
+    rig.run(0.7);
+    const Vector3 before = rig.tick().command.cancelled_resistance_Ohm;
+    rig.inputs.tuning.dR_Ohm = NAN;
+    EXPECT_EQ(rig.tick().command.cancelled_resistance_Ohm, before);
+    rig.inputs.tuning.dR_Ohm = -1.0;
+    EXPECT_EQ(rig.tick().command.cancelled_resistance_Ohm, before);
+    rig.inputs.tuning.dR_Ohm = 1.0;
+    EXPECT_NE(rig.tick().command.cancelled_resistance_Ohm, before);
+}
+
+TEST(ServoLoop, EveryTuningHoldsAContact) {
+    // Pressed, slid over an edge and let go, light hand and firm: no trip, nothing not finite.
+    for (const HandParameters &hand :
+         {HandParameters{0.03, 1.0, 60.0, 5.0, 0.4}, HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {
+        for (const double eta : {0.0, 0.5, 0.9}) {
+            for (const char *name : {"soft", "firm", "stiffest"}) {
+                SimulationOptions options = following({{0.0, kStart_m},
+                                                       {0.9, Vector3(0.0, -0.006, 0.0)},
+                                                       {1.5, Vector3(0.05, -0.006, 0.03)},
+                                                       {2.0, kStart_m}});
+                options.hand = hand;
+                Rig rig(options, plate());
+                rig.inputs.tuning =
+                    read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+                rig.inputs.tuning.eta = eta;
+                for (int i = 0; i < 2500; ++i) {
+                    const ServoSample sample = rig.tick();
+                    ASSERT_NE(sample.safety.state, SafetyState::tripped)
+                        << name << " η " << eta << " hand " << hand.mass_kg
+                        << " kg: " << description(sample.safety.cause) << ' '
+                        << sample.safety.measured;
+                }
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,163 @@
+// Covers engine/servo/servo.cpp: the thread, its clock and its ends.
+#include "engine/servo/servo.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "tests/support/devices.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+const Vector3 kStart_m(0.0, 0.02, 0.0);
+
+/// Passes everything on to a simulated device and remembers the last command.
+class Witness final : public HapticDevice {
+public:
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return device_.description();
+    }
+    [[nodiscard]] int delay_samples() const override { return 0; }
+    DeviceState exchange(const DeviceCommand &command) noexcept override {
+        last_command = command;
+        ++exchanges;
+        return device_.exchange(command);
+    }
+
+    DeviceCommand last_command;
+    int exchanges = 0;
+
+private:
+    SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
+};
+
+std::vector<std::string> rows_of(Servo &servo) {
+    std::vector<std::string> rows;
+    servo.drain([&rows](const ServoSample &sample) { rows.push_back(telemetry_row(sample)); });
+    return rows;
+}
+
+TEST(Servo, SendsTheSafeStateLast) {
+    Witness device;
+    {
+        Servo servo(device, 1000.0);
+        servo.publish({});
+        servo.advance(800);
+        ASSERT_GT(device.last_command.cancelled_resistance_Ohm.minCoeff(), 1.0); // R̂ is up
+        ASSERT_EQ(device.exchanges, 800);
+    }
+    EXPECT_EQ(device.exchanges, 801);
+    EXPECT_EQ(device.last_command.e_W_V, Vector3::Zero());
+    EXPECT_EQ(device.last_command.cancelled_resistance_Ohm, Vector3::Zero());
+}
+
+TEST(Servo, SendsTheSafeStateLastFromItsThreadToo) {
+    Witness device;
+    {
+        Servo servo(device, 1000.0);
+        servo.start();
+        while (servo.statistics().ticks < 700) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        servo.stop();
+        servo.stop(); // harmless
+    }
+    EXPECT_GE(device.exchanges, 701);
+    EXPECT_EQ(device.last_command.e_W_V, Vector3::Zero());
+    EXPECT_EQ(device.last_command.cancelled_resistance_Ohm, Vector3::Zero());
+}
+
+TEST(Servo, LockstepRepeatsToTheLastBit) {
+    const auto run = [] {
+        SimulationOptions options;
+        options.path.emplace(std::vector<HandPath::Point>{
+            {0.0, kStart_m}, {0.5, Vector3(0.0, -0.01, 0.0)}, {1.0, Vector3(0.02, -0.01, 0.01)}});
+        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        const HapticMesh mesh(
+            testing::box_soup(Vector3(-0.05, -0.02, -0.05), Vector3(0.05, 0.0, 0.05)));
+        ServoInputs inputs;
+        inputs.mesh = &mesh;
+        Servo servo(device, 1000.0);
+        servo.publish(inputs);
+        servo.advance(1200);
+        return rows_of(servo);
+    };
+    const std::vector<std::string> first = run();
+    EXPECT_EQ(first.size(), 1200U);
+    EXPECT_EQ(first, run());
+}
+
+TEST(Servo, EveryTickGivesOneSampleInOrder) {
+    Witness device;
+    Servo servo(device, 2000.0);
+    servo.start();
+    std::uint64_t next = 0;
+    while (next < 1000) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        servo.drain([&next](const ServoSample &sample) {
+            EXPECT_EQ(sample.tick, next);
+            ++next;
+        });
+    }
+    servo.stop();
+    EXPECT_EQ(servo.lost_samples(), 0U);
+}
+
+TEST(Servo, CountsTheSamplesThatNobodyFetched) {
+    Witness device;
+    Servo servo(device, 1000.0);
+    servo.advance(16'384 + 50);
+    EXPECT_EQ(servo.lost_samples(), 50U);
+    EXPECT_EQ(rows_of(servo).size(), 16'384U);
+}
+
+TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
+    Witness device;
+    Servo servo(device, 5000.0);
+    servo.start();
+    // Sets whose parts belong together: what the servo reports must be one of them.
+    ServoInputs inputs;
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; std::chrono::steady_clock::now() - start < std::chrono::milliseconds(300);
+         ++i) {
+        const bool even = i % 2 == 0;
+        inputs.tuning.eta = even ? 0.25 : 0.75;
+        inputs.tuning.map = even ? MotionMap::inverse : MotionMap::transpose;
+        inputs.scene_id = even ? 2 : 3;
+        servo.publish(inputs);
+        servo.drain([](const ServoSample &sample) {
+            if (sample.scene_id != 0) {
+                EXPECT_EQ(sample.map == MotionMap::inverse, sample.scene_id == 2);
+            }
+        });
+    }
+    servo.stop();
+}
+
+TEST(Servo, RefusesRatesThatItCannotKeep) {
+    Witness device;
+    for (const double good : {250.0, 10'000.0}) {
+        EXPECT_NO_THROW(Servo(device, good));
+    }
+    for (const double bad : {249.9, 10'000.1, 0.0, -1.0, static_cast<double>(NAN)}) {
+        EXPECT_THROW(Servo(device, bad), InputError);
+    }
+}
+
+TEST(Telemetry, HasOneCellForEveryColumn) {
+    const auto cells = [](const std::string &line) {
+        return std::count(line.begin(), line.end(), ',') + 1;
+    };
+    EXPECT_EQ(cells(telemetry_header()), cells(telemetry_row({})));
+    EXPECT_EQ(telemetry_header().substr(0, 12), "tick,time_s,");
+}
+
+} // namespace
+} // namespace springdrive
