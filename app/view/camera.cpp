@@ -1,0 +1,120 @@
+#include "app/view/camera.h"
+
+#include "app/view/gl_vector.h"
+
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+constexpr double kFieldOfView_rad = 32.0 * kRadiansPerDegree; // vertical
+constexpr double kFramedYaw_rad = 24.0 * kRadiansPerDegree;
+constexpr double kFramedPitch_rad = 22.0 * kRadiansPerDegree;
+constexpr double kSteepestPitch_rad = 89.0 * kRadiansPerDegree; // at 90° yaw and roll are the same
+constexpr double kOrbit_rad_per_px = 0.4 * kRadiansPerDegree;
+constexpr double kZoomPerStep = 0.9;
+constexpr double kNearestZoom = 1.0 / 20.0; // of the framed distance
+constexpr double kFarthestZoom = 5.0;
+constexpr double kFrameMargin = 1.05;
+
+// In units of the distance, so that the depth buffer's precision zooms along.
+constexpr double kNearPlane = 0.02;
+constexpr double kFarPlane = 5.0;
+constexpr double kFarPlaneBeyond_m = 2.0; // the floor stays in sight when zoomed in
+
+double half_height_per_depth() { return std::tan(kFieldOfView_rad / 2.0); }
+
+} // namespace
+
+void Camera::frame(const Vector3 &lower_m, const Vector3 &upper_m, double aspect) {
+    yaw_rad_ = kFramedYaw_rad;
+    pitch_rad_ = kFramedPitch_rad;
+    target_m_ = (lower_m + upper_m) / 2.0;
+
+    const double vertical = half_height_per_depth();
+    const double horizontal = aspect * vertical;
+    double distance_m = 1e-3; // of a box without extent
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vector3 offset_m = Vector3((corner & 1) != 0 ? upper_m.x() : lower_m.x(),
+                                         (corner & 2) != 0 ? upper_m.y() : lower_m.y(),
+                                         (corner & 4) != 0 ? upper_m.z() : lower_m.z()) -
+                                 target_m_;
+        const double towards_eye_m = -offset_m.dot(forward());
+        const double across_m = std::max(std::abs(offset_m.dot(right())) / horizontal,
+                                         std::abs(offset_m.dot(up())) / vertical);
+        // A corner straight ahead must still be well behind the near plane.
+        distance_m = std::max({distance_m, towards_eye_m + across_m, 1.2 * towards_eye_m});
+    }
+    distance_m_ = framed_distance_m_ = kFrameMargin * distance_m;
+}
+
+void Camera::orbit(double dx_px, double dy_px) {
+    yaw_rad_ = std::remainder(yaw_rad_ - kOrbit_rad_per_px * dx_px, 2.0 * std::numbers::pi);
+    pitch_rad_ =
+        std::clamp(pitch_rad_ + kOrbit_rad_per_px * dy_px, -kSteepestPitch_rad, kSteepestPitch_rad);
+}
+
+void Camera::pan(double dx_px, double dy_px, double viewport_height_px) {
+    const double pixel_m = metres_per_pixel(target_m_, viewport_height_px);
+    target_m_ += pixel_m * (dy_px * up() - dx_px * right());
+}
+
+void Camera::zoom(double steps) {
+    distance_m_ = std::clamp(distance_m_ * std::pow(kZoomPerStep, steps),
+                             kNearestZoom * framed_distance_m_, kFarthestZoom * framed_distance_m_);
+}
+
+glm::mat4 Camera::view() const {
+    return glm::lookAt(to_glm(eye_m()), to_glm(target_m_), to_glm(up()));
+}
+
+glm::mat4 Camera::projection(double aspect) const {
+    return glm::perspective(static_cast<float>(kFieldOfView_rad), static_cast<float>(aspect),
+                            static_cast<float>(kNearPlane * distance_m_),
+                            static_cast<float>(kFarPlane * distance_m_ + kFarPlaneBeyond_m));
+}
+
+Vector3 Camera::right() const { return {std::cos(yaw_rad_), 0.0, -std::sin(yaw_rad_)}; }
+
+Vector3 Camera::up() const {
+    return {-std::sin(pitch_rad_) * std::sin(yaw_rad_), std::cos(pitch_rad_),
+            -std::sin(pitch_rad_) * std::cos(yaw_rad_)};
+}
+
+Vector3 Camera::forward() const {
+    return {-std::cos(pitch_rad_) * std::sin(yaw_rad_), -std::sin(pitch_rad_),
+            -std::cos(pitch_rad_) * std::cos(yaw_rad_)};
+}
+
+double Camera::metres_per_pixel(const Vector3 &at_m, double viewport_height_px) const {
+    return 2.0 * half_height_per_depth() * depth_m(at_m) / viewport_height_px;
+}
+
+Vector3 Camera::point_at(const PixelPoint &pixel, const PixelSize &viewport,
+                         const Vector3 &at_m) const {
+    const double pixel_m = metres_per_pixel(at_m, viewport.height_px);
+    const double x_px = pixel.x_px - viewport.width_px / 2.0;
+    const double y_px = viewport.height_px / 2.0 - pixel.y_px;
+    return eye_m() + depth_m(at_m) * forward() + pixel_m * (x_px * right() + y_px * up());
+}
+
+std::optional<PixelPoint> Camera::pixel_of(const Vector3 &point_m,
+                                           const PixelSize &viewport) const {
+    if (!(depth_m(point_m) > 0.0)) {
+        return std::nullopt;
+    }
+    const double pixel_m = metres_per_pixel(point_m, viewport.height_px);
+    const Vector3 offset_m = point_m - eye_m();
+    return PixelPoint{viewport.width_px / 2.0 + offset_m.dot(right()) / pixel_m,
+                      viewport.height_px / 2.0 - offset_m.dot(up()) / pixel_m};
+}
+
+} // namespace springdrive

@@ -1,0 +1,212 @@
+#include "app/view/gl_objects.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+std::string_view error_name(GLenum error) {
+    switch (error) {
+    case GL_INVALID_ENUM:
+        return "invalid enum";
+    case GL_INVALID_VALUE:
+        return "invalid value";
+    case GL_INVALID_OPERATION:
+        return "invalid operation";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+        return "invalid framebuffer operation";
+    case GL_OUT_OF_MEMORY:
+        return "out of memory";
+    default:
+        return "unknown error";
+    }
+}
+
+/// One shader of a program, needed until that is linked.
+class Shader {
+public:
+    Shader(GLenum stage, const std::string &program, std::string_view define,
+           std::string_view source)
+        : name_(glCreateShader(stage)) {
+        std::string head = "#version 330 core\n";
+        if (!define.empty()) {
+            head.append("#define ").append(define).append("\n");
+        }
+        head.append("#line 1\n"); // the log then counts lines as the file does
+        const std::array<const char *, 2> texts{head.data(), source.data()};
+        const std::array<GLint, 2> lengths{static_cast<GLint>(head.size()),
+                                           static_cast<GLint>(source.size())};
+        glShaderSource(name_, 2, texts.data(), lengths.data());
+        glCompileShader(name_);
+        GLint compiled = GL_FALSE;
+        glGetShaderiv(name_, GL_COMPILE_STATUS, &compiled);
+        if (compiled == GL_FALSE) {
+            const std::string message =
+                (stage == GL_VERTEX_SHADER ? "vertex shader of '" : "fragment shader of '") +
+                program + "' does not compile: " + log();
+            glDeleteShader(name_);
+            throw std::runtime_error(message);
+        }
+    }
+    Shader(const Shader &) = delete;
+    Shader &operator=(const Shader &) = delete;
+    ~Shader() { glDeleteShader(name_); }
+
+    [[nodiscard]] GLuint name() const { return name_; }
+
+private:
+    [[nodiscard]] std::string log() const {
+        GLint length = 0;
+        glGetShaderiv(name_, GL_INFO_LOG_LENGTH, &length);
+        std::string text(static_cast<std::size_t>(length), '\0');
+        glGetShaderInfoLog(name_, length, &length, text.data());
+        text.resize(static_cast<std::size_t>(length));
+        return text;
+    }
+
+    GLuint name_;
+};
+
+std::string link_log(GLuint program) {
+    GLint length = 0;
+    glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
+    std::string text(static_cast<std::size_t>(length), '\0');
+    glGetProgramInfoLog(program, length, &length, text.data());
+    text.resize(static_cast<std::size_t>(length));
+    return text;
+}
+
+std::map<std::string, GLint, std::less<>> uniform_locations(GLuint program) {
+    GLint count = 0;
+    GLint longest = 0;
+    glGetProgramiv(program, GL_ACTIVE_UNIFORMS, &count);
+    glGetProgramiv(program, GL_ACTIVE_UNIFORM_MAX_LENGTH, &longest);
+    std::vector<GLchar> name(static_cast<std::size_t>(longest) + 1);
+    std::map<std::string, GLint, std::less<>> locations;
+    for (GLint i = 0; i < count; ++i) {
+        GLint size = 0;
+        GLenum type = 0;
+        glGetActiveUniform(program, static_cast<GLuint>(i), static_cast<GLsizei>(name.size()),
+                           nullptr, &size, &type, name.data());
+        locations.emplace(name.data(), glGetUniformLocation(program, name.data()));
+    }
+    return locations;
+}
+
+} // namespace
+
+void check_gl(std::string_view where) {
+    if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+        throw std::runtime_error("OpenGL reports '" + std::string(error_name(error)) + "' in " +
+                                 std::string(where));
+    }
+}
+
+GLuint BufferKind::create() {
+    GLuint name = 0;
+    glGenBuffers(1, &name);
+    return name;
+}
+void BufferKind::destroy(GLuint name) noexcept { glDeleteBuffers(1, &name); }
+
+GLuint VertexArrayKind::create() {
+    GLuint name = 0;
+    glGenVertexArrays(1, &name);
+    return name;
+}
+void VertexArrayKind::destroy(GLuint name) noexcept { glDeleteVertexArrays(1, &name); }
+
+GLuint TextureKind::create() {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    return name;
+}
+void TextureKind::destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
+
+GLuint FramebufferKind::create() {
+    GLuint name = 0;
+    glGenFramebuffers(1, &name);
+    return name;
+}
+void FramebufferKind::destroy(GLuint name) noexcept { glDeleteFramebuffers(1, &name); }
+
+GLuint ProgramKind::create() { return glCreateProgram(); }
+void ProgramKind::destroy(GLuint name) noexcept { glDeleteProgram(name); }
+
+Program::Program(std::string name, std::string_view vertex, std::string_view fragment,
+                 std::string_view define)
+    : name_(std::move(name)) {
+    const Shader vertex_shader(GL_VERTEX_SHADER, name_, define, vertex);
+    const Shader fragment_shader(GL_FRAGMENT_SHADER, name_, define, fragment);
+    glAttachShader(program_.name(), vertex_shader.name());
+    glAttachShader(program_.name(), fragment_shader.name());
+    glLinkProgram(program_.name());
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program_.name(), GL_LINK_STATUS, &linked);
+    if (linked == GL_FALSE) {
+        throw std::runtime_error("shaders of '" + name_ +
+                                 "' do not link: " + link_log(program_.name()));
+    }
+    glDetachShader(program_.name(), vertex_shader.name());
+    glDetachShader(program_.name(), fragment_shader.name());
+    locations_ = uniform_locations(program_.name());
+}
+
+GLint Program::location(std::string_view uniform) const {
+    const auto found = locations_.find(uniform);
+    if (found == locations_.end()) {
+        throw std::logic_error("shaders of '" + name_ + "' use no uniform '" +
+                               std::string(uniform) + "'");
+    }
+    return found->second;
+}
+
+void Program::set(std::string_view uniform, int value) const {
+    glUniform1i(location(uniform), value);
+}
+void Program::set(std::string_view uniform, float value) const {
+    glUniform1f(location(uniform), value);
+}
+void Program::set(std::string_view uniform, const glm::vec2 &value) const {
+    glUniform2fv(location(uniform), 1, glm::value_ptr(value));
+}
+void Program::set(std::string_view uniform, const glm::vec3 &value) const {
+    glUniform3fv(location(uniform), 1, glm::value_ptr(value));
+}
+void Program::set(std::string_view uniform, const glm::vec4 &value) const {
+    glUniform4fv(location(uniform), 1, glm::value_ptr(value));
+}
+void Program::set(std::string_view uniform, const glm::mat3 &value) const {
+    glUniformMatrix3fv(location(uniform), 1, GL_FALSE, glm::value_ptr(value));
+}
+void Program::set(std::string_view uniform, const glm::mat4 &value) const {
+    glUniformMatrix4fv(location(uniform), 1, GL_FALSE, glm::value_ptr(value));
+}
+
+Texture2D::Texture2D(int width, int height, const Format &format,
+                     std::span<const std::uint8_t> pixels) {
+    glBindTexture(GL_TEXTURE_2D, texture_.name());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, format.internal, width, height, 0, format.pixels,
+                 GL_UNSIGNED_BYTE, pixels.empty() ? nullptr : pixels.data());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, format.wrap_s);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, format.wrap_t);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+                    format.mipmaps ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+    if (format.mipmaps) {
+        glGenerateMipmap(GL_TEXTURE_2D);
+    }
+}
+
+void Texture2D::bind(int unit) const {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(GL_TEXTURE_2D, texture_.name());
+}
+
+} // namespace springdrive

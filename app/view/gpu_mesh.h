@@ -1,0 +1,25 @@
+// Triangles that live on the graphics card, uploaded once.
+#pragma once
+
+#include "app/view/gl_objects.h"
+#include "engine/scene/scene.h"
+
+#include <cstdint>
+#include <span>
+
+namespace springdrive {
+
+class GpuMesh {
+public:
+    GpuMesh(std::span<const VisualVertex> vertices, std::span<const std::uint32_t> indices);
+
+    void draw() const; ///< with the program in use
+
+private:
+    VertexArray array_;
+    Buffer vertices_;
+    Buffer indices_;
+    GLsizei index_count_;
+};
+
+} // namespace springdrive

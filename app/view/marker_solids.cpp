@@ -1,0 +1,101 @@
+#include "app/view/marker_solids.h"
+
+#include <algorithm>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kLeastForce_N = 0.05; // shorter arrows would be noise
+constexpr double kNormalLength_m = 0.060;
+constexpr double kNormalBeyondArrow_m = 0.015;
+constexpr double kDash_m = 0.0040;
+constexpr double kGap_m = 0.0025;
+
+// Least sizes, in pixels of the layout.
+constexpr double kTipRadius_px = 4.0;
+constexpr double kProxyRadius_px = 5.0;
+constexpr double kShaftRadius_px = 2.0;
+constexpr double kLineRadius_px = 0.9;
+constexpr double kTargetRadius_px = 10.0;
+constexpr double kLightTarget = 0.55; // of the hand colour while the hand is not held
+
+constexpr double kShaftRadius_m = 1.1e-3;
+constexpr double kHeadPerShaft = 2.6; // radius of the arrow's head
+constexpr double kHeadSlenderness = 2.8;
+
+void append_line(std::vector<Solid> &solids, const Vector3 &from_m, const Vector3 &to_m,
+                 const Colour &colour, const MarkerScale &scale) {
+    if (from_m != to_m) {
+        solids.push_back(
+            spindle(Shape::cylinder, from_m, to_m, scale.length_m(kLineRadius_px, from_m), colour));
+    }
+}
+
+void append_arrow(std::vector<Solid> &solids, const Vector3 &from_m, const Vector3 &along_m,
+                  const MarkerScale &scale) {
+    const double shaft_m = std::max(kShaftRadius_m, scale.length_m(kShaftRadius_px, from_m));
+    const double length_m = along_m.norm();
+    const double head_m = std::min(kHeadSlenderness * kHeadPerShaft * shaft_m, 0.6 * length_m);
+    const Vector3 neck_m = from_m + (1.0 - head_m / length_m) * along_m;
+    solids.push_back(spindle(Shape::cylinder, from_m, neck_m, shaft_m, kForceColour));
+    solids.push_back(
+        spindle(Shape::cone, neck_m, from_m + along_m, kHeadPerShaft * shaft_m, kForceColour));
+}
+
+void append_normal(std::vector<Solid> &solids, const ViewState &state, double arrow_m,
+                   const MarkerScale &scale) {
+    const double end_m = std::max(kNormalLength_m, arrow_m + kNormalBeyondArrow_m);
+    for (double at_m = 0.0; at_m + kDash_m < end_m; at_m += kDash_m + kGap_m) {
+        append_line(solids, state.proxy_m + at_m * state.normal,
+                    state.proxy_m + (at_m + kDash_m) * state.normal, kNormalColour, scale);
+    }
+}
+
+void append_hand_target(std::vector<Solid> &solids, const ViewState &state,
+                        const MarkerScale &scale) {
+    Colour colour = kHandColour;
+    if (!state.hand_held) {
+        for (float &channel : colour) {
+            channel *= static_cast<float>(kLightTarget);
+        }
+    }
+    const Vector3 &centre_m = state.hand_target_m;
+    const double radius_m = scale.length_m(kTargetRadius_px, centre_m);
+    solids.push_back(ring(centre_m, scale.camera.forward(), radius_m, colour));
+    for (const Vector3 &arm : {scale.camera.right(), scale.camera.up()}) {
+        for (const double side : {-1.0, 1.0}) {
+            append_line(solids, centre_m + side * 0.65 * radius_m * arm,
+                        centre_m + side * 1.45 * radius_m * arm, colour, scale);
+        }
+    }
+}
+
+} // namespace
+
+std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scale) {
+    std::vector<Solid> solids;
+    // Written so that a force that is no number draws no arrow.
+    const bool has_force =
+        state.tip_force_N.allFinite() && state.tip_force_N.norm() > kLeastForce_N;
+    const Vector3 arrow_m =
+        has_force ? Vector3(kArrowMetresPerNewton * state.tip_force_N) : Vector3::Zero();
+    if (state.touching) {
+        const double least_m = scale.length_m(kProxyRadius_px, state.proxy_m);
+        solids.push_back(ball(state.proxy_m, std::max(kProxyRadius_m, least_m), kProxyColour));
+        append_line(solids, state.proxy_m, state.tip_m, kTipColour, scale);
+        append_normal(solids, state, arrow_m.norm(), scale);
+    }
+    if (has_force) {
+        append_arrow(solids, state.touching ? state.proxy_m : state.tip_m, arrow_m, scale);
+    }
+    append_hand_target(solids, state, scale);
+    return solids;
+}
+
+Solid tip_solid(const ViewState &state, const MarkerScale &scale) {
+    const double least_m = scale.length_m(kTipRadius_px, state.tip_m);
+    return ball(state.tip_m, std::max(kTipRadius_m, least_m), kTipColour);
+}
+
+} // namespace springdrive

@@ -1,0 +1,136 @@
+#include "app/view/renderer.h"
+
+#include "app/view/embedded_shaders.h"
+#include "app/view/gl_vector.h"
+#include "app/view/linkage_solids.h"
+#include "app/view/marker_solids.h"
+
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
+constexpr float kMarkerGlow = 0.55F;    // they keep their colour on their dark side too
+
+/// What the lit programs need to know of the camera, and a scene drawn as it stands.
+void begin(const Program &lit, const glm::mat4 &view_projection, const Vector3 &eye_m) {
+    lit.use();
+    lit.set("view_projection", view_projection);
+    lit.set("eye_m", to_glm(eye_m));
+    lit.set("base_texture", 0);
+    lit.set("model", glm::mat4(1.0F));
+    lit.set("normal_matrix", glm::mat3(1.0F));
+    lit.set("colour", glm::vec4(1.0F));
+    lit.set("glow", 0.0F);
+}
+
+} // namespace
+
+/// All that is drawn in one frame.
+struct Renderer::Frame {
+    glm::mat4 view_projection;
+    Vector3 eye_m;
+    Vector3 forward;
+    std::vector<Solid> linkage;
+    std::vector<Solid> markers;
+    Solid tip;
+};
+
+Renderer::Renderer()
+    : background_("background", shaders::fullscreen_vert, shaders::background_frag),
+      lit_("lit", shaders::lit_vert, shaders::lit_frag),
+      lit_translucent_("lit, translucent", shaders::lit_vert, shaders::lit_frag, "TRANSLUCENT") {
+    check_gl("setting up the renderer");
+}
+
+void Renderer::set_scene(const Scene &scene) {
+    SceneMeshes uploaded(scene);
+    check_gl("uploading the scene");
+    scene_ = std::move(uploaded);
+    floor_.scene_changed();
+}
+
+void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,
+                    double pixel_scale) {
+    if (viewport.width <= 0 || viewport.height <= 0) {
+        return; // minimised
+    }
+    const double aspect = static_cast<double>(viewport.width) / viewport.height;
+    const MarkerScale scale{camera, static_cast<double>(viewport.height), pixel_scale};
+    const Frame frame{camera.projection(aspect) * camera.view(),
+                      camera.eye_m(),
+                      camera.forward(),
+                      linkage_solids(state.linkage, state.floor_height_m, state.tripped),
+                      marker_solids(state, scale),
+                      tip_solid(state, scale)};
+
+    GLint target = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+    floor_.lay(state.workspace, state.floor_height_m);
+    std::vector<Solid> casters = frame.linkage;
+    casters.push_back(frame.tip);
+    floor_.cast_shadows(scene_, painter_, casters);
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+
+    glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
+    glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
+    glEnable(GL_SCISSOR_TEST);
+    glDepthMask(GL_TRUE);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    draw_background();
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    draw_scene_and_linkage(frame);
+    glEnable(GL_BLEND);
+    // The framebuffer's own alpha stays 1.
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    floor_.draw(frame.view_projection, frame.eye_m, pixel_scale);
+    draw_markers(frame);
+    draw_translucent(frame);
+
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
+    glBindVertexArray(0);
+    check_gl("drawing the view");
+}
+
+void Renderer::draw_background() const {
+    background_.use();
+    glBindVertexArray(no_vertices_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::draw_scene_and_linkage(const Frame &frame) const {
+    begin(lit_, frame.view_projection, frame.eye_m);
+    scene_.draw_opaque();
+    painter_.draw(lit_, frame.linkage);
+}
+
+void Renderer::draw_markers(const Frame &frame) const {
+    const std::span<const Solid> tip(&frame.tip, 1);
+    begin(lit_, frame.view_projection, frame.eye_m);
+    lit_.set("glow", kMarkerGlow);
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_BACK);
+    // First what is hidden, dimmed. The tip comes last, so that it shows through the proxy too.
+    for (const std::span<const Solid> solids : {std::span<const Solid>(frame.markers), tip}) {
+        glDepthMask(GL_FALSE);
+        glDepthFunc(GL_GREATER);
+        painter_.draw(lit_, solids, kHiddenOpacity);
+        glDepthMask(GL_TRUE);
+        glDepthFunc(GL_LESS);
+        painter_.draw(lit_, solids);
+    }
+    glDisable(GL_CULL_FACE);
+}
+
+void Renderer::draw_translucent(const Frame &frame) const {
+    begin(lit_translucent_, frame.view_projection, frame.eye_m);
+    scene_.draw_translucent(frame.forward);
+}
+
+} // namespace springdrive

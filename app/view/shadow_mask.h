@@ -1,0 +1,57 @@
+// A soft shadow straight down on a square of floor, as a small texture: independent of the window's
+// buffers, blurred once and not for every pixel of the floor.
+#pragma once
+
+#include "app/view/gl_objects.h"
+
+#include <functional>
+
+namespace springdrive {
+
+/// The square of floor that shadows fall on.
+struct ShadowArea {
+    glm::vec2 centre_m{0.0F}; ///< x, z
+    float half_size_m = 0.5F;
+    float height_m = 0.0F;
+
+    bool operator==(const ShadowArea &) const = default;
+};
+
+/// The programs that make a mask; shared by all of them.
+struct ShadowPrograms {
+    ShadowPrograms();
+
+    Program cast;
+    Program blur;
+};
+
+class ShadowMask {
+public:
+    ShadowMask();
+
+    /// Makes the mask anew from what `draw_casters` draws with programs.cast, which is in use with
+    /// all set but `model`. Leaves its own framebuffer bound, and the viewport and blending
+    /// changed.
+    void cast(const ShadowPrograms &programs, const ShadowArea &area,
+              const std::function<void(const Program &cast)> &draw_casters);
+
+    /// 0 where light, 1 where darkest; 0 to 1 covers the area along x and along z.
+    [[nodiscard]] const Texture2D &texture() const { return mask_.texture; }
+
+private:
+    struct Target {
+        Target();
+
+        Texture2D texture;
+        Framebuffer framebuffer;
+    };
+
+    void blur_into(const Target &to, const Target &from, const Program &blur,
+                   const glm::vec2 &step);
+
+    Target mask_;
+    Target half_blurred_;
+    VertexArray no_vertices_;
+};
+
+} // namespace springdrive

@@ -1,0 +1,38 @@
+// What the 3-D view shows of one moment, and how it shows it: colours and scales that panels and
+// legends need too.
+#pragma once
+
+#include "app/view/solids.h"
+#include "device/device_file.h"
+#include "device/phantom/kinematics.h"
+
+namespace springdrive {
+
+/// World is the device frame.
+struct ViewState {
+    LinkagePose linkage;
+    Vector3 tip_m{Vector3::Zero()};
+    Vector3 proxy_m{Vector3::Zero()};       ///< drawn while touching
+    Vector3 normal{Vector3::Zero()};        ///< unit, of the surface under the proxy, if touching
+    Vector3 tip_force_N{Vector3::Zero()};   ///< rendered
+    Vector3 hand_target_m{Vector3::Zero()}; ///< where the mouse wants the hand
+    bool touching = false;
+    bool hand_held = false; ///< the target is drawn brighter while the mouse holds it
+    bool tripped = false;   ///< the safety monitor stopped the device: the linkage turns red
+    Workspace workspace;
+    double floor_height_m = 0.0;
+};
+
+inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
+inline constexpr double kTipRadius_m = 2.0e-3;
+inline constexpr double kProxyRadius_m = 2.5e-3;
+inline constexpr double kLinkageCrank_m = 0.032; ///< for `linkage_pose`: looks like the device
+
+// Told apart with any kind of colour vision (after Okabe and Ito), on dark panels as well.
+inline constexpr Colour kTipColour{0.92F, 0.38F, 0.05F};
+inline constexpr Colour kProxyColour{0.34F, 0.71F, 0.91F};
+inline constexpr Colour kForceColour{1.0F, 0.86F, 0.16F};
+inline constexpr Colour kNormalColour{0.20F, 0.86F, 0.62F};
+inline constexpr Colour kHandColour{1.0F, 0.50F, 0.80F};
+
+} // namespace springdrive

@@ -1,0 +1,24 @@
+// Scene, linkage and markers.
+layout(location = 0) in vec3 position_m;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 vertex_colour; // linear
+layout(location = 3) in vec2 texture_coordinate;
+
+uniform mat4 model;
+uniform mat3 normal_matrix;
+uniform mat4 view_projection;
+uniform vec4 colour; // linear
+
+out vec3 world_position_m;
+out vec3 world_normal;
+out vec4 base_colour;
+out vec2 base_coordinate;
+
+void main() {
+    vec4 world = model * vec4(position_m, 1.0);
+    world_position_m = world.xyz;
+    world_normal = normal_matrix * normal;
+    base_colour = colour * vertex_colour;
+    base_coordinate = texture_coordinate;
+    gl_Position = view_projection * world;
+}
