@@ -1,0 +1,13 @@
+// The demo: a session, its window, and the frames between opening and closing it.
+#pragma once
+
+#include "app/command_line.h"
+
+namespace springdrive {
+
+/// Runs until the window is closed, its frames are over, or SIGINT or SIGTERM arrives.
+/// @throw InputError for what cannot be used, before the servo starts or, for files that cannot be
+///        written, after it was stopped.
+void run_demo(const DemoOptions &options);
+
+} // namespace springdrive

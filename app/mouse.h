@@ -1,0 +1,24 @@
+// What the mouse does in the scene view: the camera, and the hand.
+#pragma once
+
+#include "app/panels/layout.h"
+#include "app/session.h"
+#include "app/view/camera.h"
+
+namespace springdrive {
+
+/// Left drag moves the hand in the view plane, the wheel meanwhile in depth; right drag orbits,
+/// middle drag pans, the wheel zooms. A drag belongs to the view in which it began.
+class MouseInView {
+public:
+    void apply(Session &session, Camera &camera, const Rectangle &view);
+
+    [[nodiscard]] bool holds_hand() const { return dragging_ == Drag::hand; }
+
+private:
+    enum class Drag : unsigned char { none, hand, orbit, pan };
+
+    Drag dragging_ = Drag::none;
+};
+
+} // namespace springdrive

@@ -1,0 +1,50 @@
+#include "app/panels/look.h"
+#include "app/panels/panels.h"
+#include "app/plot.h"
+
+namespace springdrive {
+
+namespace {
+
+/// Discrimination threshold of force direction that the paper quotes from its reference [2].
+constexpr double kNoticeable_deg = 25.0;
+
+} // namespace
+
+void draw_force_direction_panel(const Session &session, const Rectangle &place) {
+    begin_panel("Force direction", place);
+    const History &history = session.history();
+    const bool transpose = session.tuning().map == MotionMap::transpose;
+
+    Plot error;
+    error.title = "angle force–normal [°]";
+    error.least_top = 10.0;
+    error.greatest_top = 60.0; // what a blow makes of the angle for a moment would flatten the rest
+    error.samples = history.size();
+    error.time_s = [&history](std::size_t i) { return history[i].time_s; };
+    ImVec4 faint = kUsedMap;
+    faint.w = 0.35F;
+    error.lines = {
+        {"every tick", faint, [&history](std::size_t i) { return history[i].used_error_deg; }},
+        {transpose ? "inverse map" : "transpose map", kOtherMap,
+         [&history](std::size_t i) { return history[i].other_error_deg; }},
+        {transpose ? "transpose, rendered" : "inverse, rendered", kUsedMap,
+         [&history](std::size_t i) { return history[i].felt_error_deg; }}};
+    error.levels = {{kNoticeable_deg, "25°: people begin to notice"}};
+
+    Plot force = error;
+    force.title = "force [N]";
+    force.least_top = 1.0;
+    force.greatest_top = 1e9;
+    force.lines = {{"rendered", kForce, [&history](std::size_t i) { return history[i].force_N; }}};
+    force.levels.clear();
+
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const float gap = ImGui::GetStyle().ItemSpacing.x;
+    draw_plot(error, {0.66F * room.x - gap, room.y});
+    ImGui::SameLine();
+    draw_plot(force, {0.34F * room.x, room.y});
+    ImGui::End();
+}
+
+} // namespace springdrive

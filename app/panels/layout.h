@@ -1,0 +1,61 @@
+// Where everything stands in the window, so that no panel ever covers the scene.
+//
+//   ┌──────────────────────┬───────────┐
+//   │                      │ Tuning    │
+//   │        scene         ├───────────┤
+//   │                      │ Servo     │
+//   ├──────────────────────┼───────────┤
+//   │ Force direction      │ Scene     │
+//   └──────────────────────┴───────────┘
+#pragma once
+
+#include <algorithm>
+#include <imgui.h>
+
+namespace springdrive {
+
+struct Rectangle {
+    ImVec2 corner; ///< top left
+    ImVec2 size;
+
+    [[nodiscard]] bool contains(ImVec2 point) const {
+        return point.x >= corner.x && point.y >= corner.y && point.x < corner.x + size.x &&
+               point.y < corner.y + size.y;
+    }
+};
+
+struct Layout {
+    Rectangle scene_view;
+    Rectangle tuning;
+    Rectangle servo;
+    Rectangle scene;
+    Rectangle force_direction;
+};
+
+/// @param size   of the window, in ImGui's units
+/// @param scale  of text and panels
+[[nodiscard]] inline Layout layout(ImVec2 size, float scale) {
+    const float column = std::min(400.0F * scale, 0.55F * size.x);
+    const float strip = std::min(190.0F * scale, 0.4F * size.y);
+    const float left = size.x - column;
+    const float tuning = std::min(318.0F * scale, 0.5F * size.y);
+    const float servo = std::min(168.0F * scale, 0.26F * size.y);
+    Layout result;
+    result.scene_view = {{0.0F, 0.0F}, {left, size.y - strip}};
+    result.force_direction = {{0.0F, size.y - strip}, {left, strip}};
+    result.tuning = {{left, 0.0F}, {column, tuning}};
+    result.servo = {{left, tuning}, {column, servo}};
+    result.scene = {{left, tuning + servo}, {column, size.y - tuning - servo}};
+    return result;
+}
+
+/// Opens a panel that stays where the layout has it. Pair with ImGui::End.
+inline void begin_panel(const char *title, const Rectangle &place) {
+    ImGui::SetNextWindowPos(place.corner);
+    ImGui::SetNextWindowSize(place.size);
+    ImGui::Begin(title, nullptr,
+                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                     ImGuiWindowFlags_NoSavedSettings);
+}
+
+} // namespace springdrive

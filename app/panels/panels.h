@@ -1,0 +1,32 @@
+// The panels: free functions that show a session and tell it what was asked for.
+#pragma once
+
+#include "app/panels/layout.h"
+#include "app/session.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+/// The six parameters with what follows from them.
+void draw_tuning_panel(Session &session, const Rectangle &place);
+
+/// The angle between rendered force and surface normal over time, with both maps.
+void draw_force_direction_panel(const Session &session, const Rectangle &place);
+
+/// Rate, jitter, compute time, and what the system refused.
+void draw_servo_panel(Session &session, const Rectangle &place);
+
+/// What the scene panel remembers between frames.
+struct ScenePanelState {
+    std::vector<std::filesystem::path> files; ///< offered in the list
+    std::string typed;                        ///< path being typed
+};
+void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place);
+
+/// Over the scene: how to use the mouse, and a banner after a safety trip.
+void draw_scene_overlay(Session &session, const Rectangle &view, float scale);
+
+} // namespace springdrive

@@ -1,0 +1,57 @@
+#include "app/panels/look.h"
+#include "app/panels/panels.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
+    const SafetyStatus &safety = session.latest().safety;
+    const float width = std::min(0.9F * view.size.x, 520.0F * scale);
+    ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), 16.0F * scale});
+    ImGui::SetNextWindowSize({width, 0.0F});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.42F, 0.09F, 0.08F, 0.96F));
+    ImGui::Begin("stopped", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings);
+    std::string text = "Stopped: " + std::string(description(safety.cause));
+    if (safety.limit > 0.0) {
+        std::array<char, 64> numbers{};
+        std::snprintf(numbers.data(), numbers.size(), " (%.3g, limit %.3g)", safety.measured,
+                      safety.limit);
+        text += numbers.data();
+    }
+    ImGui::TextWrapped("%s", text.c_str());
+    ImGui::TextWrapped("The motors brake. When all is clear:");
+    ImGui::SameLine();
+    if (ImGui::Button("Reset and ramp up")) {
+        session.reset_safety();
+    }
+    ImGui::End();
+    ImGui::PopStyleColor();
+}
+
+} // namespace
+
+void draw_scene_overlay(Session &session, const Rectangle &view, float scale) {
+    if (session.latest().safety.state == SafetyState::tripped) {
+        draw_trip_banner(session, view, scale);
+    }
+    const char *help = session.hand_follows_path()
+                           ? "the hand follows a path · right drag: orbit · middle drag: pan · "
+                             "wheel: zoom · space: emergency stop"
+                           : "left drag: move the hand, wheel meanwhile: depth · right drag: orbit "
+                             "· middle drag: pan · wheel: zoom · space: emergency stop";
+    ImDrawList &list = *ImGui::GetBackgroundDrawList();
+    const ImVec2 corner{view.corner.x + 10.0F * scale,
+                        view.corner.y + view.size.y - ImGui::GetFontSize() - 8.0F * scale};
+    list.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y});
+    list.AddText(corner, ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help);
+    list.PopClipRect();
+}
+
+} // namespace springdrive

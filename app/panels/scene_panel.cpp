@@ -1,0 +1,49 @@
+#include "app/panels/look.h"
+#include "app/panels/panels.h"
+
+#include <imgui_stdlib.h>
+
+namespace springdrive {
+
+void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place) {
+    begin_panel("Scene", place);
+    const LoadedScene &shown = session.scene();
+    ImGui::SetNextItemWidth(-1.0F);
+    if (ImGui::BeginCombo("##files", shown.scene.file.filename().c_str())) {
+        for (const std::filesystem::path &file : state.files) {
+            if (ImGui::Selectable(file.filename().c_str(), file == shown.scene.file)) {
+                session.request_scene(file);
+            }
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::SetNextItemWidth(-1.0F);
+    if (ImGui::InputTextWithHint("##path", "path of a .gltf or .glb, or drop one on the window",
+                                 &state.typed, ImGuiInputTextFlags_EnterReturnsTrue)) {
+        session.request_scene(state.typed);
+    }
+    if (session.is_loading()) {
+        ImGui::TextColored(kWarning, "loading …");
+    } else if (!session.scene_error().empty()) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
+        ImGui::TextWrapped("%s", session.scene_error().c_str());
+        ImGui::PopStyleColor();
+    }
+    const Vector3 size_mm = 1000.0 * (shown.scene.upper_m - shown.scene.lower_m);
+    ImGui::Text("%zu triangles, %.0f × %.0f × %.0f mm", shown.scene.surface.triangles.size(),
+                size_mm.x(), size_mm.y(), size_mm.z());
+    if (shown.scene.in_metres) {
+        ImGui::TextColored(kFaintInk, "scale: 1 unit = 1 m, as the file says");
+    } else {
+        ImGui::TextColored(kFaintInk, "scale: 1 unit = %.4g mm, fitted to the workspace",
+                           1000.0 * shown.scene.metres_per_unit);
+    }
+    for (const std::string &remark : shown.remarks) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+        ImGui::TextWrapped("%s", remark.c_str());
+        ImGui::PopStyleColor();
+    }
+    ImGui::End();
+}
+
+} // namespace springdrive

@@ -1,0 +1,176 @@
+#include "app/panels/panels.h"
+
+#include "app/panels/look.h"
+#include "base/input_error.h"
+#include "device/phantom/kinematics.h"
+#include "engine/control/coupling.h"
+#include "engine/control/parameters.h"
+#include "engine/control/tuning_file.h"
+
+#include <Eigen/LU>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace springdrive {
+
+namespace {
+
+/// A number with its unit, laid out as `label   value unit`.
+void show(const char *label, const char *format, double value, const char *unit,
+          const char *explanation) {
+    ImGui::TableNextColumn();
+    ImGui::TextColored(kFaintInk, "%s", label);
+    const bool hovered = ImGui::IsItemHovered();
+    ImGui::TableNextColumn();
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), format, value); // NOLINT: literals at every call
+    ImGui::Text("%s %s", digits.data(), unit);
+    if (hovered || ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s", explanation);
+    }
+}
+
+/// Enough digits for the parameter's range.
+const char *digits_for(const Parameter &parameter) {
+    if (parameter.highest >= 1000.0) {
+        return "%.0f";
+    }
+    return parameter.highest <= 0.5 ? "%.4f" : "%.3f";
+}
+
+bool edit_parameter(const Parameter &parameter, Tuning &tuning, bool in_force) {
+    double &value = tuning.*parameter.value;
+    const double before = value;
+    const std::string id(parameter.name);
+    const float font = ImGui::GetFontSize();
+    ImGui::PushID(id.c_str());
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(in_force ? kInk : kFaintInk, "%s", std::string(parameter.symbol).c_str());
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s %s\nfrom %g to %g %s", std::string(parameter.help).c_str(),
+                          std::string(parameter.equation).c_str(), parameter.lowest,
+                          parameter.highest, std::string(parameter.unit).c_str());
+    }
+    ImGui::SameLine(2.9F * font);
+    ImGui::SetNextItemWidth(9.0F * font);
+    ImGui::SliderScalar("##slider", ImGuiDataType_Double, &value, &parameter.lowest,
+                        &parameter.highest, "",
+                        parameter.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(4.6F * font);
+    ImGui::InputDouble("##typed", &value, 0.0, 0.0, digits_for(parameter));
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(kFaintInk, "%s", std::string(parameter.unit).c_str());
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - 1.7F * font);
+    if (ImGui::Button("\u21BA")) {
+        value = parameter.default_value();
+    }
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("back to %g", parameter.default_value());
+    }
+    ImGui::PopID();
+    // What was typed may be anything; what leaves here is in range.
+    if (!(value >= parameter.lowest && value <= parameter.highest)) {
+        value = std::isnan(value) ? before : std::clamp(value, parameter.lowest, parameter.highest);
+    }
+    return value != before;
+}
+
+template <typename Enum, std::size_t N>
+bool edit_choice(const char *label, Enum &value, const std::array<const char *, N> &names) {
+    int index = static_cast<int>(value);
+    const bool changed = ImGui::Combo(label, &index, names.data(), static_cast<int>(names.size()));
+    value = static_cast<Enum>(index);
+    return changed;
+}
+
+/// One button a tuning in assets/tunings.
+bool choose_preset(Tuning &tuning) {
+    bool changed = false;
+    for (const char *name : {"soft", "firm", "stiffest"}) {
+        if (ImGui::Button(name)) {
+            try {
+                tuning =
+                    read_tuning_file(asset_folder() / "tunings" / (std::string(name) + ".toml"));
+                changed = true;
+            } catch (const InputError &) {
+                // The folder went away while we ran: the button then does nothing.
+            }
+        }
+        ImGui::SameLine();
+    }
+    ImGui::NewLine();
+    return changed;
+}
+
+void show_consequences(const Session &session) {
+    const Tuning &tuning = session.tuning();
+    const ServoSample &now = session.latest();
+    const Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
+                                session.delay_samples());
+    // What the rotors' added inertia is at the tip, as a mean over directions.
+    const Matrix3 J_inverse =
+        motor_jacobian(session.device().geometry,
+                       joint_from_motor(session.device().geometry, now.theta_rad))
+            .inverse();
+    const double added_mass_g = 1000.0 * c.added_inertia_kg_m2 * J_inverse.squaredNorm() / 3.0;
+    const double stiffness = tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
+
+    if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
+        return;
+    }
+    show("K_L = K_HF", "%.2f", c.K_L_Nm_per_rad, "N·m/rad", "inductive stiffness k_T²/L (4), (14)");
+    show("K_DC", "%.3f", c.K_DC_Nm_per_rad, "N·m/rad", "static stiffness k_T K_P/dR (13)");
+    show("B_dR", "%.2e", c.B_dR_Nms_per_rad, "N·m·s/rad", "residual series damper k_T²/dR (8)");
+    show("lag τ", "%.2f", 1000.0 * c.loop_lag_s, "ms",
+         "of the velocity loop: T (a/(1 − a) + 1 + d), a = exp(−λT)");
+    show("added", "%.1e", c.added_inertia_kg_m2, "kg·m²",
+         "inertia added to each rotor in free space: k_T² τ/dR");
+    show("at the tip", "%.0f", added_mass_g, "g",
+         "the same as a mass at the tip, a mean over directions, at this configuration");
+    show("tip stiffness", "%.2f", 1e-3 * stiffness, "N/mm",
+         "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
+    show("α in force", "%.0f", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
+    ImGui::EndTable();
+    if (tuning.map == MotionMap::transpose &&
+        now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
+        ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
+                           now.alpha_bound_rad2_per_m2);
+    }
+}
+
+} // namespace
+
+void draw_tuning_panel(Session &session, const Rectangle &place) {
+    begin_panel("Tuning", place);
+    Tuning tuning = session.tuning();
+    const float font = ImGui::GetFontSize();
+    bool changed = choose_preset(tuning);
+    ImGui::SetNextItemWidth(9.0F * font);
+    constexpr std::array<const char *, 2> kMaps{"inverse (18)", "transpose (23)"};
+    changed |= edit_choice("##map", tuning.map, kMaps);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(9.0F * font);
+    constexpr std::array<const char *, 3> kAlphas{"α on the fly (29)", "α global", "α by hand"};
+    changed |= edit_choice("##alpha", tuning.alpha_mode, kAlphas);
+    for (const Parameter &parameter : kParameters) {
+        const bool is_alpha = parameter.value == &Tuning::alpha_rad2_per_m2;
+        const bool in_force = !is_alpha || tuning.alpha_mode == AlphaMode::by_hand;
+        if (edit_parameter(parameter, tuning, in_force)) {
+            changed = true;
+            // Whoever moves α wants it by hand.
+            tuning.alpha_mode = is_alpha ? AlphaMode::by_hand : tuning.alpha_mode;
+        }
+    }
+    if (changed) {
+        session.tune(tuning);
+    }
+    ImGui::Separator();
+    show_consequences(session);
+    ImGui::End();
+}
+
+} // namespace springdrive

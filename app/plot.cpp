@@ -1,0 +1,237 @@
+#include "app/plot.h"
+
+#include "app/panels/look.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace springdrive {
+
+namespace {
+
+/// 1, 2 or 5 times a power of ten: the next such above `value`.
+double round_up(double value) {
+    const double decade = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double factor : {1.0, 2.0, 5.0}) {
+        if (factor * decade >= value * (1.0 - 1e-9)) {
+            return factor * decade;
+        }
+    }
+    return 10.0 * decade;
+}
+
+ImU32 packed(ImVec4 colour, float alpha = 1.0F) {
+    colour.w *= alpha;
+    return ImGui::ColorConvertFloat4ToU32(colour);
+}
+
+/// The part of the screen that the axes frame, and the values at its borders.
+struct Frame {
+    ImVec2 lower; ///< bottom left
+    ImVec2 upper; ///< top right
+    double first_s = 0.0;
+    double last_s = 1.0;
+    double top = 1.0;
+
+    [[nodiscard]] float x(double time_s) const {
+        const double share = (time_s - first_s) / (last_s - first_s);
+        return lower.x + static_cast<float>(share) * (upper.x - lower.x);
+    }
+    [[nodiscard]] float y(double value) const {
+        const double share = std::clamp(value / top, 0.0, 1.0);
+        return lower.y + static_cast<float>(share) * (upper.y - lower.y);
+    }
+};
+
+std::size_t first_visible(const Plot &plot, double first_s) {
+    std::size_t low = 0;
+    std::size_t high = plot.samples;
+    while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (plot.time_s(middle) < first_s) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+double greatest_value(const Plot &plot, std::size_t first) {
+    double greatest = 0.0;
+    for (const PlotLine &line : plot.lines) {
+        for (std::size_t i = first; i < plot.samples; ++i) {
+            const double value = line.value(i);
+            greatest = value > greatest ? value : greatest; // a NaN is never greater
+        }
+    }
+    return greatest;
+}
+
+void draw_axes(ImDrawList &list, const Plot &plot, const Frame &frame) {
+    constexpr int kDivisions = 4;
+    const float font = ImGui::GetFontSize();
+    std::array<char, 32> text{};
+    for (int i = 0; i <= kDivisions; ++i) {
+        const double value = frame.top * i / kDivisions;
+        const float y = frame.y(value);
+        list.AddLine({frame.lower.x, y}, {frame.upper.x, y}, packed(kFaintInk, 0.22F));
+        std::snprintf(text.data(), text.size(), "%g", value);
+        const float width = ImGui::CalcTextSize(text.data()).x;
+        list.AddText({frame.lower.x - width - 0.4F * font, y - 0.5F * font}, packed(kFaintInk),
+                     text.data());
+    }
+    const double step_s = frame.upper.x - frame.lower.x > 24.0F * font ? 1.0 : 2.0;
+    for (double back_s = 0.0; back_s <= plot.span_s + 1e-9; back_s += step_s) {
+        const float x = frame.x(frame.last_s - back_s);
+        list.AddLine({x, frame.upper.y}, {x, frame.lower.y}, packed(kFaintInk, 0.12F));
+        std::snprintf(text.data(), text.size(), back_s == 0.0 ? "now" : "\u2212%.0f s", back_s);
+        const float width = ImGui::CalcTextSize(text.data()).x;
+        list.AddText({x - (back_s == 0.0 ? width : 0.5F * width), frame.lower.y + 0.15F * font},
+                     packed(kFaintInk), text.data());
+    }
+}
+
+void draw_levels(ImDrawList &list, const Plot &plot, const Frame &frame) {
+    const float font = ImGui::GetFontSize();
+    for (const PlotLevel &level : plot.levels) {
+        if (level.value > frame.top) {
+            continue;
+        }
+        const float y = frame.y(level.value);
+        for (float x = frame.lower.x; x < frame.upper.x; x += 0.8F * font) {
+            list.AddLine({x, y}, {std::min(x + 0.4F * font, frame.upper.x), y},
+                         packed(kWarning, 0.8F));
+        }
+        list.AddText({frame.lower.x + 0.4F * font, y - 1.1F * font}, packed(kWarning, 0.9F),
+                     level.label);
+    }
+}
+
+/// One upright stroke a pixel column, from the least to the greatest value there: nothing of a
+/// kilohertz of samples is lost however narrow the plot.
+void draw_line(ImDrawList &list, const Plot &plot, const PlotLine &line, const Frame &frame,
+               std::size_t first) {
+    const ImU32 colour = packed(line.colour);
+    float column = -1.0F;
+    double low = 0.0;
+    double high = 0.0;
+    ImVec2 before{-1.0F, 0.0F};
+    const auto flush = [&] {
+        if (column < 0.0F) {
+            return;
+        }
+        const float y_low = frame.y(low);
+        const float y_high = frame.y(high);
+        const float y_middle = 0.5F * (y_low + y_high);
+        if (y_low - y_high > 1.5F) {
+            list.AddLine({column, y_low}, {column, y_high}, colour, 1.5F);
+        }
+        if (before.x >= 0.0F) {
+            list.AddLine(before, {column, y_middle}, colour, 1.8F);
+        }
+        before = {column, y_middle};
+        column = -1.0F;
+    };
+    for (std::size_t i = first; i < plot.samples; ++i) {
+        const double value = line.value(i);
+        if (std::isnan(value)) {
+            flush();
+            before.x = -1.0F;
+            continue;
+        }
+        const float x = std::floor(frame.x(plot.time_s(i)));
+        if (x != column) {
+            flush();
+            column = x;
+            low = high = value;
+        }
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+    flush();
+}
+
+float legend_width(const Plot &plot) {
+    float width = 0.0F;
+    for (const PlotLine &line : plot.lines) {
+        width += ImGui::CalcTextSize(line.label).x + 2.3F * ImGui::GetFontSize();
+    }
+    return width;
+}
+
+void draw_legend(ImDrawList &list, const Plot &plot, ImVec2 right_end) {
+    const float font = ImGui::GetFontSize();
+    float x = right_end.x;
+    for (auto line = plot.lines.rbegin(); line != plot.lines.rend(); ++line) {
+        x -= ImGui::CalcTextSize(line->label).x;
+        list.AddText({x, right_end.y}, packed(kInk), line->label);
+        x -= 1.5F * font;
+        const float y = right_end.y + 0.5F * font;
+        list.AddLine({x, y}, {x + 1.1F * font, y}, packed(line->colour), 3.0F);
+        x -= 0.8F * font;
+    }
+}
+
+void show_values_under_mouse(const Plot &plot, const Frame &frame, std::size_t first) {
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (!ImGui::IsItemHovered() || mouse.x < frame.lower.x || mouse.x > frame.upper.x ||
+        plot.samples == first) {
+        return;
+    }
+    const double share = (mouse.x - frame.lower.x) / (frame.upper.x - frame.lower.x);
+    const double time_s = frame.first_s + share * (frame.last_s - frame.first_s);
+    const std::size_t at = std::min(first_visible(plot, time_s), plot.samples - 1);
+    ImGui::BeginTooltip();
+    ImGui::Text("t = %.3f s", plot.time_s(at));
+    for (const PlotLine &line : plot.lines) {
+        const double value = line.value(at);
+        if (std::isnan(value)) {
+            ImGui::TextColored(line.colour, "%s: –", line.label);
+        } else {
+            ImGui::TextColored(line.colour, "%s: %.3g", line.label, value);
+        }
+    }
+    ImGui::EndTooltip();
+}
+
+} // namespace
+
+void draw_plot(const Plot &plot, ImVec2 size) {
+    const float font = ImGui::GetFontSize();
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImDrawList &list = *ImGui::GetWindowDrawList();
+    ImGui::InvisibleButton(plot.title, size);
+
+    Frame frame;
+    frame.lower = {corner.x + 2.6F * font, corner.y + size.y - 1.3F * font};
+    frame.upper = {corner.x + size.x - 0.5F * font, corner.y + 1.6F * font};
+    frame.last_s = plot.samples > 0 ? plot.time_s(plot.samples - 1) : 0.0;
+    frame.first_s = frame.last_s - plot.span_s;
+    const std::size_t first = first_visible(plot, frame.first_s);
+    frame.top = std::min(round_up(std::max(plot.least_top, greatest_value(plot, first))),
+                         plot.greatest_top);
+
+    list.AddText(corner, packed(kInk), plot.title);
+    // Beside the title where there is room, else below it.
+    const bool beside = ImGui::CalcTextSize(plot.title).x + legend_width(plot) < size.x - font;
+    const float legend_y = beside ? corner.y : corner.y + 1.2F * font;
+    draw_legend(list, plot, {corner.x + size.x - 0.5F * font, legend_y});
+    frame.upper.y += beside ? 0.0F : 1.2F * font;
+    list.PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, true);
+    draw_axes(list, plot, frame);
+    draw_levels(list, plot, frame);
+    list.PushClipRect({frame.lower.x, frame.upper.y - 1.0F}, {frame.upper.x, frame.lower.y + 1.0F},
+                      true);
+    for (const PlotLine &line : plot.lines) {
+        draw_line(list, plot, line, frame, first);
+    }
+    list.PopClipRect();
+    list.PopClipRect();
+    show_values_under_mouse(plot, frame, first);
+}
+
+} // namespace springdrive

@@ -1,0 +1,36 @@
+// A live plot over time, drawn with ImGui's draw list.
+#pragma once
+
+#include <functional>
+#include <imgui.h>
+#include <vector>
+
+namespace springdrive {
+
+struct PlotLine {
+    const char *label = "";
+    ImVec4 colour;
+    std::function<double(std::size_t)> value; ///< of sample i; NaN leaves a gap
+};
+
+/// A level drawn across the plot.
+struct PlotLevel {
+    double value = 0.0;
+    const char *label = "";
+};
+
+struct Plot {
+    const char *title = "";    ///< with the unit
+    double span_s = 5.0;       ///< of the time axis, ending with the last sample
+    double least_top = 1.0;    ///< the value axis runs from 0 to at least this
+    double greatest_top = 1e9; ///< and to this at most; what is above is cut off
+    std::size_t samples = 0;
+    std::function<double(std::size_t)> time_s; ///< of sample i, increasing
+    std::vector<PlotLine> lines;
+    std::vector<PlotLevel> levels; ///< drawn where they lie on the axis
+};
+
+/// Draws at the cursor, `size` large, and moves the cursor below. Under the mouse: time and values.
+void draw_plot(const Plot &plot, ImVec2 size);
+
+} // namespace springdrive

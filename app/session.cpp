@@ -1,0 +1,189 @@
+#include "app/session.h"
+
+#include "base/input_error.h"
+#include "device/phantom/kinematics.h"
+#include "engine/analysis/force_direction.h"
+#include "engine/control/motion_control.h"
+#include "engine/scenario/scripted_touch.h"
+#include "engine/scene/gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kPlotted_s = 10.0;
+constexpr double kGreatestPlotRate_hz = 1000.0;
+/// What people can tell of a force's direction by hand (the paper, section V).
+constexpr double kFelt_hz = 30.0;
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+std::uint64_t plot_stride(double servo_hz) {
+    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(servo_hz / kGreatestPlotRate_hz)));
+}
+
+} // namespace
+
+std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
+                                        const Workspace &workspace) {
+    Scene scene = load_gltf(file, workspace);
+    HapticMesh mesh(scene.surface);
+    std::vector<std::string> remarks = scene.remarks;
+    return std::make_unique<LoadedScene>(
+        LoadedScene{std::move(scene), std::move(mesh), std::move(remarks)});
+}
+
+Session::Session(const DemoOptions &options)
+    : options_(options),
+      history_(static_cast<std::size_t>(kPlotted_s * options.servo_hz /
+                                        static_cast<double>(plot_stride(options.servo_hz)))),
+      plot_stride_(plot_stride(options.servo_hz)) {
+    const DeviceDescription description = read_device_file(options.device_file);
+    inputs_.tuning = options.tuning;
+    inputs_.global_alpha_rad2_per_m2 = global_alpha_bound(description);
+    scene_ = load_scene(options.scene, description.workspace);
+
+    const Vector3 &lower_m = scene_->scene.lower_m;
+    const Vector3 &upper_m = scene_->scene.upper_m;
+    SimulationOptions simulation;
+    simulation.servo_period_s = 1.0 / options.servo_hz;
+    simulation.delay_samples = options.delay_samples;
+    hand_target_m_ = start_above(description, lower_m, upper_m);
+    if (!options.path.empty()) {
+        simulation.path = HandPath::read_csv(options.path);
+        hand_target_m_ = simulation.path->points().front().position_m;
+    } else if (options.unattended()) {
+        simulation.path = scripted_touch(scene_->mesh, lower_m, upper_m, hand_target_m_);
+    }
+    hand_path_ = simulation.path;
+    device_ = std::make_unique<SimulatedPhantom>(description, simulation, hand_target_m_);
+    servo_ = std::make_unique<Servo>(*device_, options.servo_hz);
+
+    inputs_.mesh = &scene_->mesh;
+    inputs_.scene_id = 1;
+    publish();
+    if (!options.telemetry.empty()) {
+        telemetry_.emplace(options.telemetry);
+    }
+}
+
+std::vector<std::string> Session::start() {
+    if (!options_.lockstep) {
+        remarks_ = servo_->start();
+    }
+    return remarks_;
+}
+
+void Session::advance(double frame_s) {
+    if (options_.lockstep) {
+        lockstep_debt_ticks_ += frame_s * options_.servo_hz;
+        const int due = static_cast<int>(std::floor(lockstep_debt_ticks_ + 1e-9));
+        lockstep_debt_ticks_ -= due;
+        servo_->advance(due);
+    }
+    take_in_samples();
+    take_in_loaded_scene();
+}
+
+void Session::stop() {
+    servo_->stop();
+    take_in_samples();
+    if (telemetry_) {
+        telemetry_->close();
+    }
+}
+
+PlotSample Session::plot_sample(const ServoSample &sample) {
+    if (sample.contact.touching) {
+        const double pole = std::exp(-2.0 * std::numbers::pi * kFelt_hz / options_.servo_hz);
+        felt_force_N_ = pole * felt_force_N_ + (1.0 - pole) * sample.tip_force_N;
+    } else {
+        felt_force_N_.setZero();
+    }
+    const double felt = std::isnan(sample.rendered_error_rad)
+                            ? sample.rendered_error_rad
+                            : direction_error_rad(felt_force_N_, sample.contact.normal);
+    const double other =
+        sample.map == MotionMap::transpose ? sample.inverse_error_rad : sample.transpose_error_rad;
+    return {sample.time_s, sample.rendered_error_rad * kDegreesPerRadian, felt * kDegreesPerRadian,
+            other * kDegreesPerRadian, sample.tip_force_N.norm()};
+}
+
+void Session::take_in_samples() {
+    servo_->drain([this](const ServoSample &sample) {
+        latest_ = sample;
+        const PlotSample plotted = plot_sample(sample);
+        if (sample.tick % plot_stride_ == 0) {
+            history_.add(plotted);
+        }
+        if (telemetry_) {
+            telemetry_->write(sample);
+        }
+    });
+    if (hand_path_) {
+        hand_target_m_ = hand_path_->at(latest_.time_s).position_m;
+    }
+    // The servo works on the newest scene now, so it has let go of all before.
+    if (latest_.scene_id == inputs_.scene_id) {
+        retired_.clear();
+    }
+}
+
+void Session::tune(const Tuning &tuning) {
+    inputs_.tuning = tuning;
+    publish();
+}
+
+void Session::emergency_stop() {
+    inputs_.emergency_stop = true;
+    publish();
+}
+
+void Session::reset_safety() {
+    inputs_.emergency_stop = false;
+    ++inputs_.reset_count;
+    publish();
+}
+
+void Session::move_hand_to(const Vector3 &target_m) {
+    const Workspace &box = device().workspace;
+    const Vector3 within_m = target_m.cwiseMax(box.centre_m - 0.5 * box.size_m)
+                                 .cwiseMin(box.centre_m + 0.5 * box.size_m);
+    if (joint_angles_rad(device().geometry, within_m)) {
+        hand_target_m_ = within_m;
+        device_->set_hand_target(within_m);
+    }
+}
+
+void Session::request_scene(const std::filesystem::path &file) {
+    if (is_loading()) {
+        return;
+    }
+    scene_error_.clear();
+    loading_ = std::async(std::launch::async, load_scene, file, device().workspace);
+}
+
+void Session::take_in_loaded_scene() {
+    if (!loading_.valid() ||
+        loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+        return;
+    }
+    try {
+        show(loading_.get());
+    } catch (const std::exception &error) {
+        scene_error_ = error.what();
+    }
+}
+
+void Session::show(std::unique_ptr<LoadedScene> scene) {
+    retired_.push_back(std::exchange(scene_, std::move(scene)));
+    inputs_.mesh = &scene_->mesh;
+    ++inputs_.scene_id;
+    publish();
+}
+
+} // namespace springdrive

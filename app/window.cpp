@@ -1,0 +1,219 @@
+#include "app/window.h"
+
+#include "app/panels/look.h"
+#include "base/input_error.h"
+
+#include <epoxy/gl.h>
+// epoxy must come before GLFW, which would bring in another OpenGL header.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+#include <stb_image_write.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+constexpr float kFontPixels = 15.0F;
+
+/// What GLFW last complained of.
+std::string &glfw_complaint() {
+    static std::string complaint;
+    return complaint;
+}
+
+void on_glfw_error(int code, const char *text) {
+    glfw_complaint() = std::string(text) + " (GLFW " + std::to_string(code) + ")";
+}
+
+GLFWwindow *create_window(const std::string &title, Window::Size size, int samples) {
+    glfwWindowHint(GLFW_SAMPLES, samples);
+    return glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+}
+
+bool draws_in_software(GLFWwindow *window) {
+    glfwMakeContextCurrent(window);
+    const auto *renderer = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
+    const std::string_view name = renderer != nullptr ? renderer : "";
+    return name.find("llvmpipe") != std::string_view::npos ||
+           name.find("softpipe") != std::string_view::npos ||
+           name.find("SwiftShader") != std::string_view::npos;
+}
+
+float display_scale(GLFWwindow *window) {
+    float x = 1.0F;
+    float y = 1.0F;
+    glfwGetWindowContentScale(window, &x, &y);
+    // On some systems the framebuffer is scaled, not the window: then ImGui scales already.
+    int window_width = 0;
+    int framebuffer_width = 0;
+    glfwGetWindowSize(window, &window_width, nullptr);
+    glfwGetFramebufferSize(window, &framebuffer_width, nullptr);
+    const float already =
+        window_width > 0 ? static_cast<float>(framebuffer_width) / static_cast<float>(window_width)
+                         : 1.0F;
+    return std::clamp(std::max(x, y) / already, 1.0F, 4.0F);
+}
+
+} // namespace
+
+Window::Window(const std::string &title, Size size, double scale) {
+    glfwSetErrorCallback(on_glfw_error);
+    if (glfwInit() == GLFW_FALSE) {
+        throw InputError("no display: " + glfw_complaint() +
+                         "; start it from a desktop, or use ./app/run, which makes a virtual one");
+    }
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    window_ = create_window(title, size, 4);
+    if (window_ != nullptr && draws_in_software(window_)) {
+        // Four samples a pixel would cost a processor three times the frame.
+        glfwDestroyWindow(window_);
+        window_ = create_window(title, size, 0);
+    }
+    if (window_ == nullptr) {
+        const std::string why = glfw_complaint();
+        glfwTerminate();
+        throw InputError("no window with OpenGL 3.3: " + why +
+                         "; install the graphics driver, or libgl1-mesa-dri for software OpenGL");
+    }
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwShowWindow(window_);
+    scale_ = scale > 0.0 ? static_cast<float>(scale) : display_scale(window_);
+
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr; // the layout is ours; nothing is written behind backs
+    choose_font();
+    apply_look(scale_);
+    // ImGui's own callbacks call these in turn.
+    glfwSetKeyCallback(window_, on_key);
+    glfwSetDropCallback(window_, on_drop);
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+Window::~Window() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+void Window::choose_font() {
+    // Latin, Greek, and the superscripts, arrows and signs that the panels use.
+    static constexpr std::array<ImWchar, 13> kLetters{0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010,
+                                                      0x2027, 0x2070, 0x209F, 0x2190, 0x22FF,
+                                                      0x21BA, 0x21BB, 0};
+    ImGuiIO &io = ImGui::GetIO();
+    std::error_code ignored;
+    if (std::filesystem::exists(SPRINGDRIVE_FONT, ignored)) {
+        io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT, std::round(kFontPixels * scale_), nullptr,
+                                     kLetters.data());
+        return;
+    }
+    font_remark_ = "no font with Greek letters at " SPRINGDRIVE_FONT
+                   "; install fonts-dejavu-core to read the symbols";
+    ImFontConfig plain;
+    plain.SizePixels = std::round(kFontPixels * scale_);
+    io.Fonts->AddFontDefault(&plain);
+}
+
+bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }
+
+void Window::begin_frame() {
+    glfwPollEvents();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void Window::clear() {
+    const Size pixels = framebuffer();
+    glViewport(0, 0, pixels.width, pixels.height);
+    glClearColor(0.09F, 0.10F, 0.12F, 1.0F);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void Window::end_frame() {
+    ImGui::Render();
+    const Size pixels = framebuffer();
+    glViewport(0, 0, pixels.width, pixels.height);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    if (keep_last_frame_) {
+        last_frame_size_ = pixels;
+        last_frame_.resize(static_cast<std::size_t>(pixels.width) *
+                           static_cast<std::size_t>(pixels.height) * 3);
+        glPixelStorei(GL_PACK_ALIGNMENT, 1);
+        glReadPixels(0, 0, pixels.width, pixels.height, GL_RGB, GL_UNSIGNED_BYTE,
+                     last_frame_.data());
+    }
+    glfwSwapBuffers(window_);
+}
+
+Window::Size Window::framebuffer() const {
+    Size pixels;
+    glfwGetFramebufferSize(window_, &pixels.width, &pixels.height);
+    return pixels;
+}
+
+Window::Size Window::size() const {
+    Size units;
+    glfwGetWindowSize(window_, &units.width, &units.height);
+    return units;
+}
+
+bool Window::take_emergency_stop() { return std::exchange(emergency_stop_, false); }
+
+std::vector<std::filesystem::path> Window::take_dropped_files() {
+    return std::exchange(dropped_, {});
+}
+
+void Window::on_key(GLFWwindow *window, int key, int /*scancode*/, int action, int /*mods*/) {
+    if (key == GLFW_KEY_SPACE && action == GLFW_PRESS) {
+        static_cast<Window *>(glfwGetWindowUserPointer(window))->emergency_stop_ = true;
+    }
+}
+
+void Window::on_drop(GLFWwindow *window, int count, const char **paths) {
+    auto *self = static_cast<Window *>(glfwGetWindowUserPointer(window));
+    self->dropped_.assign(paths, paths + count);
+}
+
+void Window::write_screenshot(const std::filesystem::path &file) const {
+    if (last_frame_.empty()) {
+        throw InputError(file.string() + ": there is no frame to write yet");
+    }
+    const std::filesystem::path folder = file.parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+        throw InputError(file.string() + ": its folder does not exist");
+    }
+    const std::size_t row = static_cast<std::size_t>(last_frame_size_.width) * 3;
+    std::vector<unsigned char> top_down(last_frame_.size());
+    for (std::size_t y = 0; y < static_cast<std::size_t>(last_frame_size_.height); ++y) {
+        const auto from = last_frame_.end() - static_cast<std::ptrdiff_t>((y + 1) * row);
+        std::copy_n(from, row, top_down.begin() + static_cast<std::ptrdiff_t>(y * row));
+    }
+    if (stbi_write_png(file.c_str(), last_frame_size_.width, last_frame_size_.height, 3,
+                       top_down.data(), static_cast<int>(row)) == 0) {
+        throw InputError(file.string() + ": cannot be written; check its permissions and the disk");
+    }
+}
+
+} // namespace springdrive

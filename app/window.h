@@ -1,0 +1,73 @@
+// A window with OpenGL 3.3 and Dear ImGui in it.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace springdrive {
+
+class Window {
+public:
+    struct Size {
+        int width = 0;
+        int height = 0;
+    };
+
+    /// @param scale  of text and panels; 0 takes the display's own
+    /// @throw InputError where no window or no OpenGL 3.3 can be had, with the remedy.
+    Window(const std::string &title, Size size, double scale);
+    ~Window();
+    Window(const Window &) = delete;
+    Window &operator=(const Window &) = delete;
+
+    [[nodiscard]] bool is_closing() const;
+
+    /// Takes in events and opens an ImGui frame.
+    void begin_frame();
+
+    /// Draws the ImGui frame over what the caller drew, and shows it all.
+    void end_frame();
+
+    /// Clears the whole framebuffer.
+    void clear();
+
+    [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
+    [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
+    [[nodiscard]] float scale() const { return scale_; }
+
+    /// True once for every press of the space bar, however short, wherever the focus is.
+    [[nodiscard]] bool take_emergency_stop();
+
+    /// Files dropped on the window since the last call.
+    [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
+
+    /// Writes what `end_frame` last showed. @throw InputError where the file cannot be written.
+    void write_screenshot(const std::filesystem::path &file) const;
+
+    /// Why text may be missing letters; empty when the font was found.
+    [[nodiscard]] const std::string &font_remark() const { return font_remark_; }
+
+private:
+    static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
+    static void on_drop(GLFWwindow *window, int count, const char **paths);
+    void choose_font();
+
+    GLFWwindow *window_ = nullptr;
+    float scale_ = 1.0F;
+    bool emergency_stop_ = false;
+    std::vector<std::filesystem::path> dropped_;
+    std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
+    Size last_frame_size_;
+    bool keep_last_frame_ = false;
+    std::string font_remark_;
+
+public:
+    /// Keeps every frame shown from now on for `write_screenshot`; costs a read-back a frame.
+    void keep_frames(bool keep) { keep_last_frame_ = keep; }
+};
+
+} // namespace springdrive

@@ -1,0 +1,143 @@
+// Covers app/session.cpp: everything behind the window.
+#include "app/session.h"
+
+#include "base/input_error.h"
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <thread>
+
+namespace springdrive {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 60.0;
+
+DemoOptions headless() {
+    DemoOptions options;
+    options.scene = testing::assets() / "scenes/plate.gltf";
+    options.device_file = testing::assets() / "devices/phantom_1_0.toml";
+    options.lockstep = true;
+    options.frames = 600;
+    return options;
+}
+
+void run(Session &session, double seconds) {
+    for (int frame = 0; frame < static_cast<int>(std::round(seconds / kFrame_s)); ++frame) {
+        session.advance(kFrame_s);
+    }
+}
+
+/// Frames until the background loading is over, and as many more as a tick needs.
+void wait_for_scene(Session &session) {
+    while (session.is_loading()) {
+        session.advance(kFrame_s);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    session.advance(kFrame_s);
+    session.advance(kFrame_s);
+}
+
+TEST(Session, TheScriptedTouchTouchesEverySceneOfTheProject) {
+    for (const char *name : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
+        DemoOptions options = headless();
+        options.scene = testing::assets() / "scenes" / (std::string(name) + ".gltf");
+        Session session(options);
+        session.start();
+        run(session, 1.5);
+        int touching = 0;
+        for (int frame = 0; frame < 60; ++frame) {
+            session.advance(kFrame_s);
+            touching += session.latest().contact.touching ? 1 : 0;
+        }
+        EXPECT_GT(touching, 50) << name;
+        EXPECT_EQ(session.latest().safety.state, SafetyState::running) << name;
+        // The tip stays where a finger could have pushed it: near its proxy.
+        EXPECT_LT((session.latest().tip_m - session.latest().contact.x0_m).norm(), 0.01) << name;
+    }
+}
+
+TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
+    const std::filesystem::path folder = testing::fresh_folder("session");
+    std::ofstream(folder / "broken.glb") << "no glTF";
+    Session session(headless());
+    session.start();
+    run(session, 0.1);
+    session.request_scene(folder / "broken.glb");
+    wait_for_scene(session);
+    EXPECT_NE(session.scene_error().find("broken.glb"), std::string::npos);
+    EXPECT_EQ(session.scene().scene.file.filename(), "plate.gltf");
+    EXPECT_EQ(session.scene_id(), 1U);
+    session.request_scene(testing::assets() / "scenes/sphere.gltf");
+    wait_for_scene(session);
+    EXPECT_EQ(session.scene_error(), "");
+    EXPECT_EQ(session.scene().scene.file.filename(), "sphere.gltf");
+    EXPECT_EQ(session.latest().scene_id, 2U);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
+    Session session(headless());
+    session.start();
+    run(session, 1.5);
+    ASSERT_TRUE(session.latest().contact.touching);
+    for (const char *name : {"sphere", "organic", "stepped_block", "plate"}) {
+        session.request_scene(testing::assets() / "scenes" / (std::string(name) + ".gltf"));
+        wait_for_scene(session);
+        run(session, 0.2);
+        EXPECT_EQ(session.latest().safety.state, SafetyState::running) << name;
+        EXPECT_LT(session.latest().tip_force_N.norm(), 6.0) << name;
+    }
+}
+
+TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
+    Session session(headless());
+    session.start();
+    run(session, 1.0);
+    session.emergency_stop();
+    run(session, 0.1);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
+    EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
+    session.reset_safety();
+    run(session, 1.0);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::running);
+}
+
+TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
+    DemoOptions options = headless();
+    options.frames = 0; // a hand that follows no path
+    Session session(options);
+    session.start();
+    EXPECT_FALSE(session.hand_follows_path());
+    const Vector3 goal_m = session.hand_target_m() + Vector3(0.02, -0.01, 0.01);
+    session.move_hand_to(goal_m);
+    run(session, 1.5);
+    EXPECT_LT((session.latest().tip_m - goal_m).norm(), 2e-4); // encoder counts and a soft spring
+    session.move_hand_to(Vector3(5.0, 5.0, 5.0));
+    const Workspace &box = session.device().workspace;
+    EXPECT_TRUE(((session.hand_target_m() - box.centre_m).cwiseAbs().array() <=
+                 0.5 * box.size_m.array() + 1e-12)
+                    .all());
+}
+
+TEST(Session, TelemetryOnAFullDiskIsSaid) {
+    DemoOptions options = headless();
+    options.telemetry = "/dev/full";
+    Session session(options);
+    session.start();
+    EXPECT_THROW(
+        {
+            run(session, 2.0);
+            session.stop();
+        },
+        InputError);
+}
+
+} // namespace
+} // namespace springdrive

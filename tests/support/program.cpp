@@ -1,0 +1,87 @@
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <iterator>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace springdrive::testing {
+
+namespace {
+
+constexpr std::chrono::minutes kLongest{2};
+
+/// In the child: both streams into files, then the program. Never returns.
+[[noreturn]] void become_program(const std::vector<std::string> &arguments,
+                                 const std::filesystem::path &folder) {
+    const auto redirect = [](int stream, const std::filesystem::path &file) {
+        const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+        dup2(descriptor, stream);
+    };
+    redirect(STDOUT_FILENO, folder / "out");
+    redirect(STDERR_FILENO, folder / "error");
+    std::vector<char *> argv;
+    std::string program = SPRINGDRIVE_PROGRAM;
+    std::vector<std::string> copies = arguments;
+    argv.push_back(program.data());
+    for (std::string &argument : copies) {
+        argv.push_back(argument.data());
+    }
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+}
+
+} // namespace
+
+std::filesystem::path fresh_folder(const std::string &name) {
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) /
+                                         ("springdrive_" + std::to_string(getpid()) + "_" + name);
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    return folder;
+}
+
+std::string contents_of(const std::filesystem::path &file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+Ending run_program(const std::vector<std::string> &arguments, int signal,
+                   std::chrono::milliseconds wait) {
+    const std::filesystem::path folder = fresh_folder("streams");
+    const pid_t child = fork();
+    if (child == 0) {
+        become_program(arguments, folder);
+    }
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    Clock::time_point signalled = start;
+    if (signal != 0) {
+        std::this_thread::sleep_for(wait);
+        signalled = Clock::now();
+        kill(child, signal);
+    }
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        if (Clock::now() - start > kLongest) {
+            kill(child, SIGKILL);
+        }
+    }
+    Ending ending;
+    ending.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    ending.out = contents_of(folder / "out");
+    ending.error = contents_of(folder / "error");
+    ending.after_signal = Clock::now() - signalled;
+    std::filesystem::remove_all(folder);
+    return ending;
+}
+
+} // namespace springdrive::testing

@@ -1,0 +1,29 @@
+// Runs the springdrive program as a user would, and keeps what it said.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+
+struct Ending {
+    int exit_status = -1; ///< −1 when a signal ended it
+    std::string out;
+    std::string error;
+    std::chrono::duration<double> after_signal{0.0};
+};
+
+/// @param signal    sent after `wait`; 0 for none
+/// @param wait      how long to leave it alone before that
+/// The program is killed after two minutes, which ends as exit status −1.
+[[nodiscard]] Ending run_program(const std::vector<std::string> &arguments, int signal = 0,
+                                 std::chrono::milliseconds wait = {});
+
+/// A folder of its own for one test, empty.
+[[nodiscard]] std::filesystem::path fresh_folder(const std::string &name);
+
+[[nodiscard]] std::string contents_of(const std::filesystem::path &file);
+
+} // namespace springdrive::testing
