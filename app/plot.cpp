@@ -84,13 +84,13 @@ void draw_axes(ImDrawList &list, const Plot &plot, const Frame &frame) {
         list.AddText({frame.lower.x - width - 0.4F * font, y - 0.5F * font}, packed(kFaintInk),
                      text.data());
     }
-    const double step_s = frame.upper.x - frame.lower.x > 24.0F * font ? 1.0 : 2.0;
-    for (double back_s = 0.0; back_s <= plot.span_s + 1e-9; back_s += step_s) {
+    const int step_s = frame.upper.x - frame.lower.x > 24.0F * font ? 1 : 2;
+    for (int back_s = 0; back_s <= plot.span_s; back_s += step_s) {
         const float x = frame.x(frame.last_s - back_s);
         list.AddLine({x, frame.upper.y}, {x, frame.lower.y}, packed(kFaintInk, 0.12F));
-        std::snprintf(text.data(), text.size(), back_s == 0.0 ? "now" : "\u2212%.0f s", back_s);
+        std::snprintf(text.data(), text.size(), back_s == 0 ? "now" : "\u2212%d s", back_s);
         const float width = ImGui::CalcTextSize(text.data()).x;
-        list.AddText({x - (back_s == 0.0 ? width : 0.5F * width), frame.lower.y + 0.15F * font},
+        list.AddText({x - (back_s == 0 ? width : 0.5F * width), frame.lower.y + 0.15F * font},
                      packed(kFaintInk), text.data());
     }
 }
@@ -102,9 +102,11 @@ void draw_levels(ImDrawList &list, const Plot &plot, const Frame &frame) {
             continue;
         }
         const float y = frame.y(level.value);
-        for (float x = frame.lower.x; x < frame.upper.x; x += 0.8F * font) {
-            list.AddLine({x, y}, {std::min(x + 0.4F * font, frame.upper.x), y},
-                         packed(kWarning, 0.8F));
+        const float dash = 0.4F * font;
+        const int dashes = static_cast<int>((frame.upper.x - frame.lower.x) / (2.0F * dash));
+        for (int i = 0; i < dashes; ++i) {
+            const float x = frame.lower.x + 2.0F * dash * static_cast<float>(i);
+            list.AddLine({x, y}, {x + dash, y}, packed(kWarning, 0.8F));
         }
         list.AddText({frame.lower.x + 0.4F * font, y - 1.1F * font}, packed(kWarning, 0.9F),
                      level.label);
@@ -166,12 +168,13 @@ float legend_width(const Plot &plot) {
 void draw_legend(ImDrawList &list, const Plot &plot, ImVec2 right_end) {
     const float font = ImGui::GetFontSize();
     float x = right_end.x;
-    for (auto line = plot.lines.rbegin(); line != plot.lines.rend(); ++line) {
-        x -= ImGui::CalcTextSize(line->label).x;
-        list.AddText({x, right_end.y}, packed(kInk), line->label);
+    for (std::size_t i = plot.lines.size(); i-- > 0;) {
+        const PlotLine &line = plot.lines[i];
+        x -= ImGui::CalcTextSize(line.label).x;
+        list.AddText({x, right_end.y}, packed(kInk), line.label);
         x -= 1.5F * font;
         const float y = right_end.y + 0.5F * font;
-        list.AddLine({x, y}, {x + 1.1F * font, y}, packed(line->colour), 3.0F);
+        list.AddLine({x, y}, {x + 1.1F * font, y}, packed(line.colour), 3.0F);
         x -= 0.8F * font;
     }
 }

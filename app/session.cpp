@@ -3,12 +3,14 @@
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
 #include "engine/analysis/force_direction.h"
+#include "engine/contact/mesh_remarks.h"
 #include "engine/control/motion_control.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/scene/gltf.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -33,6 +35,8 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
     Scene scene = load_gltf(file, workspace);
     HapticMesh mesh(scene.surface);
     std::vector<std::string> remarks = scene.remarks;
+    std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
+                      std::back_inserter(remarks));
     return std::make_unique<LoadedScene>(
         LoadedScene{std::move(scene), std::move(mesh), std::move(remarks)});
 }

@@ -140,7 +140,7 @@ Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept 
     const Matrix3 J_rate =
         joint_jacobian_rate(geometry, q_middle, joint_from_motor(geometry, v_expected)) *
         ratio_inverse.asDiagonal();
-    const Matrix3 JtJ = J.transpose() * J;
+    const Matrix3 Jt_J = J.transpose() * J;
 
     // The hand's spring pulls at the middle of the step, half of it known beforehand; at its
     // greatest force it no longer stiffens.
@@ -152,8 +152,8 @@ Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept 
     const double force_per_velocity = hand.damping_Ns_per_m + 0.5 * h * stiffness;
 
     const double mass = description_.tip_mass_kg + hand.mass_kg;
-    Matrix3 inertia = mass * JtJ;
-    Matrix3 resistance = force_per_velocity * JtJ;
+    Matrix3 inertia = mass * Jt_J;
+    Matrix3 resistance = force_per_velocity * Jt_J;
     Vector3 torque = J.transpose() * (known_force - mass * (J_rate * v_expected));
 
     Vector3 net_voltage = Vector3::Zero();

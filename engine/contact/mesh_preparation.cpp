@@ -150,6 +150,13 @@ PreparedMesh prepare_mesh(const TriangleSoup &soup) {
         mesh.facets.push_back(
             {corners, bounds_volume ? FacetSides::one : FacetSides::two, welded[i].triangle});
     }
+    report.left_out_of_material.assign(soup.materials.size(), 0);
+    for (const std::uint16_t material : soup.material_of_triangle) {
+        ++report.left_out_of_material[material];
+    }
+    for (const FacetSource &facet : mesh.facets) {
+        --report.left_out_of_material[soup.material_of_triangle[facet.triangle]];
+    }
     report.triangles_kept = mesh.facets.size();
     return mesh;
 }

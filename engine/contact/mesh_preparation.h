@@ -23,6 +23,7 @@ struct MeshReport {
     std::size_t components = 0;           ///< connected over edges
     std::size_t closed_components = 0;    ///< bound a volume: touchable from outside only
     std::size_t inward_components = 0;    ///< closed, but wound to face inwards
+    std::vector<std::size_t> left_out_of_material; ///< degenerate and duplicate, each material's
 };
 
 struct PreparedMesh {

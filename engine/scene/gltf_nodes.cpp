@@ -6,7 +6,6 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <ranges>
 
 namespace springdrive::gltf {
 
@@ -131,9 +130,9 @@ struct Visit {
 
 void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
               const Eigen::Affine3d &to_world, double eta) {
-    for (const int node : std::views::reverse(nodes)) {
+    std::for_each(nodes.rbegin(), nodes.rend(), [&](int node) {
         stack.push_back({node, to_world, eta});
-    }
+    });
 }
 
 } // namespace

@@ -18,7 +18,7 @@ namespace {
 constexpr int kPriority = 80;
 
 /// More stack than a tick uses by an order of magnitude.
-constexpr std::size_t kStackTouched = 128 * 1024;
+constexpr std::size_t kStackTouched = std::size_t{128} * 1024;
 
 /// The command that lifts one limit for the user who runs it.
 std::string allow(const std::string &limit) {
@@ -27,7 +27,8 @@ std::string allow(const std::string &limit) {
 }
 
 void touch_stack() {
-    std::array<volatile char, kStackTouched> pages;
+    std::array<volatile char, kStackTouched>
+        pages; // NOLINT(cppcoreguidelines-pro-type-member-init)
     for (std::size_t i = 0; i < pages.size(); i += 1024) {
         pages[i] = 0;
     }

@@ -62,6 +62,28 @@ TEST(Session, TheScriptedTouchTouchesEverySceneOfTheProject) {
     }
 }
 
+TEST(Session, TheScriptedTouchTouchesFilesThatNobodyHereMade) {
+    const std::filesystem::path models = SPRINGDRIVE_MODELS_DIR;
+    if (!std::filesystem::exists(models)) {
+        GTEST_SKIP() << "no models beside the project";
+    }
+    for (const char *name :
+         {"2CylinderEngine", "Box", "DenseSphere", "ShapeCollection", "chr_knight"}) {
+        DemoOptions options = headless();
+        options.scene = models / (std::string(name) + ".glb");
+        Session session(options);
+        session.start();
+        run(session, 1.5);
+        int touching = 0;
+        for (int frame = 0; frame < 60; ++frame) {
+            session.advance(kFrame_s);
+            touching += session.latest().contact.touching ? 1 : 0;
+        }
+        EXPECT_GT(touching, 30) << name; // the knight's helmet has steps to fall off
+        EXPECT_EQ(session.latest().safety.state, SafetyState::running) << name;
+    }
+}
+
 TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
     const std::filesystem::path folder = testing::fresh_folder("session");
     std::ofstream(folder / "broken.glb") << "no glTF";

@@ -29,6 +29,7 @@ TEST(VertexWelding, FindsPositiveAndNegativeZeroEqual) {
 
 TEST(VertexWelding, MovesNoVertexByMoreThanTheToleranceAlongAChain) {
     std::vector<Vector3> chain;
+    chain.reserve(100);
     for (int i = 0; i < 100; ++i) {
         chain.emplace_back(0.7 * kTolerance_m * i, 0.0, 0.0);
     }

@@ -84,10 +84,10 @@ struct Rig {
         inputs.global_alpha_rad2_per_m2 = 3000.0;
     }
 
-    Vector3 start() const {
+    [[nodiscard]] Vector3 start() const {
         return start_above(description, scene->scene.lower_m, scene->scene.upper_m);
     }
-    SimulationOptions options() const {
+    [[nodiscard]] SimulationOptions options() const {
         SimulationOptions simulation;
         simulation.path =
             scripted_touch(scene->mesh, scene->scene.lower_m, scene->scene.upper_m, start());
