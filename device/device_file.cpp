@@ -1,6 +1,7 @@
 #include "device/device_file.h"
 
 #include "base/strict_toml.h"
+#include "device/phantom/kinematics.h"
 
 namespace springdrive {
 
@@ -55,6 +56,9 @@ DeviceDescription read_device_file(const std::filesystem::path &path) {
     StrictTomlTable workspace = file.table("workspace");
     device.workspace.centre_m = workspace.vector("centre_m", {-2.0, 2.0});
     device.workspace.size_m = workspace.vector("size_m", {0.01, 2.0});
+    if (!joint_angles_rad(device.geometry, device.workspace.centre_m)) {
+        workspace.refuse("centre_m", "is out of reach; it must be a point that the tip can reach");
+    }
     workspace.refuse_unknown_keys();
 
     StrictTomlTable limits = file.table("limits");

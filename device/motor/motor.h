@@ -1,6 +1,8 @@
 // A brushed DC motor behind a spring-drive amplifier: equations (1)–(8), (11) of the paper.
 #pragma once
 
+#include <algorithm>
+
 namespace springdrive {
 
 /// Data sheet of one motor and the limits of its amplifier. The values come from a device file.
@@ -12,6 +14,16 @@ struct MotorParameters {
     double supply_V = 0.0;       ///< largest |e_W| that the amplifier passes on
     double peak_current_A = 0.0; ///< stall current; the safety monitor trips above it
 };
+
+/// The least share of R that an amplifier leaves: never a net resistance of zero or less (7).
+inline constexpr double kLeastResidualShare = 0.005;
+
+/// dR that results when `dR_Ohm` is asked for: R̂ = R − dR can be neither negative nor nearer to R
+/// than kLeastResidualShare.
+[[nodiscard]] constexpr double residual_resistance_Ohm(const MotorParameters &motor,
+                                                       double dR_Ohm) {
+    return std::clamp(dR_Ohm, kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm);
+}
 
 /// K_L = k_T²/L (4) [N·m/rad]: the inductance seen as a spring; also K_HF (14).
 [[nodiscard]] constexpr double inductive_stiffness_Nm_per_rad(const MotorParameters &motor) {

@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -13,6 +14,9 @@
 namespace springdrive {
 
 namespace {
+
+/// No hand is farther from a desk: a value beyond is a slip of unit.
+constexpr double kFarthest_m = 5.0;
 
 std::string_view trimmed(std::string_view text) {
     const std::string_view blanks = " \t\r";
@@ -68,6 +72,8 @@ HandPath HandPath::read_csv(const std::filesystem::path &file) {
     for (int number = 1; std::getline(stream, line); ++number) {
         const std::string where = file.string() + ":" + std::to_string(number) + ": ";
         if (number == 1) {
+            constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+            line.erase(0, line.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
             if (trimmed(line) != "t,x,y,z") {
                 throw InputError(where + "the first line must be t,x,y,z (seconds and metres)");
             }
@@ -79,6 +85,10 @@ HandPath HandPath::read_csv(const std::filesystem::path &file) {
         std::array<double, 4> row{};
         if (!parse_row(line, row)) {
             throw InputError(where + "must hold four finite numbers t,x,y,z");
+        }
+        if (std::max({std::abs(row[1]), std::abs(row[2]), std::abs(row[3])}) > kFarthest_m) {
+            throw InputError(where + "is more than " + std::to_string(kFarthest_m).substr(0, 1) +
+                             " m away; coordinates are metres");
         }
         if (!points.empty() && row[0] <= points.back().time_s) {
             throw InputError(where + "its time does not come after the line before");

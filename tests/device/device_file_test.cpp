@@ -81,6 +81,8 @@ TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
     expect_all(complaint("resistance_Ohm = 2.18", ""), {"motor.resistance_Ohm", "missing"});
     expect_all(complaint("resistance_Ohm", "resistence_Ohm"), {"missing"});
     expect_all(complaint("supply_V", "colour = 1\nsupply_V"), {"motor.colour", "not known"});
+    expect_all(complaint("[0.0, 0.030, -0.015]", "[0.0, 1.0, 0.0]"),
+               {"workspace.centre_m", "out of reach"});
     expect_all(complaint("[limits]", "[limit]"), {"limits", "missing"});
     expect_all(complaint("name = ", "name : "), {":2:", "not valid TOML"});
     expect_all(complaint("0.1397 ", "139.7 "), {"linkage.upper_arm_m", "139.7"}); // millimetres

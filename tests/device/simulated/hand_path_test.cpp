@@ -53,6 +53,8 @@ TEST(HandPath, SaysWhichLineIsWrong) {
     EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,nan,0,0\n").find(":3:"), std::string::npos);
     EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,2mm,0,0\n").find(":3:"), std::string::npos);
     EXPECT_NE(complaint("t,x,y,z\n1,0,0,0\n1,0,0,0\n").find(":3:"), std::string::npos);
+    EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,0,5.1,0\n").find(":3:"), std::string::npos);
+    EXPECT_EQ(complaint("\xEF\xBB\xBFt,x,y,z\n0,0,0,0\n1,0,4.9,0\n"), "");
     EXPECT_NE(complaint("t,x,y,z\n").find("no point"), std::string::npos);
     EXPECT_NE(complaint("").find("no point"), std::string::npos);
     EXPECT_THROW(static_cast<void>(HandPath::read_csv("no such file.csv")), InputError);
