@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -64,7 +65,7 @@ public:
     Screen(const DemoOptions &options, Session &session)
         : window_("springdrive", {options.width, options.height}, options.scale),
           session_(session) {
-        panel_.files = offered_scenes(options.scene);
+        scene_panel_.files = offered_scenes(options.scene);
         window_.keep_frames(!options.screenshot.empty());
         if (!window_.font_remark().empty()) {
             std::cerr << "springdrive: " << window_.font_remark() << '\n';
@@ -87,9 +88,9 @@ public:
         mouse_.apply(session_, camera_, places.scene_view);
         window_.clear();
         draw_scene(places.scene_view);
-        draw_tuning_panel(session_, places.tuning);
+        draw_tuning_panel(session_, tuning_panel_, places.tuning);
         draw_servo_panel(session_, places.servo);
-        draw_scene_panel(session_, panel_, places.scene);
+        draw_scene_panel(session_, scene_panel_, places.scene);
         draw_force_direction_panel(session_, places.force_direction);
         draw_scene_overlay(session_, places.scene_view, window_.scale());
         window_.end_frame();
@@ -160,7 +161,8 @@ private:
     Renderer renderer_;
     Camera camera_;
     MouseInView mouse_;
-    ScenePanelState panel_;
+    TuningPanelState tuning_panel_;
+    ScenePanelState scene_panel_;
     std::uint32_t shown_scene_ = 0;
 };
 
@@ -185,7 +187,7 @@ void report(const DemoOptions &options, Session &session) {
     }
     const SafetyStatus &safety = session.latest().safety;
     if (safety.state == SafetyState::tripped) {
-        std::cout << "safety: stopped, " << description(safety.cause) << '\n';
+        std::cout << "safety: stopped, " << description(safety) << '\n';
     }
     if (!options.screenshot.empty()) {
         std::cout << "screenshot: " << options.screenshot.string() << '\n';
@@ -250,6 +252,12 @@ void run_demo(const DemoOptions &options) {
     }
     if (options.unattended()) {
         report(options, session);
+    }
+    if (session.is_loading()) {
+        // A scene is still being read, and nobody waits for it any more. The device has its safe
+        // state and the files are written; the rest the system takes back.
+        std::cout.flush();
+        std::quick_exit(0);
     }
 }
 

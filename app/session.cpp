@@ -12,6 +12,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <thread>
 #include <utility>
 
 namespace springdrive {
@@ -23,6 +24,24 @@ constexpr double kGreatestPlotRate_hz = 1000.0;
 /// What people can tell of a force's direction by hand (the paper, section V).
 constexpr double kFelt_hz = 30.0;
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// The last point in reach on the way from the workspace's centre to `wanted_m`.
+Vector3 nearest_in_reach(const DeviceDescription &device, const Vector3 &wanted_m) {
+    if (joint_angles_rad(device.geometry, wanted_m)) {
+        return wanted_m;
+    }
+    double in_reach = 0.0;
+    double out_of_reach = 1.0;
+    const Vector3 way_m = wanted_m - device.workspace.centre_m;
+    for (int halving = 0; halving < 20; ++halving) {
+        const double middle = 0.5 * (in_reach + out_of_reach);
+        const bool reached =
+            joint_angles_rad(device.geometry, device.workspace.centre_m + middle * way_m)
+                .has_value();
+        (reached ? in_reach : out_of_reach) = middle;
+    }
+    return device.workspace.centre_m + in_reach * way_m;
+}
 
 std::uint64_t plot_stride(double servo_hz) {
     return static_cast<std::uint64_t>(std::max(1.0, std::ceil(servo_hz / kGreatestPlotRate_hz)));
@@ -61,7 +80,8 @@ Session::Session(const DemoOptions &options)
         simulation.path = HandPath::read_csv(options.path);
         hand_target_m_ = simulation.path->points().front().position_m;
     } else if (options.unattended()) {
-        simulation.path = scripted_touch(scene_->mesh, lower_m, upper_m, hand_target_m_);
+        simulation.path =
+            scripted_touch(description, scene_->mesh, lower_m, upper_m, hand_target_m_);
     }
     hand_path_ = simulation.path;
     device_ = std::make_unique<SimulatedPhantom>(description, simulation, hand_target_m_);
@@ -157,18 +177,21 @@ void Session::move_hand_to(const Vector3 &target_m) {
     const Workspace &box = device().workspace;
     const Vector3 within_m = target_m.cwiseMax(box.centre_m - 0.5 * box.size_m)
                                  .cwiseMin(box.centre_m + 0.5 * box.size_m);
-    if (joint_angles_rad(device().geometry, within_m)) {
-        hand_target_m_ = within_m;
-        device_->set_hand_target(within_m);
-    }
+    hand_target_m_ = nearest_in_reach(device(), within_m);
+    device_->set_hand_target(hand_target_m_);
 }
 
 void Session::request_scene(const std::filesystem::path &file) {
     if (is_loading()) {
+        next_file_ = file; // the last one asked for wins
         return;
     }
     scene_error_.clear();
-    loading_ = std::async(std::launch::async, load_scene, file, device().workspace);
+    std::packaged_task<std::unique_ptr<LoadedScene>()> load(
+        [file, workspace = device().workspace] { return load_scene(file, workspace); });
+    loading_ = load.get_future();
+    // Detached, so that whoever closes the window need not wait for a large file.
+    std::thread(std::move(load)).detach();
 }
 
 void Session::take_in_loaded_scene() {
@@ -180,6 +203,9 @@ void Session::take_in_loaded_scene() {
         show(loading_.get());
     } catch (const std::exception &error) {
         scene_error_ = error.what();
+    }
+    if (next_file_) {
+        request_scene(*std::exchange(next_file_, std::nullopt));
     }
 }
 

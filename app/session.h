@@ -86,6 +86,7 @@ private:
     std::unique_ptr<LoadedScene> scene_;
     std::vector<std::unique_ptr<LoadedScene>> retired_; ///< until the servo has let go of them
     std::future<std::unique_ptr<LoadedScene>> loading_;
+    std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
     std::string scene_error_;
 
     std::unique_ptr<SimulatedPhantom> device_;

@@ -4,14 +4,23 @@
 #include "app/panels/layout.h"
 #include "app/session.h"
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace springdrive {
 
+/// What the tuning panel remembers between frames: a number is in force only once it is typed to
+/// its end, since on the way from 1 to 0.5 stands 0.
+struct TuningPanelState {
+    std::optional<std::size_t> typing; ///< which parameter
+    double typed = 0.0;
+};
+
 /// The six parameters with what follows from them.
-void draw_tuning_panel(Session &session, const Rectangle &place);
+void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place);
 
 /// The angle between rendered force and surface normal over time, with both maps.
 void draw_force_direction_panel(const Session &session, const Rectangle &place);

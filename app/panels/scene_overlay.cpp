@@ -1,9 +1,7 @@
 #include "app/panels/look.h"
 #include "app/panels/panels.h"
 
-#include <array>
-#include <cstdio>
-#include <string>
+#include <algorithm>
 
 namespace springdrive {
 
@@ -17,18 +15,9 @@ void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.42F, 0.09F, 0.08F, 0.96F));
     ImGui::Begin("stopped", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoSavedSettings);
-    std::string text = "Stopped: " + std::string(description(safety.cause));
-    if (safety.limit > 0.0) {
-        std::array<char, 64> numbers{};
-        std::snprintf(numbers.data(), numbers.size(), " (%.3g, limit %.3g)", safety.measured,
-                      safety.limit);
-        text += numbers.data();
-    }
-    ImGui::TextWrapped("%s", text.c_str());
-    ImGui::TextWrapped("The motors brake. When all is clear:");
-    ImGui::SameLine();
-    if (ImGui::Button("Reset and ramp up")) {
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+    ImGui::TextWrapped("Stopped: %s. The motors brake.", description(safety).c_str());
+    if (ImGui::Button("All is clear: reset and ramp up")) {
         session.reset_safety();
     }
     ImGui::End();
@@ -47,10 +36,13 @@ void draw_scene_overlay(Session &session, const Rectangle &view, float scale) {
                            : "left drag: move the hand, wheel meanwhile: depth · right drag: orbit "
                              "· middle drag: pan · wheel: zoom · space: emergency stop";
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
-    const ImVec2 corner{view.corner.x + 10.0F * scale,
-                        view.corner.y + view.size.y - ImGui::GetFontSize() - 8.0F * scale};
+    const float margin = 10.0F * scale;
+    const float wrap = view.size.x - 2.0F * margin;
+    const float height = ImGui::CalcTextSize(help, nullptr, false, wrap).y;
+    const ImVec2 corner{view.corner.x + margin, view.corner.y + view.size.y - height - margin};
     list.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y});
-    list.AddText(corner, ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help);
+    list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), corner,
+                 ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help, nullptr, wrap);
     list.PopClipRect();
 }
 

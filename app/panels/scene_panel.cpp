@@ -18,8 +18,8 @@ void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle 
         ImGui::EndCombo();
     }
     ImGui::SetNextItemWidth(-1.0F);
-    if (ImGui::InputTextWithHint("##path", "path of a .gltf or .glb, or drop one on the window",
-                                 &state.typed, ImGuiInputTextFlags_EnterReturnsTrue)) {
+    if (ImGui::InputTextWithHint("##path", "path of a glTF file, or drop one here", &state.typed,
+                                 ImGuiInputTextFlags_EnterReturnsTrue)) {
         session.request_scene(state.typed);
     }
     if (session.is_loading()) {

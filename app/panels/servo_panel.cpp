@@ -19,7 +19,7 @@ void show_state(Session &session) {
         ImGui::TextColored(kGood, "running");
         break;
     case SafetyState::tripped:
-        ImGui::TextColored(kDanger, "stopped: %s", std::string(description(safety.cause)).c_str());
+        ImGui::TextColored(kDanger, "stopped: %s", description(safety).c_str());
         break;
     }
     ImGui::SameLine();

@@ -40,7 +40,24 @@ const char *digits_for(const Parameter &parameter) {
     return parameter.highest <= 0.5 ? "%.4f" : "%.3f";
 }
 
-bool edit_parameter(const Parameter &parameter, Tuning &tuning, bool in_force) {
+/// The number beside the slider. It counts when it is finished, by Enter or by leaving it.
+void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
+    double shown = state.typing == index ? state.typed : value;
+    ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
+    ImGui::InputDouble("##typed", &shown, 0.0, 0.0, digits_for(kParameters[index]));
+    if (ImGui::IsItemActive()) {
+        state = {index, shown};
+    }
+    if (ImGui::IsItemDeactivatedAfterEdit()) {
+        value = state.typed;
+    }
+    if (ImGui::IsItemDeactivated()) {
+        state = {};
+    }
+}
+
+bool edit_parameter(std::size_t index, Tuning &tuning, TuningPanelState &state, bool in_force) {
+    const Parameter &parameter = kParameters[index];
     double &value = tuning.*parameter.value;
     const double before = value;
     const std::string id(parameter.name);
@@ -59,8 +76,7 @@ bool edit_parameter(const Parameter &parameter, Tuning &tuning, bool in_force) {
                         &parameter.highest, "",
                         parameter.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     ImGui::SameLine();
-    ImGui::SetNextItemWidth(4.6F * font);
-    ImGui::InputDouble("##typed", &value, 0.0, 0.0, digits_for(parameter));
+    edit_typed(state, index, value);
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     ImGui::TextColored(kFaintInk, "%s", std::string(parameter.unit).c_str());
@@ -109,14 +125,15 @@ bool choose_preset(Tuning &tuning) {
 void show_consequences(const Session &session) {
     const Tuning &tuning = session.tuning();
     const ServoSample &now = session.latest();
-    const Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
-                                session.delay_samples());
+    Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
+                          session.delay_samples());
     // What the rotors' added inertia is at the tip, as a mean over directions.
     const Matrix3 J_inverse =
         motor_jacobian(session.device().geometry,
                        joint_from_motor(session.device().geometry, now.theta_rad))
             .inverse();
     const double added_mass_g = 1000.0 * c.added_inertia_kg_m2 * J_inverse.squaredNorm() / 3.0;
+    c.K_DC_Nm_per_rad = mean_static_stiffness_Nm_per_rad(session.device(), tuning);
     const double stiffness = tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
 
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
@@ -144,7 +161,7 @@ void show_consequences(const Session &session) {
 
 } // namespace
 
-void draw_tuning_panel(Session &session, const Rectangle &place) {
+void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place) {
     begin_panel("Tuning", place);
     Tuning tuning = session.tuning();
     const float font = ImGui::GetFontSize();
@@ -156,10 +173,11 @@ void draw_tuning_panel(Session &session, const Rectangle &place) {
     ImGui::SetNextItemWidth(9.0F * font);
     constexpr std::array<const char *, 3> kAlphas{"α on the fly (29)", "α global", "α by hand"};
     changed |= edit_choice("##alpha", tuning.alpha_mode, kAlphas);
-    for (const Parameter &parameter : kParameters) {
+    for (std::size_t i = 0; i < kParameters.size(); ++i) {
+        const Parameter &parameter = kParameters[i];
         const bool is_alpha = parameter.value == &Tuning::alpha_rad2_per_m2;
         const bool in_force = !is_alpha || tuning.alpha_mode == AlphaMode::by_hand;
-        if (edit_parameter(parameter, tuning, in_force)) {
+        if (edit_parameter(i, tuning, state, in_force)) {
             changed = true;
             // Whoever moves α wants it by hand.
             tuning.alpha_mode = is_alpha ? AlphaMode::by_hand : tuning.alpha_mode;

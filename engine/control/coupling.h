@@ -1,6 +1,7 @@
 // What follows from a tuning: the numbers that the tuning panel shows beside the sliders.
 #pragma once
 
+#include "device/device_file.h"
 #include "device/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"
@@ -25,12 +26,23 @@ struct Coupling {
     const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
     Coupling c;
     c.K_L_Nm_per_rad = inductive_stiffness_Nm_per_rad(motor);
-    c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / tuning.dR_Ohm;
+    const double dR_Ohm = residual_resistance_Ohm(motor, tuning.dR_Ohm);
+    c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / dR_Ohm;
     c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
-    c.B_dR_Nms_per_rad = series_damping_Nms_per_rad(motor, tuning.dR_Ohm);
+    c.B_dR_Nms_per_rad = series_damping_Nms_per_rad(motor, dR_Ohm);
     c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_samples);
     c.added_inertia_kg_m2 = c.B_dR_Nms_per_rad * c.loop_lag_s;
     return c;
+}
+
+/// k̄: K_DC as a mean over motors that may differ [N·m/rad].
+[[nodiscard]] inline double mean_static_stiffness_Nm_per_rad(const DeviceDescription &device,
+                                                             const Tuning &tuning) {
+    double sum = 0.0;
+    for (const MotorParameters &motor : device.motor) {
+        sum += coupling(motor, tuning, 1.0, 0).K_DC_Nm_per_rad;
+    }
+    return sum / static_cast<double>(device.motor.size());
 }
 
 /// Static tip stiffness of the transpose map (27) behind an η: (1 − η) α K_DC [N/m].

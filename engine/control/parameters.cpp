@@ -5,15 +5,11 @@
 
 namespace springdrive {
 
-namespace {
-
-/// Written so that a NaN lies in no range.
+// Written so that a NaN lies in no range.
 bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept {
     const double value = tuning.*parameter.value;
     return value >= parameter.lowest && value <= parameter.highest;
 }
-
-} // namespace
 
 bool is_valid(const Tuning &tuning) noexcept {
     return std::all_of(kParameters.begin(), kParameters.end(),
@@ -30,6 +26,23 @@ std::string what_is_wrong_with(const Tuning &tuning) {
         }
     }
     return {};
+}
+
+std::optional<MotionMap> motion_map_named(std::string_view name) {
+    if (name == "inverse") {
+        return MotionMap::inverse;
+    }
+    return name == "transpose" ? std::optional(MotionMap::transpose) : std::nullopt;
+}
+
+std::optional<AlphaMode> alpha_mode_named(std::string_view name) {
+    if (name == "on_the_fly") {
+        return AlphaMode::on_the_fly;
+    }
+    if (name == "global") {
+        return AlphaMode::global;
+    }
+    return name == "by_hand" ? std::optional(AlphaMode::by_hand) : std::nullopt;
 }
 
 } // namespace springdrive

@@ -5,6 +5,7 @@
 #include "engine/control/tuning.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,11 +41,20 @@ inline constexpr std::array<Parameter, 6> kParameters{{
      "0 rigid, 1 free space: the stiffness is scaled by 1 − η on top of the surface's own η"},
 }};
 
+/// False for a NaN too. RT-safe.
+[[nodiscard]] bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept;
+
 /// Why `tuning` cannot be used: the first parameter out of its range or not finite, with the
 /// range; empty when it can.
 [[nodiscard]] std::string what_is_wrong_with(const Tuning &tuning);
 
 /// The same question without the words. RT-safe.
 [[nodiscard]] bool is_valid(const Tuning &tuning) noexcept;
+
+/// "inverse" or "transpose"; nothing for any other name.
+[[nodiscard]] std::optional<MotionMap> motion_map_named(std::string_view name);
+
+/// "on_the_fly", "global" or "by_hand"; nothing for any other name.
+[[nodiscard]] std::optional<AlphaMode> alpha_mode_named(std::string_view name);
 
 } // namespace springdrive

@@ -3,6 +3,7 @@
 #include "base/strict_toml.h"
 #include "engine/control/parameters.h"
 
+#include <optional>
 #include <string>
 
 namespace springdrive {
@@ -11,27 +12,20 @@ namespace {
 
 MotionMap read_map(StrictTomlTable &file) {
     const std::string name = file.text("map");
-    if (name == "inverse") {
-        return MotionMap::inverse;
+    const std::optional<MotionMap> map = motion_map_named(name);
+    if (!map) {
+        file.refuse("map", "is \"" + name + "\"; it must be inverse or transpose");
     }
-    if (name == "transpose") {
-        return MotionMap::transpose;
-    }
-    file.refuse("map", "is \"" + name + "\"; it must be inverse or transpose");
+    return *map;
 }
 
 AlphaMode read_alpha_mode(StrictTomlTable &file) {
     const std::string name = file.text("alpha_mode");
-    if (name == "on_the_fly") {
-        return AlphaMode::on_the_fly;
+    const std::optional<AlphaMode> mode = alpha_mode_named(name);
+    if (!mode) {
+        file.refuse("alpha_mode", "is \"" + name + "\"; it must be on_the_fly, global or by_hand");
     }
-    if (name == "global") {
-        return AlphaMode::global;
-    }
-    if (name == "by_hand") {
-        return AlphaMode::by_hand;
-    }
-    file.refuse("alpha_mode", "is \"" + name + "\"; it must be on_the_fly, global or by_hand");
+    return *mode;
 }
 
 } // namespace

@@ -92,11 +92,15 @@ private:
 
 } // namespace
 
-HandPath scripted_touch(const HapticMesh &mesh, const Vector3 &lower_m, const Vector3 &upper_m,
-                        const Vector3 &start_m, const ScriptedTouch &how) {
+HandPath scripted_touch(const DeviceDescription &device, const HapticMesh &mesh,
+                        const Vector3 &lower_m, const Vector3 &upper_m, const Vector3 &start_m,
+                        const ScriptedTouch &how) {
     const Vector3 middle_m = 0.5 * (lower_m + upper_m);
     const Vector3 contact_m = contact_near_middle(mesh, lower_m, upper_m)
                                   .value_or(Vector3(middle_m.x(), upper_m.y(), middle_m.z()));
+    if (!joint_angles_rad(device.geometry, contact_m)) {
+        return HandPath({{0.0, start_m}});
+    }
     const double radius_m =
         std::min(0.015, 0.12 * std::min(upper_m.x() - lower_m.x(), upper_m.z() - lower_m.z()));
     const CircleOverSurface circle(mesh, lower_m, upper_m, contact_m, radius_m);

@@ -16,10 +16,11 @@ struct ScriptedTouch {
 };
 
 /// A path that presses into `mesh` from above, near the middle of its bounding box, and slides in
-/// circles. Where nothing lies below, it circles over the middle of the box.
-[[nodiscard]] HandPath scripted_touch(const HapticMesh &mesh, const Vector3 &lower_m,
-                                      const Vector3 &upper_m, const Vector3 &start_m,
-                                      const ScriptedTouch &how = {});
+/// circles. Where nothing lies below, it circles over the middle of the box; where the device does
+/// not reach there, it stays at the start.
+[[nodiscard]] HandPath scripted_touch(const DeviceDescription &device, const HapticMesh &mesh,
+                                      const Vector3 &lower_m, const Vector3 &upper_m,
+                                      const Vector3 &start_m, const ScriptedTouch &how = {});
 
 /// A place in free space for a tip to start: just above the box, within the workspace.
 [[nodiscard]] Vector3 start_above(const DeviceDescription &device, const Vector3 &lower_m,

@@ -1,7 +1,9 @@
 #include "engine/servo/safety_monitor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace springdrive {
@@ -17,8 +19,14 @@ constexpr double kForceTolerated_s = 0.02;
 
 } // namespace
 
-std::string_view description(TripCause cause) {
-    switch (cause) {
+std::string description(const SafetyStatus &status) {
+    const auto crossed = [&status](const char *what, const char *unit) {
+        std::array<char, 96> text{};
+        std::snprintf(text.data(), text.size(), "%s %.2f %s, limit %.2f %s", what, status.measured,
+                      unit, status.limit, unit);
+        return std::string(text.data());
+    };
+    switch (status.cause) {
     case TripCause::none:
         return "no trip";
     case TripCause::emergency_stop:
@@ -28,11 +36,11 @@ std::string_view description(TripCause cause) {
     case TripCause::not_finite:
         return "a value that is not finite";
     case TripCause::tip_speed:
-        return "tip speed above its limit [m/s]";
+        return crossed("tip speed", "m/s");
     case TripCause::tip_force:
-        return "tip force above its limit [N]";
+        return crossed("tip force", "N");
     case TripCause::current:
-        return "winding current above its limit [A]";
+        return crossed("winding current", "A");
     }
     return "unknown";
 }
@@ -99,9 +107,10 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Measurement
         const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
         command.e_W_V[j] =
             std::clamp(status_.ramp * wanted.e_W_V[j], -motor.supply_V, motor.supply_V);
-        // Never a net resistance of zero or less, whoever asks (7).
-        command.cancelled_resistance_Ohm[j] = std::clamp(
-            status_.ramp * wanted.cancelled_resistance_Ohm[j], 0.0, 0.995 * motor.resistance_Ohm);
+        // Whoever asks for less residual resistance does not get it (7).
+        command.cancelled_resistance_Ohm[j] =
+            std::clamp(status_.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
+                       (1.0 - kLeastResidualShare) * motor.resistance_Ohm);
     }
     return command;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <future>
-#include <limits>
+#include <sstream>
 #include <utility>
 
 namespace springdrive {
@@ -16,14 +16,8 @@ namespace {
 /// At the fastest rate the window may fall 1.6 s behind before samples are lost.
 constexpr std::size_t kRingCapacity = 16'384;
 
-double checked_period_s(double servo_hz) {
-    if (!(servo_hz >= Servo::kSlowest_hz && servo_hz <= Servo::kFastest_hz)) {
-        throw InputError("the servo rate is " + std::to_string(servo_hz) + " Hz; it must be from " +
-                         std::to_string(static_cast<int>(Servo::kSlowest_hz)) + " to " +
-                         std::to_string(static_cast<int>(Servo::kFastest_hz)) + " Hz");
-    }
-    return 1.0 / servo_hz;
-}
+constexpr double kSlowest_hz = 250.0;
+constexpr double kFastest_hz = 10'000.0;
 
 template <typename Duration> double seconds(Duration duration) {
     return std::chrono::duration<double>(duration).count();
@@ -49,8 +43,18 @@ void sleep_until(std::chrono::steady_clock::time_point deadline) {
 
 } // namespace
 
+double servo_period_s(double servo_hz) {
+    if (!(servo_hz >= kSlowest_hz && servo_hz <= kFastest_hz)) {
+        std::ostringstream message;
+        message << "the servo rate is " << servo_hz << " Hz; it must be from " << kSlowest_hz
+                << " to " << kFastest_hz << " Hz";
+        throw InputError(message.str());
+    }
+    return 1.0 / servo_hz;
+}
+
 Servo::Servo(HapticDevice &device, double servo_hz)
-    : loop_(device, checked_period_s(servo_hz)), samples_(kRingCapacity),
+    : loop_(device, servo_period_s(servo_hz)), samples_(kRingCapacity),
       ticks_a_report_(static_cast<std::uint64_t>(std::ceil(0.1 * servo_hz))) {}
 
 std::vector<std::string> Servo::start() {

@@ -20,6 +20,10 @@
 
 namespace springdrive {
 
+/// T = 1/rate [s].
+/// @throw InputError for a rate that is not finite or not from 250 to 10,000 Hz.
+[[nodiscard]] double servo_period_s(double servo_hz);
+
 /// How well the servo keeps its time, since its start.
 struct ServoStatistics {
     struct Duration {
@@ -38,10 +42,7 @@ struct ServoStatistics {
 
 class Servo {
 public:
-    static constexpr double kSlowest_hz = 250.0;
-    static constexpr double kFastest_hz = 10'000.0;
-
-    /// @throw InputError for a rate outside kSlowest_hz to kFastest_hz.
+    /// @throw InputError as `servo_period_s` does.
     Servo(HapticDevice &device, double servo_hz);
     ~Servo() { stop(); }
     Servo(const Servo &) = delete;

@@ -7,6 +7,7 @@
 #include "engine/control/parameters.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -17,6 +18,14 @@ namespace {
 /// Below this a rendered force has no direction worth telling: it is of the size that single
 /// encoder counts make of the velocity signal.
 constexpr double kLeastForceWithDirection_N = 0.1;
+
+/// A parameter changed in contact must not be felt as a blow: it glides to its new value with this
+/// time constant, and is there when it is within this share of its range.
+constexpr double kTuningGlide_s = 0.05;
+constexpr double kTuningArrived = 1e-6;
+
+/// Below this a set-point is where the tip is, and the rest is round-off: at η = 1, say.
+constexpr double kLeastSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -36,13 +45,26 @@ void ServoLoop::stop() noexcept {
 
 void ServoLoop::take(const ServoInputs &inputs) noexcept {
     if (is_valid(inputs.tuning)) {
-        tuning_ = inputs.tuning;
-        velocity_pole_ = velocity_filter_pole(tuning_.lambda_rad_per_s, period_s_);
+        approach(inputs.tuning);
     }
     if (inputs.reset_count != reset_count_) {
         reset_count_ = inputs.reset_count;
         safety_.reset();
     }
+}
+
+void ServoLoop::approach(const Tuning &wanted) noexcept {
+    const double share = tick_ == 0 ? 1.0 : -std::expm1(-period_s_ / kTuningGlide_s);
+    tuning_.map = wanted.map;
+    tuning_.alpha_mode = wanted.alpha_mode;
+    for (const Parameter &parameter : kParameters) {
+        double &value = tuning_.*parameter.value;
+        const double gap = wanted.*parameter.value - value;
+        const bool arrived =
+            std::abs(gap) < kTuningArrived * (parameter.highest - parameter.lowest);
+        value = arrived ? wanted.*parameter.value : value + share * gap;
+    }
+    velocity_pole_ = velocity_filter_pole(tuning_.lambda_rad_per_s, period_s_);
 }
 
 Configuration ServoLoop::configuration(const DeviceState &state) noexcept {
@@ -107,15 +129,17 @@ DeviceCommand ServoLoop::law(const Configuration &now, const ServoInputs &inputs
             static_tip_force(now.J, relative_stiffness_, set_point.theta_Sd_rad - now.theta_rad),
             contact.normal);
     };
-    sample.inverse_error_rad =
-        contact.touching && sample.inverse_possible ? static_error(inverse) : kNone;
-    sample.transpose_error_rad = contact.touching ? static_error(transpose) : kNone;
+    const bool pushes =
+        contact.touching && (target.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
+    sample.inverse_error_rad = pushes && sample.inverse_possible ? static_error(inverse) : kNone;
+    sample.transpose_error_rad = pushes ? static_error(transpose) : kNone;
 
     DeviceCommand wanted;
     wanted.e_W_V = drift_compensation_V(k_T_, tuning_, now, used);
     for (std::size_t j = 0; j < 3; ++j) {
+        const MotorParameters &motor = device_.description().motor[j];
         wanted.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
-            std::max(0.0, device_.description().motor[j].resistance_Ohm - tuning_.dR_Ohm);
+            motor.resistance_Ohm - residual_resistance_Ohm(motor, tuning_.dR_Ohm);
     }
     return wanted;
 }

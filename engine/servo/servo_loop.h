@@ -33,6 +33,7 @@ public:
 
 private:
     void take(const ServoInputs &inputs) noexcept;
+    void approach(const Tuning &wanted) noexcept;
     [[nodiscard]] Configuration configuration(const DeviceState &state) noexcept;
     [[nodiscard]] double alpha(double bound, const ServoInputs &inputs) const noexcept;
     [[nodiscard]] Contact touch(const Vector3 &tip_m, const ServoInputs &inputs) noexcept;
@@ -45,7 +46,7 @@ private:
     Vector3 relative_stiffness_;
     double rad_per_count_;
 
-    Tuning tuning_;
+    Tuning tuning_;              ///< in force: on its way to what was last asked for
     double velocity_pole_ = 0.0; ///< e^(−λT) of `tuning_`
     VelocityFilter velocity_filter_;
     Proxy proxy_;

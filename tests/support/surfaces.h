@@ -5,6 +5,16 @@
 
 #include <array>
 #include <cstdint>
+#include <ostream>
+
+namespace springdrive {
+
+/// For GoogleTest, which would print its bytes.
+inline void PrintTo(const TriangleSoup &soup, std::ostream *out) {
+    *out << soup.triangles.size() << " triangles";
+}
+
+} // namespace springdrive
 
 namespace springdrive::testing {
 

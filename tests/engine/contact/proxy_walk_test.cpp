@@ -2,6 +2,7 @@
 #include "engine/contact/proxy.h"
 
 #include "tests/engine/contact/soups.h"
+#include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
 

@@ -89,8 +89,8 @@ struct Rig {
     }
     [[nodiscard]] SimulationOptions options() const {
         SimulationOptions simulation;
-        simulation.path =
-            scripted_touch(scene->mesh, scene->scene.lower_m, scene->scene.upper_m, start());
+        simulation.path = scripted_touch(description, scene->mesh, scene->scene.lower_m,
+                                         scene->scene.upper_m, start());
         return simulation;
     }
 
