@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 #include <string>
 
 namespace springdrive {
@@ -22,8 +21,8 @@ namespace {
 struct TuningOptions {
     std::filesystem::path file;
     std::array<std::optional<double>, kParameters.size()> value;
-    std::optional<MotionMap> map;
-    std::optional<AlphaMode> alpha_mode;
+    std::string map;
+    std::string alpha_mode;
 
     void add_to(CLI::App &app) {
         app.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
@@ -35,25 +34,22 @@ struct TuningOptions {
                 ->type_name(std::string(parameter.unit));
         }
         app.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
-            ->transform(CLI::CheckedTransformer(std::map<std::string, MotionMap>{
-                {"inverse", MotionMap::inverse}, {"transpose", MotionMap::transpose}}));
+            ->check(CLI::IsMember({"inverse", "transpose"}));
         app.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
-            ->transform(CLI::CheckedTransformer(
-                std::map<std::string, AlphaMode>{{"on_the_fly", AlphaMode::on_the_fly},
-                                                 {"global", AlphaMode::global},
-                                                 {"by_hand", AlphaMode::by_hand}}));
+            ->check(CLI::IsMember({"on_the_fly", "global", "by_hand"}));
     }
 
     [[nodiscard]] Tuning tuning() const {
         Tuning tuning = file.empty() ? Tuning{} : read_tuning_file(file);
         for (std::size_t i = 0; i < kParameters.size(); ++i) {
             tuning.*kParameters[i].value = value[i].value_or(tuning.*kParameters[i].value);
+            if (!lies_in_range(kParameters[i], tuning)) {
+                throw InputError("--" + std::string(kParameters[i].option) + ": " +
+                                 what_is_wrong_with(tuning));
+            }
         }
-        tuning.map = map.value_or(tuning.map);
-        tuning.alpha_mode = alpha_mode.value_or(tuning.alpha_mode);
-        if (const std::string wrong = what_is_wrong_with(tuning); !wrong.empty()) {
-            throw InputError("--" + std::string("tuning: ") + wrong);
-        }
+        tuning.map = map.empty() ? tuning.map : *motion_map_named(map);
+        tuning.alpha_mode = alpha_mode.empty() ? tuning.alpha_mode : *alpha_mode_named(alpha_mode);
         return tuning;
     }
 };
@@ -62,12 +58,19 @@ void check(const DemoOptions &options) {
     if (options.frames < 0 || !(options.seconds >= 0.0)) {
         throw InputError("--frames and --seconds must not be negative");
     }
-    if (options.width < 320 || options.height < 240 || options.width > 16384 ||
-        options.height > 16384) {
-        throw InputError("--width and --height must be from 320x240 to 16384x16384 pixels");
+    const bool chooses_size = options.width == 0 && options.height == 0;
+    if (!chooses_size && (options.width < 320 || options.height < 240 || options.width > 16384 ||
+                          options.height > 16384)) {
+        throw InputError("--width and --height go together, from 320x240 to 16384x16384 pixels");
     }
     if (options.scale != 0.0 && !(options.scale >= 0.5 && options.scale <= 5.0)) {
         throw InputError("--scale must be from 0.5 to 5");
+    }
+    static_cast<void>(servo_period_s(options.servo_hz));
+    const std::filesystem::path folder = options.screenshot.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+        throw InputError(options.screenshot.string() +
+                         ": its folder does not exist; make it first");
     }
     if (options.lockstep && !options.unattended()) {
         throw InputError("--lockstep needs --frames or --seconds: without a clock, somebody has "
@@ -116,8 +119,10 @@ std::optional<DemoOptions> parse_command_line(int argc, char **argv, int &exit_s
             ->type_name("FILE");
         to.add_flag("--lockstep", options.lockstep,
                     "drive the servo by frame time instead of the clock: the same run every time");
-        to.add_option("--width", options.width, "of the window [1280]")->type_name("PIXELS");
-        to.add_option("--height", options.height, "of the window [720]")->type_name("PIXELS");
+        to.add_option("--width", options.width, "of the window, with --height [1280]")
+            ->type_name("PIXELS");
+        to.add_option("--height", options.height, "of the window, with --width [720]")
+            ->type_name("PIXELS");
         to.add_option("--scale", options.scale, "of text and panels [the display's own]")
             ->type_name("FACTOR");
     };

@@ -21,8 +21,8 @@ struct DemoOptions {
     std::filesystem::path screenshot; ///< empty: none
     std::filesystem::path telemetry;  ///< empty: none
     std::filesystem::path path;       ///< empty: the mouse, or the scripted touch
-    int width = 1280;
-    int height = 720;
+    int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale
+    int height = 0;
     double scale = 0.0; ///< of text and panels; 0: the display's own
 
     /// A run that ends by itself plays a path, so that it touches something.

@@ -14,26 +14,29 @@ constexpr double kDepthPerNotch_m = 0.002;
 void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
-    if (over_view && dragging_ == Drag::none) {
+    const bool was_dragging = dragging_ != Drag::none;
+    if (over_view && !was_dragging) {
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
             dragging_ = Drag::hand;
+            grabbed_m_ = session.hand_target_m();
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
             dragging_ = Drag::orbit;
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) {
             dragging_ = Drag::pan;
         }
     }
-    const double dx = io.MouseDelta.x;
-    const double dy = io.MouseDelta.y;
+    // How the mouse came to where the drag begins is no part of it.
+    const double dx = was_dragging ? io.MouseDelta.x : 0.0;
+    const double dy = was_dragging ? io.MouseDelta.y : 0.0;
     const double height = view.size.y;
     const bool may_move_hand = !session.hand_follows_path();
     switch (dragging_) {
     case Drag::hand:
         if (may_move_hand) {
-            const Vector3 &target_m = session.hand_target_m();
-            const double pixel_m = camera.metres_per_pixel(target_m, height);
-            session.move_hand_to(target_m + pixel_m * (dx * camera.right() - dy * camera.up()) +
-                                 io.MouseWheel * kDepthPerNotch_m * camera.forward());
+            const double pixel_m = camera.metres_per_pixel(grabbed_m_, height);
+            grabbed_m_ += pixel_m * (dx * camera.right() - dy * camera.up()) +
+                          io.MouseWheel * kDepthPerNotch_m * camera.forward();
+            session.move_hand_to(grabbed_m_);
         }
         break;
     case Drag::orbit:

@@ -19,6 +19,7 @@ private:
     enum class Drag : unsigned char { none, hand, orbit, pan };
 
     Drag dragging_ = Drag::none;
+    Vector3 grabbed_m_{Vector3::Zero()}; ///< where the mouse wants the hand, in reach or not
 };
 
 } // namespace springdrive

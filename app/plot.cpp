@@ -192,10 +192,11 @@ void show_values_under_mouse(const Plot &plot, const Frame &frame, std::size_t f
     ImGui::Text("t = %.3f s", plot.time_s(at));
     for (const PlotLine &line : plot.lines) {
         const double value = line.value(at);
+        const ImVec4 colour(line.colour.x, line.colour.y, line.colour.z, 1.0F);
         if (std::isnan(value)) {
-            ImGui::TextColored(line.colour, "%s: –", line.label);
+            ImGui::TextColored(colour, "%s: –", line.label);
         } else {
-            ImGui::TextColored(line.colour, "%s: %.3g", line.label, value);
+            ImGui::TextColored(colour, "%s: %.3g", line.label, value);
         }
     }
     ImGui::EndTooltip();

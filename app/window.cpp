@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -23,6 +24,12 @@ namespace springdrive {
 namespace {
 
 constexpr float kFontPixels = 15.0F;
+
+constexpr Window::Size kDefaultSize{1280, 720};
+
+/// A window smaller than this, times the scale, gets smaller text.
+constexpr float kLeastWidth = 1000.0F;
+constexpr float kLeastHeight = 640.0F;
 
 /// What GLFW last complained of.
 std::string &glfw_complaint() {
@@ -76,6 +83,8 @@ Window::Window(const std::string &title, Size size, double scale) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    const bool chooses_size = size.width <= 0 || size.height <= 0;
+    size = chooses_size ? kDefaultSize : size;
     window_ = create_window(title, size, 4);
     if (window_ != nullptr && draws_in_software(window_)) {
         // Four samples a pixel would cost a processor three times the frame.
@@ -99,7 +108,11 @@ Window::Window(const std::string &title, Size size, double scale) {
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr; // the layout is ours; nothing is written behind backs
     choose_font();
+    usable_scale_ = scale_;
     apply_look(scale_);
+    if (chooses_size) {
+        enlarge_for_scale();
+    }
     // ImGui's own callbacks call these in turn.
     glfwSetKeyCallback(window_, on_key);
     glfwSetDropCallback(window_, on_drop);
@@ -113,6 +126,34 @@ Window::~Window() {
     ImGui::DestroyContext();
     glfwDestroyWindow(window_);
     glfwTerminate();
+}
+
+/// A window for a dense screen has as many more pixels.
+void Window::enlarge_for_scale() {
+    int left = 0;
+    int top = 0;
+    int width = 0;
+    int height = 0;
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    if (monitor == nullptr || scale_ <= 1.0F) {
+        return;
+    }
+    glfwGetMonitorWorkarea(monitor, &left, &top, &width, &height);
+    glfwSetWindowSize(window_, std::min(static_cast<int>(kDefaultSize.width * scale_), width),
+                      std::min(static_cast<int>(kDefaultSize.height * scale_), height));
+}
+
+/// Rather small text than panels that are cut off.
+void Window::fit_scale_to_window() {
+    const Size now = size();
+    const float fits = std::min(static_cast<float>(now.width) / kLeastWidth,
+                                static_cast<float>(now.height) / kLeastHeight);
+    const float usable = std::clamp(fits, 0.5F * scale_, scale_);
+    if (usable != usable_scale_) {
+        usable_scale_ = usable;
+        ImGui::GetIO().FontGlobalScale = usable / scale_;
+        apply_look(usable);
+    }
 }
 
 void Window::choose_font() {
@@ -138,6 +179,7 @@ bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_
 
 void Window::begin_frame() {
     glfwPollEvents();
+    fit_scale_to_window();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
@@ -199,20 +241,22 @@ void Window::write_screenshot(const std::filesystem::path &file) const {
     if (last_frame_.empty()) {
         throw InputError(file.string() + ": there is no frame to write yet");
     }
-    const std::filesystem::path folder = file.parent_path();
-    std::error_code ignored;
-    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
-        throw InputError(file.string() + ": its folder does not exist");
-    }
     const std::size_t row = static_cast<std::size_t>(last_frame_size_.width) * 3;
     std::vector<unsigned char> top_down(last_frame_.size());
     for (std::size_t y = 0; y < static_cast<std::size_t>(last_frame_size_.height); ++y) {
         const auto from = last_frame_.end() - static_cast<std::ptrdiff_t>((y + 1) * row);
         std::copy_n(from, row, top_down.begin() + static_cast<std::ptrdiff_t>(y * row));
     }
-    if (stbi_write_png(file.c_str(), last_frame_size_.width, last_frame_size_.height, 3,
-                       top_down.data(), static_cast<int>(row)) == 0) {
-        throw InputError(file.string() + ": cannot be written; check its permissions and the disk");
+    std::ofstream stream(file, std::ios::binary);
+    const auto append = [](void *to, void *bytes, int size) {
+        static_cast<std::ofstream *>(to)->write(static_cast<const char *>(bytes), size);
+    };
+    stbi_write_png_to_func(append, &stream, last_frame_size_.width, last_frame_size_.height, 3,
+                           top_down.data(), static_cast<int>(row));
+    stream.close();
+    if (!stream) {
+        throw InputError(file.string() +
+                         ": cannot be written; check its folder, its permissions and the disk");
     }
 }
 

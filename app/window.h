@@ -17,6 +17,7 @@ public:
         int height = 0;
     };
 
+    /// @param size   in pixels; 0 × 0 for 1280 × 720 times the scale, as far as the screen allows
     /// @param scale  of text and panels; 0 takes the display's own
     /// @throw InputError where no window or no OpenGL 3.3 can be had, with the remedy.
     Window(const std::string &title, Size size, double scale);
@@ -37,7 +38,8 @@ public:
 
     [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
     [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
-    [[nodiscard]] float scale() const { return scale_; }
+    /// Of text and panels; smaller than asked for where the window is too small for that.
+    [[nodiscard]] float scale() const { return usable_scale_; }
 
     /// True once for every press of the space bar, however short, wherever the focus is.
     [[nodiscard]] bool take_emergency_stop();
@@ -55,9 +57,12 @@ private:
     static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
     static void on_drop(GLFWwindow *window, int count, const char **paths);
     void choose_font();
+    void enlarge_for_scale();
+    void fit_scale_to_window();
 
     GLFWwindow *window_ = nullptr;
-    float scale_ = 1.0F;
+    float scale_ = 1.0F; ///< of the font
+    float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
     std::vector<std::filesystem::path> dropped_;
     std::vector<unsigned char> last_frame_; ///< RGB, bottom row first

@@ -3,8 +3,9 @@
 namespace springdrive {
 
 void apply_look(float scale) {
-    ImGui::StyleColorsDark();
     ImGuiStyle &style = ImGui::GetStyle();
+    style = ImGuiStyle();
+    ImGui::StyleColorsDark();
     style.WindowRounding = 0.0F;
     style.WindowBorderSize = 1.0F;
     style.FrameRounding = 4.0F;

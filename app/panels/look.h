@@ -14,7 +14,7 @@ inline const ImVec4 kGood{0.35F, 0.85F, 0.60F, 1.0F};
 inline const ImVec4 kWarning{1.0F, 0.72F, 0.35F, 1.0F};
 inline const ImVec4 kDanger{1.0F, 0.38F, 0.34F, 1.0F};
 
-/// Dark, quiet, sized for `scale`. Once, after ImGui::CreateContext.
+/// Dark, quiet, sized for `scale`. After ImGui::CreateContext, and again when the scale changes.
 void apply_look(float scale);
 
 } // namespace springdrive

@@ -18,12 +18,19 @@ bool has_display() {
            std::getenv("WAYLAND_DISPLAY") != nullptr; // NOLINT(concurrency-mt-unsafe)
 }
 
+void expect_plain_text(const std::string &text) {
+    for (const char c : text) {
+        EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << text;
+    }
+}
+
 void expect_one_clear_line(const Ending &ending, const std::string &names) {
     EXPECT_GT(ending.exit_status, 0);
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
     EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
     EXPECT_EQ(ending.out, "");
+    expect_plain_text(ending.error);
 }
 
 std::filesystem::path written(const std::filesystem::path &folder, const std::string &name,
@@ -77,9 +84,14 @@ TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
     expect_one_clear_line(run_program({"--frams", "3"}), "frams");
     expect_one_clear_line(run_program({"--servo-hz", "99"}), "250");
     expect_one_clear_line(run_program({"--servo-hz", "fast"}), "fast");
-    expect_one_clear_line(run_program({"--dR", "0"}), "0.02");
+    expect_one_clear_line(run_program({"--dR", "0"}), "--dR");
     expect_one_clear_line(run_program({"--kp", "nan"}), "K_P");
     expect_one_clear_line(run_program({"--map", "sideways"}), "sideways");
+    expect_one_clear_line(run_program({"--map", "0"}), "transpose");
+    expect_one_clear_line(run_program({"--alpha-mode", "often"}), "by_hand");
+    expect_one_clear_line(run_program({"--servo-hz", "nan"}), "10000");
+    expect_one_clear_line(run_program({"--servo-hz", "-5"}), "10000");
+    expect_one_clear_line(run_program({"--servo-hz", "inf"}), "10000");
     expect_one_clear_line(run_program({"--delay", "-1"}), "delay");
     expect_one_clear_line(run_program({"--device", "usb"}), "usb");
     expect_one_clear_line(run_program({"--device-file", "none.toml"}), "none.toml");
@@ -94,6 +106,7 @@ TEST(Program, HelpAndVersionSucceed) {
     const Ending help = run_program({"--help"});
     EXPECT_EQ(help.exit_status, 0);
     EXPECT_NE(help.out.find("--scene"), std::string::npos);
+    expect_plain_text(help.out);
     EXPECT_EQ(run_program({"demo", "--help"}).exit_status, 0);
     EXPECT_EQ(run_program({"--version"}).exit_status, 0);
 }
