@@ -14,6 +14,14 @@ constexpr double kDepthPerNotch_m = 0.002;
 void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
+    // A drag ends before this frame's motion: where the mouse went after is no part of it.
+    const bool released =
+        (dragging_ == Drag::hand && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) ||
+        (dragging_ == Drag::orbit && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) ||
+        (dragging_ == Drag::pan && !ImGui::IsMouseDown(ImGuiMouseButton_Middle));
+    if (released) {
+        dragging_ = Drag::none;
+    }
     const bool was_dragging = dragging_ != Drag::none;
     if (over_view && !was_dragging) {
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
@@ -50,13 +58,6 @@ void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view)
     }
     if (io.MouseWheel != 0.0F && over_view && dragging_ != Drag::hand) {
         camera.zoom(io.MouseWheel);
-    }
-    const bool released =
-        (dragging_ == Drag::hand && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) ||
-        (dragging_ == Drag::orbit && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) ||
-        (dragging_ == Drag::pan && !ImGui::IsMouseDown(ImGuiMouseButton_Middle));
-    if (released) {
-        dragging_ = Drag::none;
     }
 }
 
