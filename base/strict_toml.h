@@ -36,8 +36,6 @@ public:
     int tables(std::string_view key, int count,
                const std::function<void(int, StrictTomlTable &)> &read_one);
 
-    [[nodiscard]] bool has(std::string_view key) const;
-
     /// Refuses the table if it holds a key that was never asked for. Call when all is read.
     void refuse_unknown_keys() const;
 

@@ -31,7 +31,6 @@ public:
     /// RT-safe. Time must not run backwards between calls.
     [[nodiscard]] HandTarget at(double time_s) noexcept;
 
-    [[nodiscard]] double duration_s() const { return points_.back().time_s; }
     [[nodiscard]] const std::vector<Point> &points() const { return points_; }
 
 private:

@@ -39,11 +39,11 @@ TEST(HandPath, RunsStraightBetweenItsPointsAndRestsOutside) {
 }
 
 TEST(HandPath, ReadsCsvWithBlanksAndWindowsLineEnds) {
-    HandPath path = HandPath::read_csv(
+    const HandPath path = HandPath::read_csv(
         written("hand_path_good.csv", "t,x,y,z\r\n0, 0.1 ,0,-1e-2\r\n\r\n2.5,0.2,0,0\r\n"));
     ASSERT_EQ(path.points().size(), 2U);
     EXPECT_EQ(path.points()[0].position_m, Vector3(0.1, 0, -1e-2));
-    EXPECT_EQ(path.duration_s(), 2.5);
+    EXPECT_EQ(path.points()[1].time_s, 2.5);
 }
 
 TEST(HandPath, SaysWhichLineIsWrong) {
