@@ -180,9 +180,25 @@ bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_
 void Window::begin_frame() {
     glfwPollEvents();
     fit_scale_to_window();
+    show_short_key_presses();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
+}
+
+/// ImGui 1.86 sees only the keys that are down at a frame: one pressed and let go between two slow
+/// frames would be lost to it.
+void Window::show_short_key_presses() {
+    ImGuiIO &io = ImGui::GetIO();
+    for (const int key : std::exchange(prolonged_keys_, {})) {
+        io.KeysDown[key] = false;
+    }
+    for (const int key : std::exchange(pressed_keys_, {})) {
+        if (!io.KeysDown[key]) {
+            io.KeysDown[key] = true;
+            prolonged_keys_.push_back(key);
+        }
+    }
 }
 
 void Window::clear() {
@@ -227,9 +243,12 @@ std::vector<std::filesystem::path> Window::take_dropped_files() {
 }
 
 void Window::on_key(GLFWwindow *window, int key, int /*scancode*/, int action, int /*mods*/) {
-    if (key == GLFW_KEY_SPACE && action == GLFW_PRESS) {
-        static_cast<Window *>(glfwGetWindowUserPointer(window))->emergency_stop_ = true;
+    auto *self = static_cast<Window *>(glfwGetWindowUserPointer(window));
+    if (action != GLFW_PRESS || key < 0 || key > GLFW_KEY_LAST) {
+        return;
     }
+    self->pressed_keys_.push_back(key);
+    self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_SPACE;
 }
 
 void Window::on_drop(GLFWwindow *window, int count, const char **paths) {

@@ -59,11 +59,14 @@ private:
     void choose_font();
     void enlarge_for_scale();
     void fit_scale_to_window();
+    void show_short_key_presses();
 
     GLFWwindow *window_ = nullptr;
     float scale_ = 1.0F; ///< of the font
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
+    std::vector<int> pressed_keys_;   ///< since the last frame
+    std::vector<int> prolonged_keys_; ///< let go within a frame, shown to ImGui for one more
     std::vector<std::filesystem::path> dropped_;
     std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
     Size last_frame_size_;
