@@ -116,7 +116,7 @@ private:
         camera_.frame(scene.lower_m, upper_m,
                       places.scene_view.size.x / std::max(1.0F, places.scene_view.size.y));
         shown_scene_ = session_.scene_id();
-        for (const std::string &remark : session_.scene().remarks) {
+        for (const std::string &remark : scene.remarks) {
             std::cerr << "springdrive: " << scene.file.filename().string() << ": " << remark
                       << '\n';
         }

@@ -53,11 +53,9 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const Workspace &workspace) {
     Scene scene = load_gltf(file, workspace);
     HapticMesh mesh(scene.surface);
-    std::vector<std::string> remarks = scene.remarks;
     std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
-                      std::back_inserter(remarks));
-    return std::make_unique<LoadedScene>(
-        LoadedScene{std::move(scene), std::move(mesh), std::move(remarks)});
+                      std::back_inserter(scene.remarks));
+    return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(mesh)});
 }
 
 Session::Session(const DemoOptions &options)
@@ -73,7 +71,7 @@ Session::Session(const DemoOptions &options)
     const Vector3 &lower_m = scene_->scene.lower_m;
     const Vector3 &upper_m = scene_->scene.upper_m;
     SimulationOptions simulation;
-    simulation.servo_period_s = 1.0 / options.servo_hz;
+    simulation.servo_period_s = servo_period_s(options.servo_hz);
     simulation.delay_samples = options.delay_samples;
     hand_target_m_ = start_above(description, lower_m, upper_m);
     if (!options.path.empty()) {

@@ -23,7 +23,6 @@ namespace springdrive {
 struct LoadedScene {
     Scene scene;
     HapticMesh mesh;
-    std::vector<std::string> remarks; ///< what cannot be touched or drawn as the file has it
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.

@@ -38,7 +38,7 @@ void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle 
         ImGui::TextColored(kFaintInk, "scale: 1 unit = %.4g mm, fitted to the workspace",
                            1000.0 * shown.scene.metres_per_unit);
     }
-    for (const std::string &remark : shown.remarks) {
+    for (const std::string &remark : shown.scene.remarks) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("%s", remark.c_str());
         ImGui::PopStyleColor();

@@ -169,9 +169,11 @@ TEST_F(Demo, FollowsAPathFromAFile) {
 }
 
 TEST_F(Demo, ASignalEndsItProperly) {
+    const std::filesystem::path folder = fresh_folder("signal");
     for (const int signal : {SIGTERM, SIGINT}) {
-        const Ending ending = run_program({"--width", "640", "--height", "400"}, signal,
-                                          std::chrono::milliseconds(2500));
+        const std::filesystem::path telemetry = folder / (std::to_string(signal) + ".csv");
+        const Ending ending = run_program(
+            {"--width", "640", "--height", "400", "--telemetry", telemetry}, signal, telemetry);
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         RecordProperty("seconds_after_signal", std::to_string(ending.after_signal.count()));
     }

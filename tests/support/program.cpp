@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <sys/wait.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -57,7 +58,7 @@ std::string contents_of(const std::filesystem::path &file) {
 }
 
 Ending run_program(const std::vector<std::string> &arguments, int signal,
-                   std::chrono::milliseconds wait) {
+                   const std::filesystem::path &started) {
     const std::filesystem::path folder = fresh_folder("streams");
     const pid_t child = fork();
     if (child == 0) {
@@ -66,13 +67,15 @@ Ending run_program(const std::vector<std::string> &arguments, int signal,
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
     Clock::time_point signalled = start;
-    if (signal != 0) {
-        std::this_thread::sleep_for(wait);
-        signalled = Clock::now();
-        kill(child, signal);
-    }
+    bool to_be_signalled = signal != 0;
     int status = 0;
     while (waitpid(child, &status, WNOHANG) == 0) {
+        std::error_code not_there;
+        if (to_be_signalled && std::filesystem::file_size(started, not_there) > 0 && !not_there) {
+            to_be_signalled = false;
+            signalled = Clock::now();
+            kill(child, signal);
+        }
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         if (Clock::now() - start > kLongest) {
             kill(child, SIGKILL);

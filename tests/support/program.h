@@ -15,11 +15,10 @@ struct Ending {
     std::chrono::duration<double> after_signal{0.0};
 };
 
-/// @param signal    sent after `wait`; 0 for none
-/// @param wait      how long to leave it alone before that
+/// @param signal   sent as soon as the program has written something to `started`; 0 for none
 /// The program is killed after two minutes, which ends as exit status −1.
 [[nodiscard]] Ending run_program(const std::vector<std::string> &arguments, int signal = 0,
-                                 std::chrono::milliseconds wait = {});
+                                 const std::filesystem::path &started = {});
 
 /// A folder of its own for one test, empty.
 [[nodiscard]] std::filesystem::path fresh_folder(const std::string &name);

@@ -125,9 +125,7 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
     // Sets whose parts belong together: what the servo reports must be one of them.
     ServoInputs inputs;
     int seen = 0;
-    const auto start = std::chrono::steady_clock::now();
-    for (int i = 0; std::chrono::steady_clock::now() - start < std::chrono::milliseconds(300);
-         ++i) {
+    for (int i = 0; seen < 1000; ++i) { // as long as it takes
         const bool even = i % 2 == 0;
         inputs.tuning.eta = even ? 0.25 : 0.75;
         inputs.tuning.map = even ? MotionMap::inverse : MotionMap::transpose;
@@ -141,7 +139,6 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
         });
     }
     servo.stop();
-    EXPECT_GT(seen, 100);
 }
 
 TEST(Servo, RefusesRatesThatItCannotKeep) {
