@@ -34,15 +34,15 @@ TipSetPoint contact_set_point(const Vector3 &tip_m, const Vector3 &tip_velocity_
     return target;
 }
 
-MotorSetPoint inverse_map(const PhantomGeometry &geometry, const Configuration &configuration,
-                          const TipSetPoint &target, bool &possible) {
+std::optional<MotorSetPoint> inverse_map(const PhantomGeometry &geometry,
+                                         const Configuration &configuration,
+                                         const TipSetPoint &target) {
     const std::optional<Vector3> q_Sd_rad = joint_angles_rad(geometry, target.x_Sd_m);
-    possible = q_Sd_rad.has_value() && !is_singular(configuration.J);
-    if (!possible) {
-        return {configuration.theta_rad, configuration.theta_rate_rad_per_s};
+    if (!q_Sd_rad || is_singular(configuration.J)) {
+        return std::nullopt;
     }
-    return {motor_from_joint(geometry, *q_Sd_rad),
-            configuration.J.inverse() * target.x_Sd_rate_m_per_s};
+    return MotorSetPoint{motor_from_joint(geometry, *q_Sd_rad),
+                         configuration.J.inverse() * target.x_Sd_rate_m_per_s};
 }
 
 MotorSetPoint transpose_map(const Configuration &configuration, const TipSetPoint &target,

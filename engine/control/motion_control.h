@@ -14,6 +14,8 @@
 #include "engine/contact/contact.h"
 #include "engine/control/tuning.h"
 
+#include <optional>
+
 namespace springdrive {
 
 /// Where the coupling K_θ is to be held, in tip space.
@@ -53,11 +55,16 @@ struct Configuration {
     return 1.0 - (1.0 - surface_eta) * (1.0 - tuning_eta);
 }
 
-/// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Where x_Sd is out of reach or J
-/// singular the set-point stays with the device, so that no force results; `possible` tells.
-[[nodiscard]] MotorSetPoint inverse_map(const PhantomGeometry &geometry,
-                                        const Configuration &configuration,
-                                        const TipSetPoint &target, bool &possible);
+/// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Nothing where x_Sd is out of reach
+/// or J singular; `no_force` is then the set-point to take.
+[[nodiscard]] std::optional<MotorSetPoint> inverse_map(const PhantomGeometry &geometry,
+                                                       const Configuration &configuration,
+                                                       const TipSetPoint &target);
+
+/// The set-point of free space (16), which goes with the device: no force results.
+[[nodiscard]] inline MotorSetPoint no_force(const Configuration &configuration) {
+    return {configuration.theta_rad, configuration.theta_rate_rad_per_s};
+}
 
 /// Transpose map (23), (24) with the relative stiffness W above [diagonal, mean 1].
 [[nodiscard]] MotorSetPoint transpose_map(const Configuration &configuration,

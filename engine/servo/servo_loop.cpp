@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace springdrive {
 
@@ -115,12 +116,14 @@ DeviceCommand ServoLoop::law(const Configuration &now, const ServoInputs &inputs
 
     const TipSetPoint target =
         contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact, sample.eta);
-    const MotorSetPoint inverse =
-        inverse_map(device_.description().geometry, now, target, sample.inverse_possible);
+    const std::optional<MotorSetPoint> inverse =
+        inverse_map(device_.description().geometry, now, target);
     const MotorSetPoint transpose =
         transpose_map(now, target, sample.alpha_rad2_per_m2, relative_stiffness_);
-    const MotorSetPoint &used = tuning_.map == MotionMap::transpose ? transpose : inverse;
+    const MotorSetPoint used =
+        tuning_.map == MotionMap::transpose ? transpose : inverse.value_or(no_force(now));
 
+    sample.inverse_possible = inverse.has_value();
     sample.map = tuning_.map;
     sample.x_Sd_m = target.x_Sd_m;
     sample.theta_Sd_rad = used.theta_Sd_rad;
@@ -131,7 +134,7 @@ DeviceCommand ServoLoop::law(const Configuration &now, const ServoInputs &inputs
     };
     const bool pushes =
         contact.touching && (target.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
-    sample.inverse_error_rad = pushes && sample.inverse_possible ? static_error(inverse) : kNone;
+    sample.inverse_error_rad = pushes && inverse ? static_error(*inverse) : kNone;
     sample.transpose_error_rad = pushes ? static_error(transpose) : kNone;
 
     DeviceCommand wanted;

@@ -73,9 +73,7 @@ PlanarError largest_planar_error(const DeviceDescription &device, double q2_deg,
         const Vector3 normal(0.0, std::sin(angle), std::cos(angle));
         const TipSetPoint target = contact_set_point(
             now.tip_m, Vector3::Zero(), wall(now.tip_m + kPenetration_m * normal, normal), 0.0);
-        bool possible = false;
-        const MotorSetPoint inverse = inverse_map(device.geometry, now, target, possible);
-        EXPECT_TRUE(possible);
+        const MotorSetPoint inverse = inverse_map(device.geometry, now, target).value();
         const MotorSetPoint transpose =
             transpose_map(now, target, alpha_bound(now.J, weights), weights);
         const auto error_deg = [&](const MotorSetPoint &set_point) {
@@ -156,12 +154,10 @@ TEST(MotionControl, FreeSpaceAsksForNothing) {
         free.x0_m = now.tip_m;
         const TipSetPoint target =
             contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), free, free.eta);
-        bool possible = false;
-        const MotorSetPoint inverse = inverse_map(device.geometry, now, target, possible);
+        const MotorSetPoint inverse = inverse_map(device.geometry, now, target).value();
         const MotorSetPoint transpose = transpose_map(now, target, 5000.0, Vector3::Ones());
         const Vector3 expected = k_T.cwiseProduct(now.theta_rate_rad_per_s);
         // Round-off of invkin and J⁻¹, times the gains.
-        ASSERT_TRUE(possible);
         ASSERT_LT((drift_compensation_V(k_T, {}, now, inverse) - expected).norm(), 1e-11);
         ASSERT_LT((drift_compensation_V(k_T, {}, now, transpose) - expected).norm(), 1e-12);
     }
@@ -191,17 +187,18 @@ TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
     // q₃ − q₂ = −90°: folded onto each other (DESIGN section 6).
     const Configuration now =
         at(device, Vector3(0.0, 70.0 * kRadiansPerDegree, 160.0 * kRadiansPerDegree));
-    bool possible = true;
-    const MotorSetPoint held = inverse_map(
-        device.geometry, now, {now.tip_m + Vector3(0.0, 1e-3, 0.0), Vector3::Ones()}, possible);
-    EXPECT_FALSE(possible);
-    EXPECT_EQ(held.theta_Sd_rad, now.theta_rad);
-    EXPECT_EQ(held.theta_Sd_rate_rad_per_s, now.theta_rate_rad_per_s);
-    // Out of reach from a good configuration.
+    const Vector3 step_m(0.0, 1e-3, 0.0);
+    EXPECT_FALSE(inverse_map(device.geometry, now, {now.tip_m + step_m, Vector3::Ones()}));
+    // Out of reach from a good configuration, and within.
     const Configuration good = at(device, Vector3::Zero());
-    static_cast<void>(
-        inverse_map(device.geometry, good, {Vector3(1.0, 0.0, 0.0), Vector3::Zero()}, possible));
-    EXPECT_FALSE(possible);
+    EXPECT_FALSE(inverse_map(device.geometry, good, {Vector3(1.0, 0.0, 0.0), Vector3::Zero()}));
+    EXPECT_TRUE(inverse_map(device.geometry, good, {step_m, Vector3::Zero()}));
+    // What is taken instead asks for no more than free space does.
+    const Vector3 k_T = torque_constants(device);
+    Configuration moving = now;
+    moving.theta_rate_rad_per_s = Vector3(1.0, -2.0, 3.0);
+    EXPECT_EQ(drift_compensation_V(k_T, {}, moving, no_force(moving)),
+              k_T.cwiseProduct(moving.theta_rate_rad_per_s));
 }
 
 TEST(MotionControl, GlobalAlphaIsWithinTheBoundOverTheWorkspace) {
