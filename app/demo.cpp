@@ -1,5 +1,6 @@
 #include "app/demo.h"
 
+#include "app/asset_folder.h"
 #include "app/mouse.h"
 #include "app/panels/layout.h"
 #include "app/panels/panels.h"

@@ -1,7 +1,7 @@
 // The demo: a session, its window, and the frames between opening and closing it.
 #pragma once
 
-#include "app/command_line.h"
+#include "app/demo_options.h"
 
 namespace springdrive {
 

@@ -1,7 +1,7 @@
 // One run of the demo without its window: device, servo, scene, tuning, and what came back.
 #pragma once
 
-#include "app/command_line.h"
+#include "app/demo_options.h"
 #include "app/history.h"
 #include "app/telemetry_file.h"
 #include "device/simulated/simulated_phantom.h"

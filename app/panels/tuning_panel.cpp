@@ -1,5 +1,6 @@
 #include "app/panels/panels.h"
 
+#include "app/asset_folder.h"
 #include "app/panels/look.h"
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"

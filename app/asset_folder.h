@@ -1,0 +1,11 @@
+// Where devices, tunings and scenes lie.
+#pragma once
+
+#include <filesystem>
+
+namespace springdrive {
+
+/// $SPRINGDRIVE_ASSETS, or the folder beside the sources.
+[[nodiscard]] std::filesystem::path asset_folder();
+
+} // namespace springdrive

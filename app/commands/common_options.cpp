@@ -1,0 +1,48 @@
+#include "app/commands/common_options.h"
+
+#include "app/asset_folder.h"
+#include "base/input_error.h"
+#include "engine/control/tuning_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace springdrive {
+
+void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
+    file = asset_folder() / "devices" / "phantom_1_0.toml";
+    command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
+}
+
+void TuningOptions::add_to(CLI::App &command) {
+    command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
+        ->type_name("FILE");
+    for (std::size_t i = 0; i < kParameters.size(); ++i) {
+        const Parameter &parameter = kParameters[i];
+        command
+            .add_option("--" + std::string(parameter.option), value[i],
+                        std::string(parameter.help) + " " + std::string(parameter.equation))
+            ->type_name(std::string(parameter.unit));
+    }
+    command.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
+        ->check(CLI::IsMember({"inverse", "transpose"}));
+    command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
+        ->check(CLI::IsMember({"on_the_fly", "global", "by_hand"}));
+}
+
+Tuning TuningOptions::tuning() const {
+    Tuning tuning = file.empty() ? Tuning{} : read_tuning_file(file);
+    for (std::size_t i = 0; i < kParameters.size(); ++i) {
+        tuning.*kParameters[i].value = value[i].value_or(tuning.*kParameters[i].value);
+        if (!lies_in_range(kParameters[i], tuning)) {
+            throw InputError("--" + std::string(kParameters[i].option) + ": " +
+                             what_is_wrong_with(tuning));
+        }
+    }
+    tuning.map = map.empty() ? tuning.map : *motion_map_named(map);
+    tuning.alpha_mode = alpha_mode.empty() ? tuning.alpha_mode : *alpha_mode_named(alpha_mode);
+    return tuning;
+}
+
+} // namespace springdrive
