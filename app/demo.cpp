@@ -142,8 +142,8 @@ private:
         const ServoSample &now = session_.latest();
         const DeviceDescription &device = session_.device();
         ViewState state;
-        state.linkage = linkage_pose(
-            device.geometry, joint_from_motor(device.geometry, now.theta_rad), kLinkageCrank_m);
+        state.linkage =
+            linkage_pose(device.geometry, joint_from_motor(device.geometry, now.theta_rad));
         state.tip_m = now.tip_m;
         state.proxy_m = now.contact.x0_m;
         state.touching = now.contact.touching;

@@ -1,6 +1,7 @@
 // What the demo was asked to do, as plain values.
 #pragma once
 
+#include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 
 #include <filesystem>
@@ -13,7 +14,8 @@ struct DemoOptions {
     Tuning tuning;
     double servo_hz = 1000.0;
     int delay_samples = 0;
-    int frames = 0; ///< end after so many; 0: no end by frames
+    PlantEffects effects; ///< of the simulated device
+    int frames = 0;       ///< end after so many; 0: no end by frames
     double seconds =
         0.0; ///< end after so long, by frame time in lockstep, else by the clock; 0: no
     bool lockstep = false;

@@ -73,6 +73,7 @@ Session::Session(const DemoOptions &options)
     SimulationOptions simulation;
     simulation.servo_period_s = servo_period_s(options.servo_hz);
     simulation.delay_samples = options.delay_samples;
+    simulation.effects = options.effects;
     hand_target_m_ = start_above(description, lower_m, upper_m);
     if (!options.path.empty()) {
         simulation.path = HandPath::read_csv(options.path);

@@ -3,6 +3,10 @@
 #include "base/strict_toml.h"
 #include "device/phantom/kinematics.h"
 
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
 namespace springdrive {
 
 namespace {
@@ -17,16 +21,93 @@ MotorParameters read_motor(StrictTomlTable &table) {
     motor.rotor_inertia_kg_m2 = table.number("rotor_inertia_kg_m2", {1e-9, 1e-2});
     motor.supply_V = table.number("supply_V", {0.1, 100.0});
     motor.peak_current_A = table.number("peak_current_A", {0.01, 100.0});
+    motor.resistance_rise_per_K = table.number("resistance_rise_per_K", {0.0, 0.01});
+    motor.commutation_ripple = table.number("commutation_ripple", {0.0, 0.5});
+    motor.commutator_segments = table.integer("commutator_segments", 1, 1000);
+    motor.thermal.winding_housing_K_per_W = table.number("winding_housing_K_per_W", {0.01, 1000.0});
+    motor.thermal.housing_ambient_K_per_W = table.number("housing_ambient_K_per_W", {0.01, 1000.0});
+    motor.thermal.winding_time_s = table.number("winding_time_s", {0.1, 1e4});
+    motor.thermal.motor_time_s = table.number("motor_time_s", {1.0, 1e5});
+    motor.thermal.greatest_winding_C = table.number("greatest_winding_C", {40.0, 300.0});
     table.refuse_unknown_keys();
     return motor;
 }
 
-PhantomGeometry read_geometry(StrictTomlTable &linkage) {
+PhantomGeometry read_geometry(StrictTomlTable linkage) {
     PhantomGeometry geometry;
     geometry.upper_arm_m = linkage.number("upper_arm_m", {0.01, 2.0});
     geometry.forearm_m = linkage.number("forearm_m", {0.01, 2.0});
+    geometry.crank_m = linkage.number("crank_m", {0.001, 1.0});
     geometry.transmission_ratio = linkage.vector("transmission_ratio", {0.1, 1000.0});
+    linkage.refuse_unknown_keys();
     return geometry;
+}
+
+LinkBody read_body(StrictTomlTable table) {
+    LinkBody body;
+    body.mass_kg = table.number("mass_kg", {1e-4, 10.0});
+    body.centre_m = table.number("centre_m", {-1.0, 1.0});
+    body.inertia_kg_m2 = table.vector("inertia_kg_m2", {0.0, 1.0});
+    table.refuse_unknown_keys();
+    return body;
+}
+
+LinkageInertia read_inertia(StrictTomlTable table) {
+    LinkageInertia inertia;
+    inertia.base_kg_m2 = table.number("base_kg_m2", {1e-7, 1.0});
+    inertia.upper_arm = read_body(table.table("upper_arm"));
+    inertia.crank = read_body(table.table("crank"));
+    inertia.rod = read_body(table.table("rod"));
+    inertia.forearm = read_body(table.table("forearm"));
+    inertia.tip_load_kg = table.number("tip_load_kg", {0.0, 5.0});
+    table.refuse_unknown_keys();
+    return inertia;
+}
+
+JointFriction read_friction(StrictTomlTable table) {
+    JointFriction friction;
+    friction.viscous_Nms_per_rad = table.number("viscous_Nms_per_rad", {0.0, 1.0});
+    friction.coulomb_Nm = table.vector("coulomb_Nm", {0.0, 1.0});
+    table.refuse_unknown_keys();
+    return friction;
+}
+
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+
+JointLimits read_joint_limits(StrictTomlTable table) {
+    JointLimits limits;
+    limits.lowest_rad = kRadPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
+    limits.highest_rad = kRadPerDegree * table.vector("highest_deg", {0.0, 270.0});
+    limits.least_q3_minus_q2_rad =
+        kRadPerDegree * table.number("least_q3_minus_q2_deg", {-89.0, 0.0});
+    limits.greatest_q3_minus_q2_rad =
+        kRadPerDegree * table.number("greatest_q3_minus_q2_deg", {0.0, 89.0});
+    table.refuse_unknown_keys();
+    return limits;
+}
+
+StructuralCompliance read_structure(StrictTomlTable table) {
+    StructuralCompliance structure;
+    structure.stiffness_N_per_m = table.number("stiffness_N_per_m", {10.0, 1e7});
+    structure.damping_Ns_per_m = table.number("damping_Ns_per_m", {0.0, 1e4});
+    table.refuse_unknown_keys();
+    return structure;
+}
+
+AmplifierParameters read_amplifier(StrictTomlTable table,
+                                   const std::array<MotorParameters, 3> &motors) {
+    AmplifierParameters amplifier;
+    // R̂ may exceed R by as much as a warm winding's R does, and no more than is asked for.
+    const double excess_Ohm = table.number("greatest_excess_Ohm", {0.0, 100.0});
+    double least_resistance_Ohm = std::numeric_limits<double>::infinity();
+    for (const MotorParameters &motor : motors) {
+        least_resistance_Ohm = std::min(least_resistance_Ohm, motor.resistance_Ohm);
+    }
+    amplifier.greatest_cancelled_Ohm =
+        table.number("greatest_cancelled_Ohm", {0.0, least_resistance_Ohm + excess_Ohm});
+    amplifier.current_bandwidth_hz = table.number("current_bandwidth_hz", {1.0, 1e6});
+    table.refuse_unknown_keys();
+    return amplifier;
 }
 
 } // namespace
@@ -36,11 +117,11 @@ DeviceDescription read_device_file(const std::filesystem::path &path) {
     DeviceDescription device;
     device.name = file.text("name");
 
-    StrictTomlTable linkage = file.table("linkage");
-    device.geometry = read_geometry(linkage);
-    device.joint_damping_Nms_per_rad = linkage.number("joint_damping_Nms_per_rad", {0.0, 1.0});
-    device.tip_mass_kg = linkage.number("tip_mass_kg", {1e-3, 10.0});
-    linkage.refuse_unknown_keys();
+    device.geometry = read_geometry(file.table("linkage"));
+    device.inertia = read_inertia(file.table("inertia"));
+    device.friction = read_friction(file.table("friction"));
+    device.joint_limits = read_joint_limits(file.table("joint_limits"));
+    device.structure = read_structure(file.table("structure"));
 
     const int motors = file.tables("motor", 3, [&device](int index, StrictTomlTable &table) {
         device.motor[static_cast<std::size_t>(index)] = read_motor(table);
@@ -48,6 +129,7 @@ DeviceDescription read_device_file(const std::filesystem::path &path) {
     if (motors == 1) {
         device.motor.fill(device.motor.front());
     }
+    device.amplifier = read_amplifier(file.table("amplifier"), device.motor);
 
     StrictTomlTable encoder = file.table("encoder");
     device.encoder_counts_per_turn = encoder.integer("counts_per_turn", 4, 100'000);

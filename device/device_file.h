@@ -23,13 +23,36 @@ struct DeviceLimits {
     double tip_speed_m_per_s = 0.0; ///< tip speed above which the monitor trips
 };
 
+/// Friction of joints and transmission, at each joint.
+struct JointFriction {
+    double viscous_Nms_per_rad = 0.0;
+    Vector3 coulomb_Nm{Vector3::Zero()}; ///< the same at rest and in motion
+};
+
+/// How far the joints turn before they meet their stops.
+struct JointLimits {
+    Vector3 lowest_rad{Vector3::Zero()};
+    Vector3 highest_rad{Vector3::Zero()};
+    double least_q3_minus_q2_rad = 0.0; ///< the links fold no further
+    double greatest_q3_minus_q2_rad = 0.0;
+};
+
+/// What bends between transmission and tip.
+struct StructuralCompliance {
+    double stiffness_N_per_m = 0.0;
+    double damping_Ns_per_m = 0.0;
+};
+
 struct DeviceDescription {
     std::string name;
     PhantomGeometry geometry;
+    LinkageInertia inertia;
+    JointFriction friction;
+    JointLimits joint_limits;
+    StructuralCompliance structure;
     std::array<MotorParameters, 3> motor;
-    int encoder_counts_per_turn = 0;        ///< of the motor shaft, after ×4
-    double joint_damping_Nms_per_rad = 0.0; ///< viscous, at each joint
-    double tip_mass_kg = 0.0;               ///< apparent mass at the tip, without the rotors
+    AmplifierParameters amplifier;
+    int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4
     Workspace workspace;
     DeviceLimits limits;
 };

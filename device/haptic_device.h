@@ -9,10 +9,11 @@
 
 namespace springdrive {
 
-/// What the three spring-drive amplifiers are asked to do until the next exchange.
+/// What the three amplifiers are asked to do until the next exchange.
 struct DeviceCommand {
     Vector3 e_W_V{Vector3::Zero()};                    ///< e_W of (6), per motor
     Vector3 cancelled_resistance_Ohm{Vector3::Zero()}; ///< R̂ of (6), per motor
+    Vector3 current_A{Vector3::Zero()}; ///< for a current drive; a spring drive does not look at it
 
     /// The safe state: e_W = 0 and R̂ = 0, so each winding is shorted through its own resistance
     /// and the device resists like the damper B_R of (5).

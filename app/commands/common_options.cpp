@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <set>
 #include <string>
 
 namespace springdrive {
@@ -29,6 +31,41 @@ void TuningOptions::add_to(CLI::App &command) {
         ->check(CLI::IsMember({"inverse", "transpose"}));
     command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
         ->check(CLI::IsMember({"on_the_fly", "global", "by_hand"}));
+}
+
+void EffectOptions::add_to(CLI::App &command) {
+    std::set<std::string> names{"all"};
+    std::string list;
+    for (const PlantEffect &effect : kPlantEffects) {
+        names.emplace(effect.name);
+        list += (list.empty() ? "" : ", ") + std::string(effect.name);
+    }
+    command
+        .add_option("--without", without,
+                    "switch effects of the simulated device off: all, or any of " + list)
+        ->type_name("EFFECT,...")
+        ->delimiter(',')
+        ->check(CLI::IsMember(names));
+    command
+        .add_option("--with", with, "switch them on again; only structural_compliance starts off")
+        ->type_name("EFFECT,...")
+        ->delimiter(',')
+        ->check(CLI::IsMember(names));
+}
+
+PlantEffects EffectOptions::effects() const {
+    PlantEffects effects;
+    const auto set = [&effects](const std::vector<std::string> &names, bool on) {
+        for (const PlantEffect &effect : kPlantEffects) {
+            const bool named = std::any_of(names.begin(), names.end(), [&](const auto &name) {
+                return name == effect.name || name == "all";
+            });
+            effects.*effect.on = named ? on : effects.*effect.on;
+        }
+    };
+    set(without, false);
+    set(with, true);
+    return effects;
 }
 
 Tuning TuningOptions::tuning() const {

@@ -1,6 +1,7 @@
 // Options that several subcommands share.
 #pragma once
 
+#include "device/simulated/simulation_options.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning.h"
 
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -30,6 +32,17 @@ struct TuningOptions {
 
     /// @throw InputError for a file that cannot be used, or a value out of its range.
     [[nodiscard]] Tuning tuning() const;
+};
+
+/// `--without` and `--with`: which effects the simulated device has.
+struct EffectOptions {
+    std::vector<std::string> without;
+    std::vector<std::string> with;
+
+    /// The options hold references to this: it must stay where it is until the parse is over.
+    void add_to(CLI::App &command);
+
+    [[nodiscard]] PlantEffects effects() const;
 };
 
 } // namespace springdrive

@@ -18,6 +18,7 @@ namespace {
 struct Typed {
     DemoOptions options;
     TuningOptions tuning;
+    EffectOptions effects;
     std::string device = "sim";
 };
 
@@ -79,6 +80,7 @@ void run(Typed &typed) {
                          "option out");
     }
     typed.options.tuning = typed.tuning.tuning();
+    typed.options.effects = typed.effects.effects();
     check(typed.options);
     run_demo(typed.options);
 }
@@ -97,6 +99,7 @@ void add_demo_command(CLI::App &app) {
         ->check(CLI::IsMember({"sim", "usb"}));
     add_device_file_option(demo, typed->options.device_file);
     typed->tuning.add_to(demo);
+    typed->effects.add_to(demo);
     add_run_options(demo, typed->options);
     add_window_options(demo, typed->options);
     demo.callback([typed] { run(*typed); });

@@ -84,7 +84,6 @@ std::vector<Solid> linkage_solids(const LinkagePose &pose, double floor_height_m
     build.bar(pose.base_m, pose.elbow_m, 0.0052);
     build.bar(pose.base_m, pose.crank_m, 0.0042);
     build.bar(pose.crank_m, pose.coupling_m, 0.0030);
-    build.bar(pose.coupling_m, pose.elbow_m, 0.0042);
     build.forearm(pose.elbow_m, pose.tip_m, 0.0042);
     build.joint(pose.elbow_m, 0.0085, 0.016);
     build.joint(pose.crank_m, 0.0060, 0.013);

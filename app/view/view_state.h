@@ -26,7 +26,6 @@ struct ViewState {
 inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
 inline constexpr double kTipRadius_m = 2.0e-3;
 inline constexpr double kProxyRadius_m = 2.5e-3;
-inline constexpr double kLinkageCrank_m = 0.032; ///< for `linkage_pose`: looks like the device
 
 // Told apart with any kind of colour vision (after Okabe and Ito), on dark panels as well.
 inline constexpr Colour kTipColour{0.92F, 0.38F, 0.05F};

@@ -5,6 +5,15 @@
 
 namespace springdrive {
 
+/// How a motor sheds its heat: winding to housing to air, as data sheets give it.
+struct ThermalParameters {
+    double winding_housing_K_per_W = 0.0;
+    double housing_ambient_K_per_W = 0.0;
+    double winding_time_s = 0.0; ///< time constant of the winding against its housing
+    double motor_time_s = 0.0;   ///< time constant of the housing against the air
+    double greatest_winding_C = 0.0;
+};
+
 /// Data sheet of one motor and the limits of its amplifier. The values come from a device file.
 struct MotorParameters {
     double resistance_Ohm = 0.0;           ///< R, winding resistance at 25 °C
@@ -13,6 +22,16 @@ struct MotorParameters {
     double rotor_inertia_kg_m2 = 0.0;
     double supply_V = 0.0;       ///< largest |e_W| that the amplifier passes on
     double peak_current_A = 0.0; ///< stall current; the safety monitor trips above it
+    double resistance_rise_per_K = 0.0; ///< of R(T), relative to R at 25 °C
+    double commutation_ripple = 0.0;    ///< of R(θ): amplitude as a share of R
+    int commutator_segments = 0;        ///< ripples per turn
+    ThermalParameters thermal;
+};
+
+/// What the amplifiers can be set to, one for each motor, all alike.
+struct AmplifierParameters {
+    double greatest_cancelled_Ohm = 0.0; ///< the largest R̂ of (6) that can be set
+    double current_bandwidth_hz = 0.0;   ///< of the current drive that stands for comparison
 };
 
 /// The least share of R that an amplifier leaves: never a net resistance of zero or less (7).

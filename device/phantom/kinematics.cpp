@@ -77,8 +77,7 @@ std::optional<Vector3> joint_angles_rad(const PhantomGeometry &geometry, const V
     return Vector3(q1, q2, q2 + q3_minus_q2);
 }
 
-LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad,
-                         double crank_length_m) {
+LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad) {
     const PoseTerms p(geometry, q_rad);
     const Vector3 outward(p.s1, 0.0, p.c1);
     const Vector3 up = Vector3::UnitY();
@@ -88,8 +87,8 @@ LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad,
     pose.base_m = Vector3(0.0, geometry.forearm_m, -geometry.upper_arm_m);
     pose.elbow_m = pose.base_m + geometry.upper_arm_m * along_arm;
     pose.tip_m = pose.elbow_m + geometry.forearm_m * along_forearm;
-    pose.crank_m = pose.base_m - crank_length_m * along_forearm;
-    pose.coupling_m = pose.elbow_m - crank_length_m * along_forearm;
+    pose.crank_m = pose.base_m + geometry.crank_m * along_forearm;
+    pose.coupling_m = pose.elbow_m + geometry.crank_m * along_forearm;
     return pose;
 }
 

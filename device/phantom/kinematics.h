@@ -45,18 +45,16 @@ namespace springdrive {
     return q_rad.cwiseProduct(geometry.transmission_ratio);
 }
 
-/// The joints of the linkage in space, for drawing it [m, device frame]. The second bar and the
-/// link drive the forearm in parallel to the upper arm.
+/// The joints of the linkage in space, for drawing it [m, device frame]. Crank and rod turn the
+/// forearm in parallel to the upper arm.
 struct LinkagePose {
     Vector3 base_m;     ///< the motors' axis, l₁ behind and l₂ above the zero pose's tip
     Vector3 elbow_m;    ///< end of the upper arm
     Vector3 tip_m;      ///< end of the forearm
     Vector3 crank_m;    ///< end of the crank that q₃ turns about the base
-    Vector3 coupling_m; ///< where the bar from the crank meets the forearm's tail
+    Vector3 coupling_m; ///< where the rod from the crank meets the forearm
 };
 
-/// Where the linkage's joints are at `q_rad`; `crank_m` is the crank's drawn length.
-[[nodiscard]] LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad,
-                                       double crank_length_m);
+[[nodiscard]] LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad);
 
 } // namespace springdrive

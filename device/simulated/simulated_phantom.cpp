@@ -1,11 +1,7 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"
-#include "device/motor/motor.h"
 #include "device/phantom/kinematics.h"
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -23,27 +19,12 @@ constexpr int kFineEncoderFactor = 10'000;
 /// `set_hand_target`, which also turns the steps of a 60 Hz mouse into a smooth motion.
 constexpr double kHandReachRate = 40.0; // rad/s
 
-struct AppliedVoltage {
-    double voltage_V = 0.0;
-    double resistance_Ohm = 0.0; ///< what of R is left in the winding's way
-};
-
-/// (6) within the supply: e_A = R̂ i + e_W, or the rail, behind which the whole R is back.
-AppliedVoltage amplifier(const MotorParameters &motor, double e_W_V,
-                         double cancelled_resistance_Ohm, double current_A) {
-    const double e_A_V = cancelled_resistance_Ohm * current_A + e_W_V;
-    if (std::abs(e_A_V) > motor.supply_V) {
-        return {std::copysign(motor.supply_V, e_A_V), motor.resistance_Ohm};
-    }
-    return {e_W_V, motor.resistance_Ohm - cancelled_resistance_Ohm};
-}
-
 Vector3 limited(const Vector3 &vector, double greatest_norm) {
     const double norm = vector.norm();
     return norm > greatest_norm ? Vector3(vector * (greatest_norm / norm)) : vector;
 }
 
-void check_options(const SimulationOptions &options) {
+void check_options(const SimulationOptions &options, const DeviceDescription &description) {
     const HandParameters &hand = options.hand;
     const bool good = options.servo_period_s > 0.0 && options.longest_step_s > 0.0 &&
                       hand.mass_kg >= 0.0 && hand.damping_Ns_per_m >= 0.0 &&
@@ -58,14 +39,19 @@ void check_options(const SimulationOptions &options) {
                          " samples; it must be 0 to " +
                          std::to_string(SimulatedPhantom::kLongestDelay));
     }
+    if (!(options.resistance_share.minCoeff() > 0.0 && options.resistance_share.allFinite()) ||
+        !std::isfinite(options.ambient_C)) {
+        throw InputError("simulated device: the motors' shares of R must be positive and the "
+                         "ambient temperature finite");
+    }
+    if (options.effects.structural_compliance &&
+        !(hand.mass_kg + description.inertia.tip_load_kg > 0.0)) {
+        throw InputError("simulated device: a tip behind a compliant structure needs a mass; give "
+                         "the hand one, or the device a tip_load_kg");
+    }
 }
 
-} // namespace
-
-SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
-                                   const SimulationOptions &options, const Vector3 &start_tip_m)
-    : description_(description), options_(options), hand_target_(start_tip_m) {
-    check_options(options);
+Vector3 start_angles(const DeviceDescription &description, const Vector3 &start_tip_m) {
     const std::optional<Vector3> q_rad = joint_angles_rad(description.geometry, start_tip_m);
     if (!q_rad) {
         throw InputError("simulated device: its tip cannot start at (" +
@@ -73,19 +59,82 @@ SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
                          ", " + std::to_string(start_tip_m.z()) +
                          ") m, which is out of reach; choose a point in the workspace");
     }
+    return *q_rad;
+}
+
+LinkagePlant linkage_plant(const DeviceDescription &description, const SimulationOptions &options) {
+    const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
+    LinkagePlant plant;
+    plant.geometry = description.geometry;
+    plant.moments = linkage_moments(description.geometry, description.inertia,
+                                    options.effects.structural_compliance ? 0.0 : at_tip_kg);
+    if (!options.effects.structural_compliance) {
+        // A hand is moved by its owner: its mass has to be accelerated, but not held up.
+        plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
+        plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
+    }
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double N = description.geometry.transmission_ratio[j];
+        plant.rotor_kg_m2[j] =
+            N * N * description.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
+    }
+    if (options.effects.coulomb_friction) {
+        plant.coulomb_Nm = description.friction.coulomb_Nm;
+    }
+    plant.limits = description.joint_limits;
+    plant.gravity = options.effects.gravity;
+    plant.stops = options.effects.joint_limits;
+    return plant;
+}
+
+std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
+                                           const SimulationOptions &options) {
+    std::array<MotorParameters, 3> motors = description.motor;
+    for (std::size_t j = 0; j < motors.size(); ++j) {
+        motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
+        motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
+    }
+    return motors;
+}
+
+WindingTemperature temperature(const MotorParameters &motor, const SimulationOptions &options) {
+    return {motor.thermal,
+            options.effects.winding_heat ? options.ambient_C : kReferenceTemperature_C,
+            options.servo_period_s};
+}
+
+} // namespace
+
+SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
+                                   const SimulationOptions &options, const Vector3 &start_tip_m)
+    : description_(description), options_(options),
+      hand_target_(start_tip_m), temperature_{temperature(description.motor[0], options),
+                                              temperature(description.motor[1], options),
+                                              temperature(description.motor[2], options)} {
+    check_options(options, description);
+    linkage_.q_rad = start_angles(description, start_tip_m);
+    plant_ = linkage_plant(description, options);
+    motor_ = true_motors(description, options);
+    if (options.effects.structural_compliance) {
+        free_tip_ =
+            FreeTip{description.structure, description.inertia.tip_load_kg + options.hand.mass_kg,
+                    start_tip_m, Vector3::Zero()};
+    }
     if (!options.quantised_encoders) {
         description_.encoder_counts_per_turn *= kFineEncoderFactor;
     }
     counts_per_rad_ = description_.encoder_counts_per_turn / (2.0 * std::numbers::pi);
-    truth_.theta_rad = motor_from_joint(description.geometry, *q_rad);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
+    note_linkage(linkage_);
+    warm_windings();
 }
 
 DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
     std::shift_right(pending_.begin(), pending_.end(), 1);
-    pending_.front() = command.e_W_V.allFinite() && command.cancelled_resistance_Ohm.allFinite()
+    pending_.front() = command.e_W_V.allFinite() && command.current_A.allFinite() &&
+                               command.cancelled_resistance_Ohm.allFinite()
                            ? command
                            : DeviceCommand::braking();
     const DeviceCommand &applied = pending_[static_cast<std::size_t>(options_.delay_samples)];
@@ -99,6 +148,7 @@ DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
         impulse += h * step(applied, h);
     }
     truth_.hand_force_N = impulse / options_.servo_period_s;
+    warm_windings();
 
     DeviceState state;
     for (std::size_t motor = 0; motor < 3; ++motor) {
@@ -107,6 +157,53 @@ DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
     }
     state.current_A = truth_.current_A;
     return state;
+}
+
+double SimulatedPhantom::stored_energy_J() const {
+    double energy = plant_.kinetic_energy_J(linkage_) + plant_.potential_energy_J(linkage_);
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double current_A = truth_.current_A[static_cast<Eigen::Index>(j)];
+        energy += 0.5 * motor_[j].inductance_H * current_A * current_A;
+    }
+    if (free_tip_) {
+        energy += free_tip_->energy_J(linkage_end_m());
+        if (options_.effects.gravity) {
+            energy += description_.inertia.tip_load_kg * kGravity_m_per_s2 * truth_.tip_m.y();
+        }
+    }
+    return energy;
+}
+
+void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A) {
+    linkage_.rate_rad_per_s = q_rate_rad_per_s;
+    truth_.current_A = current_A;
+    note_linkage(linkage_);
+    truth_.tip_velocity_m_per_s =
+        joint_jacobian(description_.geometry, linkage_.q_rad) * q_rate_rad_per_s;
+    if (free_tip_) {
+        free_tip_->velocity_m_per_s = truth_.tip_velocity_m_per_s;
+    }
+}
+
+void SimulatedPhantom::note_linkage(const LinkageState &linkage) noexcept {
+    linkage_ = linkage;
+    truth_.theta_rad = motor_from_joint(description_.geometry, linkage.q_rad);
+    truth_.theta_rate_rad_per_s = motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
+}
+
+/// Temperatures from the heat since the last exchange, and the resistances that follow.
+void SimulatedPhantom::warm_windings() noexcept {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
+        if (options_.effects.winding_heat) {
+            motor.update(heat_J_[j] / options_.servo_period_s);
+        }
+        truth_.winding_C[j] = motor.winding_C();
+        truth_.housing_C[j] = motor.housing_C();
+        truth_.resistance_Ohm[j] = winding_resistance_Ohm(motor_[static_cast<std::size_t>(j)],
+                                                          motor.winding_C(), truth_.theta_rad[j]);
+    }
+    heat_J_.setZero();
 }
 
 void SimulatedPhantom::move_hand_target(double h) noexcept {
@@ -125,75 +222,118 @@ void SimulatedPhantom::move_hand_target(double h) noexcept {
     truth_.hand_target_m = hand_.position_m;
 }
 
+SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &command,
+                                                       double h) noexcept {
+    CurrentSteps steps;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const auto index = static_cast<std::size_t>(j);
+        const MotorParameters &motor = motor_[index];
+        // At the sub-step's middle, so that the commutator's ripple too is met at second order.
+        const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
+        truth_.resistance_Ohm[j] =
+            winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
+        const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
+                             truth_.theta_rate_rad_per_s[j], options_.effects.amplifier_limits};
+        steps[index] = options_.amplifier == AmplifierKind::spring_drive
+                           ? spring_drive_step(motor, now, command.e_W_V[j],
+                                               command.cancelled_resistance_Ohm[j], h)
+                           : current_drive_step(motor, now, command.current_A[j],
+                                                2.0 * std::numbers::pi *
+                                                    description_.amplifier.current_bandwidth_hz,
+                                                h);
+    }
+    return steps;
+}
+
+LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
+                                   const VelocityLoad &tip) const noexcept {
+    LinkageLoad load;
+    load.tip_force_N = tip.force_N;
+    load.tip_damping_Ns_per_m = tip.damping_Ns_per_m;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const CurrentStep &current = drive[static_cast<std::size_t>(j)];
+        const double N = description_.geometry.transmission_ratio[j];
+        const double k_T = motor_[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
+        load.torque_Nm[j] = N * k_T * current.mean_A;
+        load.damping_Nms_per_rad[j] =
+            -N * N * k_T * current.mean_As_per_rad +
+            (options_.effects.viscous_friction ? description_.friction.viscous_Nms_per_rad : 0.0);
+    }
+    return load;
+}
+
+/// The hand's spring pulls at the middle of the step, half of it known beforehand; at its greatest
+/// force it no longer stiffens.
+VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
+    const HandParameters &hand = options_.hand;
+    const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
+    const bool saturated = pull.norm() > hand.greatest_force_N;
+    return {limited(pull, hand.greatest_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s,
+            hand.damping_Ns_per_m + (saturated ? 0.0 : 0.5 * h * hand.stiffness_N_per_m)};
+}
+
+/// A free tip bears the weight of what sits on it; a rigid one has that in the linkage's moments.
+VelocityLoad SimulatedPhantom::with_weight(const VelocityLoad &hand) const noexcept {
+    const double weight_N =
+        options_.effects.gravity ? description_.inertia.tip_load_kg * kGravity_m_per_s2 : 0.0;
+    return {hand.force_N - weight_N * Vector3::UnitY(), hand.damping_Ns_per_m};
+}
+
+Vector3 SimulatedPhantom::linkage_end_m() const noexcept {
+    return tip_position_m(description_.geometry, linkage_.q_rad);
+}
+
+void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const Vector3 &mean_q_rate,
+                                       double h) noexcept {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const CurrentStep &current = drive[static_cast<std::size_t>(j)];
+        const double rate = description_.geometry.transmission_ratio[j] * mean_q_rate[j];
+        const double before_A = truth_.current_A[j];
+        const double after_A = current.end_at(rate);
+        truth_.current_A[j] = after_A;
+        // i² averaged as if i went straight from one to the other.
+        heat_J_[j] += h * truth_.resistance_Ohm[j] *
+                      (before_A * before_A + before_A * after_A + after_A * after_A) / 3.0;
+    }
+}
+
+void SimulatedPhantom::settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
+                                  const Vector3 &linkage_end_before_m, double h) noexcept {
+    if (free_tip_) {
+        free_tip_->settle(with_weight(hand), linkage_end_before_m, motion.mean_tip_velocity_m_per_s,
+                          h);
+        truth_.tip_m = free_tip_->position_m;
+        truth_.tip_velocity_m_per_s = free_tip_->velocity_m_per_s;
+        return;
+    }
+    truth_.tip_m = linkage_end_m();
+    truth_.tip_velocity_m_per_s =
+        joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
+}
+
 /// One sub-step; returns the hand's force on the tip, its mean over the sub-step [N].
 Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept {
     move_hand_target(h);
-    const PhantomGeometry &geometry = description_.geometry;
-    const HandParameters &hand = options_.hand;
-    const Vector3 &v0 = truth_.theta_rate_rad_per_s;
+    const VelocityLoad hand = hand_load(h);
+    const CurrentSteps currents = drive(command, h);
+    const Vector3 end_before_m = linkage_end_m();
+    const VelocityLoad at_linkage =
+        free_tip_ ? free_tip_->at_linkage(with_weight(hand), end_before_m, h) : hand;
+    const LinkageMotion motion =
+        linkage_step(plant_, linkage_, load(currents, at_linkage), h, friction_mode_);
 
-    // The mean velocity is not known yet; extrapolated from the last one it is second order.
-    const Vector3 v_expected = 2.0 * v0 - last_mean_rate_rad_per_s_;
-    const Vector3 q_middle = joint_from_motor(geometry, truth_.theta_rad + 0.5 * h * v0);
-    const Vector3 ratio_inverse = geometry.transmission_ratio.cwiseInverse();
-    const Matrix3 J = joint_jacobian(geometry, q_middle) * ratio_inverse.asDiagonal();
-    const Matrix3 J_rate =
-        joint_jacobian_rate(geometry, q_middle, joint_from_motor(geometry, v_expected)) *
-        ratio_inverse.asDiagonal();
-    const Matrix3 Jt_J = J.transpose() * J;
-
-    // The hand's spring pulls at the middle of the step, half of it known beforehand; at its
-    // greatest force it no longer stiffens.
-    const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
-    const bool saturated = pull.norm() > hand.greatest_force_N;
-    const double stiffness = saturated ? 0.0 : hand.stiffness_N_per_m;
-    const Vector3 known_force =
-        limited(pull, hand.greatest_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s;
-    const double force_per_velocity = hand.damping_Ns_per_m + 0.5 * h * stiffness;
-
-    const double mass = description_.tip_mass_kg + hand.mass_kg;
-    Matrix3 inertia = mass * Jt_J;
-    Matrix3 resistance = force_per_velocity * Jt_J;
-    Vector3 torque = J.transpose() * (known_force - mass * (J_rate * v_expected));
-
-    Vector3 net_voltage = Vector3::Zero();
-    std::array<WindingStep, 3> winding;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const auto index = static_cast<std::size_t>(j);
-        const MotorParameters &motor = description_.motor[index];
-        const AppliedVoltage applied = amplifier(
-            motor, command.e_W_V[j], command.cancelled_resistance_Ohm[j], truth_.current_A[j]);
-        winding[index] = winding_step(motor, applied.resistance_Ohm, h);
-        net_voltage[j] = applied.voltage_V;
-        const double k_T = motor.torque_constant_Nm_per_A;
-        inertia(j, j) += motor.rotor_inertia_kg_m2;
-        resistance(j, j) +=
-            description_.joint_damping_Nms_per_rad * ratio_inverse[j] * ratio_inverse[j] +
-            k_T * k_T * winding[index].mean_gain_A_per_V;
-        torque[j] += k_T * (winding[index].mean_decay * truth_.current_A[j] +
-                            winding[index].mean_gain_A_per_V * net_voltage[j]);
-    }
-
-    // Momentum over the step: inertia · 2(v̄ − v₀)/h = torque − resistance · v̄.
-    const Matrix3 system = (2.0 / h) * inertia + resistance;
-    const Vector3 v_mean = system.ldlt().solve((2.0 / h) * (inertia * v0) + torque);
-
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const auto index = static_cast<std::size_t>(j);
-        const double back_emf = description_.motor[index].torque_constant_Nm_per_A * v_mean[j];
-        truth_.current_A[j] = winding[index].decay * truth_.current_A[j] +
-                              winding[index].gain_A_per_V * (net_voltage[j] - back_emf);
-    }
-    const Vector3 v1 = 2.0 * v_mean - v0;
-    const Vector3 acceleration = J * ((v1 - v0) / h) + J_rate * v_expected;
-    truth_.theta_rad += h * v_mean;
-    truth_.theta_rate_rad_per_s = v1;
-    last_mean_rate_rad_per_s_ = v_mean;
-    truth_.tip_m = tip_position_m(geometry, joint_from_motor(geometry, truth_.theta_rad));
-    truth_.tip_velocity_m_per_s = J * v1;
+    settle_currents(currents, motion.mean_rate_rad_per_s, h);
+    const Vector3 tip_before_m = truth_.tip_m;
+    const Vector3 velocity_before = truth_.tip_velocity_m_per_s;
+    note_linkage(motion.after);
+    settle_tip(motion, hand, end_before_m, h);
     truth_.time_s += h;
+
     // What the hand's spring and damper give, less what its own mass takes.
-    return known_force - force_per_velocity * (J * v_mean) - hand.mass_kg * acceleration;
+    const Vector3 mean_velocity = (truth_.tip_m - tip_before_m) / h;
+    const Vector3 acceleration = (truth_.tip_velocity_m_per_s - velocity_before) / h;
+    return hand.force_N - hand.damping_Ns_per_m * mean_velocity -
+           options_.hand.mass_kg * acceleration;
 }
 
 } // namespace springdrive

@@ -1,44 +1,29 @@
-// A PHANTOM without hardware: motors behind spring-drive amplifiers, a massless linkage with a
-// mass at its tip, quantising encoders, and a hand that holds the tip.
+// A PHANTOM without hardware: motors behind amplifiers, the linkage with its masses, friction and
+// stops, quantising encoders, and a hand that holds the tip. In joint coordinates, θ = N q:
 //
-// In motor coordinates, J = ∂x/∂θ, tip and hand mass m, rotor inertia J_m, hand force F:
+//   L di/dt = e_A − R(T, θ) i − k_T θ̇                                (1), (2), (6), each motor
+//   (M(q) + N² J_m) q̈ + C q̇ + g = N k_T i − b q̇ − friction + stops + Jᵀ F      (3), J = ∂x/∂q
+//   F = k (x_target − x) + b_hand (ẋ_target − ẋ) − m_hand ẍ          the hand, limited in force
 //
-//   L di/dt = e_W − dR i − k_T θ̇                                   (11) with (6), each motor
-//   (J_m + m JᵀJ) θ̈ + m Jᵀ J̇ θ̇ = k_T i − N⁻² b θ̇ + Jᵀ F          (3), J for the linkage
-//   F = k (x_target − x) + b_hand (ẋ_target − ẋ)                    the hand, limited in force
+// With structural compliance the hand holds a mass of its own, which a spring and a damper join to
+// the end of the linkage.
 //
-// One sub-step of h takes the winding exactly for a standing rotor velocity and the rest by the
-// implicit midpoint rule, both at the same mean velocity v̄: the work k_T ī·v̄ that leaves the
-// windings is, to the last bit, the work that reaches the rotors. Second order in h.
+// One sub-step takes the winding exactly for a standing rotor velocity (device/motor/motor.h) and
+// the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean velocity:
+// the work that leaves the windings is, to round-off, the work that reaches the rotors. Second
+// order in the sub-step; of first order only where friction stops a joint or an amplifier reaches
+// its limit.
 #pragma once
 
 #include "base/latest_value.h"
 #include "device/haptic_device.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/free_tip.h"
+#include "device/simulated/linkage_step.h"
+#include "device/simulated/simulation_options.h"
 
 #include <array>
-#include <optional>
 
 namespace springdrive {
-
-/// A hand that holds the tip: a mass on it, drawn to a moving target by a spring and a damper.
-/// The defaults are a relaxed pen grip, of the order that the literature on grips gives.
-struct HandParameters {
-    double mass_kg = 0.1;
-    double damping_Ns_per_m = 6.0;
-    double stiffness_N_per_m = 300.0;
-    double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
-    double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
-};
-
-struct SimulationOptions {
-    double servo_period_s = 1e-3;   ///< T; each exchange advances the plant by as much
-    int delay_samples = 0;          ///< d, at most kLongestDelay
-    bool quantised_encoders = true; ///< false: 10,000 times as many counts
-    double longest_step_s = 25e-6;  ///< sub-steps are not longer than this
-    HandParameters hand;
-    std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
-};
 
 class SimulatedPhantom final : public HapticDevice {
 public:
@@ -63,6 +48,9 @@ public:
         Vector3 theta_rad{Vector3::Zero()};
         Vector3 theta_rate_rad_per_s{Vector3::Zero()};
         Vector3 current_A{Vector3::Zero()};
+        Vector3 resistance_Ohm{Vector3::Zero()}; ///< R(T, θ)
+        Vector3 winding_C{Vector3::Zero()};
+        Vector3 housing_C{Vector3::Zero()};
         Vector3 tip_m{Vector3::Zero()};
         Vector3 tip_velocity_m_per_s{Vector3::Zero()};
         Vector3 hand_target_m{Vector3::Zero()};
@@ -70,17 +58,43 @@ public:
     };
     [[nodiscard]] const Truth &truth() const { return truth_; }
 
+    /// Kinetic energy (the hand's mass too), gravity, and what windings, stops and structure store;
+    /// without the hand's spring. Nothing that is passive can make it grow. [J]
+    [[nodiscard]] double stored_energy_J() const;
+
+    /// Sets the plant moving: joint rates [rad/s] and winding currents [A], from rest.
+    void set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A);
+
 private:
+    using CurrentSteps = std::array<CurrentStep, 3>;
+
     [[nodiscard]] Vector3 step(const DeviceCommand &command, double h) noexcept;
+    [[nodiscard]] CurrentSteps drive(const DeviceCommand &command, double h) noexcept;
+    [[nodiscard]] Vector3 linkage_end_m() const noexcept;
+    [[nodiscard]] LinkageLoad load(const CurrentSteps &drive,
+                                   const VelocityLoad &tip) const noexcept;
+    [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
+    [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
+    void settle_currents(const CurrentSteps &drive, const Vector3 &mean_q_rate, double h) noexcept;
+    void settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
+                    const Vector3 &linkage_end_before_m, double h) noexcept;
+    void warm_windings() noexcept;
     void move_hand_target(double h) noexcept;
+    void note_linkage(const LinkageState &linkage) noexcept;
 
     DeviceDescription description_;
     SimulationOptions options_;
+    LinkagePlant plant_;
+    std::array<MotorParameters, 3> motor_; ///< the true ones: with the effects that are on
+    std::optional<FreeTip> free_tip_;      ///< where the structure bends
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
     HandTarget hand_;
+    LinkageState linkage_;
+    std::array<FrictionMode, 3> friction_mode_{};
+    std::array<WindingTemperature, 3> temperature_;
+    Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last exchange
     Truth truth_;
-    Vector3 last_mean_rate_rad_per_s_{Vector3::Zero()};
     std::array<DeviceCommand, kLongestDelay + 1> pending_{}; ///< newest first
 };
 

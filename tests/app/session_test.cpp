@@ -131,6 +131,7 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
 TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     DemoOptions options = headless();
     options.frames = 0; // a hand that follows no path
+    options.effects = PlantEffects::none(); // no weight, no friction
     Session session(options);
     session.start();
     EXPECT_FALSE(session.hand_follows_path());

@@ -54,7 +54,7 @@ TEST(DeviceFile, HoldsTheDataSheet) {
 TEST(DeviceFile, ThreeMotorsMayDiffer) {
     std::string text = good_text();
     const std::size_t first = text.find("[motor]");
-    const std::size_t last = text.find("[encoder]");
+    const std::size_t last = text.find("[amplifier]");
     std::string motor = text.substr(first, last - first);
     motor.replace(0, 7, "[[motor]]");
     std::string second = motor;
@@ -70,7 +70,7 @@ TEST(DeviceFile, ThreeMotorsMayDiffer) {
 }
 
 TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
-    expect_all(complaint("0.238e-3", "-1e-3"), {":14:", "motor.inductance_H", "-0.001", "from"});
+    expect_all(complaint("0.238e-3", "-1e-3"), {":56:", "motor.inductance_H", "-0.001", "from"});
     expect_all(complaint("0.238e-3", "nan"), {"motor.inductance_H", "from"});
     expect_all(complaint("0.238e-3", "inf"), {"motor.inductance_H", "from"});
     expect_all(complaint("0.238e-3", "\"much\""), {"motor.inductance_H", "much"});
@@ -84,8 +84,31 @@ TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
     expect_all(complaint("[0.0, 0.030, -0.015]", "[0.0, 1.0, 0.0]"),
                {"workspace.centre_m", "out of reach"});
     expect_all(complaint("[limits]", "[limit]"), {"limits", "missing"});
+    expect_all(complaint("mass_kg = 0.0166", "mass_kg = -0.0166"),
+               {"inertia.forearm.mass_kg", "-0.0166", "from"});
+    expect_all(complaint("base_kg_m2 = 5.01e-4", "base_kg_m2 = nan"),
+               {"inertia.base_kg_m2", "from"});
+    expect_all(complaint("[0.270e-4, 0.270e-4,", "[-0.270e-4, 0.270e-4,"),
+               {"inertia.forearm.inertia_kg_m2"});
+    expect_all(complaint("centre_m = -0.0239", "centre_mm = -23.9"),
+               {"inertia.upper_arm.centre_m", "missing"});
+    expect_all(complaint("coulomb_Nm = [0.0056,", "coulomb_Nm = [-0.0056,"),
+               {"friction.coulomb_Nm"});
+    expect_all(complaint("least_q3_minus_q2_deg = -65.0", "least_q3_minus_q2_deg = -95.0"),
+               {"joint_limits.least_q3_minus_q2_deg", "-95", "-89"});
+    expect_all(complaint("winding_time_s = 12.0", "winding_time_s = 0"),
+               {"motor.winding_time_s", "from"});
     expect_all(complaint("name = ", "name : "), {":2:", "not valid TOML"});
     expect_all(complaint("0.1397 ", "139.7 "), {"linkage.upper_arm_m", "139.7"}); // millimetres
+}
+
+TEST(DeviceFile, RefusesAnAmplifierThatCancelsMoreThanItMay) {
+    // 2.18 Ω and an excess of 0.63 Ω make 2.81 Ω.
+    EXPECT_EQ(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.809 "), "");
+    expect_all(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.811 "),
+               {"amplifier.greatest_cancelled_Ohm", "2.811", "from 0 to 2.81"});
+    expect_all(complaint("greatest_excess_Ohm = 0.63", "greatest_excess_Ohm = -1"),
+               {"amplifier.greatest_excess_Ohm", "from"});
 }
 
 TEST(DeviceFile, RefusesAFileThatIsNotThere) {

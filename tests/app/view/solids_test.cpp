@@ -117,7 +117,7 @@ TEST(Spindle, RunsFromPointToPointAtItsRadiusUnmirrored) {
 
 TEST(LinkageSolids, ForearmRunsFromTheElbowToTheTip) {
     const PhantomGeometry geometry = testing::phantom_1_0().geometry;
-    const LinkagePose pose = linkage_pose(geometry, Vector3(0.3, 0.2, -0.15), kLinkageCrank_m);
+    const LinkagePose pose = linkage_pose(geometry, Vector3(0.3, 0.2, -0.15));
     const Solid forearm = only_one(linkage_solids(pose, -0.06, false), Shape::taper);
     EXPECT_LT((start_of(forearm) - pose.elbow_m).norm(), kFloat_m);
     EXPECT_LT((end_of(forearm) - pose.tip_m).norm(), kFloat_m);
@@ -128,7 +128,7 @@ TEST(LinkageSolids, AreFiniteWhereTheLinkageIsSingularToo) {
     constexpr double kRightAngle = std::numbers::pi / 2.0;
     for (const Vector3 &q : {Vector3(0.0, 0.0, kRightAngle), Vector3(0.0, kRightAngle, 0.0),
                              Vector3(0.5, 0.0, -kRightAngle)}) {
-        const LinkagePose pose = linkage_pose(geometry, q, kLinkageCrank_m);
+        const LinkagePose pose = linkage_pose(geometry, q);
         for (const Solid &solid : linkage_solids(pose, -0.06, false)) {
             ASSERT_TRUE(start_of(solid).allFinite() && end_of(solid).allFinite());
             ASSERT_GT(glm::determinant(glm::mat3(solid.model)), 0.0F);
@@ -138,7 +138,7 @@ TEST(LinkageSolids, AreFiniteWhereTheLinkageIsSingularToo) {
 
 TEST(LinkageSolids, AreRedWhenTripped) {
     const PhantomGeometry geometry = testing::phantom_1_0().geometry;
-    const LinkagePose pose = linkage_pose(geometry, Vector3::Zero(), kLinkageCrank_m);
+    const LinkagePose pose = linkage_pose(geometry, Vector3::Zero());
     for (const Solid &solid : linkage_solids(pose, -0.06, true)) {
         EXPECT_GT(solid.colour.r, 2.0F * solid.colour.g);
         EXPECT_GT(solid.colour.r, 2.0F * solid.colour.b);

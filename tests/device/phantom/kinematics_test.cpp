@@ -1,6 +1,7 @@
 // Covers device/phantom/kinematics.cpp.
 #include "device/phantom/kinematics.h"
 
+#include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -33,40 +34,56 @@ TEST_P(Kinematics, ZeroPoseHasItsTipAtTheOrigin) {
     EXPECT_EQ(tip_position_m(geometry(), Vector3::Zero()), Vector3::Zero());
 }
 
-TEST_P(Kinematics, JacobiansAgreeWithFiniteDifferences) {
+TEST_P(Kinematics, JacobiansAgreeWithFiniteDifferencesOverTheWorkspace) {
     std::mt19937_64 random(1);
-    // Central differences: truncation h²/6·|x'''| ≈ 2e-11, round-off 1e-16/h ≈ 2e-11.
-    constexpr double kStep = 1e-5;
-    constexpr double kTolerance = 1e-9;
+    // Central differences of positions of about l: round-off ε l/h and truncation h² l/6 are least
+    // together at h = (3ε)^(1/3) = 7e-6, some 2e-11 l each.
+    constexpr double kStep = 7e-6;
+    constexpr double kRelative = 1e-9;
     for (int i = 0; i < 1000; ++i) {
-        const Vector3 q = random_configuration(random);
+        const Vector3 q = testing::random_workspace_angles(GetParam(), random);
         const Matrix3 jacobian = joint_jacobian(geometry(), q);
         const Matrix3 motor = motor_jacobian(geometry(), q);
-        ASSERT_GT(jacobian.norm(), 0.01); // not vacuous
         for (int joint = 0; joint < 3; ++joint) {
             const Vector3 step = kStep * Vector3::Unit(joint);
             const Vector3 difference =
                 (tip_position_m(geometry(), q + step) - tip_position_m(geometry(), q - step)) /
                 (2.0 * kStep);
-            ASSERT_LT((jacobian.col(joint) - difference).norm(), kTolerance);
+            const double tolerance = kRelative * difference.norm();
+            ASSERT_LT((jacobian.col(joint) - difference).norm(), tolerance);
             ASSERT_LT((motor.col(joint) * geometry().transmission_ratio[joint] - difference).norm(),
-                      kTolerance);
+                      tolerance);
         }
     }
 }
 
-TEST_P(Kinematics, JacobianRateAgreesWithFiniteDifferences) {
+TEST_P(Kinematics, JacobianRateAgreesWithFiniteDifferencesOverTheWorkspace) {
     std::mt19937_64 random(2);
-    std::uniform_real_distribution<double> rate(-3.0, 3.0);
-    constexpr double kStep_s = 1e-5;
+    constexpr double kFastest_rad_per_s = 3.0;
+    // As above, for a motion that turns by up to 3·3 rad/s in the fastest of its terms.
+    constexpr double kStep_s = 1e-6;
     for (int i = 0; i < 1000; ++i) {
-        const Vector3 q = random_configuration(random);
-        const Vector3 w(rate(random), rate(random), rate(random));
+        const Vector3 q = testing::random_workspace_angles(GetParam(), random);
+        const Vector3 w = testing::random_vector(random, kFastest_rad_per_s);
         const Matrix3 difference = (joint_jacobian(geometry(), q + kStep_s * w) -
                                     joint_jacobian(geometry(), q - kStep_s * w)) /
                                    (2.0 * kStep_s);
-        // As above, with the third derivative grown by |w|³.
-        ASSERT_LT((joint_jacobian_rate(geometry(), q, w) - difference).norm(), 1e-7);
+        ASSERT_LT((joint_jacobian_rate(geometry(), q, w) - difference).norm(),
+                  1e-9 * joint_jacobian(geometry(), q).norm() * kFastest_rad_per_s);
+    }
+}
+
+TEST_P(Kinematics, JacobiansHoldOutsideTheWorkspaceToo) {
+    // Where the branch ends, links up to 80° from square, and behind the base axis.
+    std::mt19937_64 random(5);
+    constexpr double kStep = 7e-6;
+    for (int i = 0; i < 1000; ++i) {
+        const Vector3 q = random_configuration(random);
+        const Vector3 w = testing::random_vector(random, 1.0);
+        const Vector3 difference = (tip_position_m(geometry(), q + kStep * w) -
+                                    tip_position_m(geometry(), q - kStep * w)) /
+                                   (2.0 * kStep);
+        ASSERT_LT((joint_jacobian(geometry(), q) * w - difference).norm(), 1e-9);
     }
 }
 
@@ -100,16 +117,15 @@ TEST_P(Kinematics, WhatIsOutOfReachHasNoAngles) {
 
 TEST_P(Kinematics, TheDrawnLinkageIsRigidAndEndsAtTheTip) {
     std::mt19937_64 random(4);
-    constexpr double kCrank_m = 0.03;
     for (int i = 0; i < 200; ++i) {
         const Vector3 q = random_configuration(random);
-        const LinkagePose pose = linkage_pose(geometry(), q, kCrank_m);
+        const LinkagePose pose = linkage_pose(geometry(), q);
         ASSERT_LT((pose.tip_m - tip_position_m(geometry(), q)).norm(), 1e-15);
         ASSERT_NEAR((pose.elbow_m - pose.base_m).norm(), geometry().upper_arm_m, 1e-15);
         ASSERT_NEAR((pose.tip_m - pose.elbow_m).norm(), geometry().forearm_m, 1e-15);
-        // A parallelogram: the bar is as long as the upper arm and parallel to it.
+        // A parallelogram: the rod is as long as the upper arm and parallel to it.
         ASSERT_LT(((pose.coupling_m - pose.crank_m) - (pose.elbow_m - pose.base_m)).norm(), 1e-15);
-        ASSERT_NEAR((pose.crank_m - pose.base_m).norm(), kCrank_m, 1e-15);
+        ASSERT_NEAR((pose.crank_m - pose.base_m).norm(), geometry().crank_m, 1e-15);
     }
 }
 

@@ -5,7 +5,6 @@
 #include "engine/analysis/force_direction.h"
 #include "tests/support/devices.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -118,30 +117,6 @@ TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
     }
 }
 
-TEST(MotionControl, TransposeMapRendersASphereWithinTheEllipsoid) {
-    // (25)–(28), motors unequal too: K_trans = α k̄ I ≤ λ_min(K_inv), touching it at the bound.
-    DeviceDescription device = testing::phantom_premium_1_5();
-    device.motor[1].torque_constant_Nm_per_A *= 1.4;
-    device.motor[2].torque_constant_Nm_per_A *= 0.8;
-    const Vector3 weights = relative_stiffness(device);
-    EXPECT_NEAR(weights.mean(), 1.0, 1e-15);
-    std::mt19937_64 random(7);
-    for (int i = 0; i < 1000; ++i) {
-        const Configuration now = at(device, random_configuration(random));
-        const double alpha = alpha_bound(now.J, weights);
-        const Vector3 gap = 1e-3 * random_unit(random);
-        const MotorSetPoint set_point =
-            transpose_map(now, {now.tip_m + gap, Vector3::Zero()}, alpha, weights);
-        const Vector3 force =
-            static_tip_force(now.J, weights, set_point.theta_Sd_rad - now.theta_rad);
-        // Round-off, grown by the condition of J (below 30 here).
-        ASSERT_LT((force - alpha * gap).norm(), 1e-13 * 30 * force.norm());
-        const Matrix3 K_inv = now.J.transpose().inverse() * weights.asDiagonal() * now.J.inverse();
-        const double least = Eigen::SelfAdjointEigenSolver<Matrix3>(K_inv).eigenvalues().minCoeff();
-        ASSERT_NEAR(alpha, least, 1e-10 * least);
-    }
-}
-
 TEST(MotionControl, FreeSpaceAsksForNothing) {
     // (16): x_Sd = x and ẋ_Sd = ẋ leave only e_W = k_T θ̇_f, with either map.
     const DeviceDescription device = testing::phantom_1_0();
@@ -199,32 +174,6 @@ TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
     moving.theta_rate_rad_per_s = Vector3(1.0, -2.0, 3.0);
     EXPECT_EQ(drift_compensation_V(k_T, {}, moving, no_force(moving)),
               k_T.cwiseProduct(moving.theta_rate_rad_per_s));
-}
-
-TEST(MotionControl, GlobalAlphaIsWithinTheBoundOverTheWorkspace) {
-    for (const DeviceDescription &device :
-         {testing::phantom_1_0(), testing::phantom_premium_1_5()}) {
-        const double global = global_alpha_bound(device);
-        std::mt19937_64 random(9);
-        std::uniform_real_distribution<double> coordinate(-0.5, 0.5);
-        int reached = 0;
-        double least = INFINITY;
-        for (int i = 0; i < 5000; ++i) {
-            const Vector3 fraction(coordinate(random), coordinate(random), coordinate(random));
-            const auto q = joint_angles_rad(device.geometry,
-                                            device.workspace.centre_m +
-                                                fraction.cwiseProduct(device.workspace.size_m));
-            if (q) {
-                ++reached;
-                least = std::min(least, alpha_bound(motor_jacobian(device.geometry, *q),
-                                                    relative_stiffness(device)));
-            }
-        }
-        ASSERT_GT(reached, 3000);
-        // The grid may miss the true least by what α changes over half its pitch.
-        EXPECT_LT(global, 1.02 * least);
-        EXPECT_GT(global, 0.8 * least);
-    }
 }
 
 TEST(DriftCompensation, IsTheSumOfItsThreeTerms) {

@@ -1,6 +1,7 @@
 // Covers engine/servo/servo_loop.cpp: the whole signal path on the simulated device.
 #include "engine/servo/servo_loop.h"
 
+#include "device/phantom/dynamics.h"
 #include "device/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/coupling.h"
@@ -53,8 +54,10 @@ TriangleSoup plate() {
     return testing::box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06));
 }
 
+/// What is tested here is the law: a plant without friction and weight shows it plainly.
 SimulationOptions following(std::vector<HandPath::Point> points) {
     SimulationOptions options;
+    options.effects = PlantEffects::none();
     options.path.emplace(std::move(points));
     return options;
 }
@@ -186,11 +189,14 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     rig.inputs.tuning = tuning;
     rig.run(1.0);
     // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
+    const DeviceDescription &device = rig.device.description();
+    const LinkageMoments moments = linkage_moments(device.geometry, device.inertia, 0.0);
+    double own_kg = 0.0; // of links and rotors along x, mean over the shakes
     double force_acceleration = 0.0;
     double acceleration_squared = 0.0;
     double predicted = 0.0;
     const int ticks = static_cast<int>(std::round(1.5 / period_s));
-    const Coupling c = coupling(rig.device.description().motor[0], tuning, period_s, delay);
+    const Coupling c = coupling(device.motor[0], tuning, period_s, delay);
     for (int i = 0; i < ticks; ++i) {
         const ServoSample sample = rig.tick();
         const double t = rig.device.truth().time_s - 0.5 * period_s; // of the mean force
@@ -198,16 +204,15 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
             -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
         force_acceleration += rig.device.truth().hand_force_N.x() * a;
         acceleration_squared += a * a;
-        const Matrix3 J =
-            motor_jacobian(rig.device.description().geometry,
-                           joint_from_motor(rig.device.description().geometry, sample.theta_rad));
-        const Matrix3 J_inverse = J.inverse();
-        predicted += c.added_inertia_kg_m2 * J_inverse.col(0).squaredNorm() / ticks;
+        const Vector3 q_rad = joint_from_motor(device.geometry, sample.theta_rad);
+        const Vector3 theta_per_x = motor_jacobian(device.geometry, q_rad).inverse().col(0);
+        const Vector3 q_per_x = joint_from_motor(device.geometry, theta_per_x);
+        own_kg += (q_per_x.dot(mass_matrix(moments, q_rad) * q_per_x) +
+                   device.motor[0].rotor_inertia_kg_m2 * theta_per_x.squaredNorm()) /
+                  ticks;
+        predicted += c.added_inertia_kg_m2 * theta_per_x.squaredNorm() / ticks;
     }
-    const double tip_kg = rig.device.description().tip_mass_kg;
-    const double rotor = rig.device.description().motor[0].rotor_inertia_kg_m2;
-    const double rotors_kg = predicted / c.added_inertia_kg_m2 * rotor;
-    return {force_acceleration / acceleration_squared - tip_kg - rotors_kg, predicted};
+    return {force_acceleration / acceleration_squared - own_kg, predicted};
 }
 
 TEST(ServoLoop, AddedInertiaIsThatOfTheLoopsLag) {

@@ -1,0 +1,40 @@
+// Coulomb friction with real sticking, for an implicit step of three joints.
+//
+// Friction opposes motion with at most τ_c. A step that starts with a joint turning may brake it,
+// stop it, or leave it alone where the load turns it round; one that starts at rest may hold it:
+//
+//   rate before    friction torque may be      v > 0 after    v = 0 after     v < 0 after
+//   > 0            −τ_c … 0                    −τ_c           anything         0
+//   = 0            −τ_c … τ_c                  −τ_c           of these         +τ_c
+//   < 0            0 … τ_c                     0                               +τ_c
+//
+// So friction never adds energy over a step, v = 0 is reached exactly, and kept exactly.
+#pragma once
+
+#include "base/vector.h"
+
+#include <array>
+#include <cstdint>
+
+namespace springdrive {
+
+/// What friction may do over a step, per joint [N·m, or N·m·s for an impulse].
+struct FrictionRange {
+    Vector3 lowest{Vector3::Zero()};
+    Vector3 highest{Vector3::Zero()};
+
+    /// After the table above.
+    [[nodiscard]] static FrictionRange after(const Vector3 &rate_before, const Vector3 &coulomb);
+};
+
+enum class FrictionMode : std::uint8_t { stopped, turning_forward, turning_backward };
+
+/// The v with A v = b + f where every fⱼ lies in its range: at its lowest where vⱼ > 0, at its
+/// highest where vⱼ < 0. There is exactly one where A has a positive definite symmetric part.
+/// @param modes  where to begin, and what came out: the last step's are the best guess
+/// RT-safe: at most 27 solutions of a 3 × 3 system.
+[[nodiscard]] Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b,
+                                          const FrictionRange &friction,
+                                          std::array<FrictionMode, 3> &modes) noexcept;
+
+} // namespace springdrive

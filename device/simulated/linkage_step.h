@@ -1,0 +1,59 @@
+// One step of the linkage with rotors, friction and stops, exact in energy.
+//
+// With p = M(q) q̇ and the secants of device/phantom/dynamics.h, from the state a to the state b:
+//
+//   q_b − q_a = h (q̇_a + q̇_b)/2
+//   M_b q̇_b − M_a q̇_a = h [ Γ q̇_b − ḡ + τ − B (q̇_a + q̇_b)/2 + friction + stops + J̄ᵀ F ]
+//
+// Γ, the secant of ½ q̇_aᵀ M q̇_b, is what makes the kinetic energy's change equal the work of the
+// right-hand side to round-off, whatever h; the scheme is symmetric and second order.
+#pragma once
+
+#include "device/phantom/dynamics.h"
+#include "device/simulated/friction.h"
+#include "device/simulated/joint_stops.h"
+
+namespace springdrive {
+
+struct LinkageState {
+    Vector3 q_rad{Vector3::Zero()};
+    Vector3 rate_rad_per_s{Vector3::Zero()};
+};
+
+/// What does not change from step to step.
+struct LinkagePlant {
+    PhantomGeometry geometry;
+    LinkageMoments moments;               ///< with everything that sits rigidly at the tip
+    Vector3 rotor_kg_m2{Vector3::Zero()}; ///< reflected to the joints, N² J_m
+    Vector3 coulomb_Nm{Vector3::Zero()};
+    JointLimits limits;
+    bool gravity = true;
+    bool stops = true;
+
+    [[nodiscard]] double kinetic_energy_J(const LinkageState &state) const;
+    [[nodiscard]] double potential_energy_J(const LinkageState &state) const; ///< gravity and stops
+};
+
+/// What acts on the linkage over a step, affine in the mean rates: τ − B q̄̇ at the joints and
+/// F − c J̄ q̄̇ at the tip.
+struct LinkageLoad {
+    Vector3 torque_Nm{Vector3::Zero()};
+    Vector3 damping_Nms_per_rad{Vector3::Zero()}; ///< the diagonal of B
+    Vector3 tip_force_N{Vector3::Zero()};
+    double tip_damping_Ns_per_m = 0.0;
+};
+
+/// What a step brought about.
+struct LinkageMotion {
+    LinkageState after;
+    Vector3 mean_rate_rad_per_s{Vector3::Zero()};
+    Vector3 mean_tip_velocity_m_per_s{Vector3::Zero()}; ///< the tip's way over the step, over h
+};
+
+/// @param modes  of friction, kept from step to step
+/// RT-safe: bounded in its iterations, each of which gains about three digits.
+[[nodiscard]] LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before,
+                                         const LinkageLoad &load, double step_s,
+                                         std::array<FrictionMode, 3> &modes) noexcept;
+
+} // namespace springdrive

@@ -1,0 +1,75 @@
+// How a simulated PHANTOM is to be: its hand, its amplifiers, and which effects it has.
+#pragma once
+
+#include "base/vector.h"
+#include "device/motor/amplifier.h"
+#include "device/motor/winding_temperature.h"
+#include "device/simulated/hand_path.h"
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace springdrive {
+
+/// A hand that holds the tip: a mass on it, drawn to a moving target by a spring and a damper.
+/// The defaults are a relaxed pen grip, of the order that the literature on grips gives.
+struct HandParameters {
+    double mass_kg = 0.1;
+    double damping_Ns_per_m = 6.0;
+    double stiffness_N_per_m = 300.0;
+    double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
+    double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
+};
+
+/// What of the device is simulated beyond rigid links, rotors, windings and encoders. Each can be
+/// switched off by itself.
+struct PlantEffects {
+    bool gravity = true;
+    bool viscous_friction = true;
+    bool coulomb_friction = true;
+    bool joint_limits = true;
+    bool amplifier_limits = true;       ///< supply voltage and peak current
+    bool winding_heat = true;           ///< R(T); off, windings stay at 25 °C
+    bool commutation_ripple = true;     ///< R(θ)
+    bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
+
+    [[nodiscard]] static constexpr PlantEffects none() {
+        return {false, false, false, false, false, false, false, false};
+    }
+};
+
+/// One of them, by name.
+struct PlantEffect {
+    std::string_view name;
+    bool PlantEffects::*on = nullptr;
+};
+
+/// The one list of effects: command line and tests read it.
+inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
+    {"gravity", &PlantEffects::gravity},
+    {"viscous_friction", &PlantEffects::viscous_friction},
+    {"coulomb_friction", &PlantEffects::coulomb_friction},
+    {"joint_limits", &PlantEffects::joint_limits},
+    {"amplifier_limits", &PlantEffects::amplifier_limits},
+    {"winding_heat", &PlantEffects::winding_heat},
+    {"commutation_ripple", &PlantEffects::commutation_ripple},
+    {"structural_compliance", &PlantEffects::structural_compliance},
+}};
+
+struct SimulationOptions {
+    double servo_period_s = 1e-3;   ///< T; each exchange advances the plant by as much
+    int delay_samples = 0;          ///< d, at most SimulatedPhantom::kLongestDelay
+    bool quantised_encoders = true; ///< false: 10,000 times as many counts
+    /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 1 µm and
+    /// 0.1 % of the current of steps a hundred times as short.
+    double longest_step_s = 100e-6;
+    HandParameters hand;
+    std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
+    PlantEffects effects;
+    AmplifierKind amplifier = AmplifierKind::spring_drive;
+    Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R over its data sheet's
+    double ambient_C = kReferenceTemperature_C;
+};
+
+} // namespace springdrive

@@ -1,0 +1,156 @@
+// Covers device/simulated/friction.cpp.
+#include "device/simulated/friction.h"
+
+#include "tests/support/configurations.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+using Modes = std::array<FrictionMode, 3>;
+
+constexpr std::array<FrictionMode, 3> kModes{FrictionMode::stopped, FrictionMode::turning_forward,
+                                             FrictionMode::turning_backward};
+
+/// A v = b + f with f in its range, the size of what is looked for about 1.
+struct Problem {
+    Matrix3 A{Matrix3::Identity()};
+    Vector3 b{Vector3::Zero()};
+    FrictionRange friction;
+};
+
+/// @param skew  the part of A that does no work, as the inertia's secant gives it
+Problem random_problem(std::mt19937_64 &random, double skew) {
+    Matrix3 root;
+    root << testing::random_vector(random, 1.0), testing::random_vector(random, 1.0),
+        testing::random_vector(random, 1.0);
+    const Vector3 w = testing::random_vector(random, skew);
+    Matrix3 without_work;
+    without_work << 0.0, -w[2], w[1], w[2], 0.0, -w[0], -w[1], w[0], 0.0;
+    Problem problem;
+    problem.A = root * root.transpose() + 0.01 * Matrix3::Identity() + without_work;
+    problem.b = testing::random_vector(random, 1.0);
+    Vector3 rate = testing::random_vector(random, 1.0);
+    for (double &one : rate) { // at rest, one in three
+        one = std::abs(one) < 1.0 / 3.0 ? 0.0 : one;
+    }
+    problem.friction = FrictionRange::after(rate, testing::random_vector(random, 1.0).cwiseAbs());
+    return problem;
+}
+
+/// Whether every joint's friction is what its motion calls for, up to round-off.
+bool is_complementary(const Problem &problem, const Vector3 &v, double tolerance) {
+    const Vector3 f = problem.A * v - problem.b;
+    for (int j = 0; j < 3; ++j) {
+        const double lowest = problem.friction.lowest[j];
+        const double highest = problem.friction.highest[j];
+        const bool good = v[j] > tolerance ? std::abs(f[j] - lowest) <= tolerance
+                          : v[j] < -tolerance
+                              ? std::abs(f[j] - highest) <= tolerance
+                              : f[j] >= lowest - tolerance && f[j] <= highest + tolerance;
+        if (!good) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// v for given modes; the rows of stopped joints say vⱼ = 0.
+Vector3 solution_for(const Problem &problem, const Modes &modes) {
+    Matrix3 system = problem.A;
+    Vector3 right = problem.b;
+    for (int j = 0; j < 3; ++j) {
+        switch (modes[static_cast<std::size_t>(j)]) {
+        case FrictionMode::stopped:
+            system.row(j) = Vector3::Unit(j).transpose();
+            right[j] = 0.0;
+            break;
+        case FrictionMode::turning_forward:
+            right[j] += problem.friction.lowest[j];
+            break;
+        case FrictionMode::turning_backward:
+            right[j] += problem.friction.highest[j];
+            break;
+        }
+    }
+    return system.fullPivLu().solve(right);
+}
+
+/// All of the 27 combinations that are complementary, which round-off can make more than one.
+std::vector<Vector3> brute_force(const Problem &problem, double tolerance) {
+    std::vector<Vector3> found;
+    for (const FrictionMode first : kModes) {
+        for (const FrictionMode second : kModes) {
+            for (const FrictionMode third : kModes) {
+                const Vector3 v = solution_for(problem, {first, second, third});
+                if (is_complementary(problem, v, tolerance)) {
+                    found.push_back(v);
+                }
+            }
+        }
+    }
+    return found;
+}
+
+/// Round-off, grown by the condition of A: its least eigenvalue is 0.01 and more, its entries
+/// below 4.
+constexpr double kTolerance = 1e-12;
+
+class FrictionSolver : public ::testing::TestWithParam<double> {};
+
+TEST_P(FrictionSolver, FindsTheOneAnswerFromAnyStart) {
+    std::mt19937_64 random(21);
+    std::uniform_int_distribution<std::size_t> any(0, 2);
+    int stopped = 0;
+    for (int i = 0; i < 10'000; ++i) {
+        const Problem problem = random_problem(random, GetParam());
+        Modes modes{kModes[any(random)], kModes[any(random)], kModes[any(random)]};
+        const Vector3 v = solve_with_friction(problem.A, problem.b, problem.friction, modes);
+        ASSERT_TRUE(is_complementary(problem, v, kTolerance)) << "problem " << i;
+        const std::vector<Vector3> truth = brute_force(problem, kTolerance);
+        ASSERT_FALSE(truth.empty());
+        for (const Vector3 &one : truth) { // exactly one, whatever the number of ways to it
+            ASSERT_LT((v - one).norm(), 100.0 * kTolerance * (1.0 + v.norm())) << "problem " << i;
+        }
+        for (int j = 0; j < 3; ++j) {
+            const FrictionMode mode = modes[static_cast<std::size_t>(j)];
+            stopped += mode == FrictionMode::stopped ? 1 : 0;
+            ASSERT_TRUE(mode != FrictionMode::stopped || v[j] == 0.0); // to the last bit
+        }
+    }
+    EXPECT_GT(stopped, 3000); // of 30,000 joints
+    EXPECT_LT(stopped, 27'000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Systems, FrictionSolver, ::testing::Values(0.0, 1.0),
+                         [](const auto &instance) {
+                             return instance.param == 0.0 ? "Symmetric" : "WithASkewPart";
+                         });
+
+TEST(FrictionRange, OnlyOpposesTheMotionThatThereWas) {
+    const FrictionRange range =
+        FrictionRange::after(Vector3(1e-300, 0.0, -1e-300), Vector3(1.0, 2.0, 3.0));
+    EXPECT_EQ(range.lowest, Vector3(-1.0, -2.0, 0.0));
+    EXPECT_EQ(range.highest, Vector3(0.0, 2.0, 3.0));
+}
+
+TEST(FrictionSolver, WithoutFrictionIsAPlainSolution) {
+    std::mt19937_64 random(22);
+    for (int i = 0; i < 100; ++i) {
+        Problem problem = random_problem(random, 1.0);
+        problem.friction = {};
+        Modes modes{};
+        const Vector3 v = solve_with_friction(problem.A, problem.b, problem.friction, modes);
+        ASSERT_LT((problem.A * v - problem.b).norm(), kTolerance);
+    }
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,218 @@
+// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and free_tip.h: with no source
+// on, the plant never gains energy, and friction holds what it can hold.
+#include "device/simulated/simulated_phantom.h"
+
+#include "device/phantom/kinematics.h"
+#include "tests/support/configurations.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace springdrive {
+namespace {
+
+const Vector3 kStart_m(0.02, 0.03, 0.01);
+
+/// Nothing holds the tip; `mass_kg` sits on it.
+SimulationOptions free_running(double mass_kg) {
+    SimulationOptions options;
+    options.hand = {mass_kg, 0.0, 0.0, 0.0, 1.0};
+    return options;
+}
+
+/// A path on which the hand wants to stay.
+HandPath at(const Vector3 &target_m) { return HandPath({{0.0, target_m}}); }
+
+/// A place in the workspace that the linkage can take.
+Vector3 random_place(std::mt19937_64 &random, const DeviceDescription &device) {
+    while (true) {
+        const Vector3 q_rad = testing::random_workspace_angles(device, random);
+        if (std::abs(q_rad[2] - q_rad[1]) < 1.0) {
+            return tip_position_m(device.geometry, q_rad);
+        }
+    }
+}
+
+class FreeRunning : public ::testing::TestWithParam<AmplifierKind> {};
+
+TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
+    std::mt19937_64 random(11);
+    for (int run = 0; run < 100; ++run) {
+        const DeviceDescription description =
+            run % 2 == 0 ? testing::phantom_1_0() : testing::phantom_premium_1_5();
+        SimulationOptions options = free_running(0.05);
+        options.amplifier = GetParam();
+        options.servo_period_s = 0.01;
+        options.longest_step_s = 1e-3; // ten times the default: the claim holds for any step
+        options.effects.structural_compliance = run % 3 == 0;
+        options.effects.gravity = run % 5 != 0;
+        if (run % 4 == 0) { // nothing that takes energy away, other than the windings
+            options.effects.viscous_friction = false;
+            options.effects.coulomb_friction = false;
+        }
+        SimulatedPhantom device(description, options, random_place(random, description));
+        const bool shorted = GetParam() == AmplifierKind::spring_drive;
+        device.set_in_motion(testing::random_vector(random, 6.0),
+                             shorted ? testing::random_vector(random, 2.0) : Vector3::Zero());
+
+        double before_J = device.stored_energy_J();
+        // What the sums that make up the energy come to: kinetic and, up to 0.1 J, gravity.
+        const double scale_J = std::abs(before_J) + 0.1;
+        double total_rise_J = 0.0;
+        for (int k = 0; k < 1000; ++k) {
+            device.exchange(DeviceCommand::braking());
+            const double now_J = device.stored_energy_J();
+            // 10 sub-steps of some tens of operations each, every one of round-off ε.
+            ASSERT_LE(now_J - before_J, 10 * 50 * std::numeric_limits<double>::epsilon() * scale_J)
+                << "run " << run << " period " << k;
+            total_rise_J += std::max(0.0, now_J - before_J);
+            before_J = now_J;
+        }
+        EXPECT_LE(total_rise_J, 1e-11 * scale_J) << "run " << run;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Windings, FreeRunning,
+                         ::testing::Values(AmplifierKind::current_drive,
+                                           AmplifierKind::spring_drive),
+                         [](const auto &instance) {
+                             return instance.param == AmplifierKind::current_drive ? "Undriven"
+                                                                                   : "Shorted";
+                         });
+
+TEST(Lossless, FreeRunningKeepsItsEnergy) {
+    std::mt19937_64 random(12);
+    SimulationOptions options = free_running(0.0);
+    options.amplifier = AmplifierKind::current_drive; // commanded to no current: open windings
+    options.effects = PlantEffects::none();
+    options.effects.gravity = true;
+    for (int run = 0; run < 5; ++run) {
+        SimulatedPhantom device(testing::phantom_1_0(), options,
+                                random_place(random, testing::phantom_1_0()));
+        device.set_in_motion(testing::random_vector(random, 6.0), Vector3::Zero());
+        const double initial_J = device.stored_energy_J();
+        for (int k = 0; k < 1000; ++k) {
+            device.exchange(DeviceCommand::braking());
+            // 100,000 sub-steps whose round-off adds up like a random walk.
+            ASSERT_NEAR(device.stored_energy_J(), initial_J, 1e-12 * (std::abs(initial_J) + 0.1));
+        }
+    }
+}
+
+/// A hand that pulls with a constant force, and its device without weight.
+SimulationOptions pulled(const Vector3 &force_N) {
+    constexpr double kSpring_N_per_m = 1e-3; // so soft that the way of the tip does not matter
+    SimulationOptions options;
+    options.effects.gravity = false;
+    options.hand = {0.0, 0.0, kSpring_N_per_m, 100.0, 1.0};
+    options.path = at(kStart_m + force_N / kSpring_N_per_m);
+    return options;
+}
+
+/// The joints' share of their breakaway torque under a force at the tip, the largest.
+double load_share(const DeviceDescription &device, const Vector3 &force_N) {
+    const Vector3 q_rad = *joint_angles_rad(device.geometry, kStart_m);
+    const Vector3 torque_Nm = joint_jacobian(device.geometry, q_rad).transpose() * force_N;
+    return torque_Nm.cwiseAbs().cwiseQuotient(device.friction.coulomb_Nm).maxCoeff();
+}
+
+TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
+    const DeviceDescription description = testing::phantom_1_0();
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> one;
+    for (int run = 0; run < 3; ++run) {
+        Vector3 force_N(one(random), one(random), one(random));
+        force_N *= 0.99 / load_share(description, force_N);
+        SimulationOptions options = pulled(force_N);
+        options.longest_step_s = 5e-4;
+        SimulatedPhantom device(description, options, kStart_m);
+        const Vector3 start_rad = device.truth().theta_rad;
+        const DeviceState first = device.exchange(DeviceCommand::braking());
+        for (int k = 0; k < 60'000; ++k) {
+            ASSERT_EQ(device.exchange(DeviceCommand::braking()).counts, first.counts);
+        }
+        EXPECT_EQ(device.truth().theta_rad, start_rad);
+        EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
+    }
+}
+
+TEST(Friction, GivesWayAboveBreakaway) {
+    const DeviceDescription description = testing::phantom_1_0();
+    for (const double share : {0.999, 1.001}) {
+        Vector3 force_N(0.3, 1.0, -0.2);
+        force_N *= share / load_share(description, force_N);
+        SimulatedPhantom device(description, pulled(force_N), kStart_m);
+        const Vector3 start_rad = device.truth().theta_rad;
+        for (int k = 0; k < 1000; ++k) {
+            device.exchange(DeviceCommand::braking());
+        }
+        EXPECT_EQ(device.truth().theta_rad != start_rad, share > 1.0);
+    }
+}
+
+TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
+    // With weight, held by a hand: after the swing has died, friction holds what hand and gravity
+    // leave, without a chatter.
+    SimulationOptions options;
+    options.path = at(kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    device.set_in_motion(Vector3(2.0, -3.0, 2.5), Vector3::Zero());
+    for (int k = 0; k < 3000; ++k) {
+        device.exchange(DeviceCommand::braking());
+    }
+    const Vector3 rest_rad = device.truth().theta_rad;
+    for (int k = 0; k < 3000; ++k) {
+        device.exchange(DeviceCommand::braking());
+        ASSERT_EQ(device.truth().theta_rad, rest_rad);
+        ASSERT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
+    }
+}
+
+TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
+    // Alone, Coulomb friction takes τ_c |Δq| from every joint that turns.
+    SimulationOptions options = free_running(0.0);
+    options.amplifier = AmplifierKind::current_drive;
+    options.effects = PlantEffects::none();
+    options.effects.coulomb_friction = true;
+    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    device.set_in_motion(Vector3(0.6, 0.0, 0.0), Vector3::Zero());
+    const double initial_J = device.stored_energy_J();
+    const Vector3 &coulomb_Nm = device.description().friction.coulomb_Nm;
+    Vector3 way_rad = Vector3::Zero();
+    Vector3 before_rad = device.truth().theta_rad;
+    for (int k = 0; k < 400; ++k) {
+        device.exchange(DeviceCommand::braking());
+        way_rad += (device.truth().theta_rad - before_rad).cwiseAbs();
+        before_rad = device.truth().theta_rad;
+    }
+    EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
+    const double lost_J = coulomb_Nm.dot(joint_from_motor(device.description().geometry, way_rad));
+    // Exact but for the one sub-step in which a joint stops, h = 100 µs of a tenth of a second.
+    EXPECT_NEAR(lost_J / initial_J, 1.0, 1e-3);
+}
+
+TEST(JointStops, HoldALinkageThatFallsIntoThem) {
+    SimulationOptions options = free_running(0.2);
+    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    device.set_in_motion(Vector3(8.0, 5.0, -5.0), Vector3::Zero());
+    const JointLimits &limits = device.description().joint_limits;
+    double deepest_rad = 0.0;
+    for (int k = 0; k < 5000; ++k) {
+        device.exchange(DeviceCommand::braking());
+        const Vector3 q = joint_from_motor(device.description().geometry, device.truth().theta_rad);
+        deepest_rad = std::max({deepest_rad, (q - limits.highest_rad).maxCoeff(),
+                                (limits.lowest_rad - q).maxCoeff(),
+                                q[2] - q[1] - limits.greatest_q3_minus_q2_rad,
+                                limits.least_q3_minus_q2_rad - (q[2] - q[1])});
+    }
+    EXPECT_GT(deepest_rad, 0.0); // it did reach one
+    EXPECT_LT(deepest_rad, 0.05);
+}
+
+} // namespace
+} // namespace springdrive
