@@ -17,6 +17,10 @@ constexpr double kRampTime_s = 0.5;
 /// the current limit bounds it.
 constexpr double kForceTolerated_s = 0.02;
 
+WindingGuard guard_of(const DeviceDescription &device, std::size_t motor, double period_s) {
+    return {device.motor[motor], device.amplifier.greatest_cancelled_Ohm, period_s};
+}
+
 } // namespace
 
 std::string description(const SafetyStatus &status) {
@@ -41,12 +45,24 @@ std::string description(const SafetyStatus &status) {
         return crossed("tip force", "N");
     case TripCause::current:
         return crossed("winding current", "A");
+    case TripCause::winding_temperature:
+        return crossed("winding temperature, upper estimate,", "°C");
     }
     return "unknown";
 }
 
 SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
-    : device_(std::move(device)), period_s_(period_s) {}
+    : device_(std::move(device)),
+      period_s_(period_s), guard_{guard_of(device_, 0, period_s), guard_of(device_, 1, period_s),
+                                  guard_of(device_, 2, period_s)} {}
+
+void SafetyMonitor::watch_windings(const Vector3 &current_A) noexcept {
+    for (std::size_t j = 0; j < guard_.size(); ++j) {
+        guard_[j].update(current_A[static_cast<Eigen::Index>(j)]);
+        winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
+                       guard_[j].greatest_cancelled_Ohm(), false};
+    }
+}
 
 void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcept {
     if (status_.state != SafetyState::tripped) {
@@ -85,16 +101,22 @@ void SafetyMonitor::check(const DeviceCommand &wanted, const Measurement &measur
     if (ticks_above_force_limit_ * period_s_ > kForceTolerated_s + 0.5 * period_s_) {
         trip(TripCause::tip_force, force, device_.limits.tip_force_N);
     }
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const double limit = device_.motor[static_cast<std::size_t>(j)].peak_current_A;
-        if (std::abs(measured.current_A[j]) > limit) {
-            trip(TripCause::current, std::abs(measured.current_A[j]), limit);
+    for (std::size_t j = 0; j < winding_.size(); ++j) {
+        const MotorParameters &motor = device_.motor[j];
+        const double current_A = std::abs(measured.current_A[static_cast<Eigen::Index>(j)]);
+        if (current_A > motor.peak_current_A) {
+            trip(TripCause::current, current_A, motor.peak_current_A);
+        }
+        if (winding_[j].greatest_C > motor.thermal.greatest_winding_C) {
+            trip(TripCause::winding_temperature, winding_[j].greatest_C,
+                 motor.thermal.greatest_winding_C);
         }
     }
 }
 
 DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Measurement &measured,
                                   bool emergency_stop) noexcept {
+    watch_windings(measured.current_A); // tripped or not, they warm and cool
     check(wanted, measured, emergency_stop);
     if (status_.state == SafetyState::tripped) {
         return DeviceCommand::braking();
@@ -104,13 +126,13 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Measurement
 
     DeviceCommand command;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
-        command.e_W_V[j] =
-            std::clamp(status_.ramp * wanted.e_W_V[j], -motor.supply_V, motor.supply_V);
+        const double supply_V = device_.motor[static_cast<std::size_t>(j)].supply_V;
+        WindingStatus &winding = winding_[static_cast<std::size_t>(j)];
+        const double asked_Ohm = status_.ramp * wanted.cancelled_resistance_Ohm[j];
+        command.e_W_V[j] = std::clamp(status_.ramp * wanted.e_W_V[j], -supply_V, supply_V);
         // Whoever asks for less residual resistance does not get it (7).
-        command.cancelled_resistance_Ohm[j] =
-            std::clamp(status_.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
-                       (1.0 - kLeastResidualShare) * motor.resistance_Ohm);
+        command.cancelled_resistance_Ohm[j] = std::clamp(asked_Ohm, 0.0, winding.R_hat_limit_Ohm);
+        winding.is_limited = asked_Ohm > winding.R_hat_limit_Ohm;
     }
     return command;
 }

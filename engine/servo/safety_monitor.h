@@ -3,12 +3,15 @@
 //   law ──► reject what is not finite ──► limits ──► start-up ramp ──► device
 //
 // A trip latches: the device gets the safe state (braking, e_W = 0 and R̂ = 0) until a deliberate
-// reset. Limits come from the device file.
+// reset. Limits come from the device file; that of R̂ moves with what is known of each winding's
+// temperature, see winding_guard.h.
 #pragma once
 
 #include "device/haptic_device.h"
 #include "engine/control/motion_control.h"
+#include "engine/servo/winding_guard.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -24,6 +27,7 @@ enum class TripCause : std::uint8_t {
     tip_speed,
     tip_force,
     current,
+    winding_temperature,
 };
 
 struct SafetyStatus {
@@ -32,6 +36,14 @@ struct SafetyStatus {
     double measured = 0.0; ///< what crossed the limit, in the limit's unit; 0 where none did
     double limit = 0.0;
     double ramp = 0.0; ///< 0 to 1, share of the command that passes while starting
+};
+
+/// What the monitor knows of one winding, and made of it in its last tick.
+struct WindingStatus {
+    double least_C = 0.0;         ///< its temperature is not lower,
+    double greatest_C = 0.0;      ///< nor higher
+    double R_hat_limit_Ohm = 0.0; ///< the largest R̂ that it can bear
+    bool is_limited = false;      ///< whether more than that was asked for
 };
 
 /// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.
@@ -59,14 +71,18 @@ public:
     void reset() noexcept;
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
+    [[nodiscard]] const std::array<WindingStatus, 3> &windings() const { return winding_; }
 
 private:
+    void watch_windings(const Vector3 &current_A) noexcept;
     void trip(TripCause cause, double measured, double limit) noexcept;
     void check(const DeviceCommand &wanted, const Measurement &measured,
                bool emergency_stop) noexcept;
 
     DeviceDescription device_;
     double period_s_;
+    std::array<WindingGuard, 3> guard_;
+    std::array<WindingStatus, 3> winding_{};
     int ticks_above_force_limit_ = 0;
     SafetyStatus status_;
 };

@@ -178,6 +178,7 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
     command_ = safety_.pass(wanted, measured, inputs.emergency_stop);
     sample.command = command_;
     sample.safety = safety_.status();
+    sample.winding = safety_.windings();
     ++tick_;
     return sample;
 }

@@ -50,6 +50,13 @@ template <typename Visit> void for_each_column(const ServoSample &s, Visit &&vis
     visit("inverse_possible", s.inverse_possible ? 1.0 : 0.0);
     visit("safety_state", static_cast<double>(s.safety.state));
     visit("trip_cause", static_cast<double>(s.safety.cause));
+    const auto windings = [&](const char *name, const char *unit, const auto &number) {
+        motors(name, unit, {number(s.winding[0]), number(s.winding[1]), number(s.winding[2])});
+    };
+    windings("winding_least", "C", [](const WindingStatus &w) { return w.least_C; });
+    windings("winding_greatest", "C", [](const WindingStatus &w) { return w.greatest_C; });
+    windings("R_hat_limit", "Ohm", [](const WindingStatus &w) { return w.R_hat_limit_Ohm; });
+    windings("R_hat_limited", "1", [](const WindingStatus &w) { return w.is_limited ? 1.0 : 0.0; });
     visit("scene_id", static_cast<double>(s.scene_id));
     visit("period_s", s.period_s);
     visit("compute_s", s.compute_s);

@@ -36,6 +36,7 @@ struct ServoSample {
     MotionMap map = MotionMap::transpose;
     bool inverse_possible = true; ///< false: out of reach or singular, (18) has no answer
     SafetyStatus safety;
+    std::array<WindingStatus, 3> winding{}; ///< as the safety monitor has it, per motor
     std::uint32_t scene_id = 0;
     // Measured by the clock; NaN in lockstep, where there is none.
     double period_s = std::numeric_limits<double>::quiet_NaN();   ///< since the last tick began

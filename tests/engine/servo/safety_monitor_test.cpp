@@ -154,5 +154,67 @@ TEST_F(SafetyMonitorTest, HoldsCommandsToSupplyAndResistance) {
     }
 }
 
+TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
+    ramp_up();
+    SafetyMonitor::Measurement loaded;
+    loaded.current_A = Vector3(0.0, 3.5, 0.0);
+    const double limit_C = device.motor[1].thermal.greatest_winding_C;
+    int ticks = 0;
+    while (monitor.status().state != SafetyState::tripped && ticks < 60000) {
+        EXPECT_LE(monitor.windings()[1].greatest_C, limit_C);
+        pass(loaded);
+        ++ticks;
+    }
+    EXPECT_EQ(monitor.status().cause, TripCause::winding_temperature);
+    EXPECT_GT(monitor.status().measured, limit_C);
+    EXPECT_EQ(monitor.status().limit, limit_C);
+    EXPECT_NE(description(monitor.status()).find("limit 100.00 °C"), std::string::npos);
+    // A reset does not cool it: that takes time, of which the monitor keeps count.
+    monitor.reset();
+    expect_braking(pass({}));
+    for (int i = 0; i < 1000; ++i) {
+        pass({});
+    }
+    monitor.reset();
+    EXPECT_GT(pass({}).e_W_V[0], 0.0);
+    EXPECT_EQ(monitor.status().state, SafetyState::starting);
+}
+
+TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
+    ramp_up();
+    const double limit_Ohm =
+        (1.0 - kLeastResidualShare) * least_resistance_Ohm(device.motor[0], kColdestAir_C);
+    DeviceCommand wanted = kWanted;
+    wanted.cancelled_resistance_Ohm =
+        Vector3(0.999 * limit_Ohm, 1.001 * limit_Ohm, device.motor[2].resistance_Ohm);
+    const DeviceCommand command = pass({}, false, wanted);
+    EXPECT_EQ(command.cancelled_resistance_Ohm, Vector3(0.999 * limit_Ohm, limit_Ohm, limit_Ohm));
+    EXPECT_FALSE(monitor.windings()[0].is_limited);
+    EXPECT_TRUE(monitor.windings()[1].is_limited);
+    EXPECT_TRUE(monitor.windings()[2].is_limited);
+}
+
+TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
+    ramp_up();
+    // Tuned on a winding that surely is warm, R̂ may exceed what the data sheet's 25 °C allows...
+    DeviceCommand wanted = kWanted;
+    wanted.cancelled_resistance_Ohm = Vector3::Constant(device.motor[0].resistance_Ohm);
+    SafetyMonitor::Measurement loaded;
+    loaded.current_A = Vector3::Constant(2.0);
+    for (int i = 0; i < 30000; ++i) {
+        pass(loaded, false, wanted);
+    }
+    ASSERT_NE(monitor.status().state, SafetyState::tripped);
+    const Vector3 hot_Ohm = pass(loaded, false, wanted).cancelled_resistance_Ohm;
+    EXPECT_EQ(hot_Ohm, wanted.cancelled_resistance_Ohm);
+    EXPECT_FALSE(monitor.windings()[0].is_limited);
+    // ...and comes down with the winding as it cools, whatever the operator still asks for.
+    for (int i = 0; i < 60000; ++i) {
+        const double R_hat_Ohm = pass({}, false, wanted).cancelled_resistance_Ohm[0];
+        ASSERT_LT(R_hat_Ohm, least_resistance_Ohm(device.motor[0], monitor.windings()[0].least_C));
+    }
+    EXPECT_TRUE(monitor.windings()[0].is_limited);
+}
+
 } // namespace
 } // namespace springdrive
