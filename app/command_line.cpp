@@ -1,6 +1,7 @@
 #include "app/command_line.h"
 
 #include "app/commands/demo_command.h"
+#include "app/commands/stiffness_command.h"
 
 #include <CLI/CLI.hpp>
 
@@ -34,8 +35,9 @@ int run_command_line(int argc, char **argv) {
     app.set_version_flag("--version", SPRINGDRIVE_VERSION);
     app.require_subcommand(0, 1); // none: a mistake that is reported by the word that is wrong
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
-               "Each subcommand tells its options: springdrive demo --help.");
+               "Each subcommand tells its options: springdrive stiffness --help.");
     add_demo_command(app);
+    add_stiffness_command(app);
 
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them
     std::reverse(reversed.begin(), reversed.end());

@@ -7,25 +7,40 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <fstream>
+#include <iostream>
 #include <set>
-#include <string>
 
 namespace springdrive {
+
+namespace {
+
+bool shapes_the_coupling(const Parameter &parameter) {
+    return parameter.value != &Tuning::alpha_rad2_per_m2 && parameter.value != &Tuning::eta;
+}
+
+} // namespace
 
 void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
     command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
 }
 
-void TuningOptions::add_to(CLI::App &command) {
+void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
     command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
         ->type_name("FILE");
     for (std::size_t i = 0; i < kParameters.size(); ++i) {
         const Parameter &parameter = kParameters[i];
+        if (scope == TuningScope::coupling && !shapes_the_coupling(parameter)) {
+            continue;
+        }
         command
             .add_option("--" + std::string(parameter.option), value[i],
                         std::string(parameter.help) + " " + std::string(parameter.equation))
             ->type_name(std::string(parameter.unit));
+    }
+    if (scope == TuningScope::coupling) {
+        return;
     }
     command.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
         ->check(CLI::IsMember({"inverse", "transpose"}));
@@ -80,6 +95,26 @@ Tuning TuningOptions::tuning() const {
     tuning.map = map.empty() ? tuning.map : *motion_map_named(map);
     tuning.alpha_mode = alpha_mode.empty() ? tuning.alpha_mode : *alpha_mode_named(alpha_mode);
     return tuning;
+}
+
+void write_output(const std::string &where, const std::function<void(std::ostream &)> &write) {
+    if (where == "-") {
+        write(std::cout);
+        if (!std::cout.flush()) {
+            throw InputError("standard output: cannot be written; is its disk full or its reader "
+                             "gone?");
+        }
+        return;
+    }
+    std::ofstream file(where, std::ios::binary);
+    if (!file) {
+        throw InputError(where + ": cannot be created; does its folder exist, and may you write "
+                                 "there?");
+    }
+    write(file);
+    if (!file.flush()) {
+        throw InputError(where + ": cannot be written to the end; is the disk full?");
+    }
 }
 
 } // namespace springdrive

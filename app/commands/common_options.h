@@ -1,4 +1,4 @@
-// Options that several subcommands share.
+// Options and outputs that several subcommands share.
 #pragma once
 
 #include "device/simulated/simulation_options.h"
@@ -6,8 +6,11 @@
 #include "engine/control/tuning.h"
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,12 @@ namespace springdrive {
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
 
+/// Which parameters a command can use.
+enum class TuningScope : std::uint8_t {
+    coupling,   ///< dR, K_P, K_D and λ: what K_θ (12) is made of
+    everything, ///< and how it is used: α, η and the maps
+};
+
 /// `--tuning-file`, and an option for each parameter that is given on top of it.
 struct TuningOptions {
     std::filesystem::path file; ///< empty: the default tuning
@@ -28,7 +37,7 @@ struct TuningOptions {
     std::string alpha_mode; ///< empty: as in the file
 
     /// The options hold references to this: it must stay where it is until the parse is over.
-    void add_to(CLI::App &command);
+    void add_to(CLI::App &command, TuningScope scope = TuningScope::everything);
 
     /// @throw InputError for a file that cannot be used, or a value out of its range.
     [[nodiscard]] Tuning tuning() const;
@@ -44,5 +53,9 @@ struct EffectOptions {
 
     [[nodiscard]] PlantEffects effects() const;
 };
+
+/// Lets `write` fill the file, or standard output where `where` is "-".
+/// @throw InputError where the file cannot be created, or not all of it could be written.
+void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);
 
 } // namespace springdrive

@@ -1,0 +1,190 @@
+#include "app/commands/stiffness_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/stiffness_report.h"
+#include "base/input_error.h"
+#include "device/device_file.h"
+#include "engine/analysis/stiffness_sweep.h"
+#include "engine/analysis/thermal_hold.h"
+#include "engine/servo/servo.h"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+/// One period of it is a million ticks of the fastest servo.
+constexpr double kLowest_hz = 0.01;
+constexpr int kMostPoints = 10000;
+constexpr int kLongestDelay = 8;
+
+struct Typed {
+    std::filesystem::path device_file;
+    TuningOptions tuning;
+    std::vector<double> motor; ///< R, L, k_T; empty: the device file's
+    double servo_hz = 1000.0;
+    int delay_samples = 0;
+    double lowest_hz = 1.0;
+    std::optional<double> highest_hz; ///< a quarter of the servo rate
+    int points = 25;
+    std::vector<CLI::Option *> of_a_sweep; ///< the options above, which a hold cannot use
+    std::optional<double> hold_N;
+    std::optional<double> seconds;
+    std::string csv; ///< empty: a table for people
+};
+
+void check_range(const std::string &what, double value, double lowest, double highest) {
+    if (!(value >= lowest && value <= highest)) { // a NaN too
+        std::ostringstream message;
+        message << what << " is " << value << "; it must be from " << lowest << " to " << highest;
+        throw InputError(message.str());
+    }
+}
+
+/// The device with the motors that were typed.
+DeviceDescription device_of(const Typed &typed) {
+    DeviceDescription device = read_device_file(typed.device_file);
+    if (typed.motor.empty()) {
+        return device;
+    }
+    // The ranges of device files.
+    check_range("--motor: R [Ohm]", typed.motor[0], 0.01, 1000.0);
+    check_range("--motor: L [H]", typed.motor[1], 1e-6, 0.1);
+    check_range("--motor: kT [N·m/A]", typed.motor[2], 1e-4, 10.0);
+    for (MotorParameters &motor : device.motor) {
+        motor.resistance_Ohm = typed.motor[0];
+        motor.inductance_H = typed.motor[1];
+        motor.torque_constant_Nm_per_A = typed.motor[2];
+    }
+    return device;
+}
+
+Tuning tuning_for(const MotorParameters &motor, const Typed &typed) {
+    const Tuning tuning = typed.tuning.tuning();
+    if (residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
+        check_range("--dR on this motor", tuning.dR_Ohm, kLeastResidualShare * motor.resistance_Ohm,
+                    motor.resistance_Ohm);
+    }
+    return tuning;
+}
+
+SweepRange range_of(const Typed &typed) {
+    const double half_rate_hz = 0.5 * typed.servo_hz;
+    const double highest_hz = typed.highest_hz.value_or(0.5 * half_rate_hz);
+    check_range("--freq-from", typed.lowest_hz, kLowest_hz, half_rate_hz);
+    check_range("--freq-to", highest_hz, kLowest_hz, half_rate_hz);
+    check_range("--points", typed.points, 2, kMostPoints);
+    if (!(typed.lowest_hz < highest_hz)) {
+        throw InputError("--freq-from must be below --freq-to");
+    }
+    return {typed.lowest_hz, highest_hz, typed.points};
+}
+
+void sweep(const Typed &typed) {
+    const DeviceDescription device = device_of(typed);
+    SpringDrive drive;
+    drive.motor = device.motor[0];
+    drive.tuning = tuning_for(drive.motor, typed);
+    drive.period_s = servo_period_s(typed.servo_hz);
+    check_range("--delay", typed.delay_samples, 0, kLongestDelay);
+    drive.delay_samples = typed.delay_samples;
+    const std::vector<StiffnessPoint> points = stiffness_sweep(drive, range_of(typed));
+    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
+        if (typed.csv.empty()) {
+            write_stiffness_report(out, device, drive, points);
+        } else {
+            write_stiffness_csv(out, points);
+        }
+    });
+}
+
+void hold(const Typed &typed) {
+    for (const CLI::Option *option : typed.of_a_sweep) {
+        if (option->count() > 0) {
+            throw InputError(option->get_name() + ": belongs to a sweep; leave it out with --hold");
+        }
+    }
+    const DeviceDescription device = device_of(typed);
+    ThermalHoldOptions options;
+    options.tuning = tuning_for(device.motor[0], typed);
+    options.force_N = *typed.hold_N;
+    options.seconds = typed.seconds.value_or(600.0);
+    const std::vector<ThermalRow> rows = thermal_hold(device, options);
+    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
+        if (typed.csv.empty()) {
+            write_thermal_table(out, rows);
+        } else {
+            write_thermal_csv(out, rows);
+        }
+    });
+}
+
+void run(const Typed &typed) {
+    if (typed.hold_N) {
+        hold(typed);
+    } else {
+        sweep(typed);
+    }
+}
+
+void add_sweep_options(CLI::App &stiffness, Typed &typed) {
+    typed.of_a_sweep = {
+        stiffness.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
+            ->type_name("HZ"),
+        stiffness
+            .add_option("--delay", typed.delay_samples,
+                        "whole samples from reading θ to applying e_W [0]")
+            ->type_name("D"),
+        stiffness.add_option("--freq-from", typed.lowest_hz, "lowest frequency [1]")
+            ->type_name("HZ"),
+        stiffness
+            .add_option("--freq-to", typed.highest_hz,
+                        "highest frequency, up to half the servo rate [a quarter]")
+            ->type_name("HZ"),
+        stiffness
+            .add_option("--points", typed.points, "frequencies, evenly spread by logarithm [25]")
+            ->type_name("N")};
+}
+
+void add_hold_options(CLI::App &stiffness, Typed &typed) {
+    CLI::Option *hold = stiffness
+                            .add_option("--hold", typed.hold_N,
+                                        "instead of a sweep: hold a contact with this force, and "
+                                        "tell how the motors warm, soften and cool")
+                            ->type_name("N");
+    stiffness.add_option("--seconds", typed.seconds, "of the hold, and of cooling after it [600]")
+        ->type_name("S")
+        ->needs(hold);
+}
+
+} // namespace
+
+void add_stiffness_command(CLI::App &app) {
+    CLI::App &stiffness = *app.add_subcommand(
+        "stiffness", "the coupling K_θ over frequency: (12), sampled and measured");
+    const auto typed = std::make_shared<Typed>();
+    add_device_file_option(stiffness, typed->device_file);
+    stiffness
+        .add_option("--motor", typed->motor,
+                    "resistance, inductance and torque constant in place of the device file's")
+        ->type_name("R,L,kT")
+        ->delimiter(',')
+        ->expected(3);
+    typed->tuning.add_to(stiffness, TuningScope::coupling);
+    add_sweep_options(stiffness, *typed);
+    add_hold_options(stiffness, *typed);
+    stiffness.add_option("--csv", typed->csv, "write CSV to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    stiffness.footer("Phases are those of -τ/θ: a spring has 0°, a damper +90°.");
+    stiffness.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,77 @@
+#include "app/commands/stiffness_report.h"
+
+#include "engine/analysis/sampled_loop.h"
+#include "engine/control/coupling.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <numbers>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+/// printf for streams: a table's columns stay readable in the code that makes them.
+template <typename... Values> void print(std::ostream &out, const char *format, Values... values) {
+    const int length = std::snprintf(nullptr, 0, format, values...);
+    std::string text(static_cast<std::size_t>(length) + 1, '\0');
+    std::snprintf(text.data(), text.size(), format, values...);
+    text.pop_back(); // the closing zero
+    out << text;
+}
+
+double hz(double rad_per_s) { return rad_per_s / (2.0 * std::numbers::pi); }
+
+/// Of the three joints in rigid contact, the one nearest to instability, or furthest beyond.
+SampledLoop worst_joint(const DeviceDescription &device, SpringDrive drive) {
+    drive.tuning.eta = 0.0;
+    std::array<SampledLoop, 3> loops;
+    for (int joint = 0; joint < 3; ++joint) {
+        drive.motor = device.motor[static_cast<std::size_t>(joint)];
+        loops[static_cast<std::size_t>(joint)] = {drive, device_load(device, joint), {}};
+    }
+    return *std::max_element(loops.begin(), loops.end(),
+                             [](const SampledLoop &a, const SampledLoop &b) {
+                                 return largest_eigenvalue(a) < largest_eigenvalue(b);
+                             });
+}
+
+void write_head(std::ostream &out, const DeviceDescription &device, const SpringDrive &drive) {
+    const MotorParameters &motor = drive.motor;
+    const Tuning &tuning = drive.tuning;
+    const Coupling levels = coupling(motor, tuning, drive.period_s, drive.delay_samples);
+    print(out, "%s, first motor: R %.4g Ω, L %.4g mH, k_T %.4g mN·m/A\n", device.name.c_str(),
+          motor.resistance_Ohm, 1e3 * motor.inductance_H, 1e3 * motor.torque_constant_Nm_per_A);
+    print(out, "dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s, ", drive.dR_Ohm(),
+          tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s);
+    print(out, "servo %.5g Hz, delay %d\n\n", 1.0 / drive.period_s, drive.delay_samples);
+    print(out, "K_DC = k_T K_P/dR (13)  %.4g N·m/rad\n", levels.K_DC_Nm_per_rad);
+    print(out, "K_HF = k_T²/L     (14)  %.4g N·m/rad\n", levels.K_HF_Nm_per_rad);
+    print(out, "corners                 dR/L %.4g Hz, λ %.4g Hz, R/L %.4g Hz\n",
+          hz(drive.dR_Ohm() / motor.inductance_H), hz(tuning.lambda_rad_per_s),
+          hz(motor.resistance_Ohm / motor.inductance_H));
+    const SampledLoop worst = worst_joint(device, drive);
+    print(out, "rigid contact, no hand  %s: largest eigenvalue %.6f\n\n",
+          is_stable(worst) ? "stable" : "UNSTABLE", largest_eigenvalue(worst));
+}
+
+} // namespace
+
+void write_stiffness_report(std::ostream &out, const DeviceDescription &device,
+                            const SpringDrive &drive, const std::vector<StiffnessPoint> &points) {
+    write_head(out, device, drive);
+    out << "  frequency      (12)               sampled            measured\n"
+           "         Hz   N·m/rad      deg   N·m/rad      deg   N·m/rad      deg\n";
+    for (const StiffnessPoint &point : points) {
+        print(out, "%11.5g", point.frequency_hz);
+        for (const std::complex<double> &stiffness :
+             {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
+            print(out, "%10.5f %8.2f", std::abs(stiffness), phase_deg(stiffness));
+        }
+        out << '\n';
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,29 @@
+// Covers app/command_line.cpp, from outside.
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace springdrive::testing {
+namespace {
+
+TEST(CommandLine, HelpListsTheSubcommands) {
+    const Ending help = run_program({"--help"});
+    EXPECT_EQ(help.exit_status, 0);
+    for (const char *name : {"demo", "stiffness", "--scene"}) {
+        EXPECT_NE(help.out.find(name), std::string::npos) << name << " in\n" << help.out;
+    }
+    EXPECT_NE(run_program({"stiffness", "--help"}).out.find("--freq-from"), std::string::npos);
+    EXPECT_NE(run_program({"demo", "--help"}).out.find("--lockstep"), std::string::npos);
+    EXPECT_NE(run_program({"--lockstep", "--help"}).out.find("--lockstep"), std::string::npos);
+}
+
+TEST(CommandLine, NamesAnUnknownSubcommand) {
+    const Ending ending = run_program({"stifness"});
+    EXPECT_EQ(ending.exit_status, 2);
+    EXPECT_NE(ending.error.find("stifness"), std::string::npos) << ending.error;
+}
+
+} // namespace
+} // namespace springdrive::testing
