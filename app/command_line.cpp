@@ -1,6 +1,7 @@
 #include "app/command_line.h"
 
 #include "app/commands/demo_command.h"
+#include "app/commands/figures_command.h"
 #include "app/commands/stiffness_command.h"
 
 #include <CLI/CLI.hpp>
@@ -37,6 +38,7 @@ int run_command_line(int argc, char **argv) {
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
                "Each subcommand tells its options: springdrive stiffness --help.");
     add_demo_command(app);
+    add_figures_command(app);
     add_stiffness_command(app);
 
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them

@@ -1,0 +1,136 @@
+#include "app/commands/figures_command.h"
+
+#include "app/asset_folder.h"
+#include "app/commands/common_options.h"
+#include "app/figures/figure.h"
+#include "app/figures/gnuplot.h"
+#include "base/input_error.h"
+#include "engine/control/tuning_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+/// Data sheets promise R within a few per cent.
+constexpr double kLargestSpread = 0.05;
+
+struct Typed {
+    std::filesystem::path out;
+    std::filesystem::path device_file;
+    std::filesystem::path tuning_file; ///< empty: the default tuning
+    std::vector<double> q_deg{0.0, 20.0, -15.0};
+    double resistance_spread = FigureSetting{}.resistance_spread;
+};
+
+/// One line on standard error: rewritten in place where somebody watches, else left out.
+class ProgressLine {
+public:
+    ~ProgressLine() {
+        if (watched_ && begun_) {
+            std::cerr << "\r\x1b[K" << std::flush;
+        }
+    }
+    ProgressLine() = default;
+    ProgressLine(const ProgressLine &) = delete;
+    ProgressLine &operator=(const ProgressLine &) = delete;
+
+    void show(std::string_view what, double share) {
+        if (watched_) {
+            begun_ = true;
+            std::cerr << "\r\x1b[K" << what << ' ' << std::lround(100.0 * share) << " %"
+                      << std::flush;
+        }
+    }
+
+private:
+    bool watched_ = isatty(STDERR_FILENO) != 0;
+    bool begun_ = false;
+};
+
+FigureSetting setting_of(const Typed &typed) {
+    FigureSetting setting;
+    setting.device = read_device_file(typed.device_file);
+    if (!typed.tuning_file.empty()) {
+        setting.tuning = read_tuning_file(typed.tuning_file);
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!std::isfinite(typed.q_deg[j])) {
+            throw InputError("--q: every angle must be a finite number of degrees");
+        }
+        setting.q_rad[static_cast<Eigen::Index>(j)] = typed.q_deg[j] * std::numbers::pi / 180.0;
+    }
+    if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kLargestSpread)) {
+        throw InputError("--resistance-spread: must be a share from 0 to " +
+                         std::to_string(kLargestSpread).substr(0, 4));
+    }
+    setting.resistance_spread = typed.resistance_spread;
+    return setting;
+}
+
+void make_folder(const std::filesystem::path &folder) {
+    std::error_code problem;
+    std::filesystem::create_directories(folder, problem);
+    if (problem) {
+        throw InputError("--out " + folder.string() + ": cannot be made: " + problem.message());
+    }
+}
+
+/// All numbers first, so that they are there even where nothing can be drawn.
+void make_figures(const Typed &typed) {
+    const FigureSetting setting = setting_of(typed);
+    make_folder(typed.out);
+    ProgressLine line;
+    std::vector<Chart> charts;
+    for (const FigureMaker &maker : kFigures) {
+        const std::string name(maker.name);
+        const Figure figure = maker.make(setting, [&](double share) { line.show(name, share); });
+        write_output((typed.out / (name + ".csv")).string(),
+                     [&](std::ostream &out) { out << figure.csv; });
+        charts.push_back({asset_folder() / "figures" / (name + ".gnuplot"),
+                          figure.marks.assignments(), typed.out, name + ".csv", name + ".svg"});
+    }
+    for (const Chart &chart : charts) {
+        line.show(chart.svg, 1.0);
+        draw(chart);
+    }
+}
+
+} // namespace
+
+void add_figures_command(CLI::App &app) {
+    CLI::App *figures = app.add_subcommand(
+        "figures", "figures 2, 3, 5 and 6 of the paper, measured beside their predictions, and "
+                   "the direction error over frequency, as SVG and CSV");
+    const auto typed = std::make_shared<Typed>();
+    figures->add_option("--out", typed->out, "the folder to write to; made where missing")
+        ->type_name("DIR")
+        ->required();
+    add_device_file_option(*figures, typed->device_file);
+    figures
+        ->add_option("--tuning-file", typed->tuning_file,
+                     "a tuning from assets/tunings, or your own")
+        ->type_name("FILE");
+    figures->add_option("--q", typed->q_deg, "the three joint angles in degrees [0,20,-15]")
+        ->type_name("A,B,C")
+        ->delimiter(',')
+        ->expected(3);
+    figures
+        ->add_option("--resistance-spread", typed->resistance_spread,
+                     "by what share of R motors 2 and 3 differ from the data sheet in figures 5 "
+                     "and 6, one down and one up; dR differs by R/dR times as much [0.0015]")
+        ->type_name("SHARE");
+    figures->callback([typed] { make_figures(*typed); });
+}
+
+} // namespace springdrive

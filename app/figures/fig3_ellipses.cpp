@@ -1,0 +1,74 @@
+// Fig. 3 of the paper.
+#include "app/figures/figure_text.h"
+#include "device/phantom/kinematics.h"
+#include "engine/analysis/stiffness_ellipse.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `number`.
+double round_number_below(double number) {
+    const double decade = std::pow(10.0, std::floor(std::log10(number)));
+    const double share = number / decade;
+    return decade * (share >= 5.0 ? 5.0 : share >= 2.0 ? 2.0 : 1.0);
+}
+
+/// The linkage in millimetres, outward and up from the base joint.
+void add_linkage(ChartMarks &marks, const FigureSetting &setting) {
+    constexpr double kMillimetres = 1e3;
+    const LinkagePose pose = linkage_pose(setting.device.geometry, setting.q_rad);
+    const auto add = [&](const std::string &name, const Vector3 &point_m) {
+        const Vector2 in_plane = link_plane(setting.q_rad[0]).transpose() * (point_m - pose.base_m);
+        marks.add(name + "_x", kMillimetres * in_plane.x());
+        marks.add(name + "_y", kMillimetres * in_plane.y());
+    };
+    add("elbow", pose.elbow_m);
+    add("tip", pose.tip_m);
+    add("crank", pose.crank_m);
+    add("coupling", pose.coupling_m);
+}
+
+/// How long the chart draws a stiffness: its longest axis as long as the links, about.
+void add_scale(ChartMarks &marks, const FigureSetting &setting, const PlanarStiffness &stiffness) {
+    const Eigen::SelfAdjointEigenSolver<Matrix2> axes(stiffness.inverse, Eigen::EigenvaluesOnly);
+    const double longest_N_per_m = axes.eigenvalues().maxCoeff();
+    const double link_mm = 0.6e3 * setting.device.geometry.upper_arm_m;
+    const double bar_N_per_m = round_number_below(0.6 * longest_N_per_m);
+    marks.add("mm_per_N_per_m", link_mm / longest_N_per_m);
+    marks.add("bar_N_per_m", bar_N_per_m);
+    marks.add("bar_text", number_text(1e-3 * bar_N_per_m, 3) + " N/mm");
+    marks.add("circle_text", number_text(1e-3 * stiffness.transpose(0, 0), 3));
+    marks.add("longest_text", number_text(1e-3 * longest_N_per_m, 3));
+    marks.add("shortest_text", number_text(1e-3 * axes.eigenvalues().minCoeff(), 3));
+    marks.add("alpha_text", number_text(stiffness.alpha_rad2_per_m2, 4));
+}
+
+} // namespace
+
+Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress) {
+    const PlanarStiffness stiffness =
+        planar_stiffness(setting.device, setting.tuning, setting.q_rad);
+    Figure figure;
+    figure.csv = "angle_deg,inv_x,inv_y,trans_x,trans_y\n";
+    constexpr int kPoints = 180;
+    for (const EllipsePoint &point : stiffness_ellipses(stiffness, kPoints)) {
+        figure.csv += csv_line({kDegreesPerRadian * point.angle_rad, point.inverse_N_per_m.x(),
+                                point.inverse_N_per_m.y(), point.transpose_N_per_m.x(),
+                                point.transpose_N_per_m.y()});
+    }
+    figure.marks.add("heading", "Fig. 3: static tip stiffness, " + setting.device.name +
+                                    " with its base locked");
+    figure.marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
+    add_linkage(figure.marks, setting);
+    add_scale(figure.marks, setting, stiffness);
+    progress(1.0);
+    return figure;
+}
+
+} // namespace springdrive

@@ -1,0 +1,78 @@
+// The paper's figures, each as numbers: a CSV file, and what its chart marks beside them.
+//
+// A chart is drawn by assets/figures/NAME.gnuplot from NAME.csv and those marks; to see how a
+// figure looks, or to change that, look there.
+#pragma once
+
+#include "device/device_file.h"
+#include "engine/analysis/locked_device.h"
+#include "engine/control/tuning.h"
+
+#include <array>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace springdrive {
+
+/// What the figures are of.
+struct FigureSetting {
+    DeviceDescription device;
+    Tuning tuning;
+    Vector3 q_rad{Vector3::Zero()}; ///< base locked in figures 3 and 5 to 7
+    double servo_period_s = 1e-3;
+    double resistance_spread = LockedDeviceOptions{}.resistance_spread; ///< of figures 5 and 6
+};
+
+/// Names and values for a gnuplot script, as assignments in gnuplot's own language.
+class ChartMarks {
+public:
+    void add(std::string_view name, double number);
+    void add(std::string_view name, std::string_view text);
+
+    [[nodiscard]] const std::string &assignments() const { return assignments_; }
+
+private:
+    std::string assignments_;
+};
+
+struct Figure {
+    std::string csv;
+    ChartMarks marks;
+};
+
+/// Told how far a figure is, as a share of 1.
+using FigureProgress = std::function<void(double)>;
+
+/// Fig. 2: K_θ over frequency, by (12), sampled, measured, and of the unmodified motor.
+[[nodiscard]] Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &progress);
+
+/// Fig. 3: the tip's stiffness under both maps.
+[[nodiscard]] Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress);
+
+/// Fig. 5: the forces of both maps against a wall above the device.
+[[nodiscard]] Figure forces_figure(const FigureSetting &setting, const FigureProgress &progress);
+
+/// Fig. 6: the direction error of both maps against surfaces all around.
+[[nodiscard]] Figure direction_error_figure(const FigureSetting &setting,
+                                            const FigureProgress &progress);
+
+/// Fig. 7, beyond the paper: the direction error of both maps over frequency.
+[[nodiscard]] Figure direction_over_frequency_figure(const FigureSetting &setting,
+                                                     const FigureProgress &progress);
+
+struct FigureMaker {
+    std::string_view name; ///< of its files, without ending
+    Figure (*make)(const FigureSetting &, const FigureProgress &);
+};
+
+/// @throw InputError from `make` for a setting that gives no answer.
+inline constexpr std::array<FigureMaker, 5> kFigures{{
+    {"fig2_stiffness", stiffness_figure},
+    {"fig3_ellipses", ellipses_figure},
+    {"fig5_forces", forces_figure},
+    {"fig6_direction_error", direction_error_figure},
+    {"fig7_direction_over_frequency", direction_over_frequency_figure},
+}};
+
+} // namespace springdrive

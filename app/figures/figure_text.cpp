@@ -1,0 +1,66 @@
+#include "app/figures/figure_text.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace springdrive {
+
+void ChartMarks::add(std::string_view name, double number) {
+    assignments_ += std::string(name) + " = " + number_text(number, 17) + "; ";
+}
+
+void ChartMarks::add(std::string_view name, std::string_view text) {
+    std::string quoted;
+    for (const char c : text) {
+        // In single quotes gnuplot knows no escapes but the quote itself, twice.
+        quoted += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
+    }
+    assignments_ += std::string(name) + " = '" + quoted + "'; ";
+}
+
+std::string number_text(double number, int digits) {
+    if (std::isnan(number)) {
+        return {};
+    }
+    std::array<char, 40> text{};
+    std::snprintf(text.data(), text.size(), "%.*g", digits, number);
+    return text.data();
+}
+
+std::string csv_line(std::initializer_list<double> cells) {
+    constexpr int kDigits = 9;
+    std::string line;
+    for (const double cell : cells) {
+        line += number_text(cell, kDigits);
+        line += ',';
+    }
+    line.back() = '\n';
+    return line;
+}
+
+std::string gains_text(const FigureSetting &setting) {
+    const Tuning &tuning = setting.tuning;
+    return "dR " + number_text(tuning.dR_Ohm, 4) + " Ω, K_P " +
+           number_text(tuning.K_P_V_per_rad, 4) + " V/rad, K_D " +
+           number_text(tuning.K_D_Vs_per_rad, 4) + " V·s/rad, servo " +
+           number_text(1.0 / setting.servo_period_s, 4) + " Hz";
+}
+
+std::string tuning_text(const FigureSetting &setting) {
+    return gains_text(setting) + ", λ " + number_text(setting.tuning.lambda_rad_per_s, 4) +
+           " rad/s";
+}
+
+std::string angles_text(const FigureSetting &setting) {
+    std::string text = "q";
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double angle_deg = kDegreesPerRadian * setting.q_rad[j];
+        text += std::string(j == 0 ? " " : ", ") + (angle_deg < 0.0 ? "−" : "") +
+                number_text(std::abs(angle_deg), 4) + "°";
+    }
+    return text;
+}
+
+} // namespace springdrive

@@ -1,0 +1,29 @@
+// How figures write numbers, into CSV files and charts.
+#pragma once
+
+#include "app/figures/figure.h"
+
+#include <initializer_list>
+#include <numbers>
+#include <string>
+
+namespace springdrive {
+
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// "1.234e-05": `digits` significant digits, no more than needed; empty for a NaN.
+[[nodiscard]] std::string number_text(double number, int digits);
+
+/// A CSV line with its end; a NaN becomes an empty cell.
+[[nodiscard]] std::string csv_line(std::initializer_list<double> cells);
+
+/// What a figure's second line says of dR, K_P, K_D and the servo: "dR 0.5 Ω, K_P 6 V/rad, …".
+[[nodiscard]] std::string gains_text(const FigureSetting &setting);
+
+/// The same with λ.
+[[nodiscard]] std::string tuning_text(const FigureSetting &setting);
+
+/// The joint angles: "q 0°, 20°, −15°".
+[[nodiscard]] std::string angles_text(const FigureSetting &setting);
+
+} // namespace springdrive

@@ -1,0 +1,139 @@
+#include "app/figures/gnuplot.h"
+
+#include "base/input_error.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <iterator>
+#include <spawn.h>
+#include <string_view>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+/// How a program ended, and what it said on its standard error.
+struct Ending {
+    int spawn_error = 0; ///< an errno, where it could not be started at all
+    int wait_status = 0;
+    std::string error;
+};
+
+std::string read_to_the_end(int descriptor) {
+    std::string text;
+    std::array<char, 4096> block{};
+    for (;;) {
+        const ssize_t count = read(descriptor, block.data(), block.size());
+        if (count > 0) {
+            text.append(block.data(), static_cast<std::size_t>(count));
+        } else if (count == 0 || errno != EINTR) {
+            return text;
+        }
+    }
+}
+
+/// What the program finds in place of ours: nothing to read, nowhere to write, our ear, its folder.
+class SpawnSetting {
+public:
+    SpawnSetting(const std::filesystem::path &folder, int error_descriptor) {
+        posix_spawn_file_actions_init(&actions_);
+        posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+        posix_spawn_file_actions_adddup2(&actions_, error_descriptor, STDERR_FILENO);
+        posix_spawn_file_actions_addchdir_np(&actions_, folder.c_str());
+    }
+    ~SpawnSetting() { posix_spawn_file_actions_destroy(&actions_); }
+    SpawnSetting(const SpawnSetting &) = delete;
+    SpawnSetting &operator=(const SpawnSetting &) = delete;
+
+    [[nodiscard]] const posix_spawn_file_actions_t *actions() const { return &actions_; }
+
+private:
+    posix_spawn_file_actions_t actions_{};
+};
+
+Ending run(std::vector<std::string> arguments, const std::filesystem::path &folder) {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+        return {errno, 0, {}};
+    }
+    std::vector<char *> argv;
+    argv.reserve(arguments.size() + 1);
+    for (std::string &argument : arguments) {
+        argv.push_back(argument.data());
+    }
+    argv.push_back(nullptr);
+    Ending ending;
+    pid_t child = 0;
+    {
+        const SpawnSetting setting(folder, ends[1]);
+        ending.spawn_error =
+            posix_spawnp(&child, argv[0], setting.actions(), nullptr, argv.data(), environ);
+    }
+    close(ends[1]);
+    if (ending.spawn_error == 0) {
+        ending.error = read_to_the_end(ends[0]);
+        while (waitpid(child, &ending.wait_status, 0) < 0 && errno == EINTR) {
+        }
+    }
+    close(ends[0]);
+    return ending;
+}
+
+/// The last line that says something.
+std::string last_line(const std::string &text) {
+    const std::size_t last = text.find_last_not_of(" \n\r\t");
+    if (last == std::string::npos) {
+        return "it says nothing";
+    }
+    const std::size_t before = text.find_last_of('\n', last);
+    const std::size_t first = text.find_first_not_of(" \t", before + 1);
+    return text.substr(first, last + 1 - first);
+}
+
+bool is_whole(const std::filesystem::path &svg) {
+    std::ifstream file(svg, std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    constexpr std::string_view kEnd = "</svg>";
+    const std::size_t end = text.find_last_not_of(" \n");
+    return end != std::string::npos && end + 1 >= kEnd.size() &&
+           text.compare(end + 1 - kEnd.size(), kEnd.size(), kEnd) == 0;
+}
+
+} // namespace
+
+void draw(const Chart &chart) {
+    const std::filesystem::path svg = chart.folder / chart.svg;
+    std::error_code ignored; // if it cannot be removed, it cannot be replaced, which gnuplot tells
+    std::filesystem::remove(svg, ignored);
+    const std::string files = "csv = '" + chart.csv + "'; svg = '" + chart.svg + "'; ";
+    // -d: whatever the user's own gnuplot settings are.
+    const std::filesystem::path script = std::filesystem::absolute(chart.script);
+    const Ending ending = run({"gnuplot", "-d", "-e", files + chart.assignments,
+                               script.parent_path() / "style.gnuplot", script},
+                              chart.folder);
+    if (ending.spawn_error == ENOENT) {
+        throw InputError("gnuplot is not installed; install the package gnuplot-nox (the figures' "
+                         "numbers are in " +
+                         chart.folder.string() + ", as CSV files)");
+    }
+    if (ending.spawn_error != 0) {
+        throw InputError(
+            "gnuplot cannot be started: " +
+            std::string(std::strerror(ending.spawn_error))); // NOLINT(concurrency-mt-unsafe)
+    }
+    if (!WIFEXITED(ending.wait_status) || WEXITSTATUS(ending.wait_status) != 0) {
+        throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.error));
+    }
+    if (!is_whole(svg)) {
+        throw InputError(svg.string() + ": cannot be written to the end; is the disk full?");
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,172 @@
+#include "engine/analysis/locked_device.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/stiffness_ellipse.h"
+#include "engine/control/motion_control.h"
+#include "engine/servo/servo_loop.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kOutside_m = 1e-3; ///< how far outside the tip starts
+
+// The experiment's timetable: the servo's start-up ramp takes 0.5 s.
+constexpr double kZeroFrom_s = 0.55;
+constexpr double kPressFrom_s = 0.60;
+constexpr double kPressUntil_s = 0.65;
+constexpr double kMeasureFrom_s = 0.85;
+constexpr double kMeasureUntil_s = 0.90;
+
+/// A vice: 1 µm per newton, critically damped, at rest within 2 ms.
+constexpr HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
+
+/// Nothing that is read at rest depends on the sub-step.
+constexpr double kLongestStep_s = 100e-6;
+
+/// One triangle, 0.2 m across, so that there is neither edge nor seam near the tip.
+TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, const Vector3 &level) {
+    constexpr double kRadius_m = 0.1;
+    TriangleSoup soup;
+    for (int corner = 0; corner < 3; ++corner) {
+        const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * corner / 3.0, normal);
+        soup.vertices_m.emplace_back(centre_m + kRadius_m * (turn * level));
+    }
+    soup.triangles = {{0, 1, 2}};
+    soup.material_of_triangle = {0};
+    soup.materials = {{"plate", 0.0}};
+    return soup;
+}
+
+SimulationOptions simulation_options(const LockedDeviceOptions &options, const Vector3 &outside_m,
+                                     const Vector3 &inside_m) {
+    SimulationOptions simulation;
+    simulation.servo_period_s = options.servo_period_s;
+    simulation.longest_step_s = kLongestStep_s;
+    simulation.hand = kVice;
+    simulation.path.emplace(HandPath({{kPressFrom_s, outside_m}, {kPressUntil_s, inside_m}}));
+    simulation.quantised_encoders = options.effects;
+    if (options.effects) {
+        simulation.effects.commutation_ripple = false;
+        simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
+    } else {
+        simulation.effects = PlantEffects::none();
+    }
+    return simulation;
+}
+
+/// The simulated device in its vice, and the servo that it answers to.
+class LockedRig {
+public:
+    LockedRig(const DeviceDescription &device, const SimulationOptions &options,
+              const Vector3 &start_m, const HapticMesh &plate, const Tuning &tuning, double alpha)
+        : device_(device, options, start_m), loop_(device_, options.servo_period_s) {
+        inputs_.mesh = &plate;
+        inputs_.tuning = tuning;
+        inputs_.tuning.alpha_mode = AlphaMode::global;
+        inputs_.global_alpha_rad2_per_m2 = alpha;
+    }
+
+    /// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
+    [[nodiscard]] Vector3 run(double until_s) {
+        Vector3 sum = Vector3::Zero();
+        int ticks = 0;
+        while (device_.truth().time_s < until_s - 0.5 * loop_.period_s()) {
+            const ServoSample sample = loop_.update(loop_.exchange(), inputs_);
+            if (sample.safety.state == SafetyState::tripped) {
+                throw InputError("locked device: the safety monitor tripped (" +
+                                 description(sample.safety) + "); choose a softer tuning");
+            }
+            sum -= device_.truth().hand_force_N;
+            ++ticks;
+        }
+        return sum / std::max(1, ticks);
+    }
+
+private:
+    SimulatedPhantom device_;
+    ServoLoop loop_;
+    ServoInputs inputs_;
+};
+
+void check_configuration(const DeviceDescription &device, const Vector3 &q_rad) {
+    const JointLimits &limits = device.joint_limits;
+    const double fold = q_rad[2] - q_rad[1];
+    const bool within = (q_rad.array() >= limits.lowest_rad.array()).all() &&
+                        (q_rad.array() <= limits.highest_rad.array()).all() &&
+                        fold >= limits.least_q3_minus_q2_rad &&
+                        fold <= limits.greatest_q3_minus_q2_rad;
+    const std::optional<Vector3> found =
+        joint_angles_rad(device.geometry, tip_position_m(device.geometry, q_rad));
+    constexpr double kSameAngle_rad = 1e-6; // else the tip is reached by other angles
+    if (!within || !found || !(*found - q_rad).isZero(kSameAngle_rad)) {
+        throw InputError("locked device: its joints cannot turn to these angles; choose them "
+                         "within the device file's joint_limits");
+    }
+}
+
+const Matrix2 &stiffness_under(const PlanarStiffness &stiffness, MotionMap map) {
+    return map == MotionMap::inverse ? stiffness.inverse : stiffness.transpose;
+}
+
+} // namespace
+
+LockedForce press_locked_device(const DeviceDescription &device, const LockedDeviceOptions &options,
+                                MotionMap map, double normal_rad) {
+    check_configuration(device, options.q_rad);
+    const PlanarStiffness stiffness = planar_stiffness(device, options.tuning, options.q_rad);
+    const Eigen::Matrix<double, 3, 2> plane = link_plane(options.q_rad[0]);
+    const Vector2 n = direction_at(normal_rad);
+    const Vector3 normal = plane * n;
+    const Vector3 inside_m = tip_position_m(device.geometry, options.q_rad);
+    const Vector3 surface_m = inside_m + options.penetration_m * normal;
+    const Vector3 outside_m = surface_m + kOutside_m * normal;
+
+    const HapticMesh mesh(plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
+    Tuning tuning = options.tuning;
+    tuning.map = map;
+    LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, mesh, tuning,
+                  stiffness.alpha_rad2_per_m2);
+    static_cast<void>(rig.run(kZeroFrom_s));
+    const Vector3 zero_N = rig.run(kPressFrom_s);
+    static_cast<void>(rig.run(kMeasureFrom_s));
+    const Vector3 reading_N = rig.run(kMeasureUntil_s);
+
+    LockedForce force;
+    force.measured_N = plane.transpose() * (reading_N - zero_N);
+    force.predicted_N = options.penetration_m * stiffness_under(stiffness, map) * n;
+    force.error_rad = signed_angle_rad(n, force.measured_N);
+    force.predicted_error_rad = signed_angle_rad(n, force.predicted_N);
+    return force;
+}
+
+double harmless_penetration_m(const DeviceDescription &device, const Tuning &tuning,
+                              const Vector3 &q_rad, MotionMap map) {
+    constexpr double kLargest_m = 4e-3;
+    constexpr double kShare = 0.5;
+    const PlanarStiffness stiffness = planar_stiffness(device, tuning, q_rad);
+    const Matrix2 &K = stiffness_under(stiffness, map);
+    const Eigen::SelfAdjointEigenSolver<Matrix2> axes(K, Eigen::EigenvaluesOnly);
+    double penetration_m =
+        std::min(kLargest_m, kShare * device.limits.tip_force_N / axes.eigenvalues().maxCoeff());
+    const Matrix2 torque_per_metre = planar_jacobian(device.geometry, q_rad).transpose() * K;
+    for (Eigen::Index j = 0; j < 2; ++j) {
+        const MotorParameters &motor = device.motor[static_cast<std::size_t>(j + 1)];
+        const double amperes_per_metre =
+            torque_per_metre.row(j).norm() / motor.torque_constant_Nm_per_A;
+        penetration_m = std::min(penetration_m, kShare * motor.peak_current_A / amperes_per_metre);
+    }
+    return penetration_m;
+}
+
+} // namespace springdrive

@@ -1,0 +1,164 @@
+// Covers app/commands/figures_command.cpp and app/figures: `springdrive figures` from outside.
+#include "app/figures/figure.h"
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+/// Columns of a CSV file by name; an empty cell is NaN. A cell that is no number counts as one.
+std::map<std::string, std::vector<double>> columns_of(const std::filesystem::path &csv) {
+    std::ifstream file(csv);
+    std::map<std::string, std::vector<double>> columns;
+    std::vector<std::string> names;
+    std::string line;
+    for (bool head = true; std::getline(file, line); head = false) {
+        std::istringstream cells(line + ",");
+        std::string cell;
+        for (std::size_t i = 0; std::getline(cells, cell, ','); ++i) {
+            if (head) {
+                names.push_back(cell);
+            } else {
+                char *end = nullptr;
+                const double number = std::strtod(cell.c_str(), &end);
+                columns[names.at(i)].push_back(end == cell.c_str() ? NAN : number);
+            }
+        }
+    }
+    return columns;
+}
+
+double largest(const std::vector<double> &column) {
+    double found = 0.0;
+    for (const double cell : column) {
+        found = std::max(found, std::abs(cell));
+    }
+    return found;
+}
+
+Ending figures(const std::filesystem::path &out, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"figures", "--out", out.string()});
+    return run_program(more);
+}
+
+void expect_one_line(const Ending &ending, int status, const std::string &names) {
+    EXPECT_EQ(ending.exit_status, status);
+    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+}
+
+TEST(Figures, ComeOutOfOneCommand) {
+    // The folder's name is one that no shell would take as it is.
+    const std::filesystem::path folder = fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
+    const Ending ending = figures(folder);
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(ending.out, "");
+    for (const FigureMaker &figure : kFigures) {
+        const std::string name(figure.name);
+        const std::string svg = contents_of(folder / (name + ".svg"));
+        EXPECT_NE(svg.find("<svg"), std::string::npos) << name;
+        EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
+        EXPECT_NE(svg.find("PHANTOM 1.0"), std::string::npos) << name;
+        EXPECT_GT(columns_of(folder / (name + ".csv")).size(), 4U) << name;
+    }
+    std::filesystem::remove_all(folder.parent_path().parent_path());
+}
+
+TEST(Figures, MeasuredStandsBesidePredicted) {
+    const std::filesystem::path folder = fresh_folder("measured");
+    ASSERT_EQ(figures(folder, {"--q", "0,20,-15"}).exit_status, 0);
+
+    auto stiffness = columns_of(folder / "fig2_stiffness.csv");
+    for (std::size_t i = 0; i < stiffness["freq_hz"].size(); ++i) {
+        const bool measurable = stiffness["freq_hz"][i] < 450.0;
+        ASSERT_EQ(std::isfinite(stiffness["measured"][i]), measurable);
+        if (stiffness["freq_hz"][i] <= 250.0) { // 1 % up to a quarter of the servo rate
+            EXPECT_NEAR(stiffness["measured"][i] / stiffness["sampled"][i], 1.0, 0.01);
+            EXPECT_NEAR(stiffness["measured_phase_deg"][i], stiffness["sampled_phase_deg"][i], 1.0);
+        }
+    }
+    auto errors = columns_of(folder / "fig6_direction_error.csv");
+    ASSERT_EQ(errors["normal_deg"].size(), 24U);
+    for (std::size_t i = 0; i < 24; ++i) {
+        EXPECT_DOUBLE_EQ(errors["normal_deg"][i], 15.0 * static_cast<double>(i));
+        EXPECT_NEAR(errors["inverse_ideal_deg"][i], errors["inverse_predicted_deg"][i], 0.1);
+        EXPECT_NEAR(errors["inverse_error_deg"][i], errors["inverse_predicted_deg"][i], 5.0);
+    }
+    EXPECT_LT(largest(errors["transpose_ideal_deg"]), 0.01);
+    EXPECT_LT(largest(errors["transpose_error_deg"]), 5.0);
+    EXPECT_GT(largest(errors["transpose_error_deg"]), 0.1);
+
+    auto forces = columns_of(folder / "fig5_forces.csv");
+    for (std::size_t map = 0; map < 2; ++map) {
+        EXPECT_LT(std::hypot(forces["measured_outward_N"][map] - forces["predicted_outward_N"][map],
+                             forces["measured_up_N"][map] - forces["predicted_up_N"][map]),
+                  0.1); // friction, 0.04 N at each joint's end, and a quantum's stiffness
+    }
+    auto spectrum = columns_of(folder / "fig7_direction_over_frequency.csv");
+    EXPECT_NEAR(largest(spectrum["inverse_deg"]), 35.0, 0.01);
+    EXPECT_LT(spectrum["transpose_lambda_1000_deg"].front(), 0.1);
+    EXPECT_NEAR(spectrum["transpose_lambda_1000_deg"].back(), 35.0, 1.0); // K_L: the ellipsoid
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Figures, RepeatToTheLastByte) {
+    const std::filesystem::path folder = fresh_folder("repeat");
+    for (const char *run : {"first", "second"}) {
+        ASSERT_EQ(
+            figures(folder / run, {"--device-file", assets() / "devices/phantom_premium_1_5.toml",
+                                   "--tuning-file", assets() / "tunings/soft.toml"})
+                .exit_status,
+            0);
+    }
+    for (const auto &file : std::filesystem::directory_iterator(folder / "first")) {
+        EXPECT_TRUE(contents_of(file) == contents_of(folder / "second" / file.path().filename()))
+            << file.path();
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Figures, SayWhatIsWrongInOneLine) {
+    const std::filesystem::path folder = fresh_folder("wrong");
+    std::ofstream(folder / "file") << "in the way";
+    expect_one_line(run_program({"figures"}), 2, "--out");
+    expect_one_line(figures(folder / "file" / "below"), 1, "below");
+    expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
+    expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
+    expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
+    expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "aligned");
+    expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
+    // A disk without room: each write into a link to /dev/full fails.
+    std::filesystem::create_directory(folder / "full");
+    std::filesystem::create_symlink("/dev/full", folder / "full" / "fig3_ellipses.csv");
+    expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
+    EXPECT_GT(std::filesystem::file_size(folder / "full" / "fig2_stiffness.csv"), 1000U);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Figures, WithoutGnuplotTheNumbersStay) {
+    const std::filesystem::path folder = fresh_folder("no_gnuplot");
+    const char *inherited = std::getenv("PATH"); // NOLINT(concurrency-mt-unsafe)
+    const std::string path = inherited != nullptr ? inherited : "";
+    setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+    const Ending ending = figures(folder / "out");
+    setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+    expect_one_line(ending, 1, "gnuplot-nox");
+    for (const FigureMaker &figure : kFigures) {
+        EXPECT_TRUE(std::filesystem::exists(folder / "out" / (std::string(figure.name) + ".csv")));
+    }
+    std::filesystem::remove_all(folder);
+}
+
+} // namespace
+} // namespace springdrive::testing
