@@ -123,8 +123,22 @@ bool choose_preset(Tuning &tuning) {
     return changed;
 }
 
+/// The dR that is in force: more than was asked for where cold windings may not bear that.
+double dR_in_force_Ohm(const Session &session) {
+    double dR_Ohm = session.tuning().dR_Ohm;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const WindingStatus &winding = session.latest().winding[j];
+        if (winding.is_limited) {
+            dR_Ohm = std::max(dR_Ohm,
+                              session.device().motor[j].resistance_Ohm - winding.R_hat_limit_Ohm);
+        }
+    }
+    return dR_Ohm;
+}
+
 void show_consequences(const Session &session) {
-    const Tuning &tuning = session.tuning();
+    Tuning tuning = session.tuning();
+    tuning.dR_Ohm = dR_in_force_Ohm(session);
     const ServoSample &now = session.latest();
     Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
                           session.delay_samples());
@@ -153,6 +167,10 @@ void show_consequences(const Session &session) {
          "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
     show("α in force", "%.0f", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
     ImGui::EndTable();
+    if (tuning.dR_Ohm > session.tuning().dR_Ohm) {
+        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",
+                           tuning.dR_Ohm);
+    }
     if (tuning.map == MotionMap::transpose &&
         now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
         ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",

@@ -20,8 +20,8 @@ struct MotorParameters {
     double inductance_H = 0.0;             ///< L
     double torque_constant_Nm_per_A = 0.0; ///< k_T, also in V·s/rad
     double rotor_inertia_kg_m2 = 0.0;
-    double supply_V = 0.0;       ///< largest |e_W| that the amplifier passes on
-    double peak_current_A = 0.0; ///< stall current; the safety monitor trips above it
+    double supply_V = 0.0;              ///< largest |e_W| that the amplifier passes on
+    double peak_current_A = 0.0;        ///< stall current; the safety monitor trips above it
     double resistance_rise_per_K = 0.0; ///< of R(T), relative to R at 25 °C
     double commutation_ripple = 0.0;    ///< of R(θ): amplitude as a share of R
     int commutator_segments = 0;        ///< ripples per turn

@@ -25,11 +25,11 @@ struct LinkBody {
 
 /// The four links that move in the plane, each with the motor that it carries.
 struct LinkageInertia {
-    double base_kg_m2 = 0.0; ///< all that turns with q₁ alone, about the vertical axis
-    LinkBody upper_arm;      ///< l₁ from the base joint, with the third joint's motor behind it
-    LinkBody crank;          ///< l₃ from the base joint, with the second joint's motor behind it
-    LinkBody rod;            ///< from the crank's end to the forearm, parallel to the upper arm
-    LinkBody forearm;        ///< l₂ from the elbow to the tip
+    double base_kg_m2 = 0.0;  ///< all that turns with q₁ alone, about the vertical axis
+    LinkBody upper_arm;       ///< l₁ from the base joint, with the third joint's motor behind it
+    LinkBody crank;           ///< l₃ from the base joint, with the second joint's motor behind it
+    LinkBody rod;             ///< from the crank's end to the forearm, parallel to the upper arm
+    LinkBody forearm;         ///< l₂ from the elbow to the tip
     double tip_load_kg = 0.0; ///< thimble, stylus or sensor, a point mass at the tip
 };
 

@@ -130,7 +130,7 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
 
 TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     DemoOptions options = headless();
-    options.frames = 0; // a hand that follows no path
+    options.frames = 0;                     // a hand that follows no path
     options.effects = PlantEffects::none(); // no weight, no friction
     Session session(options);
     session.start();
