@@ -33,10 +33,10 @@ struct DriveState {
     bool limited = true;         ///< whether supply and current limit hold
 };
 
-/// The spring drive over a sub-step of `step_s`. Where R̂ i + e_W exceeds the supply the rail takes
-/// its place, and the whole R is back; where it would drive a current above its limit on, the
-/// voltage falls back to what sustains that limit at standstill. Whether either holds is asked
-/// once, at the start. RT-safe.
+/// The spring drive over a sub-step of `step_s`. Where R̂ i + e_W exceeds the supply, or from when
+/// on it does, the rail takes its place, and the whole R is back. Where it would drive a current on
+/// that is above its limit when the step begins, the voltage falls back to what sustains that limit
+/// at standstill. RT-safe.
 [[nodiscard]] CurrentStep spring_drive_step(const MotorParameters &motor, const DriveState &now,
                                             double e_W_V, double cancelled_resistance_Ohm,
                                             double step_s);

@@ -27,12 +27,12 @@ struct Current {
     double end_A = 0.0;
     double mean_A = 0.0;
 };
-Current closed_form(double voltage_V, double net_Ohm, double current_A) {
+Current closed_form(double voltage_V, double net_Ohm, double current_A, double step_s = kStep_s) {
     const double time_s = motor().inductance_H / net_Ohm;
     const double steady_A = voltage_V / net_Ohm;
-    const double decay = std::exp(-kStep_s / time_s);
+    const double decay = std::exp(-step_s / time_s);
     return {steady_A + (current_A - steady_A) * decay,
-            steady_A + (current_A - steady_A) * (1.0 - decay) * time_s / kStep_s};
+            steady_A + (current_A - steady_A) * (1.0 - decay) * time_s / step_s};
 }
 
 void expect_current(const CurrentStep &step, double rate_rad_per_s, const Current &truth) {
@@ -68,13 +68,35 @@ TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
             return spring_drive_step(motor(), now, e_W_V, R_hat_Ohm, kStep_s);
         };
         const double supply_V = motor().supply_V;
-        expect_current(at(0.999 * supply_V), 0.0,
-                       closed_form(sign * (0.999 * supply_V - R_hat_Ohm * 2.0), R_Ohm - R_hat_Ohm,
+        expect_current(at(0.8 * supply_V), 0.0,
+                       closed_form(sign * (0.8 * supply_V - R_hat_Ohm * 2.0), R_Ohm - R_hat_Ohm,
                                    now.current_A));
         // On the rail the cancellation is gone: the whole R, and no more than 12 V.
         const Current railed = closed_form(sign * supply_V, R_Ohm, now.current_A);
         expect_current(at(1.001 * supply_V), 0.0, railed);
         expect_current(at(100.0 * supply_V), 0.0, railed);
+    }
+}
+
+TEST(SpringDrive, MeetsTheRailInTheMiddleOfAStep) {
+    // The current grows until R̂ i + e_W is the supply; that moment has a closed form.
+    const double R_Ohm = motor().resistance_Ohm;
+    const double R_hat_Ohm = 1.7;
+    const double dR_Ohm = R_Ohm - R_hat_Ohm;
+    for (const double share : {0.95, 0.99, 0.999}) {
+        const DriveState now{R_Ohm, 2.0, 0.0, true};
+        const double e_W_V = share * motor().supply_V - R_hat_Ohm * now.current_A;
+        const double steady_A = e_W_V / dR_Ohm;
+        const double rail_A = (motor().supply_V - e_W_V) / R_hat_Ohm;
+        const double free_s = motor().inductance_H / dR_Ohm *
+                              std::log((now.current_A - steady_A) / (rail_A - steady_A));
+        ASSERT_GT(free_s, 0.0);
+        ASSERT_LT(free_s, kStep_s);
+        const Current free = closed_form(e_W_V, dR_Ohm, now.current_A, free_s);
+        const Current railed = closed_form(motor().supply_V, R_Ohm, free.end_A, kStep_s - free_s);
+        const double mean_A = (free_s * free.mean_A + (kStep_s - free_s) * railed.mean_A) / kStep_s;
+        expect_current(spring_drive_step(motor(), now, e_W_V, R_hat_Ohm, kStep_s), 0.0,
+                       {railed.end_A, mean_A});
     }
 }
 
