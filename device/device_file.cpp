@@ -4,8 +4,11 @@
 #include "device/phantom/kinematics.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <sstream>
 
 namespace springdrive {
 
@@ -43,11 +46,25 @@ PhantomGeometry read_geometry(StrictTomlTable linkage) {
     return geometry;
 }
 
-LinkBody read_body(StrictTomlTable table) {
+/// What a link's inertia refers to.
+enum class About : std::uint8_t { joint, centre };
+
+LinkBody read_body(StrictTomlTable table, About about) {
     LinkBody body;
     body.mass_kg = table.number("mass_kg", {1e-4, 10.0});
     body.centre_m = table.number("centre_m", {-1.0, 1.0});
-    body.inertia_kg_m2 = table.vector("inertia_kg_m2", {0.0, 1.0});
+    body.inertia_kg_m2 = table.vector("inertia_kg_m2", {1e-10, 1.0});
+    // About a joint it is no less than the mass alone would have there. (That no moment exceeds the
+    // sum of the other two is not asked: published values do not hold to it.)
+    const double least_kg_m2 =
+        about == About::joint ? body.mass_kg * body.centre_m * body.centre_m : 0.0;
+    if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < least_kg_m2) {
+        std::ostringstream problem;
+        problem << "is too small for a mass that far from the joint; its first two numbers must be "
+                   "at least mass_kg times centre_m squared, "
+                << least_kg_m2;
+        table.refuse("inertia_kg_m2", problem.str());
+    }
     table.refuse_unknown_keys();
     return body;
 }
@@ -55,10 +72,10 @@ LinkBody read_body(StrictTomlTable table) {
 LinkageInertia read_inertia(StrictTomlTable table) {
     LinkageInertia inertia;
     inertia.base_kg_m2 = table.number("base_kg_m2", {1e-7, 1.0});
-    inertia.upper_arm = read_body(table.table("upper_arm"));
-    inertia.crank = read_body(table.table("crank"));
-    inertia.rod = read_body(table.table("rod"));
-    inertia.forearm = read_body(table.table("forearm"));
+    inertia.upper_arm = read_body(table.table("upper_arm"), About::joint);
+    inertia.crank = read_body(table.table("crank"), About::joint);
+    inertia.rod = read_body(table.table("rod"), About::centre);
+    inertia.forearm = read_body(table.table("forearm"), About::centre);
     inertia.tip_load_kg = table.number("tip_load_kg", {0.0, 5.0});
     table.refuse_unknown_keys();
     return inertia;
@@ -112,6 +129,11 @@ AmplifierParameters read_amplifier(StrictTomlTable table,
 
 } // namespace
 
+bool can_reach(const DeviceDescription &device, const Vector3 &tip_m) {
+    const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, tip_m);
+    return q_rad && device.joint_limits.allow(*q_rad);
+}
+
 DeviceDescription read_device_file(const std::filesystem::path &path) {
     StrictTomlTable file = StrictTomlTable::read(path);
     DeviceDescription device;
@@ -138,8 +160,9 @@ DeviceDescription read_device_file(const std::filesystem::path &path) {
     StrictTomlTable workspace = file.table("workspace");
     device.workspace.centre_m = workspace.vector("centre_m", {-2.0, 2.0});
     device.workspace.size_m = workspace.vector("size_m", {0.01, 2.0});
-    if (!joint_angles_rad(device.geometry, device.workspace.centre_m)) {
-        workspace.refuse("centre_m", "is out of reach; it must be a point that the tip can reach");
+    if (!can_reach(device, device.workspace.centre_m)) {
+        workspace.refuse("centre_m", "is out of reach; it must be a point that the tip can be at, "
+                                     "within linkage and joint_limits");
     }
     workspace.refuse_unknown_keys();
 

@@ -35,6 +35,13 @@ struct JointLimits {
     Vector3 highest_rad{Vector3::Zero()};
     double least_q3_minus_q2_rad = 0.0; ///< the links fold no further
     double greatest_q3_minus_q2_rad = 0.0;
+
+    [[nodiscard]] bool allow(const Vector3 &q_rad) const {
+        const double fold_rad = q_rad[2] - q_rad[1];
+        return (q_rad.array() >= lowest_rad.array()).all() &&
+               (q_rad.array() <= highest_rad.array()).all() && fold_rad >= least_q3_minus_q2_rad &&
+               fold_rad <= greatest_q3_minus_q2_rad;
+    }
 };
 
 /// What bends between transmission and tip.
@@ -56,6 +63,9 @@ struct DeviceDescription {
     Workspace workspace;
     DeviceLimits limits;
 };
+
+/// Whether the tip can be at `tip_m`: within reach and within the joint limits. RT-safe.
+[[nodiscard]] bool can_reach(const DeviceDescription &device, const Vector3 &tip_m);
 
 /// Reads a device file.
 /// @throw InputError naming the file, the line, the key, the value and its allowed range: for a

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -12,8 +13,15 @@ namespace springdrive {
 
 namespace {
 
-/// An encoder this much finer does not quantise for any purpose here, and its counts still fit.
-constexpr int kFineEncoderFactor = 10'000;
+/// By how much finer an encoder is made to count as exact: so that it does not quantise for any
+/// purpose here, or as much as the counts of a whole turn of every joint leave room for.
+int fine_encoder_factor(const DeviceDescription &description) {
+    constexpr double kFiner = 10'000.0;
+    const double counts_of_a_turn =
+        description.encoder_counts_per_turn * description.geometry.transmission_ratio.maxCoeff();
+    const double room = std::numeric_limits<std::int32_t>::max() / counts_of_a_turn;
+    return static_cast<int>(std::clamp(room, 1.0, kFiner));
+}
 
 /// How quickly a hand follows what the eye asks of it: the corner of the smoothing of
 /// `set_hand_target`, which also turns the steps of a 60 Hz mouse into a smooth motion.
@@ -26,13 +34,19 @@ Vector3 limited(const Vector3 &vector, double greatest_norm) {
 
 void check_options(const SimulationOptions &options, const DeviceDescription &description) {
     const HandParameters &hand = options.hand;
-    const bool good = options.servo_period_s > 0.0 && options.longest_step_s > 0.0 &&
+    constexpr double kMostSteps = 1e6; // in a period
+    const bool finite = std::isfinite(hand.mass_kg) && std::isfinite(hand.damping_Ns_per_m) &&
+                        std::isfinite(hand.stiffness_N_per_m) &&
+                        std::isfinite(options.servo_period_s);
+    const bool good = finite && options.servo_period_s > 0.0 &&
+                      options.longest_step_s * kMostSteps >= options.servo_period_s &&
                       hand.mass_kg >= 0.0 && hand.damping_Ns_per_m >= 0.0 &&
                       hand.stiffness_N_per_m >= 0.0 && hand.greatest_force_N >= 0.0 &&
                       hand.greatest_speed_m_per_s > 0.0;
     if (!good) {
-        throw InputError("simulated device: periods and the hand's speed must be positive, its "
-                         "mass, damping, stiffness and force not negative");
+        throw InputError("simulated device: its period and the hand's speed must be positive, a "
+                         "sub-step no less than a millionth of the period, the hand's mass, "
+                         "damping, stiffness and force finite and not negative");
     }
     if (options.delay_samples < 0 || options.delay_samples > SimulatedPhantom::kLongestDelay) {
         throw InputError("simulated device: the delay is " + std::to_string(options.delay_samples) +
@@ -51,9 +65,10 @@ void check_options(const SimulationOptions &options, const DeviceDescription &de
     }
 }
 
-Vector3 start_angles(const DeviceDescription &description, const Vector3 &start_tip_m) {
+Vector3 start_angles(const DeviceDescription &description, const SimulationOptions &options,
+                     const Vector3 &start_tip_m) {
     const std::optional<Vector3> q_rad = joint_angles_rad(description.geometry, start_tip_m);
-    if (!q_rad) {
+    if (!q_rad || (options.effects.joint_limits && !description.joint_limits.allow(*q_rad))) {
         throw InputError("simulated device: its tip cannot start at (" +
                          std::to_string(start_tip_m.x()) + ", " + std::to_string(start_tip_m.y()) +
                          ", " + std::to_string(start_tip_m.z()) +
@@ -112,7 +127,7 @@ SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
                                               temperature(description.motor[1], options),
                                               temperature(description.motor[2], options)} {
     check_options(options, description);
-    linkage_.q_rad = start_angles(description, start_tip_m);
+    linkage_.q_rad = start_angles(description, options, start_tip_m);
     plant_ = linkage_plant(description, options);
     motor_ = true_motors(description, options);
     if (options.effects.structural_compliance) {
@@ -121,7 +136,7 @@ SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
                     start_tip_m, Vector3::Zero()};
     }
     if (!options.quantised_encoders) {
-        description_.encoder_counts_per_turn *= kFineEncoderFactor;
+        description_.encoder_counts_per_turn *= fine_encoder_factor(description);
     }
     counts_per_rad_ = description_.encoder_counts_per_turn / (2.0 * std::numbers::pi);
     truth_.tip_m = start_tip_m;
@@ -234,13 +249,15 @@ SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &comm
             winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
         const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
                              truth_.theta_rate_rad_per_s[j], options_.effects.amplifier_limits};
-        steps[index] = options_.amplifier == AmplifierKind::spring_drive
-                           ? spring_drive_step(motor, now, command.e_W_V[j],
-                                               command.cancelled_resistance_Ohm[j], h)
-                           : current_drive_step(motor, now, command.current_A[j],
-                                                2.0 * std::numbers::pi *
-                                                    description_.amplifier.current_bandwidth_hz,
-                                                h);
+        steps[index] =
+            options_.amplifier == AmplifierKind::spring_drive
+                ? spring_drive_step(motor, now, command.e_W_V[j],
+                                    std::clamp(command.cancelled_resistance_Ohm[j], 0.0,
+                                               description_.amplifier.greatest_cancelled_Ohm),
+                                    h)
+                : current_drive_step(
+                      motor, now, command.current_A[j],
+                      2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz, h);
     }
     return steps;
 }

@@ -30,7 +30,8 @@ public:
     static constexpr int kLongestDelay = 8;
 
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
-    /// @throw InputError where `start_tip_m` is out of reach or an option is out of range.
+    /// @throw InputError where `start_tip_m` is out of reach or beyond the joint limits, or an
+    ///        option is out of range.
     SimulatedPhantom(const DeviceDescription &description, const SimulationOptions &options,
                      const Vector3 &start_tip_m);
 

@@ -1,6 +1,5 @@
 #include "engine/scenario/scripted_touch.h"
 
-#include "device/phantom/kinematics.h"
 #include "engine/contact/proxy.h"
 
 #include <algorithm>
@@ -98,7 +97,7 @@ HandPath scripted_touch(const DeviceDescription &device, const HapticMesh &mesh,
     const Vector3 middle_m = 0.5 * (lower_m + upper_m);
     const Vector3 contact_m = contact_near_middle(mesh, lower_m, upper_m)
                                   .value_or(Vector3(middle_m.x(), upper_m.y(), middle_m.z()));
-    if (!joint_angles_rad(device.geometry, contact_m)) {
+    if (!can_reach(device, contact_m)) {
         return HandPath({{0.0, start_m}});
     }
     const double radius_m =
@@ -126,8 +125,7 @@ Vector3 start_above(const DeviceDescription &device, const Vector3 &lower_m,
                     const Vector3 &upper_m) {
     const Vector3 above_m(0.5 * (lower_m.x() + upper_m.x()), upper_m.y() + kRoomAbove_m,
                           0.5 * (lower_m.z() + upper_m.z()));
-    const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, above_m);
-    return q_rad ? above_m : device.workspace.centre_m;
+    return can_reach(device, above_m) ? above_m : device.workspace.centre_m;
 }
 
 } // namespace springdrive

@@ -83,6 +83,10 @@ TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
     expect_all(complaint("supply_V", "colour = 1\nsupply_V"), {"motor.colour", "not known"});
     expect_all(complaint("[0.0, 0.030, -0.015]", "[0.0, 1.0, 0.0]"),
                {"workspace.centre_m", "out of reach"});
+    expect_all(complaint("highest_deg = [90.0, 119.0,", "highest_deg = [90.0, 2.0,"),
+               {"workspace.centre_m", "joint_limits"});
+    expect_all(complaint("centre_m = -0.0239", "centre_m = -0.239"),
+               {"inertia.upper_arm.inertia_kg_m2", "at least", "0.0134748"}); // 0.2359 · 0.239²
     expect_all(complaint("[limits]", "[limit]"), {"limits", "missing"});
     expect_all(complaint("mass_kg = 0.0166", "mass_kg = -0.0166"),
                {"inertia.forearm.mass_kg", "-0.0166", "from"});

@@ -32,7 +32,7 @@ HandPath at(const Vector3 &target_m) { return HandPath({{0.0, target_m}}); }
 Vector3 random_place(std::mt19937_64 &random, const DeviceDescription &device) {
     while (true) {
         const Vector3 q_rad = testing::random_workspace_angles(device, random);
-        if (std::abs(q_rad[2] - q_rad[1]) < 1.0) {
+        if (device.joint_limits.allow(q_rad)) {
             return tip_position_m(device.geometry, q_rad);
         }
     }
