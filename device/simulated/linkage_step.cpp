@@ -1,12 +1,19 @@
 #include "device/simulated/linkage_step.h"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
+
 namespace springdrive {
 
 namespace {
 
 /// Iterations end when the angles at the end of the step move by no more than this: round-off.
 constexpr double kSettled_rad = 2e-16;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr int kMostIterations = 12;
+/// A step that does not settle is taken in halves, and those again. No hand moves a device so fast.
+constexpr int kMostPieces = 64;
 
 Matrix3 inertia_with_rotors(const LinkagePlant &plant, const Vector3 &q_rad) {
     Matrix3 M = mass_matrix(plant.moments, q_rad);
@@ -26,10 +33,10 @@ double LinkagePlant::potential_energy_J(const LinkageState &state) const {
            (stops ? stop_energy_J(limits, state.q_rad) : 0.0);
 }
 
-LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before,
-                           const LinkageLoad &load, double step_s,
-                           std::array<FrictionMode, 3> &modes) noexcept {
-    const double h = step_s;
+/// One solution of the equations in the header. Nothing where the iterations do not settle.
+std::optional<LinkageMotion> undivided_step(const LinkagePlant &plant, const LinkageState &before,
+                                            const LinkageLoad &load, double h,
+                                            std::array<FrictionMode, 3> &modes) {
     const Vector3 &q_a = before.q_rad;
     const Vector3 &rate_a = before.rate_rad_per_s;
     const Vector3 momentum_a = inertia_with_rotors(plant, q_a) * rate_a;
@@ -38,12 +45,10 @@ LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before
     friction.highest *= h;
 
     LinkageMotion motion;
-    motion.after.rate_rad_per_s = rate_a;
     motion.mean_rate_rad_per_s = rate_a;
-    Matrix3 tip_jacobian;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
         const Vector3 q_b = q_a + h * motion.mean_rate_rad_per_s;
-        tip_jacobian = tip_secant(plant.geometry, q_a, q_b);
+        const Matrix3 tip_jacobian = tip_secant(plant.geometry, q_a, q_b);
         Matrix3 damping = load.tip_damping_Ns_per_m * (tip_jacobian.transpose() * tip_jacobian);
         damping.diagonal() += load.damping_Nms_per_rad;
         Vector3 torque = load.torque_Nm + tip_jacobian.transpose() * load.tip_force_N;
@@ -61,15 +66,48 @@ LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before
         const Vector3 rate_b = solve_with_friction(system, right, friction, modes);
         const Vector3 mean_rate = 0.5 * (rate_a + rate_b);
         const double moved = h * (mean_rate - motion.mean_rate_rad_per_s).cwiseAbs().maxCoeff();
-        motion.after.rate_rad_per_s = rate_b;
         motion.mean_rate_rad_per_s = mean_rate;
-        if (moved <= kSettled_rad) {
-            break;
+        if (moved <= std::max(kSettled_rad, kEpsilon * q_a.cwiseAbs().maxCoeff())) {
+            motion.after = {q_a + h * mean_rate, rate_b};
+            motion.mean_tip_velocity_m_per_s = tip_jacobian * mean_rate;
+            return motion;
         }
     }
-    motion.after.q_rad = q_a + h * motion.mean_rate_rad_per_s;
-    motion.mean_tip_velocity_m_per_s = tip_jacobian * motion.mean_rate_rad_per_s;
-    return motion;
+    return std::nullopt;
+}
+
+/// The same in so many equal pieces.
+std::optional<LinkageMotion> divided_step(const LinkagePlant &plant, const LinkageState &before,
+                                          const LinkageLoad &load, double step_s, int pieces,
+                                          std::array<FrictionMode, 3> &modes) {
+    LinkageMotion whole;
+    whole.after = before;
+    for (int piece = 0; piece < pieces; ++piece) {
+        const std::optional<LinkageMotion> part =
+            undivided_step(plant, whole.after, load, step_s / pieces, modes);
+        if (!part) {
+            return std::nullopt;
+        }
+        whole.after = part->after;
+        whole.mean_rate_rad_per_s += part->mean_rate_rad_per_s / pieces;
+        whole.mean_tip_velocity_m_per_s += part->mean_tip_velocity_m_per_s / pieces;
+    }
+    return whole;
+}
+
+LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before,
+                           const LinkageLoad &load, double step_s,
+                           std::array<FrictionMode, 3> &modes) noexcept {
+    std::optional<LinkageMotion> motion = undivided_step(plant, before, load, step_s, modes);
+    for (int pieces = 2; !motion && pieces <= kMostPieces; pieces *= 2) {
+        motion = divided_step(plant, before, load, step_s, pieces, modes);
+    }
+    if (motion) {
+        return *motion;
+    }
+    LinkageMotion stopped; // beyond all that the model is for: at rest, rather than anywhere
+    stopped.after.q_rad = before.q_rad;
+    return stopped;
 }
 
 } // namespace springdrive

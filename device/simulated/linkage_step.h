@@ -51,7 +51,9 @@ struct LinkageMotion {
 };
 
 /// @param modes  of friction, kept from step to step
-/// RT-safe: bounded in its iterations, each of which gains about three digits.
+/// RT-safe: an iteration gains about three digits, and one that does not settle in twelve is taken
+/// in smaller steps, 64 at most; they dissipate no less. What even those do not catch, motions at
+/// hundreds of radians a second under kilogrammes, is brought to rest.
 [[nodiscard]] LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before,
                                          const LinkageLoad &load, double step_s,
                                          std::array<FrictionMode, 3> &modes) noexcept;
