@@ -15,6 +15,8 @@ namespace springdrive {
 
 namespace {
 
+constexpr int kUsageMistake = 2;
+
 /// What was typed, with `demo` in front of options that stand without a subcommand.
 std::vector<std::string> arguments(int argc, char **argv) {
     std::vector<std::string> typed(argv + std::min(1, argc), argv + argc);
@@ -42,6 +44,10 @@ int run_command_line(int argc, char **argv) {
     add_stiffness_command(app);
 
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them
+    if (std::find(reversed.begin(), reversed.end(), "") != reversed.end()) {
+        std::cerr << "springdrive: an argument is empty; give its value, or leave its option out\n";
+        return kUsageMistake;
+    }
     std::reverse(reversed.begin(), reversed.end());
     try {
         app.parse(reversed);
@@ -51,7 +57,7 @@ int run_command_line(int argc, char **argv) {
         const auto asked_for = app.get_subcommands();
         std::cerr << "springdrive: " << error.what() << "; see springdrive "
                   << (asked_for.empty() ? "" : asked_for.front()->get_name() + " ") << "--help\n";
-        return 2;
+        return kUsageMistake;
     }
     return 0;
 }

@@ -3,6 +3,7 @@
 #include "app/asset_folder.h"
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
+#include "engine/servo/winding_guard.h"
 
 #include <CLI/CLI.hpp>
 
@@ -10,6 +11,7 @@
 #include <fstream>
 #include <iostream>
 #include <set>
+#include <sstream>
 
 namespace springdrive {
 
@@ -95,6 +97,32 @@ Tuning TuningOptions::tuning() const {
     tuning.map = map.empty() ? tuning.map : *motion_map_named(map);
     tuning.alpha_mode = alpha_mode.empty() ? tuning.alpha_mode : *alpha_mode_named(alpha_mode);
     return tuning;
+}
+
+void check_dR(const DeviceDescription &device, const Tuning &tuning) {
+    for (std::size_t j = 0; j < device.motor.size(); ++j) {
+        const MotorParameters &motor = device.motor[j];
+        if (residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
+            std::ostringstream message;
+            message << "dR is " << tuning.dR_Ohm << " Ω; on motor " << j + 1 << " of "
+                    << device.name << " it must be from "
+                    << kLeastResidualShare * motor.resistance_Ohm << " to its R, "
+                    << motor.resistance_Ohm << " Ω";
+            throw InputError(message.str());
+        }
+    }
+}
+
+double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning) {
+    double least_Ohm = tuning.dR_Ohm;
+    for (const MotorParameters &motor : device.motor) {
+        least_Ohm = std::max(least_Ohm, least_cold_residual_Ohm(motor, device.amplifier));
+    }
+    if (least_Ohm > tuning.dR_Ohm) {
+        std::cerr << "springdrive: remark: the servo holds dR at " << least_Ohm << " Ω, not at "
+                  << tuning.dR_Ohm << " Ω, until it knows the windings to be warm\n";
+    }
+    return least_Ohm;
 }
 
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write) {

@@ -1,6 +1,7 @@
 // Options and outputs that several subcommands share.
 #pragma once
 
+#include "device/device_file.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning.h"
@@ -53,6 +54,13 @@ struct EffectOptions {
 
     [[nodiscard]] PlantEffects effects() const;
 };
+
+/// @throw InputError where dR is more than a motor has, or less than its amplifier leaves.
+void check_dR(const DeviceDescription &device, const Tuning &tuning);
+
+/// The dR that the windings' guard gives motors that may be cold: the tuning's, or more, which is
+/// then said on standard error.
+[[nodiscard]] double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning);
 
 /// Lets `write` fill the file, or standard output where `where` is "-".
 /// @throw InputError where the file cannot be created, or not all of it could be written.

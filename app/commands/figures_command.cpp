@@ -5,6 +5,9 @@
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 #include "base/input_error.h"
+#include "engine/analysis/configuration.h"
+#include "engine/analysis/locked_device.h"
+#include "engine/analysis/stiffness_ellipse.h"
 #include "engine/control/tuning_file.h"
 
 #include <CLI/CLI.hpp>
@@ -58,6 +61,19 @@ private:
     bool begun_ = false;
 };
 
+/// Where friction can hold half of what the transpose map renders, directions are friction's too.
+void remark_on_friction(const FigureSetting &setting) {
+    const double rendered_N =
+        planar_stiffness(setting.device, setting.tuning, setting.q_rad).transpose(0, 0) *
+        harmless_penetration_m(setting.device, setting.tuning, setting.q_rad, MotionMap::transpose);
+    const double friction_N = breakaway_force_N(setting.device, setting.q_rad);
+    if (2.0 * friction_N > rendered_N) {
+        std::cerr << "springdrive: remark: friction can hold " << friction_N
+                  << " N at the tip, not little beside the " << rendered_N
+                  << " N of the transpose map: figures 5 and 6 show its direction as well\n";
+    }
+}
+
 FigureSetting setting_of(const Typed &typed) {
     FigureSetting setting;
     setting.device = read_device_file(typed.device_file);
@@ -75,6 +91,10 @@ FigureSetting setting_of(const Typed &typed) {
                          std::to_string(kLargestSpread).substr(0, 4));
     }
     setting.resistance_spread = typed.resistance_spread;
+    check_configuration(setting.device, setting.q_rad);
+    check_dR(setting.device, setting.tuning);
+    setting.tuning.dR_Ohm = cold_dR_Ohm(setting.device, setting.tuning);
+    remark_on_friction(setting);
     return setting;
 }
 

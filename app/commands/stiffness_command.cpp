@@ -4,6 +4,7 @@
 #include "app/commands/stiffness_report.h"
 #include "base/input_error.h"
 #include "device/device_file.h"
+#include "device/simulated/simulated_phantom.h"
 #include "engine/analysis/stiffness_sweep.h"
 #include "engine/analysis/thermal_hold.h"
 #include "engine/servo/servo.h"
@@ -24,7 +25,6 @@ namespace {
 /// One period of it is a million ticks of the fastest servo.
 constexpr double kLowest_hz = 0.01;
 constexpr int kMostPoints = 10000;
-constexpr int kLongestDelay = 8;
 
 struct Typed {
     std::filesystem::path device_file;
@@ -67,12 +67,10 @@ DeviceDescription device_of(const Typed &typed) {
     return device;
 }
 
-Tuning tuning_for(const MotorParameters &motor, const Typed &typed) {
+Tuning tuning_for(const DeviceDescription &device, const Typed &typed) {
     const Tuning tuning = typed.tuning.tuning();
-    if (residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
-        check_range("--dR on this motor", tuning.dR_Ohm, kLeastResidualShare * motor.resistance_Ohm,
-                    motor.resistance_Ohm);
-    }
+    check_dR(device, tuning);
+    static_cast<void>(cold_dR_Ohm(device, tuning)); // the bench itself gives what was asked for
     return tuning;
 }
 
@@ -92,9 +90,9 @@ void sweep(const Typed &typed) {
     const DeviceDescription device = device_of(typed);
     SpringDrive drive;
     drive.motor = device.motor[0];
-    drive.tuning = tuning_for(drive.motor, typed);
+    drive.tuning = tuning_for(device, typed);
     drive.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_samples, 0, kLongestDelay);
+    check_range("--delay", typed.delay_samples, 0, SimulatedPhantom::kLongestDelay);
     drive.delay_samples = typed.delay_samples;
     const std::vector<StiffnessPoint> points = stiffness_sweep(drive, range_of(typed));
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
@@ -114,7 +112,7 @@ void hold(const Typed &typed) {
     }
     const DeviceDescription device = device_of(typed);
     ThermalHoldOptions options;
-    options.tuning = tuning_for(device.motor[0], typed);
+    options.tuning = tuning_for(device, typed);
     options.force_N = *typed.hold_N;
     options.seconds = typed.seconds.value_or(600.0);
     const std::vector<ThermalRow> rows = thermal_hold(device, options);

@@ -12,30 +12,31 @@ namespace springdrive {
 
 Figure forces_figure(const FigureSetting &setting, const FigureProgress &progress) {
     constexpr double kDown_rad = -0.5 * std::numbers::pi; // a wall above the device
-    // The stiffer map's penetration for both, so that the forces compare.
-    const LockedDeviceOptions options = with_effects(setting, MotionMap::inverse);
     Figure figure;
-    figure.csv = "map,measured_outward_N,measured_up_N,predicted_outward_N,predicted_up_N,"
-                 "correct_outward,correct_up,error_deg,predicted_error_deg\n";
+    figure.csv =
+        "map,penetration_mm,measured_outward_N,measured_up_N,predicted_outward_N,predicted_up_N,"
+        "correct_outward,correct_up,error_deg,predicted_error_deg\n";
     double longest_N = 0.0;
     for (const auto &[map, name] :
          {std::pair(MotionMap::inverse, "inverse"), std::pair(MotionMap::transpose, "transpose")}) {
+        // Each map its own, so that friction does not swamp the softer one.
+        const LockedDeviceOptions options = with_effects(setting, map);
         const LockedForce force = press_locked_device(setting.device, options, map, kDown_rad);
-        figure.csv +=
-            std::string(name) + "," +
-            csv_line({force.measured_N.x(), force.measured_N.y(), force.predicted_N.x(),
-                      force.predicted_N.y(), 0.0, -1.0, kDegreesPerRadian * force.error_rad,
-                      kDegreesPerRadian * force.predicted_error_rad});
+        figure.csv += std::string(name) + "," +
+                      csv_line({1e3 * options.penetration_m, force.measured_N.x(),
+                                force.measured_N.y(), force.predicted_N.x(), force.predicted_N.y(),
+                                0.0, -1.0, kDegreesPerRadian * force.error_rad,
+                                kDegreesPerRadian * force.predicted_error_rad});
         figure.marks.add(std::string(name) + "_text",
-                         number_text(kDegreesPerRadian * force.error_rad, 3) + "°");
+                         penetration_text(options) + " inside, " +
+                             number_text(kDegreesPerRadian * force.error_rad, 3) + "°");
         longest_N = std::max({longest_N, force.measured_N.norm(), force.predicted_N.norm()});
         progress(map == MotionMap::inverse ? 0.5 : 1.0);
     }
     figure.marks.add("heading",
                      "Fig. 5: forces against a horizontal wall above, " + setting.device.name);
     figure.marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
-    figure.marks.add("conditions", effects_text(options));
-    figure.marks.add("penetration", penetration_text(options));
+    figure.marks.add("conditions", effects_text(with_effects(setting, MotionMap::inverse)));
     figure.marks.add("longest_N", longest_N);
     return figure;
 }

@@ -38,6 +38,18 @@ std::string read_to_the_end(int descriptor) {
     }
 }
 
+/// Our environment without what would make gnuplot look for a screen of its own.
+std::vector<char *> environment() {
+    std::vector<char *> variables;
+    for (char **variable = environ; *variable != nullptr; ++variable) {
+        if (!std::string_view(*variable).starts_with("GNUTERM=")) {
+            variables.push_back(*variable);
+        }
+    }
+    variables.push_back(nullptr);
+    return variables;
+}
+
 /// What the program finds in place of ours: nothing to read, nowhere to write, our ear, its folder.
 class SpawnSetting {
 public:
@@ -73,8 +85,8 @@ Ending run(std::vector<std::string> arguments, const std::filesystem::path &fold
     pid_t child = 0;
     {
         const SpawnSetting setting(folder, ends[1]);
-        ending.spawn_error =
-            posix_spawnp(&child, argv[0], setting.actions(), nullptr, argv.data(), environ);
+        ending.spawn_error = posix_spawnp(&child, argv[0], setting.actions(), nullptr, argv.data(),
+                                          environment().data());
     }
     close(ends[1]);
     if (ending.spawn_error == 0) {
@@ -132,7 +144,8 @@ void draw(const Chart &chart) {
         throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.error));
     }
     if (!is_whole(svg)) {
-        throw InputError(svg.string() + ": cannot be written to the end; is the disk full?");
+        throw InputError(svg.string() + ": gnuplot did not write it to the end; is the disk full, "
+                                        "or its gnuplot without SVG?");
     }
 }
 

@@ -16,11 +16,11 @@ set xrange [-span:span]
 set yrange [-span:0.30*span]
 set object 1 rectangle from -span,surface to span,0.30*span fillcolor rgb pale fillstyle solid noborder behind
 set arrow 1 from -span,surface to span,surface nohead linewidth 2 linecolor rgb grey
-set label 4 "wall; the tip is ".penetration." inside (not to scale)" at graph 0.5, first 0.22*span center noenhanced textcolor rgb grey
+set label 4 "wall, and the tip inside it (not to scale)" at graph 0.5, first 0.22*span center noenhanced textcolor rgb grey
 
-plot csv using (0):(0):($6*span):($7*span) skip 1 every ::0::0 with vectors nohead linewidth 2 dashtype 3 linecolor rgb "black" title "correct direction", \
-     csv using (0):(0):2:3 skip 1 every ::0::0 with vectors filled linewidth 3 linecolor rgb vermillion title "J^{-1}, measured, ".inverse_text, \
-     csv using 4:5 skip 1 every ::0::0 with points pointtype 4 pointsize 1.3 linewidth 2 linecolor rgb vermillion title "J^{-1}, predicted", \
-     csv using (0):(0):2:3 skip 1 every ::1::1 with vectors filled linewidth 3 linecolor rgb blue title "J^{T}, measured, ".transpose_text, \
-     csv using 4:5 skip 1 every ::1::1 with points pointtype 6 pointsize 1.3 linewidth 2 linecolor rgb blue title "J^{T}, predicted", \
+plot csv using (0):(0):($7*span):($8*span) skip 1 every ::0::0 with vectors nohead linewidth 2 dashtype 3 linecolor rgb "black" title "correct direction", \
+     csv using (0):(0):3:4 skip 1 every ::0::0 with vectors filled linewidth 3 linecolor rgb vermillion title "J^{-1}, measured ".inverse_text, \
+     csv using 5:6 skip 1 every ::0::0 with points pointtype 4 pointsize 1.3 linewidth 2 linecolor rgb vermillion title "J^{-1}, predicted", \
+     csv using (0):(0):3:4 skip 1 every ::1::1 with vectors filled linewidth 3 linecolor rgb blue title "J^{T}, measured ".transpose_text, \
+     csv using 5:6 skip 1 every ::1::1 with points pointtype 6 pointsize 1.3 linewidth 2 linecolor rgb blue title "J^{T}, predicted", \
      "+" using (0):(0) every ::0::0 with points pointtype 7 pointsize 1.8 linecolor rgb "black" title "device"

@@ -2,18 +2,19 @@
 
 #include "base/input_error.h"
 #include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/configuration.h"
 #include "engine/analysis/stiffness_ellipse.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/servo_loop.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 
 namespace springdrive {
 
@@ -58,6 +59,7 @@ SimulationOptions simulation_options(const LockedDeviceOptions &options, const V
     simulation.quantised_encoders = options.effects;
     if (options.effects) {
         simulation.effects.commutation_ripple = false;
+        simulation.effects.joint_limits = false; // the vice holds it, near a stop too
         simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
     } else {
         simulation.effects = PlantEffects::none();
@@ -85,7 +87,7 @@ public:
             const ServoSample sample = loop_.update(loop_.exchange(), inputs_);
             if (sample.safety.state == SafetyState::tripped) {
                 throw InputError("locked device: the safety monitor tripped (" +
-                                 description(sample.safety) + "); choose a softer tuning");
+                                 description(sample.safety) + "); choose a softer tuning or another configuration");
             }
             sum -= device_.truth().hand_force_N;
             ++ticks;
@@ -98,22 +100,6 @@ private:
     ServoLoop loop_;
     ServoInputs inputs_;
 };
-
-void check_configuration(const DeviceDescription &device, const Vector3 &q_rad) {
-    const JointLimits &limits = device.joint_limits;
-    const double fold = q_rad[2] - q_rad[1];
-    const bool within = (q_rad.array() >= limits.lowest_rad.array()).all() &&
-                        (q_rad.array() <= limits.highest_rad.array()).all() &&
-                        fold >= limits.least_q3_minus_q2_rad &&
-                        fold <= limits.greatest_q3_minus_q2_rad;
-    const std::optional<Vector3> found =
-        joint_angles_rad(device.geometry, tip_position_m(device.geometry, q_rad));
-    constexpr double kSameAngle_rad = 1e-6; // else the tip is reached by other angles
-    if (!within || !found || !(*found - q_rad).isZero(kSameAngle_rad)) {
-        throw InputError("locked device: its joints cannot turn to these angles; choose them "
-                         "within the device file's joint_limits");
-    }
-}
 
 const Matrix2 &stiffness_under(const PlanarStiffness &stiffness, MotionMap map) {
     return map == MotionMap::inverse ? stiffness.inverse : stiffness.transpose;
@@ -148,6 +134,16 @@ LockedForce press_locked_device(const DeviceDescription &device, const LockedDev
     force.error_rad = signed_angle_rad(n, force.measured_N);
     force.predicted_error_rad = signed_angle_rad(n, force.predicted_N);
     return force;
+}
+
+double breakaway_force_N(const DeviceDescription &device, const Vector3 &q_rad) {
+    const Matrix2 J = planar_jacobian(device.geometry, q_rad);
+    const Vector2 torque_Nm = device.friction.coulomb_Nm.tail<2>().cwiseQuotient(
+        device.geometry.transmission_ratio.tail<2>()); // at the motors
+    const auto force_N = [&](double sign) -> Vector2 {
+        return J.transpose().inverse() * Vector2(torque_Nm[0], sign * torque_Nm[1]);
+    };
+    return std::max(force_N(1.0).norm(), force_N(-1.0).norm());
 }
 
 double harmless_penetration_m(const DeviceDescription &device, const Tuning &tuning,

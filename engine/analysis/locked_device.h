@@ -40,10 +40,14 @@ struct LockedForce {
 /// Holds the tip inside a plate whose normal points out of it at `normal_rad`, counter-clockwise
 /// from outward: −π/2 for a wall above the device. Takes milliseconds to hundreds of them.
 /// @throw InputError for a configuration or tuning that gives no answer (see `planar_stiffness`),
-///        one that the device cannot take, or where the safety monitor trips.
+///        one that the device cannot take (see `check_configuration`), or where the safety monitor
+///        trips.
 [[nodiscard]] LockedForce press_locked_device(const DeviceDescription &device,
                                               const LockedDeviceOptions &options, MotionMap map,
                                               double normal_rad);
+
+/// The largest force at the tip, in the plane of the links, that Coulomb friction can hold [N].
+[[nodiscard]] double breakaway_force_N(const DeviceDescription &device, const Vector3 &q_rad);
 
 /// The penetration, 4 mm at most, at which a map asks in no direction for more than half of what
 /// the safety monitor lets pass, of tip force and of current. Both maps pressed so are pressed

@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
+#include "engine/analysis/configuration.h"
 #include "engine/analysis/force_direction.h"
 #include "engine/analysis/held_motor.h"
 #include "engine/control/motion_control.h"
@@ -182,25 +183,13 @@ void check_positive(const char *what, double value, double highest, const char *
     }
 }
 
-void check_configuration(const JointLimits &limits, const Vector3 &q_rad) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
-    constexpr std::array<const char *, 3> kNames{"q1", "q2", "q3"};
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        check_range(kNames[static_cast<std::size_t>(j)], kDegrees * q_rad[j],
-                    kDegrees * limits.lowest_rad[j], kDegrees * limits.highest_rad[j], "°");
-    }
-    check_range("q3 - q2", kDegrees * (q_rad[2] - q_rad[1]),
-                kDegrees * limits.least_q3_minus_q2_rad, kDegrees * limits.greatest_q3_minus_q2_rad,
-                "°");
-}
-
 void check(const DeviceDescription &device, const ThermalHoldOptions &options) {
     check_positive("the force", options.force_N, device.limits.tip_force_N, " N");
     check_positive("the time", options.seconds, kLongestHold_s, " s");
     check_range("the number of rows", options.rows, 2, kMostRows, "");
     check_positive("K_P", options.tuning.K_P_V_per_rad, kLargestK_P_V_per_rad, " V/rad");
     check_range("the air", options.ambient_C, kColdestAir_C, kWarmestAir_C, " °C");
-    check_configuration(device.joint_limits, options.q_rad);
+    check_configuration(device, options.q_rad);
     if (!(options.direction.allFinite() && options.direction.norm() > 0.0)) {
         throw InputError("thermal hold: the direction must be finite and have a length");
     }

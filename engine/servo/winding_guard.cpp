@@ -5,6 +5,13 @@
 
 namespace springdrive {
 
+double least_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParameters &amplifier) {
+    constexpr double kAnyPeriod_s = 1.0; // of a guard that is asked before its first update
+    return motor.resistance_Ohm -
+           WindingGuard(motor, amplifier.greatest_cancelled_Ohm, kAnyPeriod_s)
+               .greatest_cancelled_Ohm();
+}
+
 WindingGuard::WindingGuard(const MotorParameters &motor, double greatest_cancelled_Ohm,
                            double period_s)
     : motor_(motor), amplifier_limit_Ohm_(greatest_cancelled_Ohm),

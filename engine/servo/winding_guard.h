@@ -28,6 +28,11 @@ namespace springdrive {
 inline constexpr double kColdestAir_C = 15.0;
 inline constexpr double kWarmestAir_C = 35.0;
 
+/// The least dR that is given to a motor of which nothing is known but that its windings are no
+/// colder than that: R at 25 °C less the R̂ allowed then [Ω].
+[[nodiscard]] double least_cold_residual_Ohm(const MotorParameters &motor,
+                                             const AmplifierParameters &amplifier);
+
 /// For one motor. RT-safe after construction.
 class WindingGuard {
 public:

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace springdrive::testing {
 namespace {
@@ -23,6 +24,15 @@ TEST(CommandLine, NamesAnUnknownSubcommand) {
     const Ending ending = run_program({"stifness"});
     EXPECT_EQ(ending.exit_status, 2);
     EXPECT_NE(ending.error.find("stifness"), std::string::npos) << ending.error;
+}
+
+TEST(CommandLine, RefusesAnEmptyArgument) {
+    for (const std::vector<std::string> &arguments :
+         {std::vector<std::string>{"stiffness", "--dR", ""}, {""}, {"--scene", ""}}) {
+        const Ending ending = run_program(arguments);
+        EXPECT_EQ(ending.exit_status, 2);
+        EXPECT_NE(ending.error.find("empty"), std::string::npos) << ending.error;
+    }
 }
 
 } // namespace

@@ -136,13 +136,33 @@ TEST(Figures, SayWhatIsWrongInOneLine) {
     expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
     expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
     expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
-    expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "aligned");
+    expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "q3 - q2 is 90");
+    expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
+    expect_one_line(figures(folder / "a", {"--resistance-spread", "0.06"}), 1, "0.05");
     expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
     // A disk without room: each write into a link to /dev/full fails.
     std::filesystem::create_directory(folder / "full");
     std::filesystem::create_symlink("/dev/full", folder / "full" / "fig3_ellipses.csv");
     expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
     EXPECT_GT(std::filesystem::file_size(folder / "full" / "fig2_stiffness.csv"), 1000U);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
+    // 0.02 Ω is not given to windings that may be cold: the figures are of what is, and say so.
+    const std::filesystem::path folder = fresh_folder("cold");
+    std::string tuning = contents_of(assets() / "tunings/firm.toml");
+    const std::size_t dR = tuning.find("dR_Ohm");
+    tuning.replace(dR, tuning.find('\n', dR) - dR, "dR_Ohm = 0.02");
+    std::ofstream(folder / "tuning.toml") << tuning;
+    const Ending ending =
+        figures(folder / "out", {"--tuning-file", (folder / "tuning.toml").string()});
+    EXPECT_EQ(ending.exit_status, 0);
+    EXPECT_NE(ending.error.find("holds dR at 0.137"), std::string::npos) << ending.error;
+    auto forces = columns_of(folder / "out" / "fig5_forces.csv");
+    for (std::size_t map = 0; map < 2; ++map) { // friction, and motors that differ by some per cent
+        EXPECT_NEAR(forces["measured_up_N"][map] / forces["predicted_up_N"][map], 1.0, 0.1);
+    }
     std::filesystem::remove_all(folder);
 }
 

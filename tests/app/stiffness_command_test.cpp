@@ -110,7 +110,7 @@ TEST(StiffnessCommand, SaysWhatIsWrongInOneLine) {
     expect_refused({"--motor", "0,0.000238,0.0234"}, "--motor: R");
     expect_refused({"--motor", "2.18,0.000238,nan"}, "--motor: kT");
     expect_refused({"--motor", "2.18,0.000238"}, "--motor");
-    expect_refused({"--motor", "0.3,0.000238,0.0234"}, "--dR"); // dR 0.5 of 0.3
+    expect_refused({"--motor", "0.3,0.000238,0.0234"}, "dR is 0.5"); // dR 0.5 of 0.3
     expect_refused({"--colour", "blue"}, "--colour");
     expect_refused({"--eta", "0.5"}, "--eta"); // has no part in the coupling
     expect_refused({"demo"}, "demo");
