@@ -4,7 +4,7 @@
 #include "app/commands/stiffness_report.h"
 #include "base/input_error.h"
 #include "device/device_file.h"
-#include "device/simulated/simulated_phantom.h"
+#include "device/simulated/simulation_options.h"
 #include "engine/analysis/stiffness_sweep.h"
 #include "engine/analysis/thermal_hold.h"
 #include "engine/servo/servo.h"
@@ -92,7 +92,7 @@ void sweep(const Typed &typed) {
     drive.motor = device.motor[0];
     drive.tuning = tuning_for(device, typed);
     drive.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_samples, 0, SimulatedPhantom::kLongestDelay);
+    check_range("--delay", typed.delay_samples, 0, SimulationOptions::kLongestDelay);
     drive.delay_samples = typed.delay_samples;
     const std::vector<StiffnessPoint> points = stiffness_sweep(drive, range_of(typed));
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {

@@ -1,27 +1,15 @@
 #include "device/simulated/simulated_phantom.h"
 
-#include "base/input_error.h"
 #include "device/phantom/kinematics.h"
+#include "device/simulated/plant_setup.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <string>
 
 namespace springdrive {
 
 namespace {
-
-/// By how much finer an encoder is made to count as exact: so that it does not quantise for any
-/// purpose here, or as much as the counts of a whole turn of every joint leave room for.
-int fine_encoder_factor(const DeviceDescription &description) {
-    constexpr double kFiner = 10'000.0;
-    const double counts_of_a_turn =
-        description.encoder_counts_per_turn * description.geometry.transmission_ratio.maxCoeff();
-    const double room = std::numeric_limits<std::int32_t>::max() / counts_of_a_turn;
-    return static_cast<int>(std::clamp(room, 1.0, kFiner));
-}
 
 /// How quickly a hand follows what the eye asks of it: the corner of the smoothing of
 /// `set_hand_target`, which also turns the steps of a 60 Hz mouse into a smooth motion.
@@ -32,92 +20,6 @@ Vector3 limited(const Vector3 &vector, double greatest_norm) {
     return norm > greatest_norm ? Vector3(vector * (greatest_norm / norm)) : vector;
 }
 
-void check_options(const SimulationOptions &options, const DeviceDescription &description) {
-    const HandParameters &hand = options.hand;
-    constexpr double kMostSteps = 1e6; // in a period
-    const bool finite = std::isfinite(hand.mass_kg) && std::isfinite(hand.damping_Ns_per_m) &&
-                        std::isfinite(hand.stiffness_N_per_m) &&
-                        std::isfinite(options.servo_period_s);
-    const bool good = finite && options.servo_period_s > 0.0 &&
-                      options.longest_step_s * kMostSteps >= options.servo_period_s &&
-                      hand.mass_kg >= 0.0 && hand.damping_Ns_per_m >= 0.0 &&
-                      hand.stiffness_N_per_m >= 0.0 && hand.greatest_force_N >= 0.0 &&
-                      hand.greatest_speed_m_per_s > 0.0;
-    if (!good) {
-        throw InputError("simulated device: its period and the hand's speed must be positive, a "
-                         "sub-step no less than a millionth of the period, the hand's mass, "
-                         "damping, stiffness and force finite and not negative");
-    }
-    if (options.delay_samples < 0 || options.delay_samples > SimulatedPhantom::kLongestDelay) {
-        throw InputError("simulated device: the delay is " + std::to_string(options.delay_samples) +
-                         " samples; it must be 0 to " +
-                         std::to_string(SimulatedPhantom::kLongestDelay));
-    }
-    if (!(options.resistance_share.minCoeff() > 0.0 && options.resistance_share.allFinite()) ||
-        !std::isfinite(options.ambient_C)) {
-        throw InputError("simulated device: the motors' shares of R must be positive and the "
-                         "ambient temperature finite");
-    }
-    if (options.effects.structural_compliance &&
-        !(hand.mass_kg + description.inertia.tip_load_kg > 0.0)) {
-        throw InputError("simulated device: a tip behind a compliant structure needs a mass; give "
-                         "the hand one, or the device a tip_load_kg");
-    }
-}
-
-Vector3 start_angles(const DeviceDescription &description, const SimulationOptions &options,
-                     const Vector3 &start_tip_m) {
-    const std::optional<Vector3> q_rad = joint_angles_rad(description.geometry, start_tip_m);
-    if (!q_rad || (options.effects.joint_limits && !description.joint_limits.allow(*q_rad))) {
-        throw InputError("simulated device: its tip cannot start at (" +
-                         std::to_string(start_tip_m.x()) + ", " + std::to_string(start_tip_m.y()) +
-                         ", " + std::to_string(start_tip_m.z()) +
-                         ") m, which is out of reach; choose a point in the workspace");
-    }
-    return *q_rad;
-}
-
-LinkagePlant linkage_plant(const DeviceDescription &description, const SimulationOptions &options) {
-    const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
-    LinkagePlant plant;
-    plant.geometry = description.geometry;
-    plant.moments = linkage_moments(description.geometry, description.inertia,
-                                    options.effects.structural_compliance ? 0.0 : at_tip_kg);
-    if (!options.effects.structural_compliance) {
-        // A hand is moved by its owner: its mass has to be accelerated, but not held up.
-        plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
-        plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
-    }
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const double N = description.geometry.transmission_ratio[j];
-        plant.rotor_kg_m2[j] =
-            N * N * description.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
-    }
-    if (options.effects.coulomb_friction) {
-        plant.coulomb_Nm = description.friction.coulomb_Nm;
-    }
-    plant.limits = description.joint_limits;
-    plant.gravity = options.effects.gravity;
-    plant.stops = options.effects.joint_limits;
-    return plant;
-}
-
-std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
-                                           const SimulationOptions &options) {
-    std::array<MotorParameters, 3> motors = description.motor;
-    for (std::size_t j = 0; j < motors.size(); ++j) {
-        motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
-        motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
-    }
-    return motors;
-}
-
-WindingTemperature temperature(const MotorParameters &motor, const SimulationOptions &options) {
-    return {motor.thermal,
-            options.effects.winding_heat ? options.ambient_C : kReferenceTemperature_C,
-            options.servo_period_s};
-}
-
 } // namespace
 
 SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
@@ -126,7 +28,7 @@ SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
       hand_target_(start_tip_m), temperature_{temperature(description.motor[0], options),
                                               temperature(description.motor[1], options),
                                               temperature(description.motor[2], options)} {
-    check_options(options, description);
+    check_options(description, options);
     linkage_.q_rad = start_angles(description, options, start_tip_m);
     plant_ = linkage_plant(description, options);
     motor_ = true_motors(description, options);

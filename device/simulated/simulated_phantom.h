@@ -27,8 +27,6 @@ namespace springdrive {
 
 class SimulatedPhantom final : public HapticDevice {
 public:
-    static constexpr int kLongestDelay = 8;
-
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
     /// @throw InputError where `start_tip_m` is out of reach or beyond the joint limits, or an
     ///        option is out of range.
@@ -96,7 +94,7 @@ private:
     std::array<WindingTemperature, 3> temperature_;
     Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last exchange
     Truth truth_;
-    std::array<DeviceCommand, kLongestDelay + 1> pending_{}; ///< newest first
+    std::array<DeviceCommand, SimulationOptions::kLongestDelay + 1> pending_{}; ///< newest first
 };
 
 } // namespace springdrive

@@ -58,8 +58,10 @@ inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
 }};
 
 struct SimulationOptions {
+    static constexpr int kLongestDelay = 8;
+
     double servo_period_s = 1e-3;   ///< T; each exchange advances the plant by as much
-    int delay_samples = 0;          ///< d, at most SimulatedPhantom::kLongestDelay
+    int delay_samples = 0;          ///< d, at most kLongestDelay
     bool quantised_encoders = true; ///< false: 10,000 times as many counts
     /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 1 µm and
     /// 0.1 % of the current of steps a hundred times as short.

@@ -1,4 +1,4 @@
-// Covers device/simulated/simulated_phantom.cpp.
+// Covers device/simulated/simulated_phantom.cpp and plant_setup.cpp.
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"
@@ -160,7 +160,7 @@ TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
     EXPECT_NO_THROW(SimulatedPhantom(description, options, folded_m));
     options.delay_samples = -1;
     EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
-    options.delay_samples = SimulatedPhantom::kLongestDelay + 1;
+    options.delay_samples = SimulationOptions::kLongestDelay + 1;
     EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
 }
 
