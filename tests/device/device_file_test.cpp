@@ -24,8 +24,10 @@ std::string complaint(const std::string &from, const std::string &to) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
+    // Tests run side by side, each in its own process.
+    const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
     const std::filesystem::path file =
-        std::filesystem::path(::testing::TempDir()) / "device_file_test.toml";
+        std::filesystem::path(::testing::TempDir()) / ("device_file_" + test + ".toml");
     std::ofstream(file) << text;
     try {
         static_cast<void>(read_device_file(file));
