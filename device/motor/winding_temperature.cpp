@@ -73,9 +73,4 @@ void WindingTemperature::update(double heat_W) noexcept {
                  housing_from_housing_ * housing_K + housing_K_per_W_ * heat_W;
 }
 
-void WindingTemperature::reset(double winding_C, double housing_C) noexcept {
-    winding_C_ = winding_C;
-    housing_C_ = housing_C;
-}
-
 } // namespace springdrive

@@ -36,9 +36,6 @@ public:
     /// One period with `heat_W` in the winding, which is R i².
     void update(double heat_W) noexcept;
 
-    /// Starts over from given temperatures.
-    void reset(double winding_C, double housing_C) noexcept;
-
     [[nodiscard]] double winding_C() const { return winding_C_; }
     [[nodiscard]] double housing_C() const { return housing_C_; }
 

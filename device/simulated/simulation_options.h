@@ -63,8 +63,8 @@ struct SimulationOptions {
     double servo_period_s = 1e-3;   ///< T; each exchange advances the plant by as much
     int delay_samples = 0;          ///< d, at most kLongestDelay
     bool quantised_encoders = true; ///< false: 10,000 times as many counts
-    /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 1 µm and
-    /// 0.1 % of the current of steps a hundred times as short.
+    /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 2 µm of
+    /// steps fifty times as short at the tip, and within 0.1 % of their largest current.
     double longest_step_s = 100e-6;
     HandParameters hand;
     std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`

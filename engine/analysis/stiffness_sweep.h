@@ -17,7 +17,7 @@ struct SweepOptions {
 };
 
 struct StiffnessPoint {
-    double frequency_hz = 0.0;                ///< the one that was used, see `measured_frequency`
+    double frequency_hz = 0.0;                ///< the one that was used, see `sweep_window`
     std::complex<double> analytic_Nm_per_rad; ///< (12)
     std::complex<double> sampled_Nm_per_rad;  ///< DESIGN section 4
     std::complex<double> measured_Nm_per_rad; ///< −τ/θ like the others, see rendered_stiffness.h
@@ -44,7 +44,8 @@ struct SweepWindow {
 ///
 /// The winding is integrated exactly over sub-steps h with ωh ≤ 0.02, during which θ is a straight
 /// line. That takes (ωh)²/12 from the back-EMF, and the mean current over a step stands (ωh)²/24
-/// below the one at its middle: 5e-5 in all.
+/// below the one at its middle: 5e-5 of each part of the torque, and more of their sum where
+/// back-EMF and servo nearly cancel.
 [[nodiscard]] std::complex<double> measured_stiffness(const SpringDrive &drive, SweepWindow window,
                                                       const SweepOptions &options = {});
 

@@ -99,14 +99,16 @@ TEST(WindingTemperature, KeepsEveryJoule) {
     EXPECT_NEAR(held_J + to_the_air_J, 2000 * kPeriod_s * kHeat_W, 1e-9 * held_J);
 }
 
-TEST(WindingTemperature, CoolsToALockedHousingInItsTimeConstant) {
+TEST(WindingTemperature, WarmsAgainstALockedHousingInItsTimeConstant) {
     // The housing is locked by a mass that no winding can warm; data sheets state t_w so.
     ThermalParameters t = thermal();
     t.motor_time_s = 1e12;
     WindingTemperature winding(t, 25.0, t.winding_time_s);
-    winding.reset(85.0, 25.0);
-    winding.update(0.0);
-    EXPECT_NEAR(winding.winding_C(), 25.0 + 60.0 / std::numbers::e, 1e-8);
+    constexpr double kHeat_W = 20.0;
+    winding.update(kHeat_W);
+    // That mass warms by P t_w / C_h, below 1e-8 °C.
+    EXPECT_NEAR(winding.winding_C(),
+                25.0 + kHeat_W * t.winding_housing_K_per_W * (1.0 - 1.0 / std::numbers::e), 1e-7);
 }
 
 TEST(WindingTemperature, DoesNotMindHowAPeriodIsSplit) {

@@ -62,6 +62,49 @@ SimulationOptions following(std::vector<HandPath::Point> points) {
     return options;
 }
 
+/// Strikes the plate and slides on it, with all effects; tip and currents after every tick.
+struct Strike {
+    std::vector<Vector3> tip_m;
+    std::vector<Vector3> current_A;
+};
+
+Strike strike(double longest_step_s) {
+    SimulationOptions options = following({{0.0, kStart_m},
+                                           {0.60, Vector3(0.01, 0.003, 0.005)},
+                                           {0.65, Vector3(0.01, -0.012, 0.005)},
+                                           {0.80, Vector3(0.02, -0.012, 0.005)}});
+    options.effects = PlantEffects{};
+    options.quantised_encoders = false; // a count more or less is another run
+    options.longest_step_s = longest_step_s;
+    Rig rig(options, plate());
+    Strike strike;
+    for (int tick = 0; tick < 800; ++tick) {
+        rig.tick();
+        strike.tip_m.push_back(rig.device.truth().tip_m);
+        strike.current_A.push_back(rig.device.truth().current_A);
+    }
+    return strike;
+}
+
+TEST(ServoLoop, ThePlantsDefaultStepIsFineEnoughForHardContact) {
+    // What SimulationOptions::longest_step_s promises; friction makes the step first order here.
+    const double step_s = SimulationOptions{}.longest_step_s;
+    const Strike usual = strike(step_s);
+    const Strike fine = strike(step_s / 50);
+    double tip_m = 0.0;
+    double current_A = 0.0;
+    double largest_A = 0.0;
+    for (std::size_t tick = 0; tick < fine.tip_m.size(); ++tick) {
+        tip_m = std::max(tip_m, (usual.tip_m[tick] - fine.tip_m[tick]).norm());
+        current_A = std::max(current_A, (usual.current_A[tick] - fine.current_A[tick]).norm());
+        largest_A = std::max(largest_A, fine.current_A[tick].norm());
+    }
+    EXPECT_GT(largest_A, 1.0); // it did strike
+    EXPECT_LT(tip_m, 2e-6);
+    EXPECT_LT(current_A, 1e-3 * largest_A);
+    EXPECT_GT(tip_m, 1e-9); // and the two did differ
+}
+
 struct StaticContact {
     double stiffness_N_per_m = 0.0; ///< mean force over mean penetration of the true tip
     double predicted_N_per_m = 0.0; ///< (1 − η) α K_DC
