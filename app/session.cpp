@@ -52,7 +52,7 @@ std::uint64_t plot_stride(double servo_hz) {
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const Workspace &workspace) {
     Scene scene = load_gltf(file, workspace);
-    HapticMesh mesh(scene.surface);
+    HapticSurface mesh(scene.surface);
     std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
     return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(mesh)});

@@ -5,7 +5,7 @@
 #include "app/history.h"
 #include "app/telemetry_file.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 #include "engine/scene/scene.h"
 #include "engine/servo/servo.h"
 
@@ -22,7 +22,7 @@ namespace springdrive {
 /// A scene ready for eye and hand.
 struct LoadedScene {
     Scene scene;
-    HapticMesh mesh;
+    HapticSurface mesh;
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.

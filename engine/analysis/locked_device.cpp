@@ -71,7 +71,8 @@ SimulationOptions simulation_options(const LockedDeviceOptions &options, const V
 class LockedRig {
 public:
     LockedRig(const DeviceDescription &device, const SimulationOptions &options,
-              const Vector3 &start_m, const HapticMesh &plate, const Tuning &tuning, double alpha)
+              const Vector3 &start_m, const HapticSurface &plate, const Tuning &tuning,
+              double alpha)
         : device_(device, options, start_m), loop_(device_, options.servo_period_s) {
         inputs_.mesh = &plate;
         inputs_.tuning = tuning;
@@ -87,7 +88,8 @@ public:
             const ServoSample sample = loop_.update(loop_.exchange(), inputs_);
             if (sample.safety.state == SafetyState::tripped) {
                 throw InputError("locked device: the safety monitor tripped (" +
-                                 description(sample.safety) + "); choose a softer tuning or another configuration");
+                                 description(sample.safety) +
+                                 "); choose a softer tuning or another configuration");
             }
             sum -= device_.truth().hand_force_N;
             ++ticks;
@@ -118,7 +120,7 @@ LockedForce press_locked_device(const DeviceDescription &device, const LockedDev
     const Vector3 surface_m = inside_m + options.penetration_m * normal;
     const Vector3 outside_m = surface_m + kOutside_m * normal;
 
-    const HapticMesh mesh(plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
+    const HapticSurface mesh(plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
     Tuning tuning = options.tuning;
     tuning.map = map;
     LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, mesh, tuning,

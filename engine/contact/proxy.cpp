@@ -65,7 +65,7 @@ struct Effort {
 /// only planes that hold it back: every new one then raises the least distance to the tip, so that
 /// the slide cannot go round in circles. Adds all that it meets to `met`. Returns where it ends,
 /// and the planes that hold it there.
-[[nodiscard]] NearestPoint slide(const HapticMesh &mesh, const Vector3 &tip_m, Vector3 proxy_m,
+[[nodiscard]] NearestPoint slide(const HapticSurface &mesh, const Vector3 &tip_m, Vector3 proxy_m,
                                  const ContactPlanes &held_by, ContactPlanes &met,
                                  Effort &effort) noexcept {
     NearestPoint goal = nearest_point(tip_m, held_by, proxy_m);
@@ -99,7 +99,7 @@ struct Effort {
     return contact;
 }
 
-[[nodiscard]] Contact contact_of(const HapticMesh &mesh, const Vector3 &tip_m,
+[[nodiscard]] Contact contact_of(const HapticSurface &mesh, const Vector3 &tip_m,
                                  const Vector3 &proxy_m, const ContactPlanes &active) noexcept {
     const AllowedMotion motion = allowed_motion(active);
     const Vector3 gap = proxy_m - tip_m;
@@ -125,7 +125,7 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
     }
 }
 
-Contact Proxy::update(const HapticMesh &mesh, const Vector3 &tip_m) noexcept {
+Contact Proxy::update(const HapticSurface &mesh, const Vector3 &tip_m) noexcept {
     if (!is_usable(tip_m)) {
         return free_at(position_m_);
     }

@@ -8,7 +8,7 @@
 
 #include "base/vector.h"
 #include "engine/contact/contact.h"
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 
 namespace springdrive {
 
@@ -23,7 +23,7 @@ public:
     ///
     /// A tip that is not finite, or a kilometre away, leaves the proxy where it is and makes the
     /// contact a free one; to stop the device is the safety monitor's part.
-    Contact update(const HapticMesh &mesh, const Vector3 &tip_m) noexcept;
+    Contact update(const HapticSurface &mesh, const Vector3 &tip_m) noexcept;
 
 private:
     Vector3 position_m_{Vector3::Zero()};

@@ -2,19 +2,13 @@
 #pragma once
 
 #include "base/vector.h"
+#include "engine/contact/surface_material.h"
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace springdrive {
-
-/// What is felt on the triangles of one glTF node.
-struct SurfaceMaterial {
-    std::string name; ///< the node's name, for messages
-    double eta = 0.0; ///< η of (30): 0 rigid, 1 free space
-};
 
 /// Triangles as a scene file gives them. Wound counter-clockwise seen from outside, as in glTF.
 struct TriangleSoup {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kRoomAbove_m = 0.015;
 
 /// Where a tip that sinks straight down at (x, z) first touches, if it does.
-std::optional<Vector3> first_contact(const HapticMesh &mesh, const Vector3 &lower_m,
+std::optional<Vector3> first_contact(const HapticSurface &mesh, const Vector3 &lower_m,
                                      const Vector3 &upper_m, double x_m, double z_m) {
     constexpr int kSteps = 200;
     const double top_m = upper_m.y() + 0.5 * kRoomAbove_m;
@@ -34,7 +34,7 @@ std::optional<Vector3> first_contact(const HapticMesh &mesh, const Vector3 &lowe
 }
 
 /// The first contact nearest to the middle of the box, on rings about it.
-std::optional<Vector3> contact_near_middle(const HapticMesh &mesh, const Vector3 &lower_m,
+std::optional<Vector3> contact_near_middle(const HapticSurface &mesh, const Vector3 &lower_m,
                                            const Vector3 &upper_m) {
     const Vector3 middle_m = 0.5 * (lower_m + upper_m);
     const Vector3 half_m = 0.5 * (upper_m - lower_m);
@@ -57,7 +57,7 @@ std::optional<Vector3> contact_near_middle(const HapticMesh &mesh, const Vector3
 /// Where a tip that sinks straight down onto a circle about `centre_m` first touches, by angle.
 class CircleOverSurface {
 public:
-    CircleOverSurface(const HapticMesh &mesh, const Vector3 &lower_m, const Vector3 &upper_m,
+    CircleOverSurface(const HapticSurface &mesh, const Vector3 &lower_m, const Vector3 &upper_m,
                       const Vector3 &centre_m, double radius_m)
         : centre_m_(centre_m), radius_m_(radius_m) {
         for (std::size_t i = 0; i < kPoints; ++i) {
@@ -91,7 +91,7 @@ private:
 
 } // namespace
 
-HandPath scripted_touch(const DeviceDescription &device, const HapticMesh &mesh,
+HandPath scripted_touch(const DeviceDescription &device, const HapticSurface &mesh,
                         const Vector3 &lower_m, const Vector3 &upper_m, const Vector3 &start_m,
                         const ScriptedTouch &how) {
     const Vector3 middle_m = 0.5 * (lower_m + upper_m);

@@ -3,7 +3,7 @@
 
 #include "device/device_file.h"
 #include "device/simulated/hand_path.h"
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 
 namespace springdrive {
 
@@ -18,7 +18,7 @@ struct ScriptedTouch {
 /// A path that presses into `mesh` from above, near the middle of its bounding box, and slides in
 /// circles. Where nothing lies below, it circles over the middle of the box; where the device does
 /// not reach there, it stays at the start.
-[[nodiscard]] HandPath scripted_touch(const DeviceDescription &device, const HapticMesh &mesh,
+[[nodiscard]] HandPath scripted_touch(const DeviceDescription &device, const HapticSurface &mesh,
                                       const Vector3 &lower_m, const Vector3 &upper_m,
                                       const Vector3 &start_m, const ScriptedTouch &how = {});
 

@@ -3,7 +3,7 @@
 
 #include "base/vector.h"
 #include "device/device_file.h"
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 
 #include <array>
 #include <cstdint>

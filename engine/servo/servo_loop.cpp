@@ -2,7 +2,7 @@
 
 #include "device/phantom/kinematics.h"
 #include "engine/analysis/force_direction.h"
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/parameters.h"
 

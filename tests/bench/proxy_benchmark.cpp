@@ -24,7 +24,7 @@ Vector3 sliding_tip(int tick) {
 }
 
 void sliding_update(benchmark::State &state) {
-    const HapticMesh mesh(testing::icosphere(static_cast<int>(state.range(0)), kRadius_m));
+    const HapticSurface mesh(testing::icosphere(static_cast<int>(state.range(0)), kRadius_m));
     Proxy proxy;
     proxy.reset(1.1 * sliding_tip(0));
     std::vector<double> times_ns;
@@ -50,7 +50,7 @@ void sliding_update(benchmark::State &state) {
 void prepare_sphere(benchmark::State &state) {
     const TriangleSoup soup = testing::icosphere(static_cast<int>(state.range(0)), kRadius_m);
     for ([[maybe_unused]] const auto iteration : state) {
-        benchmark::DoNotOptimize(HapticMesh(soup));
+        benchmark::DoNotOptimize(HapticSurface(soup));
     }
     state.counters["triangles"] = static_cast<double>(soup.triangles.size());
 }

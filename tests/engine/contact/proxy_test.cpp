@@ -1,5 +1,5 @@
-// Covers engine/contact/proxy.cpp and engine/contact/haptic_mesh.cpp: known shapes, known answers.
-// What must hold on any shape and any path is in proxy_walk_test.cpp.
+// Covers engine/contact/proxy.cpp and engine/contact/haptic_surface.cpp: known shapes, known
+// answers. What must hold on any shape and any path is in proxy_walk_test.cpp.
 #include "engine/contact/proxy.h"
 
 #include "tests/engine/contact/soups.h"
@@ -32,7 +32,7 @@ TriangleSoup cube(double eta = 0.0) {
 }
 
 /// Where the proxy ends when the tip moves straight from one place to another, in `ticks` steps.
-Contact moved_tip(Proxy &proxy, const HapticMesh &mesh, const Vector3 &from, const Vector3 &to,
+Contact moved_tip(Proxy &proxy, const HapticSurface &mesh, const Vector3 &from, const Vector3 &to,
                   int ticks) {
     Contact contact;
     for (int i = 1; i <= ticks; ++i) {
@@ -42,7 +42,8 @@ Contact moved_tip(Proxy &proxy, const HapticMesh &mesh, const Vector3 &from, con
 }
 
 /// Starts free at the first point and goes straight to each of the others.
-Contact contact_after(const HapticMesh &mesh, std::initializer_list<Vector3> path, int ticks = 10) {
+Contact contact_after(const HapticSurface &mesh, std::initializer_list<Vector3> path,
+                      int ticks = 10) {
     Proxy proxy;
     Contact contact;
     const Vector3 *before = nullptr;
@@ -66,10 +67,10 @@ void expect_free_at(const Contact &contact, const Vector3 &tip) {
     EXPECT_EQ(contact.active_constraints, 0);
 }
 
-static_assert(std::is_nothrow_move_constructible_v<HapticMesh>);
+static_assert(std::is_nothrow_move_constructible_v<HapticSurface>);
 
 TEST(Proxy, IsTheTipInFreeSpace) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     Proxy proxy;
     proxy.reset({0.0, 0.05, 0.0});
     std::mt19937_64 random(1);
@@ -82,12 +83,12 @@ TEST(Proxy, IsTheTipInFreeSpace) {
 TEST(Proxy, IsTheTipOnAnEmptyMesh) {
     Proxy proxy;
     proxy.reset(Vector3::Zero());
-    expect_free_at(proxy.update(HapticMesh(), kX), kX);
-    expect_free_at(proxy.update(HapticMesh(TriangleSoup()), kY), kY);
+    expect_free_at(proxy.update(HapticSurface(), kX), kX);
+    expect_free_at(proxy.update(HapticSurface(TriangleSoup()), kY), kY);
 }
 
 TEST(Proxy, RestsOverTheTipOnAFace) {
-    const HapticMesh mesh(cube(0.25));
+    const HapticSurface mesh(cube(0.25));
     const Contact contact = contact_after(mesh, {{0.001, 0.03, 0.002}, {0.003, 0.01, 0.004}});
     EXPECT_TRUE(contact.touching);
     EXPECT_LT((contact.x0_m - Vector3(0.003, 0.02, 0.004)).norm(), kPlace_m);
@@ -100,7 +101,7 @@ TEST(Proxy, RestsOverTheTipOnAFace) {
 }
 
 TEST(Proxy, ArrivesAtTheSamePlaceInOneTickAsInMany) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     for (const int ticks : {1, 7, 1000}) {
         const Contact contact =
             contact_after(mesh, {{-0.015, 0.03, 0.0}, {0.015, 0.018, 0.01}}, ticks);
@@ -109,13 +110,13 @@ TEST(Proxy, ArrivesAtTheSamePlaceInOneTickAsInMany) {
 }
 
 TEST(Proxy, ComesFreeWhereTheTipLeavesTheSurface) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     const Vector3 end(0.001, 0.0201, 0.0);
     expect_free_at(contact_after(mesh, {{0, 0.03, 0}, {0, 0.015, 0}, end}), end);
 }
 
 TEST(Proxy, GoesRoundAConvexEdgeWithinOneTick) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     Proxy proxy;
     proxy.reset({0.019, 0.03, 0.0});
     EXPECT_LT(proxy.update(mesh, {0.019, 0.018, 0.0}).normal.x(), 0.5); // on the top
@@ -128,7 +129,7 @@ TEST(Proxy, GoesRoundAConvexEdgeWithinOneTick) {
 }
 
 TEST(Proxy, HasTwoConstraintsInAConcaveEdge) {
-    const HapticMesh room(turned_inside_out(cube()));
+    const HapticSurface room(turned_inside_out(cube()));
     const Contact contact = contact_after(room, {Vector3::Zero(), {0.023, -0.024, 0.005}}, 1);
     EXPECT_LT((contact.x0_m - Vector3(0.02, -0.02, 0.005)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 2);
@@ -137,7 +138,7 @@ TEST(Proxy, HasTwoConstraintsInAConcaveEdge) {
 }
 
 TEST(Proxy, HasThreeConstraintsInACorner) {
-    const HapticMesh room(turned_inside_out(cube()));
+    const HapticSurface room(turned_inside_out(cube()));
     const Contact contact = contact_after(room, {Vector3::Zero(), {0.03, -0.04, 0.05}}, 1);
     EXPECT_LT((contact.x0_m - Vector3(0.02, -0.02, 0.02)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 3);
@@ -146,8 +147,8 @@ TEST(Proxy, HasThreeConstraintsInACorner) {
 
 TEST(Proxy, HasTwoConstraintsWhereTwoSolidsCross) {
     // An L of two boxes that overlap without sharing an edge.
-    const HapticMesh mesh(testing::joined(box_soup({-0.05, -0.02, -0.05}, {0.05, 0.0, 0.05}),
-                                          box_soup({-0.05, -0.01, -0.05}, {0.0, 0.03, 0.05})));
+    const HapticSurface mesh(testing::joined(box_soup({-0.05, -0.02, -0.05}, {0.05, 0.0, 0.05}),
+                                             box_soup({-0.05, -0.01, -0.05}, {0.0, 0.03, 0.05})));
     const Contact contact = contact_after(mesh, {{0.01, 0.01, 0.0}, {-0.003, -0.004, 0.01}}, 3);
     EXPECT_LT((contact.x0_m - Vector3(0.0, 0.0, 0.01)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 2);
@@ -162,7 +163,7 @@ TEST(Proxy, ReachesIntoAnAcuteWedgeOnlyAsFarAsItsClearanceAllows) {
         testing::add_triangle(wedge,
                               {Vector3(0, 0, -0.05), Vector3(0, 0, 0.05), Vector3(0.05, y, 0)});
     }
-    const HapticMesh mesh(wedge);
+    const HapticSurface mesh(wedge);
     const Contact contact = contact_after(mesh, {{0.03, 0.0, 0.0}, {-0.02, 0.0, 0.0}});
     EXPECT_EQ(contact.active_constraints, 2);
     EXPECT_NEAR(contact.x0_m.x(), kClearance_m / std::sin(0.01), 1e-9);
@@ -173,14 +174,14 @@ TEST(Proxy, TakesTheMostRigidOfTheMaterialsItTouches) {
     TriangleSoup room = turned_inside_out(cube(0.75));
     room.materials.push_back({"floor", 0.5});
     room.material_of_triangle[4] = room.material_of_triangle[5] = 1; // box_soup's bottom
-    const HapticMesh mesh(room);
+    const HapticSurface mesh(room);
     EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), 0.03 * kX}).eta, 0.75);
     EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), -0.03 * kY}).eta, 0.5);
     EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), 0.03 * kX - 0.04 * kY}).eta, 0.5);
 }
 
 TEST(Proxy, LeavesASolidFreelyAndThenFindsItTouchable) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     Proxy proxy;
     proxy.reset(Vector3::Zero());
     for (int i = 0; i <= 30; ++i) {
@@ -192,7 +193,7 @@ TEST(Proxy, LeavesASolidFreelyAndThenFindsItTouchable) {
 }
 
 TEST(Proxy, IsHeldByAnOpenSheetFromBothSides) {
-    const HapticMesh mesh(testing::sheet(5, 0.05));
+    const HapticSurface mesh(testing::sheet(5, 0.05));
     for (const double side : {1.0, -1.0}) {
         const Contact contact =
             contact_after(mesh, {{0.003, side * 0.01, 0.0}, {0.011, -side * 0.02, 0.007}});
@@ -204,7 +205,7 @@ TEST(Proxy, IsHeldByAnOpenSheetFromBothSides) {
 }
 
 TEST(Proxy, SlipsRoundTheBorderOfAnOpenSheet) {
-    const HapticMesh mesh(testing::sheet(5, 0.05));
+    const HapticSurface mesh(testing::sheet(5, 0.05));
     Proxy proxy;
     proxy.reset({0.04, 0.01, 0.0});
     EXPECT_TRUE(proxy.update(mesh, {0.04, -0.01, 0.0}).touching);
@@ -214,7 +215,7 @@ TEST(Proxy, SlipsRoundTheBorderOfAnOpenSheet) {
 
 TEST(Proxy, NeverPassesThroughAThinPlate) {
     // 0.1 mm thick; 10 m/s at 1 kHz. The tip never comes near the plate's border.
-    const HapticMesh mesh(box_soup({-0.1, -0.05e-3, -0.1}, {0.1, 0.05e-3, 0.1}));
+    const HapticSurface mesh(box_soup({-0.1, -0.05e-3, -0.1}, {0.1, 0.05e-3, 0.1}));
     std::mt19937_64 random(2);
     std::uniform_real_distribution<double> angle(0.0, 6.28);
     Proxy proxy;
@@ -244,8 +245,8 @@ TEST(Proxy, HoldsOnAMeshFullOfFaults) {
         testing::add_triangle(faulty, {a, a, c});
         testing::add_triangle(faulty, {c, a, b});
     }
-    const HapticMesh clean_mesh(sphere);
-    const HapticMesh faulty_mesh(faulty);
+    const HapticSurface clean_mesh(sphere);
+    const HapticSurface faulty_mesh(faulty);
     Proxy clean;
     Proxy with_faults;
     clean.reset({0.0, 0.05, 0.0});
@@ -262,7 +263,7 @@ TEST(Proxy, HoldsOnAMeshFullOfFaults) {
 }
 
 TEST(Proxy, SurvivesATipThatIsNoPlace) {
-    const HapticMesh mesh(cube());
+    const HapticSurface mesh(cube());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Proxy proxy;
@@ -280,7 +281,7 @@ TEST(Proxy, SurvivesATipThatIsNoPlace) {
 
 TEST(Proxy, StaysBoundedAmongTrianglesWithoutOrder) {
     std::mt19937_64 random(3);
-    const HapticMesh mesh(testing::random_soup(random, 3000, 0.03, 0.02));
+    const HapticSurface mesh(testing::random_soup(random, 3000, 0.03, 0.02));
     Proxy proxy;
     proxy.reset(Vector3::Zero());
     for (int i = 0; i < 5000; ++i) {
@@ -290,11 +291,11 @@ TEST(Proxy, StaysBoundedAmongTrianglesWithoutOrder) {
     }
 }
 
-TEST(HapticMesh, ReportsWhatItHolds) {
-    const HapticMesh mesh(cube());
+TEST(HapticSurface, ReportsWhatItHolds) {
+    const HapticSurface mesh(cube());
     EXPECT_EQ(mesh.report().triangles_kept, 12U);
     EXPECT_EQ(mesh.report().closed_components, 1U);
-    EXPECT_EQ(HapticMesh().report().triangles_kept, 0U);
+    EXPECT_EQ(HapticSurface().report().triangles_kept, 0U);
     const std::optional<SurfaceHit> hit = mesh.first_hit(0.04 * kY, Vector3::Zero());
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->fraction, 0.5, 2.0 * kClearance_m / 0.04);

@@ -78,7 +78,7 @@ class ProxyWalk : public ::testing::TestWithParam<TriangleSoup> {};
 
 TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
     const TriangleSoup &soup = GetParam();
-    const HapticMesh mesh(soup);
+    const HapticSurface mesh(soup);
     ASSERT_EQ(mesh.report().closed_components, mesh.report().components);
     Wanderer wanderer(1, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
@@ -108,7 +108,7 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
 TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
     // 5 m/s at 1 kHz, and leaps of 100 mm: right through the shape and out on its other side.
     const TriangleSoup &soup = GetParam();
-    const HapticMesh mesh(soup);
+    const HapticSurface mesh(soup);
     Wanderer wanderer(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
     Proxy proxy;
     proxy.reset({0.0, 0.06, 0.0});
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
     constexpr double kRadius_m = 0.04;
     const TriangleSoup soup = testing::icosphere(3, kRadius_m);
-    const HapticMesh mesh(soup);
+    const HapticSurface mesh(soup);
     // Sagitta of the largest triangle: two faces' distances to one tip differ by less.
     const Vector3 edge =
         soup.vertices_m[soup.triangles[0][0]] - soup.vertices_m[soup.triangles[0][1]];
@@ -165,7 +165,7 @@ TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
 
 TEST(ProxyOnASphere, IsTheNearestPointOfAllWhereTheTipIsShallow) {
     const TriangleSoup soup = testing::icosphere(3, 0.04);
-    const HapticMesh mesh(soup);
+    const HapticSurface mesh(soup);
     std::mt19937_64 random(3);
     for (int i = 0; i < 1000; ++i) {
         // 10 µm under a random face, which is too shallow for another face to be nearest by more
@@ -188,8 +188,8 @@ TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
     Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
     motion.translate(Vector3(0.03, -0.05, 0.02));
     motion.rotate(Eigen::AngleAxisd(1.1, Vector3(1, 2, -3).normalized()));
-    const HapticMesh mesh(soup);
-    const HapticMesh moved_mesh(testing::moved(soup, motion));
+    const HapticSurface mesh(soup);
+    const HapticSurface moved_mesh(testing::moved(soup, motion));
     Wanderer wanderer(5, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
     Proxy moved_proxy;
@@ -217,8 +217,8 @@ TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
 
 TEST(ProxyOnAnyMesh, GivesTheSameBitsForTheSameInput) {
     const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
-    const HapticMesh mesh(soup);
-    const HapticMesh same_mesh(soup);
+    const HapticSurface mesh(soup);
+    const HapticSurface same_mesh(soup);
     Wanderer wanderer(6, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
     Proxy same_proxy;

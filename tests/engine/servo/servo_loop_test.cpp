@@ -45,7 +45,7 @@ struct Rig {
 
     SimulatedPhantom device;
     ServoLoop loop;
-    HapticMesh mesh;
+    HapticSurface mesh;
     ServoInputs inputs;
 };
 
@@ -326,7 +326,7 @@ TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
     Rig rig(following({{0.0, kStart_m}, {0.5, Vector3(0.0, -0.008, 0.0)}}), plate());
     rig.run(1.5);
     ASSERT_TRUE(rig.tick().contact.touching);
-    const HapticMesh block(
+    const HapticSurface block(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
     rig.inputs.mesh = &block;
     ++rig.inputs.scene_id;

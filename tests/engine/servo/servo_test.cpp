@@ -80,7 +80,7 @@ TEST(Servo, LockstepRepeatsToTheLastBit) {
         options.path.emplace(std::vector<HandPath::Point>{
             {0.0, kStart_m}, {0.5, Vector3(0.0, -0.01, 0.0)}, {1.0, Vector3(0.02, -0.01, 0.01)}});
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
-        const HapticMesh mesh(
+        const HapticSurface mesh(
             testing::box_soup(Vector3(-0.05, -0.02, -0.05), Vector3(0.05, 0.0, 0.05)));
         ServoInputs inputs;
         inputs.mesh = &mesh;

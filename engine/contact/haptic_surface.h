@@ -16,12 +16,12 @@ namespace springdrive {
 ///
 /// Surfaces that bound a volume stop the tip from outside only, so that a tip that starts within
 /// may leave. All others stop it from both sides.
-class HapticMesh {
+class HapticSurface {
 public:
-    HapticMesh() = default;
+    HapticSurface() = default;
 
     /// @throw std::invalid_argument as `prepare_mesh` does
-    explicit HapticMesh(TriangleSoup soup);
+    explicit HapticSurface(TriangleSoup soup);
 
     /// The first facet that stops a straight motion, if any does. RT-safe.
     [[nodiscard]] std::optional<SurfaceHit> first_hit(const Vector3 &from_m,

@@ -1,10 +1,10 @@
-#include "engine/contact/haptic_mesh.h"
+#include "engine/contact/haptic_surface.h"
 
 #include <utility>
 
 namespace springdrive {
 
-HapticMesh::HapticMesh(TriangleSoup soup) {
+HapticSurface::HapticSurface(TriangleSoup soup) {
     const PreparedMesh prepared = prepare_mesh(soup);
     report_ = prepared.report;
     tree_ = TriangleTree(prepared.facets);
