@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/contact/mesh_preparation.h"
+#include "engine/contact/preparation/mesh_preparation.h"
 #include "engine/contact/triangle_soup.h"
 #include "engine/contact/triangle_tree.h"
 

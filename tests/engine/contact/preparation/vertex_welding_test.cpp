@@ -1,5 +1,5 @@
-// Covers engine/contact/vertex_welding.cpp.
-#include "engine/contact/vertex_welding.h"
+// Covers engine/contact/preparation/vertex_welding.cpp.
+#include "engine/contact/preparation/vertex_welding.h"
 
 #include "tests/engine/contact/soups.h"
 

@@ -1,7 +1,7 @@
 // What mesh preparation found, in words for the user.
 #pragma once
 
-#include "engine/contact/mesh_preparation.h"
+#include "engine/contact/preparation/mesh_preparation.h"
 
 #include <string>
 #include <vector>
