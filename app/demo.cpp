@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -27,6 +28,7 @@ namespace springdrive {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 60.0;
+constexpr double kUploadPerFrame_s = 0.25 * kFrame_s; // a large scene takes several frames
 
 volatile std::sig_atomic_t asked_to_end = 0;
 
@@ -72,6 +74,7 @@ public:
             std::cerr << "springdrive: " << window_.font_remark() << '\n';
         }
         show_scene();
+        renderer_.upload(std::numeric_limits<double>::infinity()); // the first frame shows it
     }
 
     void draw_frame() {
@@ -85,6 +88,7 @@ public:
         if (shown_scene_ != session_.scene_id()) {
             show_scene();
         }
+        renderer_.upload(kUploadPerFrame_s);
         const Layout places = current_layout();
         mouse_.apply(session_, camera_, places.scene_view);
         window_.clear();

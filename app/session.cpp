@@ -1,5 +1,6 @@
 #include "app/session.h"
 
+#include "app/load_lines.h"
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
 #include "engine/analysis/force_direction.h"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <iterator>
 #include <numbers>
 #include <thread>
@@ -50,8 +52,9 @@ std::uint64_t plot_stride(double servo_hz) {
 } // namespace
 
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
-                                        const Workspace &workspace) {
-    Scene scene = load_gltf(file, workspace);
+                                        const Workspace &workspace, LoadProgress &progress) {
+    Scene scene = load_gltf(file, workspace, &progress);
+    progress.begin(LoadProgress::Stage::preparing, false);
     HapticSurface mesh(scene.surface);
     std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
@@ -66,7 +69,10 @@ Session::Session(const DemoOptions &options)
     const DeviceDescription description = read_device_file(options.device_file);
     inputs_.tuning = options.tuning;
     inputs_.global_alpha_rad2_per_m2 = global_alpha_bound(description);
-    scene_ = load_scene(options.scene, description.workspace);
+    {
+        const LoadLines lines(options.scene.filename().string(), *load_progress_, std::cerr);
+        scene_ = load_scene(options.scene, description.workspace, *load_progress_);
+    }
 
     const Vector3 &lower_m = scene_->scene.lower_m;
     const Vector3 &upper_m = scene_->scene.upper_m;
@@ -152,7 +158,14 @@ void Session::take_in_samples() {
     }
     // The servo works on the newest scene now, so it has let go of all before.
     if (latest_.scene_id == inputs_.scene_id) {
-        retired_.clear();
+        release_retired();
+    }
+}
+
+/// To give gigabytes back takes longer than a frame, so another thread does it.
+void Session::release_retired() {
+    if (!retired_.empty()) {
+        std::thread([scenes = std::exchange(retired_, {})]() mutable { scenes.clear(); }).detach();
     }
 }
 
@@ -186,8 +199,11 @@ void Session::request_scene(const std::filesystem::path &file) {
         return;
     }
     scene_error_.clear();
+    load_progress_ = std::make_shared<LoadProgress>();
     std::packaged_task<std::unique_ptr<LoadedScene>()> load(
-        [file, workspace = device().workspace] { return load_scene(file, workspace); });
+        [file, workspace = device().workspace, progress = load_progress_] {
+            return load_scene(file, workspace, *progress);
+        });
     loading_ = load.get_future();
     // Detached, so that whoever closes the window need not wait for a large file.
     std::thread(std::move(load)).detach();

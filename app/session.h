@@ -6,6 +6,7 @@
 #include "app/telemetry_file.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/haptic_surface.h"
+#include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 #include "engine/servo/servo.h"
 
@@ -27,8 +28,8 @@ struct LoadedScene {
 
 /// Loads a glTF file and prepares its surface. Any thread.
 /// @throw InputError as `load_gltf` does.
-[[nodiscard]] std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
-                                                      const Workspace &workspace);
+[[nodiscard]] std::unique_ptr<LoadedScene>
+load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress);
 
 /// Everything is called from the window's thread; the servo has its own.
 class Session {
@@ -59,6 +60,7 @@ public:
     [[nodiscard]] const LoadedScene &scene() const { return *scene_; }
     [[nodiscard]] std::uint32_t scene_id() const { return inputs_.scene_id; }
     [[nodiscard]] bool is_loading() const { return loading_.valid(); }
+    [[nodiscard]] std::string loading_progress() const { return load_progress_->text(); }
     [[nodiscard]] const std::string &scene_error() const { return scene_error_; }
     [[nodiscard]] const DeviceDescription &device() const { return device_->description(); }
     [[nodiscard]] const Vector3 &hand_target_m() const { return hand_target_m_; }
@@ -77,6 +79,7 @@ public:
 private:
     void publish() { servo_->publish(inputs_); }
     void show(std::unique_ptr<LoadedScene> scene);
+    void release_retired();
     void take_in_loaded_scene();
     void take_in_samples();
     [[nodiscard]] PlotSample plot_sample(const ServoSample &sample);
@@ -85,6 +88,7 @@ private:
     std::unique_ptr<LoadedScene> scene_;
     std::vector<std::unique_ptr<LoadedScene>> retired_; ///< until the servo has let go of them
     std::future<std::unique_ptr<LoadedScene>> loading_;
+    std::shared_ptr<LoadProgress> load_progress_ = std::make_shared<LoadProgress>();
     std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
     std::string scene_error_;
 

@@ -23,7 +23,9 @@ void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle 
         session.request_scene(state.typed);
     }
     if (session.is_loading()) {
-        ImGui::TextColored(kWarning, "loading …");
+        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+        ImGui::TextWrapped("loading: %s", session.loading_progress().c_str());
+        ImGui::PopStyleColor();
     } else if (!session.scene_error().empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
         ImGui::TextWrapped("%s", session.scene_error().c_str());

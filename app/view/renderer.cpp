@@ -45,11 +45,17 @@ Renderer::Renderer()
     check_gl("setting up the renderer");
 }
 
-void Renderer::set_scene(const Scene &scene) {
-    SceneMeshes uploaded(scene);
+void Renderer::upload(double duration_s) {
+    if (!next_scene_) {
+        return;
+    }
+    const bool done = next_scene_->upload(duration_s);
     check_gl("uploading the scene");
-    scene_ = std::move(uploaded);
-    floor_.scene_changed();
+    if (done) {
+        scene_ = std::move(*next_scene_);
+        next_scene_.reset();
+        floor_.scene_changed();
+    }
 }
 
 void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,

@@ -10,6 +10,7 @@
 #include "app/view/view_state.h"
 #include "engine/scene/scene.h"
 
+#include <optional>
 #include <span>
 
 namespace springdrive {
@@ -28,9 +29,13 @@ public:
     /// @throw std::runtime_error with the shader's name and log if OpenGL does not take it.
     Renderer();
 
-    /// Uploads a scene in place of the one before.
+    /// Draws another scene as soon as `upload` has got it onto the graphics card; until then, the
+    /// one before. @param scene must stay until then, or until another is set
+    void set_scene(const Scene &scene) { next_scene_.emplace(scene); }
+
+    /// Goes on with what `set_scene` began, for about `duration_s`.
     /// @throw std::runtime_error if OpenGL cannot hold it; the scene before is then still there.
-    void set_scene(const Scene &scene);
+    void upload(double duration_s);
 
     /// Draws into the viewport of the framebuffer that is bound, and nowhere else.
     /// Leaves depth test, blending, culling and scissor off, and no vertex array bound.
@@ -51,6 +56,7 @@ private:
     Program lit_translucent_;
     SolidPainter painter_;
     SceneMeshes scene_;
+    std::optional<SceneMeshes> next_scene_; ///< on its way to the graphics card
     Floor floor_;
     VertexArray no_vertices_;
 };

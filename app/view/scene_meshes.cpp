@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 
 namespace springdrive {
 
@@ -19,7 +20,7 @@ GLint gl_wrap(Texture::Wrap wrap) {
     return GL_CLAMP_TO_EDGE;
 }
 
-Texture2D upload(const Texture &texture) {
+Texture2D upload_texture(const Texture &texture) {
     return {texture.width, texture.height,
             Texture2D::Format{.internal = GL_SRGB8_ALPHA8,
                               .wrap_s = gl_wrap(texture.wrap_s),
@@ -33,45 +34,33 @@ Texture2D white() {
     return {1, 1, Texture2D::Format{}, kWhite};
 }
 
-bool has_alpha(const Texture &texture) {
-    for (std::size_t i = 3; i < texture.rgba.size(); i += 4) {
-        if (texture.rgba[i] < 255) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool is_translucent(const VisualMesh &mesh, const Scene &scene) {
-    constexpr float kOpaque = 0.999F;
-    return (mesh.texture >= 0 &&
-            has_alpha(scene.textures[static_cast<std::size_t>(mesh.texture)])) ||
-           std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
-                       [](const VisualVertex &v) { return v.colour[3] < kOpaque; });
-}
-
-Vector3 centre_of(const VisualMesh &mesh) {
-    Vector3 sum_m = Vector3::Zero();
-    for (const VisualVertex &vertex : mesh.vertices) {
-        sum_m += Vector3(vertex.position_m[0], vertex.position_m[1], vertex.position_m[2]);
-    }
-    return sum_m / std::max(1.0, static_cast<double>(mesh.vertices.size()));
-}
-
 } // namespace
 
-SceneMeshes::SceneMeshes(const Scene &scene) {
-    textures_.reserve(scene.textures.size() + 1);
-    for (const Texture &texture : scene.textures) {
-        textures_.push_back(upload(texture));
+bool SceneMeshes::upload(double duration_s) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    while (uploading_ != nullptr &&
+           std::chrono::duration<double>(Clock::now() - start).count() < duration_s) {
+        upload_next();
     }
-    textures_.push_back(white());
+    return uploading_ == nullptr;
+}
 
+/// One texture or mesh; neither is large.
+void SceneMeshes::upload_next() {
+    const Scene &scene = *uploading_;
     const int white_texture = static_cast<int>(scene.textures.size());
-    for (const VisualMesh &mesh : scene.meshes) {
+    if (textures_.size() < scene.textures.size()) {
+        textures_.push_back(upload_texture(scene.textures[textures_.size()]));
+    } else if (textures_.size() == scene.textures.size()) {
+        textures_.push_back(white());
+    } else if (items_.size() < scene.meshes.size()) {
+        const VisualMesh &mesh = scene.meshes[items_.size()];
         items_.push_back({GpuMesh(mesh.vertices, mesh.indices),
-                          mesh.texture >= 0 ? mesh.texture : white_texture,
-                          is_translucent(mesh, scene), centre_of(mesh)});
+                          mesh.texture >= 0 ? mesh.texture : white_texture, mesh.translucent,
+                          mesh.centre_m});
+    } else {
+        uploading_ = nullptr;
     }
 }
 

@@ -12,7 +12,12 @@ namespace springdrive {
 class SceneMeshes {
 public:
     SceneMeshes() = default; ///< nothing to see
-    explicit SceneMeshes(const Scene &scene);
+
+    /// Nothing is uploaded yet. @param scene must stay until all is
+    explicit SceneMeshes(const Scene &scene) : uploading_(&scene) {}
+
+    /// Uploads for about `duration_s`, or until all is there: then it returns true.
+    bool upload(double duration_s);
 
     // The program in use has base_texture at unit 0. Both sides of a surface are drawn, as both
     // can be touched.
@@ -31,8 +36,10 @@ private:
     };
 
     void draw(const Item &item) const;
+    void upload_next();
 
-    std::vector<Texture2D> textures_; ///< the scene's, then a white one
+    const Scene *uploading_ = nullptr; ///< until all of it is there
+    std::vector<Texture2D> textures_;  ///< the scene's, then a white one
     std::vector<Item> items_;
 };
 

@@ -1,6 +1,7 @@
 // glTF 2.0 files (.gltf, .glb) to scenes.
 #pragma once
 
+#include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 
 #include <filesystem>
@@ -11,12 +12,28 @@ namespace springdrive {
 ///
 /// Fitted uniformly, largest that fits into 60 % of the workspace, centred there, unless the
 /// file's scene or asset says `"extras": {"units": "m"}`: then its coordinates are metres in the
-/// device frame as they stand. A node's `"extras": {"eta": 0.5}` sets η of what it holds (and of
-/// its children, unless they say otherwise); the default is 0, rigid.
+/// device frame as they stand.
+///
+/// The `"extras"` of a node say how it feels, and its children unless they say otherwise:
+/// - `"eta"`: η, from 0 (rigid, the default) to 1 (free space).
+/// - `"static_friction"`, `"dynamic_friction"`: Coulomb coefficients from 0 (the default) to 10,
+///   dynamic not above static. A node that gives one gives both: the other is the same.
+/// - `"sides"`: "one" for a surface that is touched only from where its normals point, "two" from
+///   both. By default one if it is closed, two if it is open.
+/// - `"smooth"`: true to touch and draw the curved surface that the normals of the file describe,
+///   cut into facets that differ by 0.5° at most (up to two million in a scene), instead of the
+///   file's triangles. It needs normals; split normals leave an edge sharp.
+/// And for the node's own mesh alone:
+/// - `"shape"`: "plate", "sphere", "box", "cylinder" or "capsule" to be touched exactly as that,
+///   fitted to the box around the mesh, which is drawn as it is. See `gltf::fit_shape`.
 ///
 /// @throw InputError with one line that names the file, what is wrong in it and where: for a file
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds
-///        coordinates that are not finite, needs an extension that we lack, or has no triangle.
-[[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace);
+///        coordinates that are not finite, needs an extension that we lack, has no triangle, or
+///        says something else about touch than the above.
+///        Also for a scene that takes more than 8 GiB to load.
+/// @param progress told how far it is, if somebody wants to know
+[[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
+                              LoadProgress *progress = nullptr);
 
 } // namespace springdrive

@@ -149,6 +149,7 @@ tinygltf::Model read_model(const std::filesystem::path &file) {
         throw InputError("nests its JSON deeper than " + std::to_string(kDeepestJson) +
                          " levels; no glTF does");
     }
+    check_byte_offsets(json);
     if (json.find("KHR_draco_mesh_compression") != std::string_view::npos ||
         json.find("\"skins\"") != std::string_view::npos) {
         bytes = with_json(bytes, without_what_tinygltf_refuses(json));

@@ -91,6 +91,15 @@ void apply_alpha(std::span<std::uint8_t> rgba, AlphaMode mode, double cutoff) {
     }
 }
 
+bool any_see_through(std::span<const std::uint8_t> rgba) {
+    for (std::size_t i = 3; i < rgba.size(); i += 4) {
+        if (rgba[i] < 255) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /// @return no pixels, and the reason in `problem`, when the bytes are no image or too large a one
 Texture decode(std::span<const unsigned char> bytes, std::size_t most_pixels,
                std::string &problem) {
@@ -196,6 +205,7 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
         texture.wrap_t = wrap_from(sampler.wrapT);
     }
     apply_alpha(texture.rgba, colour.alpha_mode, colour.alpha_cutoff);
+    texture.has_alpha = any_see_through(texture.rgba);
     pixels_ += texture.rgba.size() / 4;
     entry->second = static_cast<int>(textures_.size());
     textures_.push_back(std::move(texture));

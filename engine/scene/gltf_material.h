@@ -51,6 +51,11 @@ public:
     /// @throw InputError for references to textures, images or samplers that are not there.
     int find_or_load(const BaseColour &colour, std::vector<std::string> &remarks);
 
+    /// Whether one is see-through anywhere. @pre `find_or_load` gave it
+    [[nodiscard]] bool has_alpha(int texture) const {
+        return textures_[static_cast<std::size_t>(texture)].has_alpha;
+    }
+
     [[nodiscard]] std::vector<Texture> take() { return std::move(textures_); }
 
 private:

@@ -1,6 +1,10 @@
 #include "engine/scene/gltf_mesh.h"
 
+#include "engine/scene/visual_pieces.h"
+
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::gltf {
 
@@ -36,7 +40,7 @@ Matrix3 normal_matrix(const PlacedMesh &node) {
 }
 
 VisualVertex visual_vertex(const PlacedPrimitive &primitive, std::size_t i) {
-    const BaseColour &base = *primitive.colour;
+    const BaseColour &base = primitive.colour;
     VisualVertex vertex{to_floats(primitive.positions[i]), {0.0F, 1.0F, 0.0F}, {}, {}};
     const Attribute &colour = primitive.geometry->colour;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -56,11 +60,12 @@ VisualVertex visual_vertex(const PlacedPrimitive &primitive, std::size_t i) {
 
 /// With the file's normals: vertices shared as they are.
 void add_smooth(const PlacedPrimitive &primitive, VisualMesh &mesh) {
-    const Matrix3 to_world = normal_matrix(*primitive.node);
     const bool mirrored = mirrors(*primitive.node);
+    mesh.vertices.reserve(primitive.positions.size());
+    mesh.indices.reserve(3 * primitive.geometry->triangles.size());
     for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
         VisualVertex vertex = visual_vertex(primitive, i);
-        vertex.normal = unit_or_up(to_world * Vector3(primitive.geometry->normal[i].data()));
+        vertex.normal = unit_or_up(world_normal(primitive, i));
         mesh.vertices.push_back(vertex);
     }
     for (const Triangle &local : primitive.geometry->triangles) {
@@ -72,6 +77,8 @@ void add_smooth(const PlacedPrimitive &primitive, VisualMesh &mesh) {
 /// Without normals glTF wants flat ones: each triangle gets its own three vertices.
 void add_flat(const PlacedPrimitive &primitive, VisualMesh &mesh) {
     const bool mirrored = mirrors(*primitive.node);
+    mesh.vertices.reserve(3 * primitive.geometry->triangles.size());
+    mesh.indices.reserve(3 * primitive.geometry->triangles.size());
     for (const Triangle &local : primitive.geometry->triangles) {
         const Triangle triangle = wound_outwards(local, mirrored);
         const Vector3 &corner = primitive.positions[triangle[0]];
@@ -86,7 +93,35 @@ void add_flat(const PlacedPrimitive &primitive, VisualMesh &mesh) {
     }
 }
 
+bool has_alpha(const VisualMesh &mesh) {
+    constexpr float kOpaque = 0.999F;
+    return std::ranges::any_of(mesh.vertices,
+                               [](const VisualVertex &v) { return v.colour[3] < kOpaque; });
+}
+
+Vector3 centre_of(const VisualMesh &mesh) {
+    Vector3 sum_m = Vector3::Zero();
+    for (const VisualVertex &vertex : mesh.vertices) {
+        sum_m += Vector3(vertex.position_m[0], vertex.position_m[1], vertex.position_m[2]);
+    }
+    return sum_m / std::max(1.0, static_cast<double>(mesh.vertices.size()));
+}
+
 } // namespace
+
+std::size_t first_node_size(std::span<const PlacedPrimitive> primitives) {
+    const auto last = std::ranges::find_if(primitives, [&](const PlacedPrimitive &primitive) {
+        return primitive.node != primitives.front().node;
+    });
+    return static_cast<std::size_t>(last - primitives.begin());
+}
+
+Vector3 world_normal(const PlacedPrimitive &primitive, std::size_t vertex) {
+    if (!primitive.normals.empty()) {
+        return primitive.normals[vertex];
+    }
+    return normal_matrix(*primitive.node) * Vector3(primitive.geometry->normal[vertex].data());
+}
 
 void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, TriangleSoup &surface) {
     const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
@@ -101,24 +136,30 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, Trian
     }
 }
 
-VisualMesh visual_mesh(const PlacedPrimitive &primitive, TextureLibrary &textures,
-                       std::vector<std::string> &remarks) {
+std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureLibrary &textures,
+                                      std::vector<std::string> &remarks) {
     VisualMesh mesh;
     mesh.name = primitive.node->name;
-    mesh.double_sided = primitive.colour->double_sided;
-    mesh.texture = textures.find_or_load(*primitive.colour, remarks);
+    mesh.double_sided = primitive.colour.double_sided;
+    mesh.texture = textures.find_or_load(primitive.colour, remarks);
     if (mesh.texture >= 0 && primitive.geometry->texture_coordinate.empty()) {
         mesh.texture = -1;
         remarks.push_back(primitive.node->label + ": it has a texture but no TEXCOORD_" +
-                          std::to_string(primitive.colour->texture_set) +
+                          std::to_string(primitive.colour.texture_set) +
                           "; it is drawn without the texture");
     }
-    if (primitive.geometry->normal.empty()) {
+    if (primitive.geometry->normal.empty() && primitive.normals.empty()) {
         add_flat(primitive, mesh);
     } else {
         add_smooth(primitive, mesh);
     }
-    return mesh;
+    std::vector<VisualMesh> pieces = in_pieces(std::move(mesh));
+    for (VisualMesh &piece : pieces) {
+        piece.translucent =
+            (piece.texture >= 0 && textures.has_alpha(piece.texture)) || has_alpha(piece);
+        piece.centre_m = centre_of(piece);
+    }
+    return pieces;
 }
 
 } // namespace springdrive::gltf

@@ -1,11 +1,15 @@
 #include "engine/scene/gltf_nodes.h"
 
 #include "base/input_error.h"
+#include "engine/scene/gltf_extras.h"
 #include "engine/scene/gltf_text.h"
 
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
 
 namespace springdrive::gltf {
 
@@ -74,6 +78,19 @@ Eigen::Affine3d from_matrix(const std::vector<double> &numbers, const std::strin
     return transform;
 }
 
+/// A quaternion off unit length by rounding is a rotation, written in few digits. One that is
+/// further off would scale what it turns in some programs and not in others: nobody knows what
+/// was meant, so it is refused.
+Eigen::Quaterniond unit_quaternion(const std::vector<double> &numbers, const std::string &label) {
+    constexpr double kRounding = 1e-3; // three digits, or normalised 16-bit integers
+    const Eigen::Quaterniond rotation(numbers.data()); // x y z w, as glTF has it
+    if (!(std::abs(rotation.norm() - 1.0) <= kRounding)) {
+        throw InputError(label + ": its rotation is a quaternion of length " +
+                         shortest(rotation.norm()) + "; it must have length 1");
+    }
+    return rotation.normalized();
+}
+
 Eigen::Affine3d local_transform(const tinygltf::Node &node, const std::string &label) {
     check_length(node.matrix, 16, "matrix", label);
     check_length(node.translation, 3, "translation", label);
@@ -87,11 +104,7 @@ Eigen::Affine3d local_transform(const tinygltf::Node &node, const std::string &l
         transform.translate(Eigen::Vector3d(node.translation.data()));
     }
     if (!node.rotation.empty()) {
-        const Eigen::Quaterniond rotation(node.rotation.data()); // x y z w, as glTF has it
-        if (!(rotation.norm() > 0.0)) {
-            throw InputError(label + ": its rotation is no quaternion; it must have length 1");
-        }
-        transform.rotate(rotation.normalized());
+        transform.rotate(unit_quaternion(node.rotation, label));
     }
     if (!node.scale.empty()) {
         transform.scale(Eigen::Vector3d(node.scale.data()));
@@ -99,39 +112,16 @@ Eigen::Affine3d local_transform(const tinygltf::Node &node, const std::string &l
     return transform;
 }
 
-std::string shown(const tinygltf::Value &value) {
-    if (value.IsString()) {
-        return in_quotes(value.Get<std::string>());
-    }
-    if (value.IsNumber()) {
-        return shortest(value.GetNumberAsDouble());
-    }
-    return "no number";
-}
-
-double eta_of(const tinygltf::Node &node, double inherited, const std::string &label) {
-    if (!node.extras.IsObject() || !node.extras.Has("eta")) {
-        return inherited;
-    }
-    const tinygltf::Value &value = node.extras.Get("eta");
-    const double eta = value.IsNumber() ? value.GetNumberAsDouble() : -1.0;
-    if (!(eta >= 0.0 && eta <= 1.0)) {
-        throw InputError(label + ": extras.eta is " + shown(value) +
-                         "; it must be a number from 0 (rigid) to 1 (free space)");
-    }
-    return eta;
-}
-
 struct Visit {
     int node;
     Eigen::Affine3d parent_to_world;
-    double eta;
+    TouchExtras parent_touch;
 };
 
 void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
-              const Eigen::Affine3d &to_world, double eta) {
+              const Eigen::Affine3d &to_world, const TouchExtras &touch) {
     std::for_each(nodes.rbegin(), nodes.rend(), [&](int node) {
-        stack.push_back({node, to_world, eta});
+        stack.push_back({node, to_world, touch});
     });
 }
 
@@ -141,7 +131,7 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
     std::vector<PlacedMesh> placed;
     std::vector<bool> seen(model.nodes.size(), false);
     std::vector<Visit> stack; // instead of recursion: a chain of nodes may be any length
-    push_all(stack, root_nodes(model), Eigen::Affine3d::Identity(), 0.0);
+    push_all(stack, root_nodes(model), Eigen::Affine3d::Identity(), {});
     while (!stack.empty()) {
         const Visit visit = stack.back();
         stack.pop_back();
@@ -157,35 +147,33 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
         if (!to_world.matrix().allFinite()) {
             throw InputError(label + ": its transform is not finite");
         }
-        const double eta = eta_of(node, visit.eta, label);
+        const TouchExtras touch = read_touch(node.extras_json_string, visit.parent_touch, label);
         if (node.mesh >= 0) {
             checked_index(node.mesh, model.meshes.size(), label + ": mesh");
             placed.push_back(
-                {name_of(model, index), label, node.mesh, to_world, eta, node.skin >= 0});
+                {name_of(model, index), label, node.mesh, to_world, touch, node.skin >= 0});
+            placed.back().touch.material.name = placed.back().name;
+        } else if (touch.shape) {
+            throw InputError(label + ": extras.shape needs a mesh on the same node, to be fitted "
+                                     "to; move it to the node that has the mesh");
         }
-        push_all(stack, node.children, to_world, eta);
+        push_all(stack, node.children, to_world, touch);
     }
     return placed;
 }
 
 bool is_in_metres(const tinygltf::Model &model) {
     bool in_metres = false;
-    const auto check = [&](const tinygltf::Value &extras, const std::string &owner) {
-        if (!extras.IsObject() || !extras.Has("units")) {
-            return;
-        }
-        const tinygltf::Value &units = extras.Get("units");
-        if (!units.IsString() || units.Get<std::string>() != "m") {
-            throw InputError(owner + ".extras.units is " +
-                             (units.IsString() ? in_quotes(units.Get<std::string>()) : "no text") +
-                             "; it must be 'm' (metres), or left out to fit the scene");
-        }
-        in_metres = true;
+    const auto check = [&](const std::string &extras_json, const std::string &owner) {
+        constexpr std::array<std::string_view, 1> kUnits = {"m"};
+        const Extras extras(extras_json, owner);
+        in_metres |=
+            extras.word("units", kUnits, "'m' (metres), or left out to fit the scene").has_value();
     };
-    check(model.asset.extras, "asset");
+    check(model.asset.extras_json_string, "asset");
     const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
     if (scene < model.scenes.size()) {
-        check(model.scenes[scene].extras, "scene");
+        check(model.scenes[scene].extras_json_string, "scene");
     }
     return in_metres;
 }

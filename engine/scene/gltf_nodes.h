@@ -1,6 +1,8 @@
 // The node graph of a glTF, flattened: which meshes stand where, and how they feel.
 #pragma once
 
+#include "engine/scene/touch_extras.h"
+
 #include <Eigen/Geometry>
 
 #include <string>
@@ -8,8 +10,7 @@
 
 namespace tinygltf {
 class Model;
-class Value;
-} // namespace tinygltf
+}
 
 namespace springdrive::gltf {
 
@@ -19,14 +20,15 @@ struct PlacedMesh {
     std::string label; ///< for messages: "node 'name'" or "node 3"
     int mesh = -1;     ///< index into the model's meshes
     Eigen::Affine3d to_world{Eigen::Affine3d::Identity()};
-    double eta = 0.0; ///< η of (30), inherited along the graph
+    TouchExtras touch; ///< its material's name is `name`
     bool has_skin = false;
 };
 
 /// The meshes of the default scene, depth first in the file's order. Without a default the first
 /// scene is taken; without any scene, every node that has no parent.
 /// @throw InputError naming the node: for a graph that is no tree, references to what is not
-///        there, transforms that are not finite or no affine maps, and η outside [0, 1].
+///        there, transforms that are not finite or no affine maps, rotations that are no unit
+///        quaternions, and extras as `read_touch` refuses them.
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
 
 /// Whether the scene that `place_meshes` takes, or the asset, is in metres.

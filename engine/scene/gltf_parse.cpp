@@ -53,6 +53,7 @@ tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
                       const std::filesystem::path &folder) {
     std::string base = folder.string();
     tinygltf::TinyGLTF reader;
+    reader.SetStoreOriginalJSONForExtrasAndExtensions(true); // for `Extras`
     reader.SetImageLoader(&keep_encoded, nullptr);
     reader.SetFsCallbacks(
         {&is_companion, &tinygltf::ExpandFilePath, &read_companion, nullptr, &base});

@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 #include "device/device_file.h"
+#include "engine/contact/analytic_shape.h"
 #include "engine/contact/haptic_surface.h"
 
 #include <array>
@@ -20,13 +21,15 @@ struct VisualVertex {
     std::array<float, 2> texture_coordinate;
 };
 
-/// One triangle list with one texture at most.
+/// One triangle list with one texture at most. Large ones come in pieces; see `in_pieces`.
 struct VisualMesh {
     std::string name; ///< the glTF node's name
     std::vector<VisualVertex> vertices;
     std::vector<std::uint32_t> indices; ///< three a triangle
     int texture = -1;                   ///< index into Scene::textures, −1 for none
     bool double_sided = false;
+    bool translucent = false;          ///< by its colours or its texture
+    Vector3 centre_m{Vector3::Zero()}; ///< of its vertices
 };
 
 struct Texture {
@@ -36,14 +39,16 @@ struct Texture {
     std::vector<std::uint8_t> rgba; ///< sRGB colour, four bytes a pixel, top row first
     Wrap wrap_s = Wrap::repeat;
     Wrap wrap_t = Wrap::repeat;
+    bool has_alpha = false; ///< some pixel is see-through
 };
 
 struct Scene {
     std::filesystem::path file;
     std::vector<VisualMesh> meshes;
     std::vector<Texture> textures;
-    TriangleSoup surface;             ///< all that can be touched
-    Vector3 lower_m{Vector3::Zero()}; ///< bounding box, device frame
+    TriangleSoup surface;              ///< the triangles that can be touched
+    std::vector<AnalyticShape> shapes; ///< touched too; their materials are those of `surface`
+    Vector3 lower_m{Vector3::Zero()};  ///< bounding box, device frame
     Vector3 upper_m{Vector3::Zero()};
     double metres_per_unit = 1.0;     ///< how the file's units were scaled
     bool in_metres = false;           ///< the file asked for metres, so nothing was fitted

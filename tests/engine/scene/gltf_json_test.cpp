@@ -1,5 +1,7 @@
 #include "engine/scene/gltf_json.h"
 
+#include "base/input_error.h"
+
 #include <gtest/gtest.h>
 
 namespace springdrive::gltf {
@@ -11,6 +13,32 @@ TEST(GltfJson, DepthCountsBracketsOutsideStringsOnly) {
     EXPECT_EQ(json_nesting_depth(R"({"[[[[\"[[[[": "{{{{"})"), 1U);
     EXPECT_EQ(json_nesting_depth(std::string(5000, '[')), 5000U);
     EXPECT_EQ(json_nesting_depth("]]]]{\"\\"), 1U);
+}
+
+TEST(GltfJson, ByteOffsetsMustBeWholeNumbersFromZero) {
+    const auto refused = [](const std::string &text, const std::string &message) {
+        try {
+            check_byte_offsets(text);
+            ADD_FAILURE() << text;
+        } catch (const InputError &error) {
+            EXPECT_EQ(error.what(), message + "; it must be a whole number from 0");
+        }
+    };
+    refused(R"({"bufferViews": [{}, {"byteOffset": -4}]})", "buffer view 1: its byteOffset is -4");
+    refused(R"({"bufferViews": [{"byteStride": -12}]})", "buffer view 0: its byteStride is -12");
+    refused(R"({"accessors": [{"byteOffset": 4.5}]})", "accessor 0: its byteOffset is 4.5");
+    refused(R"({"accessors": [{}, {}, {"byteOffset": "4"}]})",
+            R"(accessor 2: its byteOffset is "4")");
+    refused(R"({"accessors": [{"byteOffset": null}]})", "accessor 0: its byteOffset is null");
+    refused(R"({"accessors": [{"sparse": {"values": {"byteOffset": -1}}}]})",
+            "accessor 0: sparse values: its byteOffset is -1");
+    for (const std::string text :
+         {"", "[]", R"({"bufferViews": 3})", R"({"bufferViews": [7], "accessors": [[], null]})",
+          R"({"accessors": [{"sparse": 1}, {"sparse": {"indices": []}}, {"byteOffset": 0}]})",
+          R"({"bufferViews": [{"byteOffset": 18446744073709551615, "byteStride": 12}]})",
+          R"({"extras": {"byteOffset": -4}})"}) {
+        EXPECT_NO_THROW(check_byte_offsets(text)) << text;
+    }
 }
 
 TEST(GltfJson, OnlyDracoPrimitivesLoseTheirIndices) {

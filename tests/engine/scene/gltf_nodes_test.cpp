@@ -124,7 +124,6 @@ TEST(GltfNodes, RefusesTransformsThatAreNoneAndNamesTheNode) {
     };
     failing(R"("matrix": [1, 0, 0])", "its matrix has 3 numbers; it takes 16");
     failing(R"("scale": [1, 2])", "its scale has 2 numbers");
-    failing(R"("rotation": [0, 0, 0, 0])", "its rotation is no quaternion");
     failing(R"("matrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1])", "its matrix is no affine map");
     failing(R"("scale": [1e308, 1e308, 1e308], "translation": [1e308, 0, 0]}, {"mesh": 0,
                "children": [0], "scale": [1e308, 1, 1])",
@@ -140,32 +139,20 @@ TEST(GltfNodes, RefusesVerticesTakenOutOfTheFinite) {
     expect_failure(builder, "node 'X': its transform takes vertex 1 out of the finite");
 }
 
-TEST(GltfNodes, EtaIsInheritedUnlessANodeSaysOtherwise) {
-    GltfBuilder builder = one_triangle();
-    builder.nodes = {R"({"mesh": 0, "name": "rigid"})",
-                     R"({"mesh": 0, "name": "soft", "children": [2, 3], "extras": {"eta": 0.5}})",
-                     R"({"mesh": 0, "name": "heir", "extras": {"other": 1}})",
-                     R"({"mesh": 0, "name": "rebel", "extras": {"eta": 1}})"};
-    const Scene scene = load(builder);
-    ASSERT_EQ(scene.surface.materials.size(), 4U);
-    const std::array<std::string, 4> names = {"rigid", "soft", "heir", "rebel"};
-    const std::array<double, 4> etas = {0.0, 0.5, 0.5, 1.0};
-    for (std::size_t i = 0; i < 4; ++i) {
-        EXPECT_EQ(scene.surface.materials[i].name, names[i]);
-        EXPECT_EQ(scene.surface.materials[i].eta, etas[i]) << names[i];
-    }
-}
-
-TEST(GltfNodes, RefusesEtaOutsideZeroToOneAndNamesNodeAndValue) {
-    const auto failing = [](const std::string &value, const std::string &shown) {
-        expect_failure(one_triangle(R"("name": "pad", "extras": {"eta": )" + value + "}"),
-                       "node 'pad': extras.eta is " + shown + "; it must be a number from 0");
+TEST(GltfNodes, RotationsOffUnitLengthByRoundingAreNormalisedOthersRefused) {
+    // Turned by 180° about x, so (0, ¼, 0) comes out at (0, −¼, 0) whatever the length.
+    const auto vertices = vertices_under({R"({"mesh": 0, "rotation": [1.0009, 0, 0, 0]})"});
+    EXPECT_LT((vertices[2] - Vector3(0, -0.25, 0)).norm(), kRounding_m);
+    EXPECT_NO_THROW(load(one_triangle(R"("rotation": [0, 0, 0, 0.9991])")));
+    const auto failing = [](const std::string &rotation, const std::string &length) {
+        expect_failure(one_triangle(R"("name": "X", "rotation": )" + rotation),
+                       "node 'X': its rotation is a quaternion of length " + length +
+                           "; it must have length 1");
     };
-    failing("1.5", "1.5");
-    failing("-0.1", "-0.1");
-    failing("\"soft\"", "'soft'");
-    failing("[1]", "no number");
-    failing("true", "no number");
+    failing("[0, 0, 0, 1.0011]", "1.0011");
+    failing("[0, 0, 0, 0.9989]", "0.9989");
+    failing("[0, 0, 3, 4]", "5");
+    failing("[0, 0, 0, 0]", "0");
 }
 
 TEST(GltfNodes, NamesFallBackToTheMeshAndThenToTheNumber) {

@@ -50,10 +50,12 @@ TEST(Gltf, MetresAreTakenAsTheyStandFromAssetOrScene) {
 TEST(Gltf, OtherUnitsAreRefused) {
     GltfBuilder builder = one_triangle();
     builder.asset = R"({"version": "2.0", "extras": {"units": "mm"}})";
-    expect_failure(builder, "asset.extras.units is 'mm'; it must be 'm'");
+    expect_failure(builder, "asset: extras.units is 'mm'; it must be 'm'");
     builder.asset = R"({"version": "2.0"})";
     builder.scenes = {R"({"nodes": [0], "extras": {"units": 1}})"};
-    expect_failure(builder, "scene.extras.units is no text");
+    expect_failure(builder, "scene: extras.units is 1; it must be 'm'");
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": null}})"};
+    expect_failure(builder, "scene: extras.units is null; it must be 'm'");
 }
 
 TEST(Gltf, MetresOutsideTheWorkspaceAreRemarkedOnAndAbsurdOnesRefused) {
@@ -92,13 +94,18 @@ TEST(Gltf, EverythingInOnePointIsRefused) {
     expect_failure(one_triangle(R"("scale": [0, 0, 0])"), "all its triangles lie in one point");
 }
 
-TEST(Gltf, AbsurdNumbersOfTrianglesAreRefused) {
-    // 300 nodes with 70,000 triangles each: 21 million.
+TEST(Gltf, AbsurdNumbersOfTrianglesAreRefusedBeforeAnyIsRead) {
+    // 70,000 triangles a node, at 300 bytes.
     GltfBuilder builder = one_triangle();
-    builder.add_accessor(std::vector<std::uint8_t>(210'000, 0), kUnsignedByte, "SCALAR");
+    builder.add_accessor(std::vector<std::uint8_t>(210'000, 7), kUnsignedByte, "SCALAR");
     builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]})"};
-    builder.nodes.assign(300, R"({"mesh": 0})");
-    expect_failure(builder, "more than 20000000 triangles");
+    builder.nodes.assign(500, R"({"mesh": 0})");
+    expect_failure(
+        builder,
+        "node 409: with it the scene has 28700000 triangles and 1230 vertices, "
+        "for which loading needs about 8 GiB of memory; at most 8 GiB are allowed: simplify it");
+    builder.nodes.resize(409);
+    expect_failure(builder, "index 7 is out of range"); // just few enough to look inside
 }
 
 TEST(Gltf, MoreMaterialsThanTrianglesCanNameAreRefused) {

@@ -71,12 +71,18 @@ int pthread_mutex_lock(pthread_mutex_t *mutex) {
 namespace springdrive {
 namespace {
 
+std::unique_ptr<LoadedScene> scene_named(const std::string &name,
+                                         const DeviceDescription &description) {
+    LoadProgress progress;
+    return load_scene(testing::assets() / "scenes" / (name + ".gltf"), description.workspace,
+                      progress);
+}
+
 /// Every scene of the project, touched by the scripted hand, with every map and source of α.
 struct Rig {
     Rig(const std::string &scene_name, MotionMap map, AlphaMode alpha_mode)
         : description(testing::phantom_1_0()),
-          scene(load_scene(testing::assets() / "scenes" / (scene_name + ".gltf"),
-                           description.workspace)),
+          scene(scene_named(scene_name, description)),
           device(description, options(), start()), loop(device, 1e-3) {
         inputs.mesh = &scene->mesh;
         inputs.tuning.map = map;

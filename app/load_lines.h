@@ -1,0 +1,39 @@
+// Tells on a stream how far a loading has come, for those who wait before a terminal.
+#pragma once
+
+#include "engine/scene/load_progress.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <iosfwd>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace springdrive {
+
+/// Prints "springdrive: big.glb: gathering triangles, 40 %" once a period while it lives, the first
+/// time after one: what loads faster goes without a word.
+class LoadLines {
+public:
+    /// @param progress and `out` must outlive it
+    LoadLines(std::string file, const LoadProgress &progress, std::ostream &out,
+              std::chrono::milliseconds period = std::chrono::seconds(1));
+    ~LoadLines();
+    LoadLines(const LoadLines &) = delete;
+    LoadLines &operator=(const LoadLines &) = delete;
+
+private:
+    void print_each_period();
+
+    std::string file_;
+    const LoadProgress &progress_;
+    std::ostream &out_;
+    std::chrono::milliseconds period_;
+    std::mutex mutex_;
+    std::condition_variable ended_;
+    bool has_ended_ = false;
+    std::thread thread_;
+};
+
+} // namespace springdrive

@@ -1,0 +1,32 @@
+#include "engine/scene/load_allowance.h"
+
+#include "base/input_error.h"
+#include "engine/scene/gltf_text.h"
+
+#include <cmath>
+#include <string>
+
+namespace springdrive::gltf {
+
+namespace {
+
+std::string in_GiB(double bytes) {
+    return shortest(std::round(bytes / (1024.0 * 1024.0 * 1024.0) * 10.0) / 10.0) + " GiB";
+}
+
+} // namespace
+
+void LoadAllowance::add(std::size_t triangles, std::size_t vertices) {
+    triangles_ += triangles;
+    vertices_ += vertices;
+    const double needed_bytes = kPerTriangle_bytes * static_cast<double>(triangles_) +
+                                kPerVertex_bytes * static_cast<double>(vertices_);
+    if (needed_bytes > kMostMemory_bytes) {
+        throw InputError("with it the scene has " + std::to_string(triangles_) + " triangles and " +
+                         std::to_string(vertices_) + " vertices, for which loading needs about " +
+                         in_GiB(needed_bytes) + " of memory; at most " + in_GiB(kMostMemory_bytes) +
+                         " are allowed: simplify it");
+    }
+}
+
+} // namespace springdrive::gltf

@@ -1,0 +1,171 @@
+#include "engine/scene/smooth_nodes.h"
+
+#include "base/input_error.h"
+#include "engine/scene/curved_patches.h"
+#include "engine/scene/gltf_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace springdrive::gltf {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+constexpr std::size_t kMostCuts = 128; // of an edge; more is asked for by damaged normals only
+
+/// The primitives of one smooth node and the patches that they make.
+struct SmoothNode {
+    std::span<PlacedPrimitive> primitives;
+    CurvedPatches patches;
+    std::size_t triangles;
+    std::size_t wanted_cuts;
+    std::size_t cuts;
+};
+
+/// All primitives as one mesh, in world coordinates.
+SmoothMesh joined(std::span<const PlacedPrimitive> primitives) {
+    SmoothMesh mesh;
+    for (const PlacedPrimitive &primitive : primitives) {
+        const std::string &label = primitive.node->label;
+        if (primitive.geometry->normal.empty()) {
+            throw InputError(label + ": extras.smooth needs normals; export it with them");
+        }
+        const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+        for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
+            mesh.positions.push_back(primitive.positions[i]);
+            mesh.normals.push_back(world_normal(primitive, i).stableNormalized());
+            if (!(std::abs(mesh.normals.back().norm() - 1.0) < 0.5)) {
+                throw InputError(label + ": extras.smooth needs normals, but that of vertex " +
+                                 std::to_string(i) + " has no direction; export it again");
+            }
+        }
+        for (const auto &[a, b, c] : primitive.geometry->triangles) {
+            mesh.triangles.push_back({first + a, first + b, first + c});
+        }
+    }
+    return mesh;
+}
+
+/// What the vertices of the cut patches have of a vertex attribute.
+Attribute interpolated(const Attribute &coarse, const std::vector<Triangle> &triangles,
+                       std::size_t cuts) {
+    Attribute fine{coarse.components, {}};
+    if (coarse.empty()) {
+        return fine;
+    }
+    for (const Triangle &triangle : triangles) {
+        for_each_grid_point(cuts, [&](const std::array<std::size_t, 3> &weights) {
+            for (std::size_t c = 0; c < static_cast<std::size_t>(coarse.components); ++c) {
+                double sum = 0.0;
+                for (std::size_t corner = 0; corner < 3; ++corner) {
+                    sum += static_cast<double>(weights[corner]) * coarse[triangle[corner]][c];
+                }
+                fine.values.push_back(sum / static_cast<double>(cuts));
+            }
+        });
+    }
+    return fine;
+}
+
+/// @param first of the patches that are the primitive's
+void bend(PlacedPrimitive &primitive, const CurvedPatches &patches, std::size_t first,
+          std::size_t cuts) {
+    const PrimitiveGeometry &coarse = *primitive.geometry;
+    SmoothMesh curved = patches.cut(cuts, first, first + coarse.triangles.size());
+    PrimitiveGeometry fine;
+    fine.colour = interpolated(coarse.colour, coarse.triangles, cuts);
+    fine.texture_coordinate = interpolated(coarse.texture_coordinate, coarse.triangles, cuts);
+    fine.triangles = std::move(curved.triangles);
+    primitive.geometry = std::make_shared<const PrimitiveGeometry>(std::move(fine));
+    primitive.positions = std::move(curved.positions);
+    primitive.normals = std::move(curved.normals);
+}
+
+void bend(const SmoothNode &node) {
+    std::size_t first = 0;
+    for (PlacedPrimitive &primitive : node.primitives) {
+        const std::size_t count = primitive.geometry->triangles.size();
+        bend(primitive, node.patches, first, node.cuts);
+        first += count;
+    }
+}
+
+std::size_t triangles_of(std::span<const PlacedPrimitive> primitives) {
+    std::size_t triangles = 0;
+    for (const PlacedPrimitive &primitive : primitives) {
+        triangles += primitive.geometry->triangles.size();
+    }
+    return triangles;
+}
+
+/// Those that are worth bending: too many triangles to be cut even once are left as they are.
+std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
+                                          std::vector<std::string> &remarks) {
+    std::vector<SmoothNode> nodes;
+    for (std::span rest(primitives); !rest.empty();) {
+        const std::span those = rest.first(first_node_size(rest));
+        rest = rest.subspan(those.size());
+        const PlacedMesh *const node = those.front().node;
+        const std::size_t triangles = triangles_of(those);
+        if (!node->touch.smooth) {
+            continue;
+        }
+        if (4 * triangles > kMostCurvedTriangles) {
+            remarks.push_back(node->label + ": is too large to be smoothed further; its " +
+                              std::to_string(triangles) + " triangles stay flat");
+            continue;
+        }
+        CurvedPatches patches(joined(those));
+        const std::size_t cuts = patches.cuts_for(kSmooth_deg / kDegreesPerRadian, kMostCuts);
+        nodes.push_back({those, std::move(patches), triangles, cuts, cuts});
+    }
+    return nodes;
+}
+
+/// Coarser cuts for all, where they would make too many triangles.
+void keep_within_allowance(std::vector<SmoothNode> &nodes) {
+    double wanted = 0.0;
+    for (const SmoothNode &node : nodes) {
+        wanted += static_cast<double>(node.triangles * node.cuts * node.cuts);
+    }
+    const double share = std::sqrt(static_cast<double>(kMostCurvedTriangles) / wanted);
+    for (SmoothNode &node : nodes) {
+        const double cuts = std::floor(share * static_cast<double>(node.cuts));
+        node.cuts = std::clamp<std::size_t>(static_cast<std::size_t>(cuts), 1, node.cuts);
+    }
+}
+
+void remark_on(const SmoothNode &node, std::vector<std::string> &remarks) {
+    if (node.cuts == node.wanted_cuts && node.cuts < kMostCuts) {
+        return; // as smooth as it should be
+    }
+    const double turn_deg =
+        node.patches.greatest_turn_rad(std::max<std::size_t>(node.cuts, 2)) * kDegreesPerRadian;
+    const double reached_deg = node.cuts == 1 ? 2.0 * turn_deg : turn_deg;
+    if (reached_deg > kSmooth_deg) {
+        remarks.push_back(node.primitives.front().node->label + ": its " +
+                          std::to_string(node.triangles * node.cuts * node.cuts) +
+                          " curved facets still differ by up to " +
+                          shortest(std::round(100.0 * reached_deg) / 100.0) +
+                          " degrees from their neighbours, instead of " + shortest(kSmooth_deg));
+    }
+}
+
+} // namespace
+
+void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
+                       std::vector<std::string> &remarks) {
+    std::vector<SmoothNode> nodes = find_smooth_nodes(primitives, remarks);
+    keep_within_allowance(nodes);
+    for (const SmoothNode &node : nodes) {
+        remark_on(node, remarks);
+        if (node.cuts > 1) {
+            bend(node);
+        }
+    }
+}
+
+} // namespace springdrive::gltf
