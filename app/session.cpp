@@ -55,7 +55,7 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const Workspace &workspace, LoadProgress &progress) {
     Scene scene = load_gltf(file, workspace, &progress);
     progress.begin(LoadProgress::Stage::preparing, false);
-    HapticSurface mesh(scene.surface);
+    HapticSurface mesh(scene.surface, scene.shapes);
     std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
     return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(mesh)});

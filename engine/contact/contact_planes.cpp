@@ -15,8 +15,8 @@ namespace {
 constexpr double kExact_m = 1e-12;
 
 /// The same where planes are so nearly parallel that the line they meet in says nothing, and one
-/// of them has to stand for both [m]. Still well within the proxy's clearance.
-constexpr double kTolerable_m = 0.5 * kRim_m;
+/// of them has to stand for both [m]. A hundredth of the proxy's clearance.
+constexpr double kTolerable_m = 0.01 * kClearance_m;
 
 /// Sine of the angle below which that is so.
 constexpr double kParallel = 1e-7;
@@ -143,6 +143,15 @@ private:
 
 NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
                            const Vector3 &inside_m) noexcept {
+    // Most questions are about no plane or one.
+    if (planes.size() == 0) {
+        return {tip_m, {}};
+    }
+    if (planes.size() == 1) {
+        const double depth_m = -planes[0].height_m(tip_m);
+        return depth_m > 0.0 ? NearestPoint{tip_m + depth_m * planes[0].normal, planes}
+                             : NearestPoint{tip_m, {}};
+    }
     const Search search(tip_m, planes);
     if (search.found()) {
         return search.best();

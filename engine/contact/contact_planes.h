@@ -15,17 +15,18 @@ namespace springdrive {
 struct ContactPlane {
     Vector3 normal{Vector3::Zero()}; ///< unit, towards the free side
     double offset_m = 0.0;
-    std::uint32_t triangle = 0; ///< the triangle in this plane
+    std::uint32_t obstacle = 0; ///< what lies behind it, as `HapticSurface` counts
 
     [[nodiscard]] double height_m(const Vector3 &point_m) const noexcept {
         return normal.dot(point_m) - offset_m;
     }
 };
 
-/// A small list of planes without an allocation.
+/// A small list of planes without an allocation: the three that can hold a point, and one more to
+/// be met.
 class ContactPlanes {
 public:
-    static constexpr std::size_t kCapacity = 8;
+    static constexpr std::size_t kCapacity = 4;
 
     /// Does nothing when the list is full.
     void add(const ContactPlane &plane) noexcept {

@@ -2,17 +2,12 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 namespace springdrive {
 
 namespace {
-
-/// A motion may use up this much of the clearance [m]: planes hold a proxy up to round-off. Where
-/// little is left there is no such slack, or a slow one would use it all up.
-constexpr double kSlack_m = 1e-12;
 
 /// Of the three corners the pair of edges that meet at the widest angle gives the normal with the
 /// least cancellation: those that do not include the longest edge.
@@ -31,14 +26,28 @@ constexpr double kSlack_m = 1e-12;
     return to_next.cross(to_last);
 }
 
-[[nodiscard]] double squared_distance_to_segment(const Vector3 &point_m, const Vector3 &a_m,
-                                                 const Vector3 &b_m) noexcept {
-    const Vector3 along = b_m - a_m;
-    const double fraction = std::clamp((point_m - a_m).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    return (point_m - a_m - fraction * along).squaredNorm();
+/// The edges' directions away from the triangle, in its plane, each as long as its edge.
+using Outwards = std::array<Vector3, 3>;
+
+[[nodiscard]] Outwards outwards(const std::array<Vector3, 3> &corners_m,
+                                const Vector3 &normal) noexcept {
+    return {(corners_m[1] - corners_m[0]).cross(normal),
+            (corners_m[2] - corners_m[1]).cross(normal),
+            (corners_m[0] - corners_m[2]).cross(normal)};
 }
 
 } // namespace
+
+/// A motion that passes through the layer within reach of the facet's plane.
+struct Facet::Crossing {
+    const Vector3 &from_m;
+    const Vector3 &to_m;
+    double reach_m;
+    double enters; ///< fraction of the motion where it enters the layer
+    Vector3 enters_m;
+    Vector3 leaves_m;
+    bool pierces; ///< the triangle itself, or ends in the layer over it
+};
 
 double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
     const double longest = std::sqrt(std::max({(corners_m[1] - corners_m[0]).squaredNorm(),
@@ -49,55 +58,100 @@ double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
 
 Facet::Facet(const FacetSource &source) noexcept
     : normal_(area_vector(source.corners_m).normalized()),
-      offset_m_(normal_.dot(source.corners_m[0])), sides_(source.sides), triangle_(source.triangle),
-      corners_m_(source.corners_m) {}
+      offset_m_(normal_.dot(source.corners_m[0])), corners_m_(source.corners_m),
+      triangle_(source.triangle), material_(source.material), sides_(source.sides) {}
 
-std::optional<double> Facet::stop(const Vector3 &from_m, const Vector3 &to_m) const noexcept {
+std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
+                                double reach_m) const noexcept {
     double start_m = height_m(from_m);
     double end_m = height_m(to_m);
-    if (sides_ == FacetSides::two && start_m < 0.0) {
+    double side = 1.0;
+    if (start_m < 0.0) {
+        if (sides_ == FacetSides::one) {
+            return std::nullopt;
+        }
+        side = -1.0;
         start_m = -start_m;
         end_m = -end_m;
     }
-    const bool starts_in_front =
-        sides_ == FacetSides::two ? start_m > 0.0 : start_m >= -kRoundOff_m;
-    const double slack_m = end_m < kRoundOff_m ? 0.0 : kSlack_m;
-    if (!starts_in_front || !(end_m < std::min(start_m, kClearance_m) - slack_m)) {
+    if (std::min(start_m, end_m) >= reach_m - kSlack_m) {
         return std::nullopt;
     }
-    // Whether the facet is in the way is asked where the motion is lowest in front of it: where it
-    // pierces the plane, or at its end.
+
+    const Vector3 motion = to_m - from_m;
     const double descent_m = start_m - end_m;
-    const double lowest = std::clamp(start_m / descent_m, 0.0, 1.0);
-    if (!covers(from_m + lowest * (to_m - from_m))) {
-        return std::nullopt;
+    const double enters = start_m > reach_m ? (start_m - reach_m) / descent_m : 0.0;
+    const double leaves = end_m < -reach_m ? (start_m + reach_m) / descent_m : 1.0;
+    const double lowest = end_m < 0.0 ? start_m / descent_m : 1.0;
+    const Vector3 enters_m = from_m + enters * motion;
+    const Vector3 leaves_m = from_m + leaves * motion;
+    const Vector3 lowest_m = from_m + lowest * motion;
+
+    bool is_over_start = true;
+    bool pierces = end_m < reach_m - kSlack_m;
+    const Outwards outward = outwards(corners_m_, normal_);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double out_enters = outward[i].dot(enters_m - corners_m_[i]);
+        const double out_leaves = outward[i].dot(leaves_m - corners_m_[i]);
+        const double nearer = std::min(out_enters, out_leaves);
+        if (nearer > 0.0 && nearer * nearer > reach_m * reach_m * outward[i].squaredNorm()) {
+            return std::nullopt; // passes beyond this edge
+        }
+        is_over_start = is_over_start && out_enters <= 0.0;
+        pierces = pierces && outward[i].dot(lowest_m - corners_m_[i]) <= 0.0;
     }
-    return std::max(0.0, (start_m - kClearance_m) / descent_m);
+    if (is_over_start) {
+        const double kept_m = kept_distance_m(start_m, reach_m);
+        if (end_m >= std::min(start_m, nearest_allowed_m(kept_m, reach_m))) {
+            return std::nullopt; // it was too near before, and comes no nearer
+        }
+        return plane_above(enters, side, kept_m);
+    }
+    return stop_at_rim({from_m, to_m, reach_m, enters, enters_m, leaves_m, pierces});
 }
 
-bool Facet::covers(const Vector3 &point_in_plane_m) const noexcept {
-    bool is_on_rim = false;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Vector3 edge = corners_m_[(i + 1) % 3] - corners_m_[i];
-        const double outside = edge.cross(normal_).dot(point_in_plane_m - corners_m_[i]);
-        if (outside > 0.0) {
-            if (outside * outside > kRim_m * kRim_m * edge.squaredNorm()) {
-                return false;
-            }
-            is_on_rim = true;
+std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept {
+    const auto nearest_m = [this](const Vector3 &point_m) { return nearest(point_m).point_m; };
+    if (!crossing.pierces) {
+        // Asked exactly, since what slides along a neighbour's plane grazes this edge.
+        double least_m = crossing.reach_m;
+        for (std::size_t i = 0; i < 3; ++i) {
+            least_m = std::min(least_m, segment_distance_m(crossing.enters_m, crossing.leaves_m,
+                                                           corners_m_[i], corners_m_[(i + 1) % 3]));
+        }
+        if (least_m >= crossing.reach_m - kSlack_m) {
+            return std::nullopt;
         }
     }
-    if (!is_on_rim) {
-        return true;
+    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters, crossing.reach_m,
+                            nearest_m);
+}
+
+std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,
+                                 double within_m) const noexcept {
+    const double height = height_m(point_m);
+    if ((height < 0.0 && sides_ == FacetSides::one) || std::abs(height) > reach_m + within_m) {
+        return std::nullopt;
     }
-    // Straight rims would meet in a spike far beyond a sharp corner, so measure.
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (squared_distance_to_segment(point_in_plane_m, corners_m_[i], corners_m_[(i + 1) % 3]) <=
-            kRim_m * kRim_m) {
-            return true;
-        }
+    const double side = height < 0.0 ? -1.0 : 1.0;
+    if (is_over(point_m)) {
+        return plane_above(0.0, side, kept_distance_m(side * height, reach_m));
     }
-    return false;
+    const Vector3 nearest_m = nearest(point_m).point_m;
+    const Vector3 gap = point_m - nearest_m;
+    const double distance_m = gap.norm();
+    if (distance_m > reach_m + within_m || distance_m == 0.0) {
+        return std::nullopt;
+    }
+    const Vector3 normal = gap / distance_m;
+    return Stop{0.0, normal, normal.dot(nearest_m) + kept_distance_m(distance_m, reach_m)};
+}
+
+bool Facet::is_over(const Vector3 &point_m) const noexcept {
+    const Outwards outward = outwards(corners_m_, normal_);
+    return outward[0].dot(point_m - corners_m_[0]) <= 0.0 &&
+           outward[1].dot(point_m - corners_m_[1]) <= 0.0 &&
+           outward[2].dot(point_m - corners_m_[2]) <= 0.0;
 }
 
 } // namespace springdrive

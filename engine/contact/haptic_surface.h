@@ -1,46 +1,107 @@
-// The touchable side of a scene: triangles in metres, device frame, prepared and searchable.
+// The touchable side of a scene: triangles and shapes in metres, device frame, prepared and
+// searchable.
 #pragma once
 
 #include "base/vector.h"
+#include "engine/contact/analytic_shape.h"
+#include "engine/contact/facet.h"
+#include "engine/contact/neighbourhood.h"
 #include "engine/contact/preparation/mesh_preparation.h"
+#include "engine/contact/search/box_tree.h"
 #include "engine/contact/triangle_soup.h"
-#include "engine/contact/triangle_tree.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace springdrive {
 
-/// Immutable: any number of threads may ask it at once. An empty mesh can never be touched.
+/// Where a motion from a to b has to end, at a + stop.fraction (b − a), and because of what.
+struct SurfaceStop {
+    Stop stop;
+    std::uint32_t obstacle = 0; ///< see HapticSurface
+    bool is_known = true;       ///< false: the search ended here for want of budget
+};
+
+/// A point of an obstacle, with what a contact wants to know of it.
+struct SurfacePoint {
+    Vector3 point_m{Vector3::Zero()};
+    Vector3 barycentric{Vector3::Zero()}; ///< zero on a shape
+    std::uint32_t triangle = 0;           ///< of the soup; on a shape the soup's size + its index
+    std::uint16_t material = 0;
+};
+
+/// Immutable: any number of threads may ask it at once. An empty surface can never be touched.
 ///
 /// Surfaces that bound a volume stop the tip from outside only, so that a tip that starts within
-/// may leave. All others stop it from both sides.
+/// may leave. All others stop it from both sides. Facets and shapes together are its *obstacles*,
+/// counted through: facets first.
 class HapticSurface {
 public:
     HapticSurface() = default;
 
-    /// @throw std::invalid_argument as `prepare_mesh` does
-    explicit HapticSurface(TriangleSoup soup);
+    /// Prepares triangles and builds the search structure, in as many threads as there are cores.
+    /// @throw std::invalid_argument as `prepare_mesh` does, or for a shape that has no material or
+    ///        is one too many
+    explicit HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes = {});
 
-    /// The first facet that stops a straight motion, if any does. RT-safe.
-    [[nodiscard]] std::optional<SurfaceHit> first_hit(const Vector3 &from_m,
-                                                      const Vector3 &to_m) const noexcept {
-        return tree_.first_hit(from_m, to_m);
+    /// What stops a straight motion of a proxy with that reach first, if anything does. RT-safe:
+    /// looks at no more nodes of the tree than the budget has.
+    [[nodiscard]] std::optional<SurfaceStop> first_stop(const Vector3 &from_m, const Vector3 &to_m,
+                                                        double reach_m,
+                                                        SearchBudget &budget) const noexcept;
+
+    /// The same for a motion that a neighbourhood of this surface covers. RT-safe.
+    [[nodiscard]] std::optional<SurfaceStop> first_stop(const Neighbourhood &near,
+                                                        const Vector3 &from_m, const Vector3 &to_m,
+                                                        double reach_m) const noexcept;
+
+    /// Lists what lies within a ball, or a smaller one where that is too much for the list. A list
+    /// that covers nothing is left where even that does not help, or the budget ran out. RT-safe.
+    void find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
+                   Neighbourhood &near) const noexcept;
+
+    /// The plane in which a proxy touches an obstacle, if it is within `within_m` of doing so.
+    [[nodiscard]] std::optional<Stop> touch(std::uint32_t obstacle, const Vector3 &point_m,
+                                            double reach_m, double within_m) const noexcept;
+
+    /// The point of an obstacle nearest to `point_m`. RT-safe.
+    [[nodiscard]] SurfacePoint nearest(std::uint32_t obstacle,
+                                       const Vector3 &point_m) const noexcept;
+
+    [[nodiscard]] const Facet &facet(std::uint32_t index) const noexcept { return facets_[index]; }
+    [[nodiscard]] const std::vector<AnalyticShape> &shapes() const noexcept { return shapes_; }
+
+    /// Of an obstacle. RT-safe.
+    [[nodiscard]] const SurfaceMaterial &material(std::uint32_t obstacle) const noexcept {
+        return materials_[material_index(obstacle)];
     }
-
-    /// η of a triangle of the soup. @pre the index is one of a facet of this mesh. RT-safe.
-    [[nodiscard]] double eta(std::uint32_t triangle) const noexcept {
-        return materials_[material_of_triangle_[triangle]].eta;
+    [[nodiscard]] const std::vector<SurfaceMaterial> &materials() const noexcept {
+        return materials_;
     }
 
     [[nodiscard]] const MeshReport &report() const noexcept { return report_; }
 
+    /// What facets, tree, shapes and materials take [bytes].
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
+    /// Differs between any two surfaces of a run, but for empty ones and copies.
+    [[nodiscard]] std::uint64_t serial() const noexcept { return serial_; }
+
 private:
+    [[nodiscard]] std::optional<Stop> stop_at_shape(std::size_t shape, const Vector3 &from_m,
+                                                    const Vector3 &to_m,
+                                                    double reach_m) const noexcept;
+    [[nodiscard]] std::uint16_t material_index(std::uint32_t obstacle) const noexcept;
+
     std::vector<SurfaceMaterial> materials_;
-    std::vector<std::uint16_t> material_of_triangle_;
     MeshReport report_;
-    TriangleTree tree_;
+    std::vector<Facet> facets_; ///< in the order of the tree
+    bool has_two_sided_ = false;
+    BoxTree tree_;
+    std::vector<AnalyticShape> shapes_;
+    std::uint64_t serial_ = 0;
 };
 
 } // namespace springdrive

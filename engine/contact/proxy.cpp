@@ -1,8 +1,9 @@
 #include "engine/contact/proxy.h"
 
-#include "engine/contact/contact_planes.h"
+#include "engine/contact/friction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace springdrive {
@@ -12,85 +13,27 @@ namespace {
 /// Beyond this no tip can be [m]: a value to refuse, not to compute with.
 constexpr double kFarthestTip_m = 1e3;
 
-/// What is left of the clearance when the proxy is lifted to have all of it again [m]. More than a
-/// rim, so that a proxy that comes over an edge from one face passes beside the rim of the other.
-constexpr double kLeastClearance_m = 0.5 * kClearance_m;
-static_assert(kRim_m < kLeastClearance_m);
+/// A hop to a place of rest that is nearer may take the proxy farther from the tip on its way by
+/// this [m]: a third of what the device resolves. Facets of a smooth shape leave such low ridges
+/// between them, and edges that do not quite meet leave such steps.
+constexpr double kLowRidge_m = 1e-5;
 
-/// A proxy that would move less is where it belongs, and does not move [m]. In a pit of many facets
-/// it would go on for long by a few nanometres at a time.
-constexpr double kSettled_m = 1e-8;
+/// Nearer means nearer by more than round-off [m].
+constexpr double kNearer_m = 1e-12;
 
-/// A proxy held back this near to its goal needs no motion, and so no sweep [m].
-constexpr double kAtGoal_m = 1e-11;
+/// A hop that ends this near to where it was aimed has arrived [m].
+constexpr double kArrived_m = 1e-9;
 
-/// What one tick may cost. Most need three sweeps and no lift; this bounds the time of a wild one,
-/// and the next tick goes on from where it ended.
-struct Effort {
-    int sweeps_left = 128;
-    int lifts_left = 2; ///< see plane_above
+/// Farther than this a hop does not go [m]. All that it could go to is kept in sight, but for half
+/// of it where facets are so fine that no more comes into view.
+constexpr double kFarthestHop_m = 2e-4;
 
-    /// Enough for another slide: one cut short ends where its planes do not hold it yet.
-    [[nodiscard]] bool lasts() const noexcept { return sweeps_left > 16; }
-};
+/// How far to look around [m]: at first, and at most.
+constexpr double kFirstSight_m = 1e-3;
+constexpr double kFarthestSight_m = 0.5;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
     return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
-}
-
-/// The plane to stay above because of a facet that stops the proxy, on the side the proxy is on.
-///
-/// It is raised by the clearance, or by as much less as the proxy has: a proxy that no plane
-/// lifts never moves away from the tip, and so comes to rest also where six facets meet in a
-/// saddle and their raised planes do not. One that has lost half of its clearance is lifted to
-/// get all of it back, as long as the effort lasts.
-[[nodiscard]] ContactPlane plane_above(const Facet &facet, const Vector3 &proxy_m,
-                                       Effort &effort) noexcept {
-    const double height_m = facet.height_m(proxy_m);
-    const double side = facet.sides() == FacetSides::two && height_m < 0.0 ? -1.0 : 1.0;
-    const double kept_m = side * height_m;
-    const bool is_lifted = kept_m < kLeastClearance_m && effort.lifts_left-- > 0;
-    const double clearance_m = is_lifted ? kClearance_m : std::min(kept_m, kClearance_m);
-    // The plane's own offset is minus the height of the origin.
-    return {side * facet.normal(), clearance_m - side * facet.height_m(Vector3::Zero()),
-            facet.triangle()};
-}
-
-[[nodiscard]] bool holds(const ContactPlanes &planes, std::uint32_t triangle) noexcept {
-    return std::ranges::any_of(
-        planes, [triangle](const ContactPlane &plane) { return plane.triangle == triangle; });
-}
-
-/// One slide from `proxy_m` towards the tip, along the planes in `held_by` to begin with. Keeps
-/// only planes that hold it back: every new one then raises the least distance to the tip, so that
-/// the slide cannot go round in circles. Adds all that it meets to `met`. Returns where it ends,
-/// and the planes that hold it there.
-[[nodiscard]] NearestPoint slide(const HapticSurface &mesh, const Vector3 &tip_m, Vector3 proxy_m,
-                                 const ContactPlanes &held_by, ContactPlanes &met,
-                                 Effort &effort) noexcept {
-    NearestPoint goal = nearest_point(tip_m, held_by, proxy_m);
-    while (effort.sweeps_left-- > 0) {
-        if (goal.active.size() > 0 && (goal.point_m - proxy_m).norm() < kAtGoal_m) {
-            break;
-        }
-        const std::optional<SurfaceHit> hit = mesh.first_hit(proxy_m, goal.point_m);
-        if (!hit) {
-            proxy_m = goal.point_m;
-            break;
-        }
-        if (holds(goal.active, hit->facet->triangle())) {
-            break; // by round-off: the goal lies above this plane
-        }
-        const ContactPlane plane = plane_above(*hit->facet, proxy_m, effort);
-        proxy_m += hit->fraction * (goal.point_m - proxy_m);
-        if (!holds(met, plane.triangle)) {
-            met.add(plane);
-        }
-        ContactPlanes planes = goal.active;
-        planes.add(plane);
-        goal = nearest_point(tip_m, planes, proxy_m);
-    }
-    return {proxy_m, goal.active};
 }
 
 [[nodiscard]] Contact free_at(const Vector3 &point_m) noexcept {
@@ -99,64 +42,176 @@ struct Effort {
     return contact;
 }
 
-[[nodiscard]] Contact contact_of(const HapticSurface &mesh, const Vector3 &tip_m,
-                                 const Vector3 &proxy_m, const ContactPlanes &active) noexcept {
-    const AllowedMotion motion = allowed_motion(active);
-    const Vector3 gap = proxy_m - tip_m;
+[[nodiscard]] Contact contact_of(const HapticSurface &surface, const Vector3 &tip_m,
+                                 const Rest &rest) noexcept {
+    const AllowedMotion motion = allowed_motion(rest.held_by);
+    const ContactPlane &first = rest.held_by[0];
+    const Vector3 gap = rest.point_m - tip_m;
     const double gap_m = gap.norm();
     Contact contact;
     contact.touching = true;
-    contact.x0_m = proxy_m;
+    contact.x0_m = rest.point_m;
     contact.allowed_motion = motion.projector;
-    contact.normal = gap_m > kRoundOff_m ? Vector3(gap / gap_m) : active[0].normal;
+    contact.normal = gap_m > kLostByRoundOff_m ? Vector3(gap / gap_m) : first.normal;
     contact.active_constraints = motion.blocked_directions;
-    contact.triangle = active[0].triangle;
-    for (const ContactPlane &plane : active) {
-        contact.eta = std::min(contact.eta, mesh.eta(plane.triangle));
+    for (const ContactPlane &plane : rest.held_by) {
+        contact.eta = std::min(contact.eta, surface.material(plane.obstacle).eta);
     }
+    const SurfacePoint touched = surface.nearest(first.obstacle, rest.point_m);
+    contact.surface_m = touched.point_m;
+    contact.barycentric = touched.barycentric;
+    contact.triangle = touched.triangle;
+    contact.material = touched.material;
     return contact;
 }
 
 } // namespace
 
+Proxy::Proxy(double radius_m)
+    : reach_m_(std::max(radius_m, kClearance_m)), sight_m_(kFirstSight_m + reach_m_) {}
+
 void Proxy::reset(const Vector3 &tip_m) noexcept {
     if (is_usable(tip_m)) {
-        position_m_ = tip_m;
+        rest_ = {tip_m, {}};
+        sticks_ = slides_ = false;
+        last_tip_m_ = tip_m;
     }
 }
 
-Contact Proxy::update(const HapticSurface &mesh, const Vector3 &tip_m) noexcept {
+void Proxy::look_around(const HapticSurface &surface, const Vector3 &tip_m,
+                        Effort &effort) noexcept {
+    const Vector3 step = tip_m - last_tip_m_;
+    const double step_m = step.norm();
+    const double hop_m = sight_m_ > 4.0 * kFarthestHop_m ? kFarthestHop_m : 0.5 * kFarthestHop_m;
+    const double needed_m = reach_m_ + std::max(step_m, hop_m);
+    if (near_.surface_serial() == surface.serial() && near_.covers(rest_.point_m, needed_m)) {
+        return;
+    }
+    near_.clear();
+    if (rest_.held_by.size() == 0) {
+        sight_m_ = std::max(sight_m_, 2.0 * needed_m);
+    } else if (sight_m_ < 2.0 * needed_m) {
+        return; // too fast among too many facets for a list to pay
+    }
+    // Ahead of where it is, so that it lasts.
+    const double ahead = step_m > 0.0 ? 0.85 * (sight_m_ - needed_m) / step_m : 0.0;
+    look_about(surface, rest_.point_m + ahead * step, effort);
+}
+
+void Proxy::look_about(const HapticSurface &surface, const Vector3 &centre_m,
+                       Effort &effort) noexcept {
+    surface.find_near(centre_m, sight_m_, effort.search, near_);
+    // As many facets as make a list worth its making, and not so many that it overflows: on a
+    // surface their number grows with the square of the radius.
+    constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
+    const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * sight_m_;
+    const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
+    sight_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kFarthestSight_m);
+}
+
+bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
+                const Vector3 &tip_m) noexcept {
+    const double here_m = (rest_.point_m - tip_m).norm();
+    double least_m = here_m - reach_m_ - kNearer_m;
+    std::optional<Vector3> aim_m;
+    near_.for_each_shallower(tip_m, least_m, [&](std::uint32_t index, double depth_m) noexcept {
+        const Facet &facet = surface.facet(index);
+        const double side = facet.height_m(tip_m) <= 0.0 ? 1.0 : -1.0;
+        const Vector3 rest_m = tip_m + side * (depth_m + reach_m_) * facet.normal();
+        if (depth_m < least_m &&
+            (rest_m - rest_.point_m).squaredNorm() <= kFarthestHop_m * kFarthestHop_m &&
+            facet.is_over(tip_m)) {
+            aim_m = rest_m;
+            least_m = depth_m;
+        }
+    });
+    if (!aim_m) {
+        return false;
+    }
+    Rest there = rest_;
+    const std::size_t before = path_.size();
+    const bool has_settled = descent.settle(there, *aim_m);
+    const bool is_low = std::all_of(path_.begin() + before, path_.end(), [&](const Vector3 &point) {
+        return (point - tip_m).norm() <= here_m + kLowRidge_m;
+    });
+    if (!has_settled || !is_low || (there.point_m - *aim_m).norm() > kArrived_m) {
+        path_.cut(before);
+        return false;
+    }
+    rest_ = there;
+    return true;
+}
+
+bool Proxy::descend(const Descent &descent, const HapticSurface &surface, const Vector3 &tip_m,
+                    Effort &effort) noexcept {
+    constexpr int kMostHops = 4;
+    bool has_settled = descent.settle(rest_, tip_m);
+    if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
+        look_about(surface, rest_.point_m, effort); // it has leapt
+    }
+    for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
+        if (!hop(descent, surface, tip_m)) {
+            break;
+        }
+        has_settled = descent.settle(rest_, tip_m);
+    }
+    return has_settled;
+}
+
+void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+                const Vector3 &tip_m) noexcept {
+    const std::size_t first = before.is_touching() || path_.size() < 2 ? 0 : 1;
+    const double normal_m = (rest_.point_m - tip_m).norm();
+    const HeldBack held = hold_back(path_, first, normal_m, material, slides_);
+    sticks_ = held.sticks;
+    slides_ = !held.sticks;
+    if (held.sticks && first == 0) {
+        rest_ = before;
+        path_.cut(1);
+        return;
+    }
+    // Where the path leaves the surface on its way over an edge, down to what lies below.
+    const std::optional<SurfaceStop> below = descent.first_stop(held.point_m, tip_m);
+    if (!below || !below->is_known) {
+        return; // without friction, then
+    }
+    path_.cut(held.piece + 1);
+    rest_.point_m = held.point_m + below->stop.fraction * (tip_m - held.point_m);
+    rest_.held_by = ContactPlanes();
+    rest_.held_by.add({below->stop.normal, below->stop.offset_m, below->obstacle});
+    path_.add(held.point_m);
+    path_.add(rest_.point_m);
+}
+
+Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexcept {
+    path_.restart(rest_.point_m);
     if (!is_usable(tip_m)) {
-        return free_at(position_m_);
+        return free_at(rest_.point_m);
     }
     Effort effort;
-    ContactPlanes active;
-    // Where facets meet in a saddle, planes that hold the proxy when met in one order let it go in
-    // another. So it rests only if it also stays when it starts along any one that it met here.
-    ContactPlanes met;
-    std::size_t tried = 0;
-    while (effort.lasts() && (tried == 0 || tried < met.size())) {
-        ContactPlanes first;
-        if (tried > 0) {
-            first.add(met[tried]);
-        }
-        const NearestPoint end = slide(mesh, tip_m, position_m_, first, met, effort);
-        if (end.active.size() == 0) {
-            position_m_ = end.point_m;
-            return free_at(position_m_);
-        }
-        const bool has_moved = (end.point_m - position_m_).norm() > kSettled_m;
-        if (has_moved || tried == 0) {
-            active = end.active;
-        }
-        ++tried;
-        if (has_moved) {
-            position_m_ = end.point_m;
-            met = ContactPlanes();
-            tried = 0;
-        }
+    look_around(surface, tip_m, effort);
+    last_tip_m_ = tip_m;
+    const Descent descent(surface, near_, reach_m_, effort, path_);
+    const Rest before = rest_;
+    const bool has_settled = descend(descent, surface, tip_m, effort);
+    if (!rest_.is_touching()) {
+        // What ended in mid-air for want of effort pushes nobody either.
+        sticks_ = slides_ = false;
+        Contact contact = free_at(rest_.point_m);
+        contact.settled = has_settled;
+        return contact;
     }
-    return contact_of(mesh, tip_m, position_m_, active);
+    const SurfaceMaterial &material = surface.material(rest_.held_by[0].obstacle);
+    if (material.static_friction > 0.0) {
+        rub(descent, before, material, tip_m);
+    }
+    Contact contact = contact_of(surface, tip_m, rest_);
+    contact.settled = has_settled;
+    if (sticks_ && material.static_friction > 0.0) {
+        contact.sticking = true;
+        contact.allowed_motion.setZero();
+    }
+    return contact;
 }
 
 } // namespace springdrive

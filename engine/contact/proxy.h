@@ -1,32 +1,58 @@
 // The proxy (god-object): where the tip would be, had it not gone through the surface.
 //
-// Each tick it slides towards the tip: straight, until a facet stops it; then along the planes it
-// has met, to the point nearest to the tip that they allow; and again from there with a clean
-// slate, so that it comes over convex edges, until it rests. Every one of these motions is swept
-// against the mesh, so whatever the tip does, the proxy's path crosses no surface.
+// Each tick it descends towards the tip, in free space and along the surface, to the nearest point
+// that it can reach. Every motion is swept against the surface, so whatever the tip does, the
+// proxy's path crosses nothing. Ridges and steps too low to feel do not hold it. Where the material
+// has friction it stays behind, as far as Coulomb's law lets it.
 #pragma once
 
 #include "base/vector.h"
 #include "engine/contact/contact.h"
+#include "engine/contact/contact_planes.h"
+#include "engine/contact/descent.h"
 #include "engine/contact/haptic_surface.h"
+#include "engine/contact/neighbourhood.h"
+#include "engine/contact/proxy_path.h"
 
 namespace springdrive {
 
 class Proxy {
 public:
+    /// @param radius_m  how far it keeps from every surface; at least kClearance_m
+    explicit Proxy(double radius_m = 0.0);
+
     /// Starts free at the tip, on whichever side of the surface that is. A tip that is not finite
     /// is ignored.
     void reset(const Vector3 &tip_m) noexcept;
 
     /// Moves the proxy to the point nearest to the tip that it can reach without crossing the
-    /// surface. RT-safe: bounded iterations, no allocation, lock, I/O or throw.
+    /// surface. RT-safe: bounded effort, no allocation, lock, I/O or throw.
     ///
     /// A tip that is not finite, or a kilometre away, leaves the proxy where it is and makes the
     /// contact a free one; to stop the device is the safety monitor's part.
-    Contact update(const HapticSurface &mesh, const Vector3 &tip_m) noexcept;
+    Contact update(const HapticSurface &surface, const Vector3 &tip_m) noexcept;
+
+    /// How it went in the last update.
+    [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
 
 private:
-    Vector3 position_m_{Vector3::Zero()};
+    void look_around(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
+    void look_about(const HapticSurface &surface, const Vector3 &centre_m, Effort &effort) noexcept;
+    [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
+                               const Vector3 &tip_m, Effort &effort) noexcept;
+    [[nodiscard]] bool hop(const Descent &descent, const HapticSurface &surface,
+                           const Vector3 &tip_m) noexcept;
+    void rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+             const Vector3 &tip_m) noexcept;
+
+    double reach_m_;
+    Rest rest_;
+    bool sticks_ = false; ///< friction holds it
+    bool slides_ = false; ///< against friction
+    Vector3 last_tip_m_{Vector3::Zero()};
+    Neighbourhood near_;
+    double sight_m_; ///< radius to look around with next
+    ProxyPath path_;
 };
 
 } // namespace springdrive

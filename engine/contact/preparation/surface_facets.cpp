@@ -96,10 +96,10 @@ std::vector<FacetSource> make_facets(const std::vector<MeshTriangle> &triangles,
             }
             const MeshTriangle &triangle = triangles[i];
             const MeshComponent &component = topology.components[topology.component_of_triangle[i]];
-            const TouchSides wanted =
-                soup.materials[soup.material_of_triangle[triangle.triangle]].sides;
-            *facet++ = {corners_m(triangle, soup.vertices_m), sides_of(triangle, component, wanted),
-                        triangle.triangle};
+            const std::uint16_t material = soup.material_of_triangle[triangle.triangle];
+            *facet++ = {corners_m(triangle, soup.vertices_m),
+                        sides_of(triangle, component, soup.materials[material].sides),
+                        triangle.triangle, material};
         }
     });
     return facets;

@@ -39,7 +39,7 @@ TEST(NearestPoint, LiesUnderTheTipOnAFace) {
         nearest_point({0.01, -0.02, 0.03}, planes({{kX, -1.0, 1}, {kY, 0.005, 2}}), kY);
     EXPECT_LT((nearest.point_m - Vector3(0.01, 0.005, 0.03)).norm(), 1e-15);
     ASSERT_EQ(nearest.active.size(), 1U);
-    EXPECT_EQ(nearest.active[0].triangle, 2U);
+    EXPECT_EQ(nearest.active[0].obstacle, 2U);
 }
 
 TEST(NearestPoint, LiesInACorner) {
@@ -113,7 +113,7 @@ TEST(NearestPoint, TakesTheUpperOfTwoParallelPlanes) {
         {0.0, -0.01, 0.0}, planes({{kY, 0.001, 1}, {kY, 0.002, 2}, {kY, 0.0015, 3}}), kY);
     EXPECT_LT((nearest.point_m - Vector3(0.0, 0.002, 0.0)).norm(), 1e-15);
     ASSERT_EQ(nearest.active.size(), 1U);
-    EXPECT_EQ(nearest.active[0].triangle, 2U);
+    EXPECT_EQ(nearest.active[0].obstacle, 2U);
 }
 
 TEST(NearestPoint, LowersPlanesThatLeaveNoRoom) {
@@ -123,7 +123,7 @@ TEST(NearestPoint, LowersPlanesThatLeaveNoRoom) {
     const NearestPoint nearest = nearest_point({0.01, -0.01, 0.0}, gap, inside);
     EXPECT_LT((nearest.point_m - Vector3(0.01, 0.5e-9, 0.0)).norm(), 1e-12);
     ASSERT_EQ(nearest.active.size(), 1U);
-    EXPECT_EQ(nearest.active[0].triangle, 1U);
+    EXPECT_EQ(nearest.active[0].obstacle, 1U);
 }
 
 void expect_projector(const Matrix3 &P, int rank) {

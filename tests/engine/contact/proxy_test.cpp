@@ -296,9 +296,11 @@ TEST(HapticSurface, ReportsWhatItHolds) {
     EXPECT_EQ(mesh.report().triangles_kept, 12U);
     EXPECT_EQ(mesh.report().closed_components, 1U);
     EXPECT_EQ(HapticSurface().report().triangles_kept, 0U);
-    const std::optional<SurfaceHit> hit = mesh.first_hit(0.04 * kY, Vector3::Zero());
+    SearchBudget budget{1000};
+    const std::optional<SurfaceStop> hit =
+        mesh.first_stop(0.04 * kY, Vector3::Zero(), kClearance_m, budget);
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->fraction, 0.5, 2.0 * kClearance_m / 0.04);
+    EXPECT_NEAR(hit->stop.fraction, (0.02 - kClearance_m) / 0.04, 1e-12);
 }
 
 } // namespace

@@ -16,12 +16,9 @@ using testing::corners;
 using testing::random_direction;
 using testing::random_vector;
 
-/// A proxy this near to where it belongs does not move [m].
-constexpr double kSettled_m = 1e-8;
-
-/// Where it belongs is known to this in a pit of many facets [m], whose planes, raised by the
-/// clearance, do not all meet in one point.
-constexpr double kPlace_m = kClearance_m;
+/// What a proxy at rest may still be drawn along the surface by [m]: solutions of the same planes
+/// differ by round-off, and less than this it does not move.
+constexpr double kSettled_m = 1e-10;
 
 /// A tip that wanders: mostly smooth, at times with leaps, never farther than `reach_m`.
 class Wanderer {
@@ -84,15 +81,13 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
     Proxy proxy;
     proxy.reset({0.0, 0.06, 0.0});
     int touching = 0;
-    int lagging = 0;
     for (int i = 0; i < 20000; ++i) {
         const Vector3 tip = wanderer.next();
         const Contact contact = proxy.update(mesh, tip);
         expect_sound(contact, tip);
+        // Nothing is left to be done: the same tip again leaves it where it is.
         Proxy again = proxy;
-        const double lag_m = (again.update(mesh, tip).x0_m - contact.x0_m).norm();
-        ASSERT_LT(lag_m, kPlace_m) << i;
-        lagging += lag_m > 0.0 ? 1 : 0;
+        ASSERT_EQ(again.update(mesh, tip).x0_m, contact.x0_m) << i;
         if (i % 20 == 0) {
             ASSERT_NEAR(testing::winding_number(soup, contact.x0_m), 0.0, 1e-3) << i;
         }
@@ -102,7 +97,6 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
         touching += contact.touching ? 1 : 0;
     }
     EXPECT_GT(touching, 1000); // not vacuous
-    EXPECT_LE(lagging, touching / 1000);
 }
 
 TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
@@ -196,23 +190,19 @@ TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
     proxy.reset({0.0, 0.06, 0.0});
     moved_proxy.reset(motion * Vector3(0.0, 0.06, 0.0));
     int touching = 0;
-    // Where the ways part, on a saddle of many facets, round-off may decide which is taken, or in
-    // which tick.
-    int apart = 0;
-    int differently_held = 0;
     for (int i = 0; i < 20000; ++i) {
         const Vector3 tip = wanderer.next();
         const Contact contact = proxy.update(mesh, tip);
         const Contact moved = moved_proxy.update(moved_mesh, motion * tip);
-        apart += (motion * contact.x0_m - moved.x0_m).norm() > 10.0 * kPlace_m ? 1 : 0;
+        // Corners of the moved mesh are rounded to 1e-17 m, the planes through them turn by that
+        // over the size of a facet, and three planes meet at that over the least sine of theirs.
+        ASSERT_LT((motion * contact.x0_m - moved.x0_m).norm(), 1e-10) << i;
         const Matrix3 expected =
             motion.linear() * contact.allowed_motion * motion.linear().transpose();
-        differently_held += (expected - moved.allowed_motion).norm() > 1e-9 ? 1 : 0;
+        ASSERT_LT((expected - moved.allowed_motion).norm(), 1e-9) << i;
         touching += contact.touching ? 1 : 0;
     }
     EXPECT_GT(touching, 1000); // not vacuous
-    EXPECT_LE(apart, touching / 1000);
-    EXPECT_LE(differently_held, touching / 1000);
 }
 
 TEST(ProxyOnAnyMesh, GivesTheSameBitsForTheSameInput) {

@@ -13,6 +13,7 @@
 #include <map>
 #include <random>
 #include <utility>
+#include <vector>
 
 namespace springdrive::testing {
 
@@ -83,6 +84,61 @@ inline TriangleSoup bumpy_sphere(int level, double radius_m) {
         vertex *= 1.0 + 0.15 * std::sin(7.0 * u.x()) * std::cos(6.0 * u.y()) +
                   0.1 * std::sin(9.0 * u.z() + 1.0);
     }
+    return soup;
+}
+
+/// A closed solid from rings of points about the y axis, from bottom to top, each given as (radius,
+/// height); the first and the last may be points.
+inline TriangleSoup lathed(const std::vector<std::pair<double, double>> &rings, int around) {
+    TriangleSoup soup;
+    const auto point = [&](std::size_t ring, int i) {
+        const double angle = 6.28318530717958647692 * (i % around) / around;
+        const auto [radius, height] = rings[ring];
+        return Vector3(radius * std::sin(angle), height, radius * std::cos(angle));
+    };
+    for (std::size_t ring = 0; ring + 1 < rings.size(); ++ring) {
+        for (int i = 0; i < around; ++i) {
+            if (rings[ring].first > 0.0) {
+                add_triangle(soup, {point(ring, i), point(ring, i + 1), point(ring + 1, i)});
+            }
+            if (rings[ring + 1].first > 0.0) {
+                add_triangle(soup,
+                             {point(ring, i + 1), point(ring + 1, i + 1), point(ring + 1, i)});
+            }
+        }
+    }
+    return soup;
+}
+
+/// A cone of 5 mm at the foot and 40 mm long, point up, of 24 sides.
+inline TriangleSoup needle() { return lathed({{0.0, -0.02}, {0.005, -0.02}, {0.0, 0.02}}, 24); }
+
+/// Half a hollow ball of 30 mm, open to the top, its wall 1 mm.
+inline TriangleSoup bowl(int rings) {
+    std::vector<std::pair<double, double>> profile;
+    const auto at = [&](double radius, int i) {
+        const double angle = 0.5 * 3.14159265358979323846 * i / rings;
+        return std::pair(i == 0 ? 0.0 : radius * std::sin(angle), -radius * std::cos(angle));
+    };
+    for (int i = 0; i <= rings; ++i) {
+        profile.push_back(at(0.030, i));
+    }
+    for (int i = rings; i >= 0; --i) {
+        profile.push_back(at(0.029, i));
+    }
+    return lathed(profile, 4 * rings);
+}
+
+/// A wedge of two degrees, edge up, 60 mm long and 40 mm high.
+inline TriangleSoup knife() {
+    const double half = 0.04 * std::tan(0.01745);
+    TriangleSoup soup;
+    soup.vertices_m = {{-half, -0.02, -0.03}, {half, -0.02, -0.03}, {0.0, 0.02, -0.03},
+                       {-half, -0.02, 0.03},  {half, -0.02, 0.03},  {0.0, 0.02, 0.03}};
+    soup.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3},
+                      {1, 2, 5}, {1, 5, 4}, {0, 3, 5}, {0, 5, 2}};
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"knife", 0.0}};
     return soup;
 }
 

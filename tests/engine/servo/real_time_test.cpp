@@ -1,6 +1,7 @@
 // Covers engine/servo/servo_loop.cpp and all that it calls: a tick allocates nothing, locks
 // nothing and makes no system call. A program of its own, since it takes malloc's place.
 #include "app/session.h"
+#include "engine/contact/proxy.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/servo/servo_loop.h"
 #include "tests/support/devices.h"
@@ -81,8 +82,7 @@ std::unique_ptr<LoadedScene> scene_named(const std::string &name,
 /// Every scene of the project, touched by the scripted hand, with every map and source of α.
 struct Rig {
     Rig(const std::string &scene_name, MotionMap map, AlphaMode alpha_mode)
-        : description(testing::phantom_1_0()),
-          scene(scene_named(scene_name, description)),
+        : description(testing::phantom_1_0()), scene(scene_named(scene_name, description)),
           device(description, options(), start()), loop(device, 1e-3) {
         inputs.mesh = &scene->mesh;
         inputs.tuning.map = map;
@@ -153,6 +153,31 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
         EXPECT_EQ(locks.exchange(0), 0) << scene;
         EXPECT_GT(touching, 500) << scene;
     });
+}
+
+TEST(RealTime, AProxyOnShapesAndWithFrictionAllocatesAndLocksNothing) {
+    using Size = AnalyticShape::Size;
+    for (const Size &size :
+         {Size(Plate{0.03, 0.03}), Size(Sphere{0.02}), Size(Box{Vector3::Constant(0.02)}),
+          Size(Cylinder{0.02, 0.01}), Size(Capsule{0.02, 0.01})}) {
+        TriangleSoup soup;
+        soup.materials = {{"rough", 0.0, 0.4, 0.3}};
+        const HapticSurface surface(soup, {AnalyticShape(size, Eigen::Isometry3d::Identity(), 0)});
+        Proxy proxy(0.5e-3);
+        proxy.reset({0.0, 0.05, 0.0});
+        int touching = 0;
+        watched = true;
+        for (int i = 0; i < kTicks; ++i) {
+            const double t = 0.01 * i;
+            const Vector3 tip(0.015 * std::sin(t), 0.01 + 0.04 * std::cos(3.0 * t),
+                              0.015 * std::cos(0.7 * t));
+            touching += proxy.update(surface, tip).touching ? 1 : 0;
+        }
+        watched = false;
+        EXPECT_EQ(allocations.exchange(0), 0);
+        EXPECT_EQ(locks.exchange(0), 0);
+        EXPECT_GT(touching, 100);
+    }
 }
 
 /// In a child where any system call but read, write and exit means death.
