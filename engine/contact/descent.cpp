@@ -10,9 +10,6 @@ namespace {
 /// the same planes differs by is only round-off.
 constexpr double kStill_m = 1e-11;
 
-/// A plane holds what is no farther than this from touching it [m].
-constexpr double kTouching_m = 1e-11;
-
 /// A plane that has turned by less than this [rad] since it was met is still the same.
 constexpr double kSamePlane = 1e-9;
 
@@ -50,7 +47,7 @@ bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexc
     bool is_unchanged = true;
     for (const ContactPlane &plane : planes) {
         const std::optional<Stop> touch =
-            surface_.touch(plane.obstacle, point_m, reach_m_, kTouching_m);
+            surface_.touch(plane.obstacle, point_m, reach_m_, touching_within_m(point_m));
         if (!touch) {
             is_unchanged = false;
             continue;

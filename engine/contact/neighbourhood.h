@@ -71,8 +71,9 @@ public:
             const Heights starts_m = heights_m(first, from_m);
             const Heights ends_m = heights_m(first, to_m);
             const Heights lowest_m = starts_m.min(ends_m) + far_if_positive(-starts_m);
-            for_each_below(clear_m, lowest_m,
-                           [&](int i) { visit(index_[static_cast<std::size_t>(first + i)]); });
+            for_each_below(clear_m, lowest_m, [&](int i) {
+                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)]);
+            });
         }
     }
 
@@ -85,7 +86,8 @@ public:
             const Heights tips_m = heights_m(first, tip_m);
             const Heights depths_m = far_if_positive(tips_m) - tips_m;
             for_each_below(least_depth_m, depths_m, [&](int i) {
-                visit(index_[static_cast<std::size_t>(first + i)], depths_m[i]);
+                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)],
+                      depths_m[i]);
             });
         }
     }

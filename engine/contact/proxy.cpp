@@ -93,9 +93,14 @@ void Proxy::look_around(const HapticSurface &surface, const Vector3 &tip_m,
     } else if (sight_m_ < 2.0 * needed_m) {
         return; // too fast among too many facets for a list to pay
     }
-    // Ahead of where it is, so that it lasts.
-    const double ahead = step_m > 0.0 ? 0.85 * (sight_m_ - needed_m) / step_m : 0.0;
+    // Ahead of where it is, so that it lasts; but not so far that it might be among facets by then.
+    constexpr double kMostAhead_steps = 10.0;
+    const double ahead =
+        step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
     look_about(surface, rest_.point_m + ahead * step, effort);
+    if (!near_.covers(rest_.point_m, reach_m_)) {
+        look_about(surface, rest_.point_m, effort); // too much to list lies ahead
+    }
 }
 
 void Proxy::look_about(const HapticSurface &surface, const Vector3 &centre_m,
@@ -107,6 +112,12 @@ void Proxy::look_about(const HapticSurface &surface, const Vector3 &centre_m,
     const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * sight_m_;
     const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
     sight_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kFarthestSight_m);
+}
+
+bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) const noexcept {
+    return !rest_.is_touching() && near_.covers(rest_.point_m, reach_m_) &&
+           near_.covers(tip_m, reach_m_) &&
+           !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
 }
 
 bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
@@ -191,6 +202,11 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     Effort effort;
     look_around(surface, tip_m, effort);
     last_tip_m_ = tip_m;
+    if (moves_freely(surface, tip_m)) {
+        rest_.point_m = tip_m;
+        path_.add(tip_m);
+        return free_at(tip_m);
+    }
     const Descent descent(surface, near_, reach_m_, effort, path_);
     const Rest before = rest_;
     const bool has_settled = descend(descent, surface, tip_m, effort);

@@ -38,6 +38,8 @@ public:
 private:
     void look_around(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
     void look_about(const HapticSurface &surface, const Vector3 &centre_m, Effort &effort) noexcept;
+    [[nodiscard]] bool moves_freely(const HapticSurface &surface,
+                                    const Vector3 &tip_m) const noexcept;
     [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
                                const Vector3 &tip_m, Effort &effort) noexcept;
     [[nodiscard]] bool hop(const Descent &descent, const HapticSurface &surface,
