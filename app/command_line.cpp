@@ -2,7 +2,9 @@
 
 #include "app/commands/demo_command.h"
 #include "app/commands/figures_command.h"
+#include "app/commands/inspect_command.h"
 #include "app/commands/stiffness_command.h"
+#include "app/commands/touch_command.h"
 
 #include <CLI/CLI.hpp>
 
@@ -42,6 +44,8 @@ int run_command_line(int argc, char **argv) {
     add_demo_command(app);
     add_figures_command(app);
     add_stiffness_command(app);
+    add_touch_command(app);
+    add_inspect_command(app);
 
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them
     if (std::find(reversed.begin(), reversed.end(), "") != reversed.end()) {
@@ -53,6 +57,8 @@ int run_command_line(int argc, char **argv) {
         app.parse(reversed);
     } catch (const CLI::Success &request) {
         return app.exit(request); // prints what --help or --version asked for
+    } catch (const CLI::RuntimeError &verdict) {
+        return verdict.get_exit_code(); // of a command that did its work and found fault
     } catch (const CLI::ParseError &error) {
         const auto asked_for = app.get_subcommands();
         std::cerr << "springdrive: " << error.what() << "; see springdrive "

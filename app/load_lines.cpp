@@ -1,6 +1,9 @@
 #include "app/load_lines.h"
 
-#include <ostream>
+#include "engine/scenario/touch_scene.h"
+
+#include <filesystem>
+#include <iostream>
 #include <utility>
 
 namespace springdrive {
@@ -24,6 +27,12 @@ void LoadLines::print_each_period() {
     while (!ended_.wait_for(lock, period_, [this] { return has_ended_; })) {
         out_ << "springdrive: " << file_ << ": " << progress_.text() << std::endl;
     }
+}
+
+Scene load_scene_with_lines(const std::string &name, const Workspace &workspace) {
+    LoadProgress progress;
+    const LoadLines lines(std::filesystem::path(name).filename().string(), progress, std::cerr);
+    return touch_scene(name, workspace, &progress);
 }
 
 } // namespace springdrive

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/scene/load_progress.h"
+#include "engine/scene/scene.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -35,5 +36,8 @@ private:
     bool has_ended_ = false;
     std::thread thread_;
 };
+
+/// `touch_scene`, with such lines on standard error.
+[[nodiscard]] Scene load_scene_with_lines(const std::string &name, const Workspace &workspace);
 
 } // namespace springdrive

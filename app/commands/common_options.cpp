@@ -125,6 +125,14 @@ double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning) {
     return least_Ohm;
 }
 
+void check_range(const std::string &what, double value, double lowest, double highest) {
+    if (!(value >= lowest && value <= highest)) { // a NaN too
+        std::ostringstream message;
+        message << what << " is " << value << "; it must be from " << lowest << " to " << highest;
+        throw InputError(message.str());
+    }
+}
+
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write) {
     if (where == "-") {
         write(std::cout);

@@ -62,6 +62,9 @@ void check_dR(const DeviceDescription &device, const Tuning &tuning);
 /// then said on standard error.
 [[nodiscard]] double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning);
 
+/// @throw InputError, naming `what`, for a value beyond its range or not a number.
+void check_range(const std::string &what, double value, double lowest, double highest);
+
 /// Lets `write` fill the file, or standard output where `where` is "-".
 /// @throw InputError where the file cannot be created, or not all of it could be written.
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);

@@ -14,7 +14,6 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -40,14 +39,6 @@ struct Typed {
     std::optional<double> seconds;
     std::string csv; ///< empty: a table for people
 };
-
-void check_range(const std::string &what, double value, double lowest, double highest) {
-    if (!(value >= lowest && value <= highest)) { // a NaN too
-        std::ostringstream message;
-        message << what << " is " << value << "; it must be from " << lowest << " to " << highest;
-        throw InputError(message.str());
-    }
-}
 
 /// The device with the motors that were typed.
 DeviceDescription device_of(const Typed &typed) {

@@ -1,26 +1,16 @@
 #include "app/commands/stiffness_report.h"
 
+#include "app/commands/print.h"
 #include "engine/analysis/sampled_loop.h"
 #include "engine/control/coupling.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <numbers>
-#include <string>
 
 namespace springdrive {
 
 namespace {
-
-/// printf for streams: a table's columns stay readable in the code that makes them.
-template <typename... Values> void print(std::ostream &out, const char *format, Values... values) {
-    const int length = std::snprintf(nullptr, 0, format, values...);
-    std::string text(static_cast<std::size_t>(length) + 1, '\0');
-    std::snprintf(text.data(), text.size(), format, values...);
-    text.pop_back(); // the closing zero
-    out << text;
-}
 
 double hz(double rad_per_s) { return rad_per_s / (2.0 * std::numbers::pi); }
 

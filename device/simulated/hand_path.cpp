@@ -62,7 +62,7 @@ HandPath::HandPath(std::vector<Point> points) : points_(std::move(points)) {
     }
 }
 
-HandPath HandPath::read_csv(const std::filesystem::path &file) {
+HandPath HandPath::read_csv(const std::filesystem::path &file, Header header) {
     std::ifstream stream(file);
     if (!stream) {
         throw InputError(file.string() + ": cannot be opened; check the name and its permissions");
@@ -74,10 +74,12 @@ HandPath HandPath::read_csv(const std::filesystem::path &file) {
         if (number == 1) {
             constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
             line.erase(0, line.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
-            if (trimmed(line) != "t,x,y,z") {
+            if (trimmed(line) == "t,x,y,z") {
+                continue;
+            }
+            if (header == Header::required) {
                 throw InputError(where + "the first line must be t,x,y,z (seconds and metres)");
             }
-            continue;
         }
         if (trimmed(line).empty()) {
             continue;

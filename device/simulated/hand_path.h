@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -24,9 +25,12 @@ public:
     /// @throw InputError unless there is a point, all are finite and their times increase.
     explicit HandPath(std::vector<Point> points);
 
+    enum class Header : std::uint8_t { required, optional };
+
     /// Reads a CSV file with the header `t,x,y,z` [s, m].
     /// @throw InputError naming the file, the line and what is wrong with it.
-    [[nodiscard]] static HandPath read_csv(const std::filesystem::path &file);
+    [[nodiscard]] static HandPath read_csv(const std::filesystem::path &file,
+                                           Header header = Header::required);
 
     /// RT-safe. Time must not run backwards between calls.
     [[nodiscard]] HandTarget at(double time_s) noexcept;

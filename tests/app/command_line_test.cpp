@@ -12,7 +12,7 @@ namespace {
 TEST(CommandLine, HelpListsTheSubcommands) {
     const Ending help = run_program({"--help"});
     EXPECT_EQ(help.exit_status, 0);
-    for (const char *name : {"demo", "figures", "stiffness", "--scene"}) {
+    for (const char *name : {"demo", "figures", "stiffness", "touch", "inspect", "--scene"}) {
         EXPECT_NE(help.out.find(name), std::string::npos) << name << " in\n" << help.out;
     }
     EXPECT_NE(run_program({"stiffness", "--help"}).out.find("--freq-from"), std::string::npos);

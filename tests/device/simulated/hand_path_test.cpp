@@ -46,6 +46,19 @@ TEST(HandPath, ReadsCsvWithBlanksAndWindowsLineEnds) {
     EXPECT_EQ(path.points()[1].time_s, 2.5);
 }
 
+TEST(HandPath, ReadsCsvWithoutAHeaderWhereThatIsAllowed) {
+    using Header = HandPath::Header;
+    for (const char *text : {"0,0.1,0,0\n1,0.2,0,0\n", "t,x,y,z\n0,0.1,0,0\n1,0.2,0,0\n"}) {
+        const HandPath path =
+            HandPath::read_csv(written("hand_path_header.csv", text), Header::optional);
+        ASSERT_EQ(path.points().size(), 2U);
+        EXPECT_EQ(path.points()[0].position_m, Vector3(0.1, 0, 0));
+    }
+    EXPECT_THROW(static_cast<void>(HandPath::read_csv(
+                     written("hand_path_header.csv", "time,x,y,z\n0,0,0,0\n"), Header::optional)),
+                 InputError);
+}
+
 TEST(HandPath, SaysWhichLineIsWrong) {
     EXPECT_NE(complaint("0,0,0,0\n").find(":1:"), std::string::npos);
     EXPECT_NE(complaint("t,x,y,z\n0,0,0\n").find(":2:"), std::string::npos);

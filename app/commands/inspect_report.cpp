@@ -1,0 +1,178 @@
+#include "app/commands/inspect_report.h"
+
+#include "app/commands/print.h"
+#include "engine/contact/preparation/mesh_remarks.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+
+namespace springdrive {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One number of mesh preparation, and what it means to whoever touches.
+struct Finding {
+    const char *key;
+    const char *label;
+    std::size_t MeshReport::*count;
+    const char *meaning;
+};
+
+constexpr std::array<Finding, 10> kFindings{{
+    {"triangles_given", "triangles given", &MeshReport::triangles_given, "in the file"},
+    {"triangles_kept", "triangles kept", &MeshReport::triangles_kept, "can be touched"},
+    {"degenerate_triangles", "degenerate", &MeshReport::degenerate_triangles,
+     "too thin to have a normal, or not finite: left out"},
+    {"duplicate_triangles", "duplicate", &MeshReport::duplicate_triangles,
+     "there twice: felt once"},
+    {"welded_vertices", "welded vertices", &MeshReport::welded_vertices,
+     "in the place of another: joined, so that edges are shared"},
+    {"open_edges", "open edges", &MeshReport::open_edges,
+     "of one triangle only: the rim of a sheet or hole, where the tip can go round"},
+    {"non_manifold_edges", "non-manifold edges", &MeshReport::non_manifold_edges,
+     "of more than two triangles: touched as they stand"},
+    {"components", "surfaces", &MeshReport::components, "connected over edges"},
+    {"closed_components", "closed surfaces", &MeshReport::closed_components,
+     "bound a volume: stop the tip from outside, and let it leave"},
+    {"inward_components", "inward surfaces", &MeshReport::inward_components,
+     "closed and facing inwards: stop the tip from within, as a room does"},
+}};
+
+const char *name_of(TouchSides sides) {
+    switch (sides) {
+    case TouchSides::one:
+        return "one";
+    case TouchSides::two:
+        return "two";
+    case TouchSides::automatic:
+        break;
+    }
+    return "automatic";
+}
+
+Json vector_json(const Vector3 &v) { return {v.x(), v.y(), v.z()}; }
+
+/// What loading and preparing had to say.
+std::vector<std::string> remarks_of(const InspectReport &report) {
+    std::vector<std::string> remarks = report.scene->remarks;
+    const std::vector<std::string> of_mesh =
+        remarks_on(report.surface->report(), report.surface->materials());
+    remarks.insert(remarks.end(), of_mesh.begin(), of_mesh.end());
+    return remarks;
+}
+
+double bytes_per_triangle(const HapticSurface &surface) {
+    const std::size_t kept = surface.report().triangles_kept;
+    return kept == 0 ? 0.0 : static_cast<double>(surface.bytes()) / static_cast<double>(kept);
+}
+
+Json nodes_json(const InspectReport &report) {
+    const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
+    Json nodes = Json::array();
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const SurfaceMaterial &material = report.surface->materials()[i];
+        nodes.push_back({{"name", material.name},
+                         {"triangles", facets[i].triangles},
+                         {"eta", material.eta},
+                         {"static_friction", material.static_friction},
+                         {"dynamic_friction", material.dynamic_friction},
+                         {"sides", name_of(material.sides)},
+                         {"one_sided_triangles", facets[i].one_sided},
+                         {"two_sided_triangles", facets[i].two_sided}});
+    }
+    return nodes;
+}
+
+void write_head(std::ostream &out, const InspectReport &report) {
+    const Scene &scene = *report.scene;
+    out << report.name;
+    if (report.file_bytes > 0) {
+        print(out, ": %.1f kB", 1e-3 * static_cast<double>(report.file_bytes));
+    }
+    print(out, ", loaded in %.3f s\n", report.load_s);
+    if (scene.in_metres) {
+        out << "units     metres of the device's frame, as they stand\n";
+    } else {
+        print(out, "units     fitted to the workspace: one is %.6g m\n", scene.metres_per_unit);
+    }
+    const Vector3 size_mm = 1e3 * (scene.upper_m - scene.lower_m);
+    const Vector3 lower_mm = 1e3 * scene.lower_m;
+    const Vector3 upper_mm = 1e3 * scene.upper_m;
+    print(out, "box       %.2f × %.2f × %.2f mm, ", size_mm.x(), size_mm.y(), size_mm.z());
+    print(out, "from (%.2f, %.2f, %.2f) ", lower_mm.x(), lower_mm.y(), lower_mm.z());
+    print(out, "to (%.2f, %.2f, %.2f) mm\n", upper_mm.x(), upper_mm.y(), upper_mm.z());
+}
+
+void write_nodes(std::ostream &out, const InspectReport &report) {
+    out << "\n   triangles  one-sided  two-sided      η  friction static, dynamic  sides      "
+           "node\n";
+    const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const SurfaceMaterial &material = report.surface->materials()[i];
+        print(out, "%12zu%11zu%11zu%7.3g", facets[i].triangles, facets[i].one_sided,
+              facets[i].two_sided, material.eta);
+        print(out, "%17.3g%9.3g", material.static_friction, material.dynamic_friction);
+        print(out, "  %-11s%s\n", name_of(material.sides), material.name.c_str());
+    }
+}
+
+} // namespace
+
+std::vector<NodeFacets> facets_of_nodes(const Scene &scene, const HapticSurface &surface) {
+    std::vector<NodeFacets> nodes(surface.materials().size());
+    for (const std::uint16_t material : scene.surface.material_of_triangle) {
+        ++nodes[material].triangles;
+    }
+    for (std::uint32_t i = 0; i < surface.report().triangles_kept; ++i) {
+        const Facet &facet = surface.facet(i);
+        NodeFacets &node = nodes[scene.surface.material_of_triangle[facet.triangle()]];
+        ++(facet.sides() == FacetSides::one ? node.one_sided : node.two_sided);
+    }
+    return nodes;
+}
+
+void write_inspect_json(std::ostream &out, const InspectReport &report) {
+    const Scene &scene = *report.scene;
+    const HapticSurface &surface = *report.surface;
+    Json json;
+    json["file"] = report.name;
+    json["file_bytes"] = report.file_bytes;
+    json["load_s"] = report.load_s;
+    json["in_metres"] = scene.in_metres;
+    json["metres_per_unit"] = scene.metres_per_unit;
+    json["lower_m"] = vector_json(scene.lower_m);
+    json["upper_m"] = vector_json(scene.upper_m);
+    json["nodes"] = nodes_json(report);
+    json["shapes"] = surface.shapes().size();
+    for (const Finding &finding : kFindings) {
+        json["mesh"][finding.key] = surface.report().*finding.count;
+    }
+    json["preparation_s"] = report.preparation_s;
+    json["bytes"] = surface.bytes();
+    json["bytes_per_triangle"] = bytes_per_triangle(surface);
+    json["remarks"] = remarks_of(report);
+    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+void write_inspect_table(std::ostream &out, const InspectReport &report) {
+    const HapticSurface &surface = *report.surface;
+    write_head(out, report);
+    write_nodes(out, report);
+    out << '\n';
+    for (const Finding &finding : kFindings) {
+        print(out, "%12zu  %-20s%s\n", surface.report().*finding.count, finding.label,
+              finding.meaning);
+    }
+    print(out, "%12zu  %-20s%s\n", surface.shapes().size(), "shapes",
+          "touched exactly as they are, without triangles");
+    print(out, "\nprepared in %.3f s; takes %.2f MB, %.0f bytes a triangle\n", report.preparation_s,
+          1e-6 * static_cast<double>(surface.bytes()), bytes_per_triangle(surface));
+    for (const std::string &remark : remarks_of(report)) {
+        out << "remark: " << remark << '\n';
+    }
+}
+
+} // namespace springdrive

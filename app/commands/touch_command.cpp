@@ -1,0 +1,211 @@
+#include "app/commands/touch_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/touch_report.h"
+#include "app/load_lines.h"
+#include "base/input_error.h"
+#include "device/device_file.h"
+#include "device/simulated/hand_path.h"
+#include "engine/scenario/test_surfaces.h"
+#include "engine/scenario/touch_scene.h"
+#include "engine/servo/servo.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr int kMostSteps = 1'000'000;
+constexpr int kRepeats = 3;
+
+struct Typed {
+    std::string scene;
+    std::filesystem::path device_file;
+    std::string path = "slide";
+    TouchPathOptions how;
+    int seed = 1;
+    std::optional<int> steps; ///< 20000, or all that a file takes
+    double servo_hz = 1000.0;
+    int checks = 200;
+    double slack_m = kLeastSlack_m;
+    std::vector<CLI::Option *> of_a_made_path; ///< which a file's path has no use for
+    std::string csv;
+    std::string json;
+    bool is_strict = false;
+};
+
+void check(const Typed &typed) {
+    check_range("--speed", typed.how.speed_m_per_s, 1e-6, 100.0);
+    check_range("--depth", typed.how.depth_m, 1e-6, 1.0);
+    check_range("--radius", typed.how.radius_m, 0.0, 0.1);
+    check_range("--seed", typed.seed, 0, std::numeric_limits<int>::max());
+    check_range("--steps", typed.steps.value_or(1), 1, kMostSteps);
+    check_range("--check", typed.checks, 0, kMostSteps);
+    check_range("--slack", typed.slack_m, kLeastSlack_m, 0.5 * kClearance_m);
+    if (typed.csv == "-" && typed.json == "-") {
+        throw InputError("--csv - and --json - would mix on standard output; give one a file");
+    }
+}
+
+/// The tip at each tick of the servo while the hand is on its way.
+std::vector<Vector3> tips_of_file(const Typed &typed, double period_s) {
+    for (const CLI::Option *option : typed.of_a_made_path) {
+        if (option->count() > 0) {
+            throw InputError(option->get_name() + ": belongs to a path that is made here; leave it "
+                                                  "out with a file's");
+        }
+    }
+    if (!std::filesystem::exists(typed.path)) {
+        throw InputError("--path " + typed.path +
+                         ": neither a file nor press, slide, lissajous, rain or random");
+    }
+    HandPath path = HandPath::read_csv(typed.path, HandPath::Header::optional);
+    const double start_s = path.points().front().time_s;
+    const double ticks = (path.points().back().time_s - start_s) / period_s + 1e-9;
+    if (!typed.steps && ticks >= kMostSteps) {
+        throw InputError(typed.path + ": takes more than " + std::to_string(kMostSteps) +
+                         " steps of the servo; shorten it, or lower --servo-hz");
+    }
+    const double most = typed.steps.value_or(kMostSteps);
+    const auto count = static_cast<std::size_t>(std::min(ticks + 1.0, most));
+    std::vector<Vector3> tips_m;
+    for (std::size_t i = 0; i < count; ++i) {
+        tips_m.push_back(path.at(start_s + static_cast<double>(i) * period_s).position_m);
+    }
+    return tips_m;
+}
+
+TouchReport touch(Typed typed) {
+    check(typed);
+    typed.how.period_s = servo_period_s(typed.servo_hz);
+    const DeviceDescription device = read_device_file(typed.device_file);
+    const Scene scene = load_scene_with_lines(typed.scene, device.workspace);
+
+    TouchReport report;
+    report.surface = typed.scene;
+    report.path = typed.path;
+    report.servo_hz = typed.servo_hz;
+    report.radius_m = typed.how.radius_m;
+    const auto start = std::chrono::steady_clock::now();
+    const HapticSurface surface = haptic_surface_of(scene);
+    report.preparation_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.mesh = surface.report();
+    report.shapes = surface.shapes().size();
+    report.bytes = surface.bytes();
+
+    std::vector<Vector3> tips_m;
+    if (const std::optional<TouchPathKind> kind = touch_path_named(typed.path)) {
+        typed.how.kind = *kind;
+        typed.how.seed = static_cast<std::uint64_t>(typed.seed);
+        typed.how.steps = static_cast<std::size_t>(typed.steps.value_or(20'000));
+        tips_m = touch_path(surface, {scene.lower_m, scene.upper_m}, typed.how);
+        report.how = typed.how;
+    } else {
+        tips_m = tips_of_file(typed, typed.how.period_s);
+    }
+    report.run = run_touch(surface, tips_m, typed.how.radius_m, kRepeats);
+
+    TouchCheckOptions options;
+    options.checks = static_cast<std::size_t>(typed.checks);
+    options.slack_m = report.check_slack_m = typed.slack_m;
+    options.reach_m = std::max(typed.how.radius_m, kClearance_m);
+    report.findings = check_touch(
+        report.run, {plain_triangles(prepare_mesh(scene.surface).facets), surface.shapes()},
+        options);
+    if (names_test_sphere(typed.scene)) {
+        report.sphere_error_rad = sphere_direction_error_rad(report.run);
+    }
+    return report;
+}
+
+void run(const Typed &typed) {
+    const TouchReport report = touch(typed);
+    if (!typed.csv.empty()) {
+        write_output(typed.csv, [&](std::ostream &out) { write_touch_csv(out, report); });
+    }
+    if (!typed.json.empty()) {
+        write_output(typed.json, [&](std::ostream &out) { write_touch_json(out, report); });
+    }
+    if (typed.csv.empty() && typed.json.empty()) {
+        write_output("-", [&](std::ostream &out) { write_touch_table(out, report); });
+    }
+    const TouchFindings &found = report.findings;
+    if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
+        std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
+                  << found.stuck.size() << " stuck steps\n";
+        throw CLI::RuntimeError(EXIT_FAILURE);
+    }
+}
+
+void add_path_options(CLI::App &touch, Typed &typed) {
+    touch
+        .add_option("--path", typed.path,
+                    "press, slide, lissajous, rain or random, or a CSV file with columns t,x,y,z "
+                    "[s, m] [slide]")
+        ->type_name("PATH");
+    typed.of_a_made_path = {
+        touch.add_option("--speed", typed.how.speed_m_per_s, "of the tip [0.1]")->type_name("M/S"),
+        touch.add_option("--depth", typed.how.depth_m, "of the tip below the surface [0.0015]")
+            ->type_name("M"),
+        touch.add_option("--seed", typed.seed, "of what is random about a path [1]")
+            ->type_name("N")};
+    touch
+        .add_option("--steps", typed.steps,
+                    "servo ticks, up to 1000000 [20000; of a file all it takes]")
+        ->type_name("N");
+    touch.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
+        ->type_name("HZ");
+    touch.add_option("--radius", typed.how.radius_m, "of the proxy [0]")->type_name("M");
+}
+
+} // namespace
+
+void add_touch_command(CLI::App &app) {
+    CLI::App &touch = *app.add_subcommand(
+        "touch", "the proxy over a scene along a path: time per tick, lag, pop-throughs");
+    const auto typed = std::make_shared<Typed>();
+    touch
+        .add_option("scene", typed->scene,
+                    "a glTF file, or sphere:N or bumpy:N, of N triangles: 1280, 5120, ... 1310720")
+        ->type_name("FILE")
+        ->required();
+    add_device_file_option(touch, typed->device_file);
+    add_path_options(touch, *typed);
+    touch
+        .add_option("--check", typed->checks,
+                    "steps in contact to check by brute force, beside up to 1000 each that look "
+                    "stuck or did not settle [200]")
+        ->type_name("N");
+    touch
+        .add_option("--slack", typed->slack_m,
+                    "height of a ridge that does not excuse a lag, 2e-12 to 5e-9 [2e-12]")
+        ->type_name("M");
+    touch
+        .add_option("--csv", typed->csv, "write every step to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    touch
+        .add_option("--json", typed->json,
+                    "write the figures to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    touch.add_flag("--strict", typed->is_strict,
+                   "exit with 1 if there was a pop-through or a stuck step");
+    touch.footer("Times are of the first of three identical runs; the best of all three tells what "
+                 "else the\nmachine did.");
+    touch.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

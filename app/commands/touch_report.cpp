@@ -1,0 +1,193 @@
+#include "app/commands/touch_report.h"
+
+#include "app/commands/print.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <numbers>
+
+namespace springdrive {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// As many steps of a kind are named.
+constexpr std::size_t kNamedSteps = 20;
+
+std::size_t steps_in_contact(const TouchRun &run) {
+    return static_cast<std::size_t>(std::ranges::count_if(run.steps, &TouchStep::is_touching));
+}
+
+Json times_json(const TouchRun &run, bool touching, double TouchStep::*time_ns) {
+    const std::optional<UpdateTimes> times = update_times(run, touching, time_ns);
+    if (!times) {
+        return nullptr;
+    }
+    return {{"median", times->median_ns},
+            {"p99", times->p99_ns},
+            {"p99.9", times->p99_9_ns},
+            {"max", times->max_ns}};
+}
+
+Json first_of(const std::vector<std::size_t> &steps) {
+    const auto count = static_cast<std::ptrdiff_t>(std::min(steps.size(), kNamedSteps));
+    return std::vector<std::size_t>(steps.begin(), steps.begin() + count);
+}
+
+Json optional_json(const std::optional<std::size_t> &value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json value_json(const Greatest &greatest, double factor) {
+    return greatest.step ? Json(greatest.value * factor) : Json(nullptr);
+}
+
+void print_times(std::ostream &out, const char *what, std::size_t steps, const TouchRun &run,
+                 bool touching) {
+    const std::optional<UpdateTimes> first = update_times(run, touching, &TouchStep::first_ns);
+    const std::optional<UpdateTimes> least = update_times(run, touching, &TouchStep::least_ns);
+    if (!first || !least) {
+        print(out, "%-12s%10zu steps\n", what, steps);
+        return;
+    }
+    const auto row = [&](const UpdateTimes &times) {
+        print(out, "%10.0f%10.0f%10.0f%10.0f\n", times.median_ns, times.p99_ns, times.p99_9_ns,
+              times.max_ns);
+    };
+    print(out, "%-12s%10zu steps", what, steps);
+    row(*first);
+    print(out, "%-28s", "  best of all repeats");
+    row(*least);
+}
+
+void print_steps(std::ostream &out, const char *what, const std::vector<std::size_t> &steps) {
+    if (steps.empty()) {
+        return;
+    }
+    print(out, "%s: steps", what);
+    for (std::size_t i = 0; i < std::min(steps.size(), kNamedSteps); ++i) {
+        print(out, " %zu", steps[i]);
+    }
+    out << (steps.size() > kNamedSteps ? " ...\n" : "\n");
+}
+
+} // namespace
+
+void write_touch_csv(std::ostream &out, const TouchReport &report) {
+    out << "time_s,tip_x_m,tip_y_m,tip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,normal_x_1,normal_y_1,"
+           "normal_z_1,constraints,update_ns\n";
+    for (std::size_t i = 0; i < report.run.steps.size(); ++i) {
+        const TouchStep &step = report.run.steps[i];
+        print(out, "%.9g", static_cast<double>(i) / report.servo_hz);
+        for (const Vector3 &vector : {step.tip_m, step.proxy_m, step.normal}) {
+            print(out, ",%.17g,%.17g,%.17g", vector.x(), vector.y(), vector.z());
+        }
+        print(out, ",%d,%.0f\n", step.constraints, step.first_ns);
+    }
+}
+
+void write_touch_json(std::ostream &out, const TouchReport &report) {
+    const TouchFindings &found = report.findings;
+    const TouchRun &run = report.run;
+    Json json;
+    json["surface"] = report.surface;
+    json["triangles_given"] = report.mesh.triangles_given;
+    json["triangles_kept"] = report.mesh.triangles_kept;
+    json["shapes"] = report.shapes;
+    json["preparation_s"] = report.preparation_s;
+    json["bytes"] = report.bytes;
+    json["path"] = report.path;
+    if (report.how) {
+        json["speed_m_per_s"] = report.how->speed_m_per_s;
+        json["depth_m"] = report.how->depth_m;
+        json["seed"] = report.how->seed;
+    }
+    json["servo_hz"] = report.servo_hz;
+    json["radius_m"] = report.radius_m;
+    json["steps"] = run.steps.size();
+    json["steps_in_contact"] = steps_in_contact(run);
+    json["contact_ns"] = times_json(run, true, &TouchStep::first_ns);
+    json["contact_floor_ns"] = times_json(run, true, &TouchStep::least_ns);
+    json["free_ns"] = times_json(run, false, &TouchStep::first_ns);
+    json["free_floor_ns"] = times_json(run, false, &TouchStep::least_ns);
+    json["pop_throughs"] = found.pop_throughs.size();
+    json["pop_through_steps"] = first_of(found.pop_throughs);
+    json["stuck_steps"] = found.stuck.size();
+    json["stuck_at_steps"] = first_of(found.stuck);
+    json["unsettled_steps"] = found.unsettled.size();
+    json["unsettled_at_steps"] = first_of(found.unsettled);
+    json["largest_unsettled_lag_m"] = value_json(found.unsettled_lag_m, 1.0);
+    json["check_slack_m"] = report.check_slack_m;
+    json["steps_checked"] = found.checked;
+    json["steps_suspicious"] = found.suspicious;
+    json["steps_suspicious_unchecked"] = found.suspicious_unchecked;
+    json["steps_with_friction"] = found.with_friction;
+    json["checks_given_up"] = found.given_up;
+    json["largest_lag_m"] = value_json(found.lag_m, 1.0);
+    json["largest_lag_step"] = optional_json(found.lag_m.step);
+    json["lagging_steps"] = found.lagging.size();
+    json["lagging_at_steps"] = first_of(found.lagging);
+    json["largest_direction_error_deg"] = value_json(found.direction_error_rad, kDegreesPerRadian);
+    json["largest_direction_error_step"] = optional_json(found.direction_error_rad.step);
+    if (report.sphere_error_rad) {
+        json["largest_sphere_direction_error_deg"] =
+            value_json(*report.sphere_error_rad, kDegreesPerRadian);
+    }
+    out << json.dump(2) << '\n';
+}
+
+void write_touch_table(std::ostream &out, const TouchReport &report) {
+    const TouchFindings &found = report.findings;
+    const TouchRun &run = report.run;
+    const std::size_t in_contact = steps_in_contact(run);
+    print(out, "%s: %zu of %zu triangles, %zu shapes; prepared in %.3f s, %.1f MB\n",
+          report.surface.c_str(), report.mesh.triangles_kept, report.mesh.triangles_given,
+          report.shapes, report.preparation_s, 1e-6 * static_cast<double>(report.bytes));
+    print(out, "path %s", report.path.c_str());
+    if (report.how) {
+        print(out, " at %.4g m/s, %.4g mm deep, seed %llu", report.how->speed_m_per_s,
+              1e3 * report.how->depth_m, static_cast<unsigned long long>(report.how->seed));
+    }
+    print(out, "; servo %.5g Hz, proxy radius %.4g mm\n\n", report.servo_hz, 1e3 * report.radius_m);
+    out << "update, ns                      median       p99     p99.9       max\n";
+    print_times(out, "in contact", in_contact, run, true);
+    print_times(out, "free", run.steps.size() - in_contact, run, false);
+    print(out, "\npop-throughs           %8zu   of %zu steps\n", found.pop_throughs.size(),
+          run.steps.size());
+    print(out, "stuck                  %8zu   of %zu that looked so", found.stuck.size(),
+          found.suspicious);
+    if (found.suspicious_unchecked > 0) {
+        print(out, ", %zu of which were not checked", found.suspicious_unchecked);
+    }
+    out << '\n';
+    print(out, "unsettled              %8zu", found.unsettled.size());
+    if (found.unsettled_lag_m.step) {
+        print(out, "   which lag up to %.3f µm", 1e6 * found.unsettled_lag_m.value);
+    }
+    out << '\n';
+    print(out, "largest lag, µm        %8.3f   of %zu steps checked\n", 1e6 * found.lag_m.value,
+          found.checked);
+    print(out, "direction off, °       %8.3f\n",
+          kDegreesPerRadian * found.direction_error_rad.value);
+    if (report.sphere_error_rad) {
+        print(out, "direction off sphere, °%8.3f\n",
+              kDegreesPerRadian * report.sphere_error_rad->value);
+    }
+    if (found.with_friction > 0) {
+        print(out, "%zu steps touch with friction, which may hold them: not checked for lag\n",
+              found.with_friction);
+    }
+    if (found.given_up > 0) {
+        print(out, "%zu checks did not come to an end\n", found.given_up);
+    }
+    print_steps(out, "pop-throughs", found.pop_throughs);
+    print_steps(out, "stuck", found.stuck);
+    print_steps(out, "unsettled", found.unsettled);
+    print_steps(out, "lag over 1 µm", found.lagging);
+}
+
+} // namespace springdrive

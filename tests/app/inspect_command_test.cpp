@@ -1,0 +1,99 @@
+// Covers app/commands/inspect_command.cpp and inspect_report.cpp, from outside.
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+using nlohmann::json;
+
+const std::string kScenes = SPRINGDRIVE_ASSET_DIR "/scenes/";
+
+Ending inspect(std::vector<std::string> options) {
+    options.insert(options.begin(), "inspect");
+    return run_program(options);
+}
+
+json inspected(const std::string &scene) {
+    const Ending ending = inspect({scene, "--json", "-"});
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(ending.error, "");
+    return json::parse(ending.out);
+}
+
+TEST(InspectCommand, TellsWhatTheNodesAreMadeOf) {
+    const json said = inspected(kScenes + "compliance.gltf");
+    EXPECT_EQ(said["file_bytes"], std::filesystem::file_size(kScenes + "compliance.gltf"));
+    EXPECT_TRUE(said["in_metres"]);
+    ASSERT_EQ(said["nodes"].size(), 3U);
+    const std::vector<std::pair<std::string, double>> expected{
+        {"rigid", 0.0}, {"firm", 0.4}, {"soft", 0.75}};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(said["nodes"][i]["name"], expected[i].first);
+        EXPECT_EQ(said["nodes"][i]["eta"], expected[i].second);
+        EXPECT_EQ(said["nodes"][i]["triangles"], 12);
+        EXPECT_EQ(said["nodes"][i]["one_sided_triangles"], 12);
+        EXPECT_EQ(said["nodes"][i]["two_sided_triangles"], 0);
+    }
+    EXPECT_NEAR(said["lower_m"][0], -0.060, 1e-8); // single precision in the file
+    EXPECT_NEAR(said["upper_m"][2], 0.015, 1e-8);
+}
+
+TEST(InspectCommand, TellsWhatPreparationFound) {
+    const json said = inspected(kScenes + "stepped_block.gltf");
+    EXPECT_EQ(said["mesh"]["triangles_given"], said["mesh"]["triangles_kept"]);
+    EXPECT_EQ(said["mesh"]["components"], 1);
+    EXPECT_EQ(said["mesh"]["closed_components"], 1);
+    EXPECT_EQ(said["mesh"]["open_edges"], 0);
+    EXPECT_GT(said["mesh"]["welded_vertices"], 0); // flat faces, each with corners of its own
+    EXPECT_GT(said["bytes"], 0);
+    EXPECT_GE(said["preparation_s"], 0.0);
+    EXPECT_TRUE(said["remarks"].empty());
+}
+
+TEST(InspectCommand, SaysHowASceneWasFitted) {
+    const json said = inspected(kScenes + "organic.gltf");
+    EXPECT_FALSE(said["in_metres"]);
+    EXPECT_GT(said["metres_per_unit"], 0.0);
+    EXPECT_LT(said["metres_per_unit"], 1.0);
+    const Ending text = inspect({kScenes + "organic.gltf"});
+    EXPECT_NE(text.out.find("fitted to the workspace"), std::string::npos) << text.out;
+}
+
+TEST(InspectCommand, PrintsATableWithMeanings) {
+    const Ending ending = inspect({"sphere:1280"});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(ending.error, "");
+    for (const char *said : {"metres of the device's frame", "100.00 mm", "triangles kept",
+                             "can be touched", "closed surfaces", "bytes a triangle"}) {
+        EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
+    }
+    EXPECT_EQ(ending.out.find("remark"), std::string::npos) << ending.out;
+}
+
+TEST(InspectCommand, SaysWhatIsWrongInOneLine) {
+    const auto expect_refused = [](const std::vector<std::string> &options,
+                                   const std::string &names) {
+        const Ending ending = inspect(options);
+        EXPECT_GT(ending.exit_status, 0) << names;
+        EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+        EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+        EXPECT_EQ(ending.out, "");
+    };
+    expect_refused({}, "scene");
+    expect_refused({"none.glb"}, "none.glb");
+    expect_refused({kScenes}, kScenes);
+    expect_refused({"bumpy:7"}, "1310720");
+    expect_refused({"sphere:1280", "--device-file", "none.toml"}, "none.toml");
+    expect_refused({"sphere:1280", "--json", "/dev/full"}, "/dev/full");
+}
+
+} // namespace
+} // namespace springdrive::testing
