@@ -1,0 +1,50 @@
+// Times of single calls, and how they are spread.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+namespace springdrive::bench {
+
+/// What `work` takes [ns], the clock's own overhead included.
+template <typename Work> [[nodiscard]] double time_ns(const Work &work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const auto end = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::nano>(end - start).count();
+}
+
+/// The value that a share of all do not exceed; 0 of none.
+[[nodiscard]] inline double quantile(std::vector<double> values, double share) {
+    if (values.empty()) {
+        return 0.0;
+    }
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + at, values.end());
+    return values[static_cast<std::size_t>(at)];
+}
+
+inline constexpr int kRepeats = 3;
+
+/// Each call's least of `kRepeats` identical goes, which were timed one whole go after the other:
+/// what the machine allows, without most of what else ran on it.
+[[nodiscard]] inline std::vector<double> least_of_repeats(const std::vector<double> &times_ns) {
+    const std::size_t calls = times_ns.size() / kRepeats;
+    std::vector<double> least_ns(times_ns.begin(),
+                                 times_ns.begin() + static_cast<std::ptrdiff_t>(calls));
+    for (std::size_t i = calls; i < times_ns.size(); ++i) {
+        least_ns[i % calls] = std::min(least_ns[i % calls], times_ns[i]);
+    }
+    return least_ns;
+}
+
+[[nodiscard]] inline double mean(const std::vector<double> &values) {
+    return values.empty() ? 0.0
+                          : std::accumulate(values.begin(), values.end(), 0.0) /
+                                static_cast<double>(values.size());
+}
+
+} // namespace springdrive::bench

@@ -1,0 +1,83 @@
+#include "tests/bench/touch_path.h"
+
+#include "engine/scenario/test_surfaces.h"
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace springdrive::bench {
+
+namespace {
+
+constexpr double kMeanSpeed_m_per_s = 0.1;
+
+/// The figure at a phase [rad]; one turn of the longitude for each 2π. The frequencies' ratio is
+/// the golden one, so that it never closes.
+Vector3 direction_at(double phase) {
+    const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
+    return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
+            std::cos(latitude) * std::sin(phase)};
+}
+
+/// How far the figure leads on a unit sphere for each radian of phase, in the mean.
+double mean_length_per_phase() {
+    constexpr int kSteps = 200'000;
+    constexpr double kStep = 1e-2;
+    double length = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+        length += (direction_at((i + 1) * kStep) - direction_at(i * kStep)).norm();
+    }
+    return length / (kSteps * kStep);
+}
+
+double surface_radius_m(Relief relief, const Vector3 &direction) {
+    if (relief == Relief::smooth) {
+        return kTestSphereRadius_m;
+    }
+    const Vector3 phase =
+        2.0 * std::numbers::pi / kTestBumpLength_m * kTestSphereRadius_m * direction;
+    return kTestSphereRadius_m +
+           kTestBumpHeight_m * std::sin(phase.x()) * std::sin(phase.y()) * std::sin(phase.z());
+}
+
+/// From `low_m` to `high_m` and back, slowly and out of step with the figure.
+double swing_m(std::size_t tick, double low_m, double high_m) {
+    const double share = 0.5 + 0.5 * std::sin(2.7 * kServoPeriod_s * static_cast<double>(tick));
+    return low_m + share * (high_m - low_m);
+}
+
+/// Tips at heights over the surface that swing from `low_m` to `high_m`; below it if negative.
+std::vector<Vector3> tips_m(Relief relief, const std::vector<Vector3> &directions, double low_m,
+                            double high_m) {
+    std::vector<Vector3> tips;
+    tips.reserve(directions.size());
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double height_m = swing_m(i, low_m, high_m);
+        tips.emplace_back((surface_radius_m(relief, directions[i]) + height_m) * directions[i]);
+    }
+    return tips;
+}
+
+} // namespace
+
+std::vector<Vector3> lissajous_directions(int updates) {
+    const double phase_per_tick =
+        kMeanSpeed_m_per_s * kServoPeriod_s / (kTestSphereRadius_m * mean_length_per_phase());
+    std::vector<Vector3> directions;
+    directions.reserve(static_cast<std::size_t>(updates));
+    for (int i = 0; i < updates; ++i) {
+        directions.push_back(direction_at(phase_per_tick * i));
+    }
+    return directions;
+}
+
+std::vector<Vector3> pressed_tips_m(Relief relief, const std::vector<Vector3> &directions) {
+    return tips_m(relief, directions, -2e-3, -1e-3);
+}
+
+std::vector<Vector3> free_tips_m(Relief relief, const std::vector<Vector3> &directions) {
+    return tips_m(relief, directions, 5e-3, 20e-3);
+}
+
+} // namespace springdrive::bench
