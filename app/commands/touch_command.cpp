@@ -195,7 +195,10 @@ void add_touch_command(CLI::App &app) {
                     "height of a ridge that does not excuse a lag, 2e-12 to 5e-9 [2e-12]")
         ->type_name("M");
     touch
-        .add_option("--csv", typed->csv, "write every step to a file, or to standard output with -")
+        .add_option(
+            "--csv", typed->csv,
+            "write every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, constraints, "
+            "ns of the update) to a file, or to standard output with -")
         ->type_name("FILE|-");
     touch
         .add_option("--json", typed->json,

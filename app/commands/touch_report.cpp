@@ -78,8 +78,7 @@ void print_steps(std::ostream &out, const char *what, const std::vector<std::siz
 } // namespace
 
 void write_touch_csv(std::ostream &out, const TouchReport &report) {
-    out << "time_s,tip_x_m,tip_y_m,tip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,normal_x_1,normal_y_1,"
-           "normal_z_1,constraints,update_ns\n";
+    out << "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns\n";
     for (std::size_t i = 0; i < report.run.steps.size(); ++i) {
         const TouchStep &step = report.run.steps[i];
         print(out, "%.9g", static_cast<double>(i) / report.servo_hz);

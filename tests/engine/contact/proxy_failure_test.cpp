@@ -2,6 +2,7 @@
 // every kind, and meshes with faults. Each has an answer that is known without a proxy.
 #include "engine/contact/proxy.h"
 
+#include "engine/scene/fit.h"
 #include "tests/engine/contact/optimality.h"
 #include "tests/support/surfaces.h"
 
@@ -195,6 +196,42 @@ TEST(ProxyOnFaults, ClimbsStepsTooLowToFeelAndNoOthers) {
         // 0.19 mm past the step, 12 µm nearer on it: higher ones hold it like the walls they are.
         EXPECT_EQ(contact.x0_m.x() > 0.05e-3, step_m < 1e-5) << step_m;
     }
+}
+
+TEST(ProxyOnUnits, FeelsTheSameWhateverTheFilesUnits) {
+    // The same shape in millimetres, metres and inches, fitted as scenes are.
+    const Workspace workspace{Vector3(0.0, 0.03, -0.015), Vector3(0.2, 0.1, 0.1)};
+    std::vector<HapticSurface> surfaces;
+    for (const double units_per_metre : {1.0, 1000.0, 1.0 / 0.0254}) {
+        TriangleSoup soup = testing::bumpy_sphere(5, 1.3);
+        BoundingBox box;
+        for (Vector3 &vertex : soup.vertices_m) {
+            vertex *= units_per_metre;
+            box.include(vertex);
+        }
+        const Fit fit = fit_into(workspace, box);
+        for (Vector3 &vertex : soup.vertices_m) {
+            vertex = fit(vertex);
+        }
+        surfaces.emplace_back(std::move(soup));
+    }
+    std::array<Proxy, 3> proxies;
+    Wanderer wanderer(7, {0.0, 0.06, 0.0}, {0.04, 0.08, 0.04}, 0.2);
+    int touching = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Vector3 tip = wanderer.next();
+        if (i == 0) {
+            for (Proxy &proxy : proxies) {
+                proxy.reset(tip);
+            }
+        }
+        const Contact first = proxies[0].update(surfaces[0], tip);
+        touching += first.touching ? 1 : 0;
+        for (std::size_t k = 1; k < 3; ++k) {
+            ASSERT_LT((proxies[k].update(surfaces[k], tip).x0_m - first.x0_m).norm(), 1e-10) << i;
+        }
+    }
+    EXPECT_GT(touching, 500);
 }
 
 } // namespace
