@@ -90,6 +90,10 @@ void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const 
     const auto material = static_cast<std::uint16_t>(materials.size());
     materials.push_back(touch.material);
     if (touch.shape) {
+        if (scene.shapes.size() == kMostShapes) {
+            throw InputError("has more than " + std::to_string(kMostShapes) +
+                             " nodes that are touched as shapes; let some be touched as meshes");
+        }
         scene.shapes.push_back(shape_of(primitives, fit, material));
         return;
     }

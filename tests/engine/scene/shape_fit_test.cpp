@@ -1,5 +1,6 @@
 #include "engine/scene/shape_fit.h"
 
+#include "engine/contact/haptic_surface.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <cmath>
@@ -211,6 +212,17 @@ TEST(ShapeFit, ShapesAndTrianglesStandSideBySideWithMaterialsOfTheirOwn) {
     EXPECT_EQ(scene.surface.materials[scene.shapes[0].material()].name, "box");
     EXPECT_EQ(scene.surface.materials[scene.shapes[1].material()].name, "rod");
     EXPECT_EQ(scene.surface.material_of_triangle.back(), 2);
+}
+
+TEST(ShapeFit, NoMoreShapesThanTheProxyTakes) {
+    GltfBuilder builder = cube(R"("extras": {"shape": "box"})");
+    while (builder.nodes.size() < kMostShapes) {
+        builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
+    }
+    const Scene scene = load(builder);
+    EXPECT_EQ(HapticSurface(scene.surface, scene.shapes).shapes().size(), kMostShapes);
+    builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
+    expect_failure(builder, "more than 64 nodes that are touched as shapes");
 }
 
 TEST(ShapeFit, FilesWithShapesThatCannotBeAreRefusedInOneLine) {
