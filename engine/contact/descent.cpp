@@ -61,7 +61,7 @@ bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexc
 }
 
 bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
-    const bool is_curved = reach_m_ > kClearance_m;
+    const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
     Foresight foresight;
     ContactPlanes last_met;
     NearestPoint goal = nearest_point(target_m, rest.held_by, rest.point_m);

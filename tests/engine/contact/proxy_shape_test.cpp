@@ -1,0 +1,143 @@
+// Covers engine/contact/haptic_surface.cpp and engine/contact/proxy.cpp on analytic shapes: exact
+// where a mesh is an approximation.
+#include "engine/contact/proxy.h"
+
+#include "tests/engine/contact/soups.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive {
+namespace {
+
+using testing::random_direction;
+using testing::random_vector;
+
+/// Places are sums of a few numbers of 0.1 m, and directions over 10 nm lose eight digits of 16.
+constexpr double kPlace_m = 1e-11;
+
+HapticSurface shape(const AnalyticShape::Size &size,
+                    const Eigen::Isometry3d &placement = Eigen::Isometry3d::Identity()) {
+    TriangleSoup soup;
+    soup.materials = {{"shape", 0.25}};
+    return HapticSurface(soup, {AnalyticShape(size, placement, 0)});
+}
+
+/// A tip that wanders between 30 mm about the origin, 0.2 mm a step, from outside at first.
+template <typename Visit> void wander(std::uint64_t seed, const Visit &visit) {
+    std::mt19937_64 random(seed);
+    Vector3 tip(0.03, 0.03, 0.03);
+    Vector3 heading = -tip.normalized();
+    for (int i = 0; i < 20000; ++i) {
+        heading = (heading + 0.2 * random_direction(random)).normalized();
+        tip += 2e-4 * heading;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (std::abs(tip[axis]) > 0.03) {
+                heading[axis] = -std::copysign(heading[axis], tip[axis]);
+            }
+        }
+        visit(tip, i);
+    }
+}
+
+TEST(ProxyOnShapes, IsTheNearestPointOfASphere) {
+    for (const double reach_m : {kClearance_m, 0.5e-3}) {
+        const HapticSurface ball = shape(Sphere{0.02});
+        Proxy proxy(reach_m);
+        proxy.reset({0.031, 0.031, 0.031});
+        int touching = 0;
+        wander(1, [&](const Vector3 &tip, int i) {
+            const Contact contact = proxy.update(ball, tip);
+            if (contact.touching && tip.norm() > 0.005) { // at the centre all places are alike
+                ++touching;
+                EXPECT_LT((contact.x0_m - (0.02 + reach_m) * tip.normalized()).norm(), 1e-8) << i;
+                EXPECT_EQ(contact.eta, 0.25);
+                EXPECT_EQ(contact.active_constraints, 1);
+                EXPECT_NEAR(contact.surface_m.norm(), 0.02, kPlace_m);
+            }
+            EXPECT_GT(contact.x0_m.norm(), 0.02 + reach_m - 2e-12) << i;
+        });
+        EXPECT_GT(touching, 1000);
+    }
+}
+
+TEST(ProxyOnShapes, DoesOnABoxWhatItDoesOnOneOfTriangles) {
+    const Vector3 half(0.02, 0.01, 0.015);
+    const HapticSurface exact = shape(Box{half});
+    const HapticSurface mesh(testing::box_soup(-half, half));
+    Proxy on_shape;
+    Proxy on_mesh;
+    on_shape.reset({0.031, 0.031, 0.031});
+    on_mesh.reset({0.031, 0.031, 0.031});
+    int touching = 0;
+    wander(2, [&](const Vector3 &tip, int i) {
+        const Contact expected = on_mesh.update(mesh, tip);
+        const Contact contact = on_shape.update(exact, tip);
+        EXPECT_LT((contact.x0_m - expected.x0_m).norm(), kPlace_m) << i;
+        touching += contact.touching ? 1 : 0;
+    });
+    EXPECT_GT(touching, 1000);
+}
+
+TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
+    std::mt19937_64 random(3);
+    for (const AnalyticShape::Size &size :
+         {AnalyticShape::Size(Cylinder{0.015, 0.01}), AnalyticShape::Size(Capsule{0.01, 0.01}),
+          AnalyticShape::Size(Plate{0.02, 0.015})}) {
+        Eigen::Isometry3d placement(Eigen::AngleAxisd(1.0, random_direction(random)));
+        placement.pretranslate(random_vector(random, 2e-3));
+        const HapticSurface surface = shape(size, placement);
+        const AnalyticShape &exact = surface.shapes()[0];
+        Proxy proxy;
+        proxy.reset({0.031, 0.031, 0.031});
+        int touching = 0;
+        wander(4, [&](const Vector3 &tip, int i) {
+            const Contact contact = proxy.update(surface, tip);
+            const NearestOnShape nearest = exact.nearest(contact.x0_m);
+            EXPECT_GT(nearest.distance_m, kClearance_m - 2e-12) << i;
+            if (contact.touching) {
+                ++touching;
+                EXPECT_NEAR(nearest.distance_m, kClearance_m, 1e-9) << i;
+                EXPECT_GT(contact.normal.dot(nearest.normal), 1.0 - 1e-6) << i;
+            }
+        });
+        EXPECT_GT(touching, 500);
+    }
+}
+
+TEST(ProxyOnShapes, StartsFreeInsideASolidAndFindsItFromOutside) {
+    const HapticSurface ball = shape(Sphere{0.02});
+    Proxy proxy;
+    proxy.reset(Vector3::Zero());
+    for (int i = 0; i <= 30; ++i) {
+        const Vector3 tip(1e-3 * i, 0.0, 0.0);
+        const Contact contact = proxy.update(ball, tip);
+        EXPECT_FALSE(contact.touching);
+        EXPECT_EQ(contact.x0_m, tip);
+    }
+    const Contact contact = proxy.update(ball, {0.01, 0.0, 0.0});
+    EXPECT_TRUE(contact.touching);
+    EXPECT_NEAR(contact.x0_m.x(), 0.02 + kClearance_m, kPlace_m);
+}
+
+TEST(ProxyOnShapes, FindsTheCreaseBetweenAShapeAndAMesh) {
+    // A ball half sunk into a floor: at rest where both touch.
+    TriangleSoup soup = testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.0, 0.1});
+    const HapticSurface surface(soup,
+                                {AnalyticShape(Sphere{0.02}, Eigen::Isometry3d::Identity(), 0)});
+    Proxy proxy;
+    proxy.reset({0.03, 0.01, 0.0});
+    static_cast<void>(proxy.update(surface, {0.025, -0.001, 0.0}));
+    const Contact contact = proxy.update(surface, {0.018, -0.003, 0.0});
+    EXPECT_EQ(contact.active_constraints, 2);
+    EXPECT_NEAR(contact.x0_m.x(), 0.02, 1e-7);
+    EXPECT_NEAR(contact.x0_m.y(), kClearance_m, 1e-10);
+    EXPECT_LT((contact.allowed_motion - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
+              1e-6);
+}
+
+} // namespace
+} // namespace springdrive
