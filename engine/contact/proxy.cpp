@@ -78,8 +78,8 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
     }
 }
 
-void Proxy::look_around(const HapticSurface &surface, const Vector3 &tip_m,
-                        Effort &effort) noexcept {
+void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
+                          Effort &effort) noexcept {
     const Vector3 step = tip_m - last_tip_m_;
     const double step_m = step.norm();
     const double hop_m = sight_m_ > 4.0 * kFarthestHop_m ? kFarthestHop_m : 0.5 * kFarthestHop_m;
@@ -97,14 +97,14 @@ void Proxy::look_around(const HapticSurface &surface, const Vector3 &tip_m,
     constexpr double kMostAhead_steps = 10.0;
     const double ahead =
         step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
-    look_about(surface, rest_.point_m + ahead * step, effort);
+    look_around(surface, rest_.point_m + ahead * step, effort);
     if (!near_.covers(rest_.point_m, reach_m_)) {
-        look_about(surface, rest_.point_m, effort); // too much to list lies ahead
+        look_around(surface, rest_.point_m, effort); // too much to list lies ahead
     }
 }
 
-void Proxy::look_about(const HapticSurface &surface, const Vector3 &centre_m,
-                       Effort &effort) noexcept {
+void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
+                        Effort &effort) noexcept {
     surface.find_near(centre_m, sight_m_, effort.search, near_);
     // As many facets as make a list worth its making, and not so many that it overflows: on a
     // surface their number grows with the square of the radius.
@@ -158,7 +158,7 @@ bool Proxy::descend(const Descent &descent, const HapticSurface &surface, const 
     constexpr int kMostHops = 4;
     bool has_settled = descent.settle(rest_, tip_m);
     if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
-        look_about(surface, rest_.point_m, effort); // it has leapt
+        look_around(surface, rest_.point_m, effort); // it has leapt
     }
     for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
         if (!hop(descent, surface, tip_m)) {
@@ -199,8 +199,13 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     if (!is_usable(tip_m)) {
         return free_at(rest_.point_m);
     }
+    if (surface.serial() != surface_serial_) {
+        surface_serial_ = surface.serial();
+        rest_.held_by = ContactPlanes(); // planes of another surface hold nothing here
+        sticks_ = slides_ = false;
+    }
     Effort effort;
-    look_around(surface, tip_m, effort);
+    keep_in_sight(surface, tip_m, effort);
     last_tip_m_ = tip_m;
     if (moves_freely(surface, tip_m)) {
         rest_.point_m = tip_m;

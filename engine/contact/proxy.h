@@ -14,6 +14,8 @@
 #include "engine/contact/neighbourhood.h"
 #include "engine/contact/proxy_path.h"
 
+#include <cstdint>
+
 namespace springdrive {
 
 class Proxy {
@@ -36,8 +38,9 @@ public:
     [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
 
 private:
-    void look_around(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
-    void look_about(const HapticSurface &surface, const Vector3 &centre_m, Effort &effort) noexcept;
+    void keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
+    void look_around(const HapticSurface &surface, const Vector3 &centre_m,
+                     Effort &effort) noexcept;
     [[nodiscard]] bool moves_freely(const HapticSurface &surface,
                                     const Vector3 &tip_m) const noexcept;
     [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
@@ -48,6 +51,7 @@ private:
              const Vector3 &tip_m) noexcept;
 
     double reach_m_;
+    std::uint64_t surface_serial_ = 0; ///< of the surface that it was on
     Rest rest_;
     bool sticks_ = false; ///< friction holds it
     bool slides_ = false; ///< against friction

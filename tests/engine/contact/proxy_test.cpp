@@ -213,53 +213,16 @@ TEST(Proxy, SlipsRoundTheBorderOfAnOpenSheet) {
     expect_free_at(proxy.update(mesh, {0.0, -0.01, 0.0}), {0.0, -0.01, 0.0});
 }
 
-TEST(Proxy, NeverPassesThroughAThinPlate) {
-    // 0.1 mm thick; 10 m/s at 1 kHz. The tip never comes near the plate's border.
-    const HapticSurface mesh(box_soup({-0.1, -0.05e-3, -0.1}, {0.1, 0.05e-3, 0.1}));
-    std::mt19937_64 random(2);
-    std::uniform_real_distribution<double> angle(0.0, 6.28);
+TEST(Proxy, ForgetsWhatHeldItOnAnotherSurface) {
+    const HapticSurface fine(testing::icosphere(4, 0.03));
+    const HapticSurface coarse(cube());
     Proxy proxy;
-    Vector3 tip(0.0, 0.02, 0.0);
-    proxy.reset(tip);
-    int touching = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const Vector3 wanted = tip + 0.01 * testing::random_direction(random);
-        tip = wanted.cwiseMax(Vector3(-0.08, -0.04, -0.08)).cwiseMin(Vector3(0.08, 0.04, 0.08));
-        const Contact contact = proxy.update(mesh, tip);
-        ASSERT_GT(contact.x0_m.y(), 0.05e-3) << "tick " << i;
-        ASSERT_EQ(contact.touching, tip.y() < 0.05e-3 + kClearance_m);
-        touching += contact.touching ? 1 : 0;
-    }
-    EXPECT_GT(touching, 5000); // not vacuous
-}
-
-TEST(Proxy, HoldsOnAMeshFullOfFaults) {
-    // Every triangle three times in different rotations, slivers on its edges, vertices unshared.
-    const TriangleSoup sphere = testing::icosphere(3, 0.03);
-    TriangleSoup faulty;
-    for (std::size_t i = 0; i < sphere.triangles.size(); ++i) {
-        const auto [a, b, c] = testing::corners(sphere, i);
-        testing::add_triangle(faulty, {a, b, c});
-        testing::add_triangle(faulty, {b, c, a});
-        testing::add_triangle(faulty, {a, b, 0.5 * (a + b)});
-        testing::add_triangle(faulty, {a, a, c});
-        testing::add_triangle(faulty, {c, a, b});
-    }
-    const HapticSurface clean_mesh(sphere);
-    const HapticSurface faulty_mesh(faulty);
-    Proxy clean;
-    Proxy with_faults;
-    clean.reset({0.0, 0.05, 0.0});
-    with_faults.reset({0.0, 0.05, 0.0});
-    for (int i = 0; i < 2000; ++i) {
-        const double t = 0.01 * i;
-        const Vector3 tip =
-            0.028 * Vector3(std::sin(t), std::cos(t), std::sin(0.3 * t)).normalized();
-        const Contact expected = clean.update(clean_mesh, tip);
-        const Contact contact = with_faults.update(faulty_mesh, tip);
-        ASSERT_LT((contact.x0_m - expected.x0_m).norm(), kPlace_m);
-        ASSERT_GT(contact.x0_m.norm(), 0.0295);
-    }
+    proxy.reset({0.0, 0.05, 0.0});
+    EXPECT_TRUE(proxy.update(fine, {0.0, 0.028, 0.0}).touching);
+    const Contact contact = proxy.update(coarse, {0.001, 0.017, 0.0});
+    EXPECT_TRUE(contact.touching);
+    EXPECT_LT((contact.x0_m - Vector3(0.001, 0.02, 0.0)).norm(), kPlace_m);
+    EXPECT_FALSE(proxy.update(HapticSurface(), {0.001, 0.017, 0.0}).touching);
 }
 
 TEST(Proxy, SurvivesATipThatIsNoPlace) {
