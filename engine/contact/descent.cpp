@@ -37,9 +37,7 @@ private:
 
 void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
     rest.point_m = to_m;
-    if (!path_.is_full()) {
-        path_.add(to_m);
-    }
+    path_.add(to_m);
 }
 
 bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {

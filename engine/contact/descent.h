@@ -9,6 +9,7 @@
 #include "engine/contact/neighbourhood.h"
 #include "engine/contact/proxy_path.h"
 
+#include <cstddef>
 #include <optional>
 
 namespace springdrive {
@@ -17,7 +18,8 @@ namespace springdrive {
 /// motions and no node of the tree; a wild one ends where its effort does, short of the target but
 /// on the right side of every surface, and the next tick goes on from there.
 struct Effort {
-    int motions_left = 96;
+    static constexpr std::size_t kMotions = 96;
+    int motions_left = static_cast<int>(kMotions);
     SearchBudget search{20'000};
 };
 

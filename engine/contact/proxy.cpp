@@ -18,6 +18,9 @@ constexpr double kFarthestTip_m = 1e3;
 /// between them, and edges that do not quite meet leave such steps.
 constexpr double kLowRidge_m = 1e-5;
 
+// A tick's path never fills up: every motion adds one point at most, friction two more.
+static_assert(ProxyPath::kCapacity >= 1 + Effort::kMotions + 2);
+
 /// Nearer means nearer by more than round-off [m].
 constexpr double kNearer_m = 1e-12;
 
@@ -184,7 +187,8 @@ void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMateria
     // Where the path leaves the surface on its way over an edge, down to what lies below.
     const std::optional<SurfaceStop> below = descent.first_stop(held.point_m, tip_m);
     if (!below || !below->is_known) {
-        return; // without friction, then
+        sticks_ = slides_ = false; // goes without friction, then
+        return;
     }
     path_.cut(held.piece + 1);
     rest_.point_m = held.point_m + below->stop.fraction * (tip_m - held.point_m);

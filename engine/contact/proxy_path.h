@@ -25,7 +25,6 @@ public:
     /// Forgets all but the first `count` points.
     void cut(std::size_t count) noexcept { size_ = count; }
 
-    [[nodiscard]] bool is_full() const noexcept { return size_ == kCapacity; }
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] const Vector3 &operator[](std::size_t i) const noexcept { return points_m_[i]; }
     [[nodiscard]] const Vector3 *begin() const noexcept { return points_m_.data(); }

@@ -67,7 +67,7 @@ TEST(LockedDevice, TransposePointsAlongTheNormal) {
 }
 
 TEST(LockedDevice, ForcesAreThoseOfTheStiffnessEllipse) {
-    // Δx/l for the map, the proxy's clearance of 0.1 µm and the vice's own 1 µm/N.
+    // Δx/l for the map, the proxy's clearance of 10 nm and the vice's own 1 µm/N.
     const double tolerance = 0.01;
     const DeviceDescription device = testing::phantom_1_0();
     LockedDeviceOptions options = without_effects(kDegree * Vector3(25.0, 20.0, -15.0));

@@ -140,7 +140,7 @@ StaticContact press(double eta, bool quantised) {
 }
 
 TEST(ServoLoop, StaticTipStiffnessIsAlphaTimesKDC) {
-    // (13), (27), (30). Exact but for the proxy's clearance of 0.1 µm and J's change with x.
+    // (13), (27), (30). Exact but for the proxy's clearance of 10 nm and J's change with x.
     for (const double eta : {0.0, 0.25, 0.5, 0.75}) {
         const StaticContact contact = press(eta, false);
         EXPECT_GT(contact.penetration_m, 5e-4);
