@@ -84,7 +84,10 @@ StrictTomlTable StrictTomlTable::read(const std::filesystem::path &file) {
     if (!stream) {
         throw InputError(file.string() + ": cannot be opened; check the name and its permissions");
     }
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    return parse({std::istreambuf_iterator<char>(stream), {}}, file);
+}
+
+StrictTomlTable StrictTomlTable::parse(const std::string &text, const std::filesystem::path &file) {
     auto contents = std::make_unique<Contents>();
     contents->file = file;
     try {

@@ -25,6 +25,10 @@ public:
     /// Reads the root table of a file.
     [[nodiscard]] static StrictTomlTable read(const std::filesystem::path &file);
 
+    /// The same of a text; complaints name it as `file`.
+    [[nodiscard]] static StrictTomlTable parse(const std::string &text,
+                                               const std::filesystem::path &file);
+
     [[nodiscard]] std::string text(std::string_view key);
     [[nodiscard]] double number(std::string_view key, NumberRange range = {});
     [[nodiscard]] int integer(std::string_view key, int lowest, int highest);

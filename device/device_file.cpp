@@ -103,6 +103,27 @@ JointLimits read_joint_limits(StrictTomlTable table) {
     return limits;
 }
 
+WorkspaceEdge read_edge(StrictTomlTable table) {
+    WorkspaceEdge edge;
+    edge.margin_rad = kRadPerDegree * table.number("margin_deg", {0.0, 30.0});
+    edge.stiffness_Nm_per_rad = table.number("stiffness_Nm_per_rad", {0.0, 100.0});
+    edge.damping_Nms_per_rad = table.number("damping_Nms_per_rad", {0.0, 10.0});
+    table.refuse_unknown_keys();
+    return edge;
+}
+
+DeviceLimits read_limits(StrictTomlTable table) {
+    DeviceLimits limits;
+    limits.tip_force_N = table.number("tip_force_N", {0.1, 100.0});
+    limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
+    limits.beyond_stops_rad = kRadPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
+    limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
+    limits.missed_deadlines = table.integer("missed_deadlines", 1, 10'000);
+    limits.window_silence_s = table.number("window_silence_s", {0.05, 60.0});
+    table.refuse_unknown_keys();
+    return limits;
+}
+
 StructuralCompliance read_structure(StrictTomlTable table) {
     StructuralCompliance structure;
     structure.stiffness_N_per_m = table.number("stiffness_N_per_m", {10.0, 1e7});
@@ -134,8 +155,9 @@ bool can_reach(const DeviceDescription &device, const Vector3 &tip_m) {
     return q_rad && device.joint_limits.allow(*q_rad);
 }
 
-DeviceDescription read_device_file(const std::filesystem::path &path) {
-    StrictTomlTable file = StrictTomlTable::read(path);
+namespace {
+
+DeviceDescription read_device(StrictTomlTable file) {
     DeviceDescription device;
     device.name = file.text("name");
 
@@ -166,13 +188,21 @@ DeviceDescription read_device_file(const std::filesystem::path &path) {
     }
     workspace.refuse_unknown_keys();
 
-    StrictTomlTable limits = file.table("limits");
-    device.limits.tip_force_N = limits.number("tip_force_N", {0.1, 100.0});
-    device.limits.tip_speed_m_per_s = limits.number("tip_speed_m_per_s", {0.01, 20.0});
-    limits.refuse_unknown_keys();
+    device.edge = read_edge(file.table("edge"));
+    device.limits = read_limits(file.table("limits"));
 
     file.refuse_unknown_keys();
     return device;
+}
+
+} // namespace
+
+DeviceDescription read_device_file(const std::filesystem::path &path) {
+    return read_device(StrictTomlTable::read(path));
+}
+
+DeviceDescription read_device_text(const std::string &text, const std::filesystem::path &path) {
+    return read_device(StrictTomlTable::parse(text, path));
 }
 
 } // namespace springdrive

@@ -17,10 +17,22 @@ struct Workspace {
     Vector3 size_m{Vector3::Zero()};
 };
 
-/// What the safety monitor holds to. No panel or option raises these.
+/// What the safety monitor holds to, beside the motors' own limits. No panel or option raises
+/// these.
 struct DeviceLimits {
-    double tip_force_N = 0.0;       ///< rendered force above which the monitor trips
-    double tip_speed_m_per_s = 0.0; ///< tip speed above which the monitor trips
+    double tip_force_N = 0.0; ///< rendered
+    double tip_speed_m_per_s = 0.0;
+    double beyond_stops_rad = 0.0;   ///< how far stops may give: more is a mistaken encoder
+    double generated_energy_J = 0.0; ///< what the hand may get beyond what it had put in
+    int missed_deadlines = 0;        ///< in a row
+    double window_silence_s = 0.0;   ///< how long the window may give no sign of life
+};
+
+/// A soft wall before the joints' stops: a spring and a damper at each joint.
+struct WorkspaceEdge {
+    double margin_rad = 0.0; ///< how far before a stop it begins
+    double stiffness_Nm_per_rad = 0.0;
+    double damping_Nms_per_rad = 0.0;
 };
 
 /// Friction of joints and transmission, at each joint.
@@ -61,6 +73,7 @@ struct DeviceDescription {
     AmplifierParameters amplifier;
     int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4
     Workspace workspace;
+    WorkspaceEdge edge;
     DeviceLimits limits;
 };
 
@@ -72,5 +85,9 @@ struct DeviceDescription {
 ///        file that cannot be read or parsed, a missing or unknown key, a value of the wrong type,
 ///        not finite or out of range.
 [[nodiscard]] DeviceDescription read_device_file(const std::filesystem::path &path);
+
+/// The same of a device file's text, from a record say; complaints name it as `path`.
+[[nodiscard]] DeviceDescription read_device_text(const std::string &text,
+                                                 const std::filesystem::path &path);
 
 } // namespace springdrive

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 namespace springdrive {
 namespace {
@@ -115,6 +116,67 @@ TEST(DeviceFile, RefusesAnAmplifierThatCancelsMoreThanItMay) {
                {"amplifier.greatest_cancelled_Ohm", "2.811", "from 0 to 2.81"});
     expect_all(complaint("greatest_excess_Ohm = 0.63", "greatest_excess_Ohm = -1"),
                {"amplifier.greatest_excess_Ohm", "from"});
+}
+
+struct Range {
+    const char *key;
+    const char *value; ///< as it stands in the file
+    std::vector<const char *> allowed;
+    std::vector<const char *> refused;
+};
+
+/// Both ends of a range are taken, what is beyond is not, nor is a file without the key.
+void expect_range(const std::string &table, const Range &range) {
+    const std::string line = std::string(range.key) + " = " + range.value;
+    for (const char *value : range.allowed) {
+        EXPECT_EQ(complaint(line, std::string(range.key) + " = " + value), "") << value;
+    }
+    const std::string name = table + "." + range.key;
+    for (const char *value : range.refused) {
+        expect_all(complaint(line, std::string(range.key) + " = " + value), {name.c_str()});
+    }
+    for (const char *value : {"nan", "inf", "\"much\"", "[1.0]"}) {
+        expect_all(complaint(line, std::string(range.key) + " = " + value), {name.c_str()});
+    }
+    expect_all(complaint(line, ""), {name.c_str(), "missing"});
+    expect_all(complaint(line, line + "\n" + range.key + "_too = 1"), {name.c_str(), "not known"});
+}
+
+TEST(DeviceFile, HoldsTheEdgeAndTheLimits) {
+    constexpr double kDegree = 3.141592653589793 / 180.0;
+    for (const DeviceDescription &device :
+         {testing::phantom_1_0(), testing::phantom_premium_1_5()}) {
+        EXPECT_NEAR(device.edge.margin_rad, 5.0 * kDegree, 1e-15) << device.name;
+        EXPECT_GT(device.edge.stiffness_Nm_per_rad, 0.0);
+        EXPECT_GT(device.edge.damping_Nms_per_rad, 0.0);
+        EXPECT_EQ(device.limits.tip_force_N, 8.5);
+        EXPECT_GT(device.limits.window_silence_s, 0.0);
+    }
+    const DeviceDescription device = testing::phantom_1_0();
+    EXPECT_EQ(device.edge.stiffness_Nm_per_rad, 4.0);
+    EXPECT_EQ(device.edge.damping_Nms_per_rad, 0.08);
+    EXPECT_EQ(device.limits.tip_speed_m_per_s, 2.0);
+    EXPECT_NEAR(device.limits.beyond_stops_rad, 3.0 * kDegree, 1e-15);
+    EXPECT_EQ(device.limits.generated_energy_J, 0.03);
+    EXPECT_EQ(device.limits.missed_deadlines, 50);
+    EXPECT_EQ(device.limits.window_silence_s, 2.0);
+}
+
+TEST(DeviceFile, RefusesAnEdgeThatCannotBe) {
+    expect_range("edge", {"margin_deg", "5.0", {"0.0", "30.0"}, {"-0.1", "30.1"}});
+    expect_range("edge", {"stiffness_Nm_per_rad", "4.0", {"0.0", "100.0"}, {"-0.1", "100.1"}});
+    expect_range("edge", {"damping_Nms_per_rad", "0.08", {"0.0", "10.0"}, {"-0.01", "10.1"}});
+    expect_all(complaint("[edge]", "[edges]"), {"edge", "missing"});
+}
+
+TEST(DeviceFile, RefusesLimitsThatCannotBe) {
+    expect_range("limits", {"tip_force_N", "8.5", {"0.1", "100.0"}, {"0.09", "100.1", "-8.5"}});
+    expect_range("limits", {"tip_speed_m_per_s", "2.0", {"0.01", "20.0"}, {"0.0", "20.1"}});
+    expect_range("limits", {"beyond_stops_deg", "3.0", {"0.1", "45.0"}, {"0.09", "45.1"}});
+    expect_range("limits", {"generated_energy_J", "0.03", {"1e-4", "10.0"}, {"9e-5", "10.1"}});
+    expect_range("limits",
+                 {"missed_deadlines", "50", {"1", "10000"}, {"0", "10001", "-1", "50.5"}});
+    expect_range("limits", {"window_silence_s", "2.0", {"0.05", "60.0"}, {"0.04", "60.1"}});
 }
 
 TEST(DeviceFile, RefusesAFileThatIsNotThere) {
