@@ -3,7 +3,7 @@
 #include "app/load_lines.h"
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
-#include "engine/analysis/force_direction.h"
+#include "engine/control/force_direction.h"
 #include "engine/contact/preparation/mesh_remarks.h"
 #include "engine/control/motion_control.h"
 #include "engine/scenario/scripted_touch.h"

@@ -16,6 +16,12 @@ namespace springdrive {
 
 class VelocityFilter {
 public:
+    VelocityFilter() = default;
+
+    /// As it stands after angles at which it said `velocity_rad_per_s`.
+    VelocityFilter(const Vector3 &theta_rad, const Vector3 &velocity_rad_per_s)
+        : theta_rad_(theta_rad), velocity_rad_per_s_(velocity_rad_per_s) {}
+
     /// Starts anew, at rest.
     void reset(const Vector3 &theta_rad) noexcept {
         theta_rad_ = theta_rad;

@@ -1,7 +1,7 @@
 #include "engine/servo/servo_loop.h"
 
 #include "device/phantom/kinematics.h"
-#include "engine/analysis/force_direction.h"
+#include "engine/control/force_direction.h"
 #include "engine/contact/haptic_surface.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/parameters.h"

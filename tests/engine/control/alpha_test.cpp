@@ -1,6 +1,6 @@
 // Covers engine/control/motion_control.cpp: α over the workspace.
 #include "device/phantom/kinematics.h"
-#include "engine/analysis/force_direction.h"
+#include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"

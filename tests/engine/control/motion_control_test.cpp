@@ -2,7 +2,7 @@
 #include "engine/control/motion_control.h"
 
 #include "device/phantom/kinematics.h"
-#include "engine/analysis/force_direction.h"
+#include "engine/control/force_direction.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/LU>

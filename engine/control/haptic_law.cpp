@@ -1,0 +1,69 @@
+#include "engine/control/haptic_law.h"
+
+#include "device/phantom/kinematics.h"
+#include "engine/control/force_direction.h"
+
+#include <cstddef>
+#include <numbers>
+
+namespace springdrive {
+
+namespace {
+
+double alpha_in_force(const Tuning &tuning, double bound, double global) {
+    switch (tuning.alpha_mode) {
+    case AlphaMode::global:
+        return global;
+    case AlphaMode::by_hand:
+        return tuning.alpha_rad2_per_m2;
+    case AlphaMode::on_the_fly:
+        break;
+    }
+    return bound;
+}
+
+} // namespace
+
+HapticLaw::HapticLaw(const DeviceDescription &device)
+    : geometry_(device.geometry), motor_(device.motor), k_T_(torque_constants(device)),
+      relative_stiffness_(relative_stiffness(device)),
+      rad_per_count_(2.0 * std::numbers::pi / device.encoder_counts_per_turn) {}
+
+Configuration HapticLaw::configuration(const Vector3 &theta_rad,
+                                       const Vector3 &theta_rate_rad_per_s) const noexcept {
+    const Vector3 q_rad = joint_from_motor(geometry_, theta_rad);
+    return {theta_rad, theta_rate_rad_per_s, tip_position_m(geometry_, q_rad),
+            motor_jacobian(geometry_, q_rad)};
+}
+
+LawOutcome HapticLaw::operator()(const Configuration &now, const Contact &contact,
+                                 const Tuning &tuning,
+                                 double global_alpha_rad2_per_m2) const noexcept {
+    LawOutcome found;
+    found.eta = combined_eta(contact.eta, tuning.eta);
+    found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
+    found.alpha_rad2_per_m2 =
+        alpha_in_force(tuning, found.alpha_bound_rad2_per_m2, global_alpha_rad2_per_m2);
+
+    const TipSetPoint target =
+        contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact, found.eta);
+    found.x_Sd_m = target.x_Sd_m;
+    found.inverse = inverse_map(geometry_, now, target);
+    found.transpose = transpose_map(now, target, found.alpha_rad2_per_m2, relative_stiffness_);
+    found.used = tuning.map == MotionMap::transpose ? found.transpose
+                                                    : found.inverse.value_or(no_force(now));
+
+    found.command.e_W_V = drift_compensation_V(k_T_, tuning, now, found.used);
+    for (std::size_t j = 0; j < motor_.size(); ++j) {
+        found.command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
+            motor_[j].resistance_Ohm - residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
+    }
+    return found;
+}
+
+Vector3 HapticLaw::force_direction(const Configuration &now,
+                                   const MotorSetPoint &set_point) const noexcept {
+    return static_tip_force(now.J, relative_stiffness_, set_point.theta_Sd_rad - now.theta_rad);
+}
+
+} // namespace springdrive

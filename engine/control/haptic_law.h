@@ -1,0 +1,61 @@
+// The whole control law of one tick as a function over values: (30), then (18) or (23), then (10).
+#pragma once
+
+#include "base/vector.h"
+#include "device/haptic_device.h"
+#include "engine/contact/contact.h"
+#include "engine/control/motion_control.h"
+#include "engine/control/tuning.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace springdrive {
+
+/// All that the law found on its way to the voltages.
+struct LawOutcome {
+    double eta = 1.0;                     ///< η in force, surface and tuning together
+    double alpha_rad2_per_m2 = 0.0;       ///< α in force
+    double alpha_bound_rad2_per_m2 = 0.0; ///< (29) at this configuration
+    Vector3 x_Sd_m{Vector3::Zero()};
+    std::optional<MotorSetPoint> inverse; ///< (18), where it has an answer
+    MotorSetPoint transpose;              ///< (23), (24)
+    MotorSetPoint used;                   ///< of the map in use; without an answer, no force
+    DeviceCommand command;                ///< e_W (10) and R̂ (7)
+};
+
+/// Remembers the device, and nothing of what went before.
+class HapticLaw {
+public:
+    explicit HapticLaw(const DeviceDescription &device);
+
+    /// θ, θ̇_f, x and J from what the encoders and the velocity filter say. RT-safe.
+    [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
+                                              const Vector3 &theta_rate_rad_per_s) const noexcept;
+
+    /// @param global_alpha_rad2_per_m2  what AlphaMode::global takes. RT-safe.
+    [[nodiscard]] LawOutcome operator()(const Configuration &now, const Contact &contact,
+                                        const Tuning &tuning,
+                                        double global_alpha_rad2_per_m2) const noexcept;
+
+    /// The static tip force (19) that a motor set-point has, its direction only. RT-safe.
+    [[nodiscard]] Vector3 force_direction(const Configuration &now,
+                                          const MotorSetPoint &set_point) const noexcept;
+
+    [[nodiscard]] const Vector3 &k_T() const { return k_T_; }
+
+    /// θ of encoder counts [rad]. RT-safe.
+    [[nodiscard]] Vector3 theta_rad(const std::array<std::int32_t, 3> &counts) const noexcept {
+        return rad_per_count_ * Vector3(counts[0], counts[1], counts[2]);
+    }
+
+private:
+    PhantomGeometry geometry_;
+    std::array<MotorParameters, 3> motor_;
+    Vector3 k_T_;
+    Vector3 relative_stiffness_;
+    double rad_per_count_;
+};
+
+} // namespace springdrive

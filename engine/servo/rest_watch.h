@@ -1,0 +1,37 @@
+// Tells when the tip has been at rest in free space: only then may the motors get their voltages.
+#pragma once
+
+#include "base/vector.h"
+
+namespace springdrive {
+
+class RestWatch {
+public:
+    /// At rest is who stays this near to one place for so long.
+    static constexpr double kNear_m = 1e-3;
+    static constexpr double kTime_s = 0.1;
+
+    explicit RestWatch(double period_s) : period_s_(period_s) {}
+
+    void reset() noexcept { rested_s_ = 0.0; }
+
+    /// One tick on. RT-safe.
+    void update(const Vector3 &tip_m, bool touching) noexcept {
+        const bool stays = (tip_m - place_m_).norm() <= kNear_m; // false for what is not finite
+        if (touching || !stays) {
+            place_m_ = tip_m;
+            rested_s_ = 0.0;
+            return;
+        }
+        rested_s_ += period_s_;
+    }
+
+    [[nodiscard]] bool is_at_rest() const { return rested_s_ >= kTime_s; }
+
+private:
+    double period_s_;
+    double rested_s_ = 0.0;
+    Vector3 place_m_{Vector3::Zero()};
+};
+
+} // namespace springdrive

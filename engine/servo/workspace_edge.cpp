@@ -1,0 +1,61 @@
+#include "engine/servo/workspace_edge.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive {
+
+namespace {
+
+double beyond(double value, double lowest, double highest) {
+    return value > highest ? value - highest : std::min(0.0, value - lowest);
+}
+
+/// The damper is whole so far beyond the edge: it must not set in with a blow.
+constexpr double kDamperWithin_rad = 0.02;
+
+/// Only pushes back: a damper that would hold fast what swings away does not act.
+double push_back(const WorkspaceEdge &edge, double beyond_rad, double rate_rad_per_s) {
+    if (beyond_rad == 0.0) {
+        return 0.0;
+    }
+    const double share = std::min(1.0, std::abs(beyond_rad) / kDamperWithin_rad);
+    const double torque_Nm =
+        -edge.stiffness_Nm_per_rad * beyond_rad - share * edge.damping_Nms_per_rad * rate_rad_per_s;
+    return beyond_rad > 0.0 ? std::min(0.0, torque_Nm) : std::max(0.0, torque_Nm);
+}
+
+} // namespace
+
+double BeyondLimits::greatest_rad() const noexcept {
+    return std::max(joint_rad.cwiseAbs().maxCoeff(), std::abs(fold_rad));
+}
+
+BeyondLimits beyond_limits(const JointLimits &limits, const Vector3 &q_rad,
+                           double margin_rad) noexcept {
+    BeyondLimits result;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        result.joint_rad[j] =
+            beyond(q_rad[j], limits.lowest_rad[j] + margin_rad, limits.highest_rad[j] - margin_rad);
+    }
+    result.fold_rad = beyond(q_rad[2] - q_rad[1], limits.least_q3_minus_q2_rad + margin_rad,
+                             limits.greatest_q3_minus_q2_rad - margin_rad);
+    return result;
+}
+
+Vector3 edge_torque_Nm(const DeviceDescription &device, const Vector3 &q_rad,
+                       const Vector3 &q_rate_rad_per_s) noexcept {
+    const WorkspaceEdge &edge = device.edge;
+    const BeyondLimits over = beyond_limits(device.joint_limits, q_rad, edge.margin_rad);
+    Vector3 torque_Nm;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        torque_Nm[j] = push_back(edge, over.joint_rad[j], q_rate_rad_per_s[j]);
+    }
+    const double fold_Nm =
+        push_back(edge, over.fold_rad, q_rate_rad_per_s[2] - q_rate_rad_per_s[1]);
+    torque_Nm[1] -= fold_Nm;
+    torque_Nm[2] += fold_Nm;
+    return torque_Nm;
+}
+
+} // namespace springdrive

@@ -1,0 +1,28 @@
+// The soft wall at the edge of the workspace: before each joint's stop, and before the links fold
+// too far, a spring and a damper push back. They push through the motors' own torque, so no tuning
+// switches them off.
+#pragma once
+
+#include "base/vector.h"
+#include "device/device_file.h"
+
+namespace springdrive {
+
+/// How far joint angles are beyond limits drawn in by `margin_rad`: the joints, and the fold
+/// q₃ − q₂. Positive beyond the upper one, negative beyond the lower one, zero within [rad].
+struct BeyondLimits {
+    Vector3 joint_rad{Vector3::Zero()};
+    double fold_rad = 0.0;
+
+    [[nodiscard]] double greatest_rad() const noexcept;
+};
+
+/// RT-safe.
+[[nodiscard]] BeyondLimits beyond_limits(const JointLimits &limits, const Vector3 &q_rad,
+                                         double margin_rad) noexcept;
+
+/// Joint torques of the soft wall [N·m]; zero within. RT-safe.
+[[nodiscard]] Vector3 edge_torque_Nm(const DeviceDescription &device, const Vector3 &q_rad,
+                                     const Vector3 &q_rate_rad_per_s) noexcept;
+
+} // namespace springdrive

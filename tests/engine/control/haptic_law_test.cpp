@@ -1,0 +1,235 @@
+// Covers engine/control/haptic_law.cpp: the parts put together as (30), (18) or (23), (10) say.
+#include "engine/control/haptic_law.h"
+
+#include "device/phantom/kinematics.h"
+#include "tests/support/configurations.h"
+#include "tests/support/devices.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <random>
+#include <utility>
+
+namespace springdrive {
+namespace {
+
+constexpr double kGlobalAlpha = 1234.5;
+
+class HapticLawTest : public ::testing::Test {
+protected:
+    /// A random place and motion.
+    Configuration any_configuration() {
+        const Vector3 q_rad = testing::random_workspace_angles(device, random);
+        return law.configuration(motor_from_joint(device.geometry, q_rad),
+                                 testing::random_vector(random, 30.0));
+    }
+
+    /// A face, edge or vertex a few millimetres from the tip.
+    Contact any_contact(const Configuration &now, int constraints = 1) {
+        Contact contact;
+        contact.touching = true;
+        contact.x0_m = now.tip_m + testing::random_vector(random, 3e-3);
+        contact.normal = (contact.x0_m - now.tip_m).normalized();
+        contact.active_constraints = constraints;
+        const Matrix3 face = contact.normal * contact.normal.transpose();
+        const Vector3 along = contact.normal.unitOrthogonal();
+        contact.allowed_motion =
+            constraints == 1 ? Matrix3(Matrix3::Identity() - face)
+                             : Matrix3((constraints == 2 ? 1.0 : 0.0) * along * along.transpose());
+        contact.eta = std::uniform_real_distribution<double>(0.0, 1.0)(random);
+        return contact;
+    }
+
+    std::mt19937_64 random{12};
+    DeviceDescription device = testing::phantom_1_0();
+    HapticLaw law{device};
+    double k_T = device.motor[0].torque_constant_Nm_per_A;
+};
+
+TEST_F(HapticLawTest, TheConfigurationIsThatOfTheCounts) {
+    // A turn of a motor is a turn; x is where the linkage is; J is how x moves with θ.
+    EXPECT_LT(
+        (law.theta_rad({4096, -2048, 1}) - 2.0 * std::numbers::pi * Vector3(1.0, -0.5, 1.0 / 4096))
+            .norm(),
+        1e-12);
+    for (int run = 0; run < 100; ++run) {
+        const Configuration now = any_configuration();
+        const Vector3 q_rad = now.theta_rad.cwiseQuotient(device.geometry.transmission_ratio);
+        EXPECT_EQ(now.tip_m, tip_position_m(device.geometry, q_rad));
+        constexpr double kStep_rad = 1e-5;
+        for (Eigen::Index j = 0; j < 3; ++j) {
+            const Vector3 step_rad = kStep_rad * Vector3::Unit(j);
+            const Vector3 ahead_m = law.configuration(now.theta_rad + step_rad, {}).tip_m;
+            const Vector3 behind_m = law.configuration(now.theta_rad - step_rad, {}).tip_m;
+            EXPECT_LT((now.J.col(j) - (ahead_m - behind_m) / (2.0 * kStep_rad)).norm(), 1e-10);
+        }
+    }
+}
+
+TEST_F(HapticLawTest, InFreeSpaceItOnlyCancelsTheBackEmf) {
+    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+        for (int run = 0; run < 100; ++run) {
+            const Configuration now = any_configuration();
+            Contact free;
+            free.x0_m = now.tip_m;
+            Tuning tuning;
+            tuning.map = map;
+            const LawOutcome found = law(now, free, tuning, kGlobalAlpha);
+            EXPECT_EQ(found.eta, 1.0);
+            EXPECT_LT((found.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-9);
+            // The same on a surface through which one passes: η = 1 by the tuning.
+            tuning.eta = 1.0;
+            const LawOutcome clear = law(now, any_contact(now), tuning, kGlobalAlpha);
+            EXPECT_LT((clear.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-9);
+        }
+    }
+}
+
+TEST_F(HapticLawTest, AtRestTheTransposeMapMakesASphericalSpring) {
+    // F = J⁻ᵀ k_T e_W/dR is (1 − η) α k_T K_P/dR towards x₀, in whichever direction that is.
+    for (int run = 0; run < 500; ++run) {
+        Configuration now = any_configuration();
+        now.theta_rate_rad_per_s.setZero();
+        const Contact contact = any_contact(now, run % 3 + 1);
+        Tuning tuning;
+        tuning.eta = 0.25;
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
+        const double eta = 1.0 - (1.0 - contact.eta) * 0.75;
+        EXPECT_NEAR(found.eta, eta, 1e-15);
+        const Vector3 force_N =
+            now.J.transpose().inverse() * (k_T / tuning.dR_Ohm * found.command.e_W_V);
+        const Vector3 expected_N = (1.0 - eta) * found.alpha_rad2_per_m2 * k_T *
+                                   tuning.K_P_V_per_rad / tuning.dR_Ohm *
+                                   (contact.x0_m - now.tip_m);
+        EXPECT_LT((force_N - expected_N).norm(), 1e-9 * (1.0 + expected_N.norm()));
+        EXPECT_LT((found.x_Sd_m - (eta * now.tip_m + (1.0 - eta) * contact.x0_m)).norm(), 1e-15);
+    }
+}
+
+TEST_F(HapticLawTest, TheInverseMapGoesToWhereTheLinkageReachesTheSetPoint) {
+    for (int run = 0; run < 500; ++run) {
+        const Configuration now = any_configuration();
+        const Contact contact = any_contact(now);
+        Tuning tuning;
+        tuning.map = MotionMap::inverse;
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
+        if (!found.inverse) {
+            continue;
+        }
+        EXPECT_EQ(found.used.theta_Sd_rad, found.inverse->theta_Sd_rad);
+        const Vector3 q_Sd_rad =
+            found.used.theta_Sd_rad.cwiseQuotient(device.geometry.transmission_ratio);
+        EXPECT_LT((tip_position_m(device.geometry, q_Sd_rad) - found.x_Sd_m).norm(), 1e-12);
+        // ẋ_Sd: what of the tip's motion the contact allows, and η of the rest.
+        const Vector3 x_rate = now.J * now.theta_rate_rad_per_s;
+        const Vector3 set_rate = now.J * found.used.theta_Sd_rate_rad_per_s;
+        const Vector3 n = contact.normal;
+        EXPECT_NEAR(set_rate.dot(n), found.eta * x_rate.dot(n), 1e-9);
+        EXPECT_LT((set_rate.cross(n) - x_rate.cross(n)).norm(), 1e-9);
+    }
+}
+
+TEST_F(HapticLawTest, EWIsDriftCompensationOfTheMapInUse) {
+    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+        for (int run = 0; run < 300; ++run) {
+            const Configuration now = any_configuration();
+            Tuning tuning;
+            tuning.map = map;
+            const LawOutcome found = law(now, any_contact(now), tuning, kGlobalAlpha);
+            for (Eigen::Index j = 0; j < 3; ++j) {
+                const double rate = now.theta_rate_rad_per_s[j];
+                const double set_rate = found.used.theta_Sd_rate_rad_per_s[j];
+                const double gap_rad = found.used.theta_Sd_rad[j] - now.theta_rad[j];
+                const double e_W_V = k_T * set_rate + tuning.K_D_Vs_per_rad * (set_rate - rate) +
+                                     tuning.K_P_V_per_rad * gap_rad; // (10)
+                EXPECT_NEAR(found.command.e_W_V[j], e_W_V, 1e-12);
+            }
+        }
+    }
+}
+
+TEST_F(HapticLawTest, AlphaComesFromWhereTheTuningSays) {
+    const Configuration now = any_configuration();
+    const Contact contact = any_contact(now);
+    Tuning tuning;
+    tuning.alpha_rad2_per_m2 = 777.0;
+    for (const auto &[mode, expected] :
+         {std::pair(AlphaMode::global, kGlobalAlpha), std::pair(AlphaMode::by_hand, 777.0)}) {
+        tuning.alpha_mode = mode;
+        EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha).alpha_rad2_per_m2, expected);
+    }
+    tuning.alpha_mode = AlphaMode::on_the_fly;
+    const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
+    EXPECT_EQ(found.alpha_rad2_per_m2, found.alpha_bound_rad2_per_m2);
+}
+
+TEST_F(HapticLawTest, TheBoundIsTheLeastStiffnessOfAnyDirection) {
+    // (29) by brute force: 1/α is the largest |Jᵀ u|² of any unit vector u.
+    for (int run = 0; run < 20; ++run) {
+        const Configuration now = any_configuration();
+        double largest = 0.0;
+        for (int i = 0; i < 20'000; ++i) {
+            const Vector3 u = testing::random_vector(random, 1.0).normalized();
+            largest = std::max(largest, (now.J.transpose() * u).squaredNorm());
+        }
+        const double bound = law(now, Contact{}, Tuning{}, kGlobalAlpha).alpha_bound_rad2_per_m2;
+        EXPECT_LE(bound, 1.0 / largest * (1.0 + 1e-12));
+        EXPECT_GT(bound, 0.999 / largest);
+    }
+}
+
+TEST_F(HapticLawTest, WithoutAnAnswerTheInverseMapGivesNoForce) {
+    const Configuration now = any_configuration();
+    Contact contact = any_contact(now);
+    contact.eta = 0.0;
+    contact.x0_m = Vector3(0.0, 1.0, 0.0); // a metre up: nobody reaches that
+    Tuning tuning;
+    tuning.map = MotionMap::inverse;
+    const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
+    EXPECT_FALSE(found.inverse.has_value());
+    EXPECT_LT((found.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-12);
+    EXPECT_EQ(found.used.theta_Sd_rad, now.theta_rad);
+    // The transpose map has one all the same.
+    tuning.map = MotionMap::transpose;
+    EXPECT_GT(law(now, contact, tuning, kGlobalAlpha).command.e_W_V.norm(), 1.0);
+}
+
+TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
+    const Configuration now = any_configuration();
+    for (const auto &[dR_Ohm, R_hat_Ohm] :
+         {std::pair(0.5, 1.68), std::pair(2.18, 0.0), std::pair(3.0, 0.0), std::pair(0.02, 2.16),
+          std::pair(0.0, 0.995 * 2.18), std::pair(-1.0, 0.995 * 2.18)}) {
+        Tuning tuning;
+        tuning.dR_Ohm = dR_Ohm;
+        const DeviceCommand command = law(now, Contact{}, tuning, kGlobalAlpha).command;
+        EXPECT_LT((command.cancelled_resistance_Ohm.array() - R_hat_Ohm).abs().maxCoeff(), 1e-12);
+    }
+}
+
+TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
+    for (int run = 0; run < 200; ++run) {
+        const Configuration now = any_configuration();
+        const Contact contact = any_contact(now);
+        const LawOutcome found = law(now, contact, Tuning{}, kGlobalAlpha);
+        const Vector3 direction = law.force_direction(now, found.transpose).normalized();
+        EXPECT_LT((direction - contact.normal).norm(), 1e-7);
+    }
+}
+
+TEST_F(HapticLawTest, RemembersNothing) {
+    const Configuration now = any_configuration();
+    const Contact contact = any_contact(now);
+    const Vector3 first_V = law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V;
+    for (int run = 0; run < 20; ++run) {
+        const Configuration other = any_configuration();
+        static_cast<void>(law(other, any_contact(other), Tuning{}, 1.0));
+        EXPECT_EQ(law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V, first_V);
+    }
+}
+
+} // namespace
+} // namespace springdrive

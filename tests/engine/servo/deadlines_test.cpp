@@ -1,0 +1,173 @@
+// Covers engine/servo/deadlines.h.
+#include "engine/servo/deadlines.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+using Nanoseconds = std::int64_t;
+
+/// When deadline n of a whole rate is, in whole numbers: the nearest nanosecond.
+Nanoseconds exact_ns(std::int64_t n, std::int64_t rate_hz) {
+    const std::int64_t rest = n % rate_hz; // of a second
+    return n / rate_hz * 1'000'000'000 + (2'000'000'000 * rest + rate_hz) / (2 * rate_hz);
+}
+
+/// The plain reference: a list of what became of every deadline, found by walking through them.
+struct Reference {
+    explicit Reference(std::int64_t rate) : rate_hz(rate) {}
+
+    [[nodiscard]] Nanoseconds due_ns() const { return exact_ns(next, rate_hz); }
+
+    /// The thread wakes: it serves the last deadline that is not ahead; those before are missed.
+    void begin(Nanoseconds now_ns) {
+        while (exact_ns(next + 1, rate_hz) <= now_ns) {
+            ++next;
+            ++missed;
+        }
+        served.push_back(next);
+        in_a_row = missed == 0 ? 0 : in_a_row + missed;
+        total += missed;
+    }
+
+    /// The tick ends: what passed meanwhile is missed, and the next that is ahead is waited for.
+    void end(Nanoseconds now_ns) {
+        missed = 0;
+        ++next;
+        while (exact_ns(next, rate_hz) < now_ns) {
+            ++next;
+            ++missed;
+        }
+    }
+
+    std::int64_t rate_hz;
+    std::int64_t next = 1;
+    std::int64_t missed = 0;
+    std::int64_t in_a_row = 0;
+    std::int64_t total = 0;
+    std::vector<std::int64_t> served;
+};
+
+/// Neither on a deadline nor within a nanosecond of one, where rounding may decide.
+Nanoseconds off_deadlines(Nanoseconds now_ns, std::int64_t rate_hz) {
+    const std::int64_t n = now_ns * rate_hz / 1'000'000'000;
+    for (const std::int64_t near : {n, n + 1}) {
+        if (std::abs(now_ns - exact_ns(near, rate_hz)) <= 1) {
+            return exact_ns(near, rate_hz) + 2;
+        }
+    }
+    return now_ns;
+}
+
+/// Mostly a share of the period, now and then many of them.
+Nanoseconds any_delay(std::mt19937_64 &random, double period_ns, double often) {
+    std::uniform_real_distribution<double> one(0.0, 1.0);
+    if (one(random) > often) {
+        return static_cast<Nanoseconds>(0.3 * period_ns * one(random));
+    }
+    return static_cast<Nanoseconds>(period_ns * 5.0 * one(random) * one(random));
+}
+
+TEST(Deadlines, AreThoseOfAPlainReference) {
+    std::mt19937_64 random(6);
+    for (const std::int64_t rate_hz : {250, 300, 1000, 3000, 7000, 10'000}) {
+        for (const double often : {0.0, 0.02, 0.5}) {
+            Deadlines deadlines(static_cast<double>(rate_hz));
+            Reference reference(rate_hz);
+            const double period_ns = 1e9 / static_cast<double>(rate_hz);
+            std::int64_t counted = 0;
+            Nanoseconds now_ns = 0;
+            for (int tick = 0; tick < 5000; ++tick) {
+                ASSERT_EQ(deadlines.next_ns(), reference.due_ns());
+                now_ns = std::max(now_ns, reference.due_ns());
+                now_ns = off_deadlines(now_ns + any_delay(random, period_ns, often), rate_hz);
+                deadlines.begin(now_ns);
+                reference.begin(now_ns);
+                ASSERT_EQ(deadlines.missed(), reference.missed) << rate_hz << ' ' << tick;
+                ASSERT_EQ(deadlines.missed_in_a_row(), reference.in_a_row);
+                counted += deadlines.missed();
+                now_ns = off_deadlines(now_ns + any_delay(random, period_ns, often), rate_hz);
+                deadlines.end(now_ns);
+                reference.end(now_ns);
+            }
+            // Never two ticks for one deadline, and each is either served or missed, once.
+            const std::vector<std::int64_t> &served = reference.served;
+            EXPECT_EQ(std::adjacent_find(served.begin(), served.end(), std::greater_equal<>()),
+                      served.end());
+            EXPECT_EQ(static_cast<std::int64_t>(served.size()) + counted, served.back());
+            EXPECT_EQ(counted > 0, often > 0.0);
+        }
+    }
+}
+
+TEST(Deadlines, DoNotDriftOverAHundredMillionTicks) {
+    // Gone through by sleeping for long: what is due then is due at the very nanosecond.
+    for (const std::int64_t rate_hz : {250, 3000, 7000, 9999, 10'000}) {
+        Deadlines deadlines(static_cast<double>(rate_hz));
+        for (std::int64_t n = 9'999'999; n <= 100'000'000; n += 9'999'999) {
+            const Nanoseconds now_ns = exact_ns(n, rate_hz) + 2;
+            deadlines.begin(now_ns);
+            deadlines.end(now_ns + 1);
+            ASSERT_EQ(deadlines.next_ns(), exact_ns(n + 1, rate_hz)) << rate_hz << ' ' << n;
+        }
+    }
+}
+
+TEST(Deadlines, InTimeTickAfterTickNoneIsMissedHoweverLong) {
+    // Woken on the very nanosecond, for as long as a test may take.
+    Deadlines deadlines(3000.0);
+    for (std::int64_t n = 1; n <= 3'000'000; ++n) {
+        const Nanoseconds due_ns = deadlines.next_ns();
+        ASSERT_EQ(due_ns, exact_ns(n, 3000));
+        deadlines.begin(due_ns);
+        ASSERT_EQ(deadlines.missed(), 0U);
+        deadlines.end(due_ns + 50'000);
+    }
+}
+
+TEST(Deadlines, ATickIsAllowedItsWholePeriodAndNoMore) {
+    const auto missed_after = [](Nanoseconds duration_ns) {
+        Deadlines deadlines(1000.0);
+        deadlines.begin(1'000'000);
+        deadlines.end(1'000'000 + duration_ns);
+        deadlines.begin(deadlines.next_ns());
+        return deadlines.missed();
+    };
+    EXPECT_EQ(missed_after(999'999), 0U);
+    EXPECT_EQ(missed_after(1'000'000), 0U);
+    EXPECT_EQ(missed_after(1'000'002), 1U);
+    EXPECT_EQ(missed_after(2'000'002), 2U);
+}
+
+TEST(Deadlines, InARowEndsWithATickThatMissedNone) {
+    Deadlines deadlines(1000.0);
+    const auto tick = [&](Nanoseconds delay_ns, Nanoseconds duration_ns) {
+        const Nanoseconds start_ns = deadlines.next_ns() + delay_ns;
+        deadlines.begin(start_ns);
+        deadlines.end(start_ns + duration_ns);
+    };
+    tick(1000, 100'000);
+    EXPECT_EQ(deadlines.missed_in_a_row(), 0U);
+    tick(2'500'000, 100'000); // woken late: two passed
+    EXPECT_EQ(deadlines.missed_in_a_row(), 2U);
+    tick(1'500'000, 100'000); // and one more
+    EXPECT_EQ(deadlines.missed_in_a_row(), 3U);
+    tick(1000, 3'500'000); // itself in time, but it takes three more
+    deadlines.begin(deadlines.next_ns());
+    EXPECT_EQ(deadlines.missed(), 3U);
+    EXPECT_EQ(deadlines.missed_in_a_row(), 3U); // from here on: the one before missed none
+    deadlines.end(deadlines.next_ns() + 100'000);
+    tick(1000, 100'000);
+    EXPECT_EQ(deadlines.missed_in_a_row(), 0U);
+}
+
+} // namespace
+} // namespace springdrive
