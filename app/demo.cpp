@@ -180,15 +180,16 @@ std::string microseconds(double duration_s) {
 /// What an unattended run has to tell.
 void report(const DemoOptions &options, Session &session) {
     const ServoStatistics &s = session.statistics();
-    std::cout << "servo: " << s.ticks << " ticks at " << options.servo_hz << " Hz"
-              << (options.lockstep ? " in lockstep" : "") << ", compute median "
-              << microseconds(s.compute.p50_s) << ", 99 % " << microseconds(s.compute.p99_s)
-              << ", longest " << microseconds(s.compute.longest_s) << '\n';
+    std::cout << "servo: " << s.ticks() << " ticks at " << options.servo_hz << " Hz"
+              << (options.lockstep ? " in lockstep" : "") << '\n';
     if (!options.lockstep) {
-        std::cout << "servo: jitter median " << microseconds(s.lateness.p50_s) << ", 99 % "
-                  << microseconds(s.lateness.p99_s) << ", longest "
-                  << microseconds(s.lateness.longest_s) << ", " << s.skipped
-                  << " deadlines skipped\n";
+        std::cout << "servo: compute median " << microseconds(s.compute().quantile_s(0.5))
+                  << ", 99 % " << microseconds(s.compute().quantile_s(0.99)) << ", longest "
+                  << microseconds(s.compute().longest_s()) << '\n';
+        std::cout << "servo: jitter median " << microseconds(s.lateness().quantile_s(0.5))
+                  << ", 99 % " << microseconds(s.lateness().quantile_s(0.99)) << ", longest "
+                  << microseconds(s.lateness().longest_s()) << ", " << s.missed_deadlines()
+                  << " deadlines missed\n";
     }
     const SafetyStatus &safety = session.latest().safety;
     if (safety.state == SafetyState::tripped) {

@@ -3,8 +3,8 @@
 #include "app/load_lines.h"
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
 #include "engine/contact/preparation/mesh_remarks.h"
+#include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/scene/gltf.h"
@@ -55,10 +55,10 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const Workspace &workspace, LoadProgress &progress) {
     Scene scene = load_gltf(file, workspace, &progress);
     progress.begin(LoadProgress::Stage::preparing, false);
-    HapticSurface mesh(scene.surface, scene.shapes);
-    std::ranges::move(remarks_on(mesh.report(), scene.surface.materials),
+    HapticSurface surface(scene.surface, scene.shapes);
+    std::ranges::move(remarks_on(surface.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
-    return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(mesh)});
+    return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(surface)});
 }
 
 Session::Session(const DemoOptions &options)
@@ -86,13 +86,13 @@ Session::Session(const DemoOptions &options)
         hand_target_m_ = simulation.path->points().front().position_m;
     } else if (options.unattended()) {
         simulation.path =
-            scripted_touch(description, scene_->mesh, lower_m, upper_m, hand_target_m_);
+            scripted_touch(description, scene_->surface, lower_m, upper_m, hand_target_m_);
     }
     hand_path_ = simulation.path;
     device_ = std::make_unique<SimulatedPhantom>(description, simulation, hand_target_m_);
     servo_ = std::make_unique<Servo>(*device_, options.servo_hz);
 
-    inputs_.mesh = &scene_->mesh;
+    inputs_.surface = &scene_->surface;
     inputs_.scene_id = 1;
     publish();
     if (!options.telemetry.empty()) {
@@ -108,6 +108,8 @@ std::vector<std::string> Session::start() {
 }
 
 void Session::advance(double frame_s) {
+    inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
+    publish();
     if (options_.lockstep) {
         lockstep_debt_ticks_ += frame_s * options_.servo_hz;
         const int due = static_cast<int>(std::floor(lockstep_debt_ticks_ + 1e-9));
@@ -136,8 +138,8 @@ PlotSample Session::plot_sample(const ServoSample &sample) {
     const double felt = std::isnan(sample.rendered_error_rad)
                             ? sample.rendered_error_rad
                             : direction_error_rad(felt_force_N_, sample.contact.normal);
-    const double other =
-        sample.map == MotionMap::transpose ? sample.inverse_error_rad : sample.transpose_error_rad;
+    const double other = sample.tuning.map == MotionMap::transpose ? sample.inverse_error_rad
+                                                                   : sample.transpose_error_rad;
     return {sample.time_s, sample.rendered_error_rad * kDegreesPerRadian, felt * kDegreesPerRadian,
             other * kDegreesPerRadian, sample.tip_force_N.norm()};
 }
@@ -145,6 +147,7 @@ PlotSample Session::plot_sample(const ServoSample &sample) {
 void Session::take_in_samples() {
     servo_->drain([this](const ServoSample &sample) {
         latest_ = sample;
+        statistics_.add(sample);
         const PlotSample plotted = plot_sample(sample);
         if (sample.tick % plot_stride_ == 0) {
             history_.add(plotted);
@@ -226,7 +229,7 @@ void Session::take_in_loaded_scene() {
 
 void Session::show(std::unique_ptr<LoadedScene> scene) {
     retired_.push_back(std::exchange(scene_, std::move(scene)));
-    inputs_.mesh = &scene_->mesh;
+    inputs_.surface = &scene_->surface;
     ++inputs_.scene_id;
     publish();
 }

@@ -9,6 +9,7 @@
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 #include "engine/servo/servo.h"
+#include "engine/servo/servo_statistics.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +24,7 @@ namespace springdrive {
 /// A scene ready for eye and hand.
 struct LoadedScene {
     Scene scene;
-    HapticSurface mesh;
+    HapticSurface surface;
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.
@@ -67,7 +68,7 @@ public:
     [[nodiscard]] bool hand_follows_path() const { return hand_path_.has_value(); }
     [[nodiscard]] double servo_hz() const { return options_.servo_hz; }
     [[nodiscard]] int delay_samples() const { return device_->delay_samples(); }
-    [[nodiscard]] const ServoStatistics &statistics() { return servo_->statistics(); }
+    [[nodiscard]] const ServoStatistics &statistics() const { return statistics_; }
     [[nodiscard]] std::uint64_t lost_samples() const { return servo_->lost_samples(); }
     [[nodiscard]] const std::vector<std::string> &remarks() const { return remarks_; }
     [[nodiscard]] const ServoSample &latest() const { return latest_; }
@@ -101,6 +102,7 @@ private:
     std::vector<std::string> remarks_;
 
     ServoSample latest_;
+    ServoStatistics statistics_;
     Vector3 felt_force_N_{Vector3::Zero()}; ///< rendered force below 30 Hz while touching
     History history_;
     std::uint64_t plot_stride_ = 1;

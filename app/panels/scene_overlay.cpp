@@ -17,7 +17,7 @@ void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::TextWrapped("Stopped: %s. The motors brake.", description(safety).c_str());
-    if (ImGui::Button("All is clear: reset and ramp up")) {
+    if (ImGui::Button("All is clear: reset")) {
         session.reset_safety();
     }
     ImGui::End();

@@ -22,12 +22,12 @@ namespace {
 
 constexpr double kOutside_m = 1e-3; ///< how far outside the tip starts
 
-// The experiment's timetable: the servo's start-up ramp takes 0.5 s.
-constexpr double kZeroFrom_s = 0.55;
-constexpr double kPressFrom_s = 0.60;
-constexpr double kPressUntil_s = 0.65;
-constexpr double kMeasureFrom_s = 0.85;
-constexpr double kMeasureUntil_s = 0.90;
+// The experiment's timetable: the servo waits 0.1 s and ramps for 1 s.
+constexpr double kZeroFrom_s = 1.15;
+constexpr double kPressFrom_s = 1.20;
+constexpr double kPressUntil_s = 1.25;
+constexpr double kMeasureFrom_s = 1.45;
+constexpr double kMeasureUntil_s = 1.50;
 
 /// A vice: 1 µm per newton, critically damped, at rest within 2 ms.
 constexpr HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
@@ -67,14 +67,20 @@ SimulationOptions simulation_options(const LockedDeviceOptions &options, const V
     return simulation;
 }
 
+/// The vice holds the device near a stop too: what the soft wall there does is no part of the map.
+DeviceDescription without_edge(DeviceDescription device) {
+    device.edge = {};
+    return device;
+}
+
 /// The simulated device in its vice, and the servo that it answers to.
 class LockedRig {
 public:
     LockedRig(const DeviceDescription &device, const SimulationOptions &options,
               const Vector3 &start_m, const HapticSurface &plate, const Tuning &tuning,
               double alpha)
-        : device_(device, options, start_m), loop_(device_, options.servo_period_s) {
-        inputs_.mesh = &plate;
+        : device_(without_edge(device), options, start_m), loop_(device_, options.servo_period_s) {
+        inputs_.surface = &plate;
         inputs_.tuning = tuning;
         inputs_.tuning.alpha_mode = AlphaMode::global;
         inputs_.global_alpha_rad2_per_m2 = alpha;
@@ -85,11 +91,16 @@ public:
         Vector3 sum = Vector3::Zero();
         int ticks = 0;
         while (device_.truth().time_s < until_s - 0.5 * loop_.period_s()) {
-            const ServoSample sample = loop_.update(loop_.exchange(), inputs_);
+            const ServoSample sample = loop_.update(loop_.exchange(), sealed(inputs_));
             if (sample.safety.state == SafetyState::tripped) {
                 throw InputError("locked device: the safety monitor tripped (" +
                                  description(sample.safety) +
                                  "); choose a softer tuning or another configuration");
+            }
+            const bool measures = device_.truth().time_s > kMeasureFrom_s;
+            if (measures && (sample.held_back.force || sample.held_back.voltage)) {
+                throw InputError("locked device: the servo held the force back to keep within its "
+                                 "limits; choose a softer tuning or another configuration");
             }
             sum -= device_.truth().hand_force_N;
             ++ticks;
@@ -120,11 +131,11 @@ LockedForce press_locked_device(const DeviceDescription &device, const LockedDev
     const Vector3 surface_m = inside_m + options.penetration_m * normal;
     const Vector3 outside_m = surface_m + kOutside_m * normal;
 
-    const HapticSurface mesh(plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
+    const HapticSurface surface(plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
     Tuning tuning = options.tuning;
     tuning.map = map;
-    LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, mesh, tuning,
-                  stiffness.alpha_rad2_per_m2);
+    LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, surface,
+                  tuning, stiffness.alpha_rad2_per_m2);
     static_cast<void>(rig.run(kZeroFrom_s));
     const Vector3 zero_N = rig.run(kPressFrom_s);
     static_cast<void>(rig.run(kMeasureFrom_s));

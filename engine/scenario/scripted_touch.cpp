@@ -105,18 +105,20 @@ HandPath scripted_touch(const DeviceDescription &device, const HapticSurface &me
     const CircleOverSurface circle(mesh, lower_m, upper_m, contact_m, radius_m);
     const Vector3 depth_m = how.depth_m * Vector3::UnitY();
 
+    const double pressed_s = how.wait_s + how.approach_s;
     std::vector<HandPath::Point> points{
         {0.0, start_m},
-        {0.5 * how.approach_s, contact_m + 0.01 * Vector3::UnitY()},
-        {how.approach_s, contact_m - depth_m},
+        {how.wait_s, start_m},
+        {how.wait_s + 0.5 * how.approach_s, contact_m + 0.01 * Vector3::UnitY()},
+        {pressed_s, contact_m - depth_m},
     };
     // Out to the circle within half a second, then round it; straight pieces of 10 ms.
     const double turn_rate = how.speed_m_per_s / std::max(radius_m, 1e-3);
     constexpr double kPiece_s = 0.01;
-    for (double t = kPiece_s; how.approach_s + t < how.duration_s; t += kPiece_s) {
+    for (double t = kPiece_s; pressed_s + t < how.duration_s; t += kPiece_s) {
         const double outward = std::min(1.0, 2.0 * t);
-        points.push_back({how.approach_s + t, (1.0 - outward) * contact_m +
-                                                  outward * circle.at(turn_rate * t) - depth_m});
+        points.push_back({pressed_s + t, (1.0 - outward) * contact_m +
+                                             outward * circle.at(turn_rate * t) - depth_m});
     }
     return HandPath(std::move(points));
 }

@@ -9,6 +9,7 @@ namespace springdrive {
 
 /// How the scripted hand moves.
 struct ScriptedTouch {
+    double wait_s = 1.2;         ///< at the start: the servo waits for rest, then raises its gains
     double approach_s = 0.8;     ///< from the start to above the surface, then into it
     double depth_m = 0.005;      ///< how far below the first contact it goes
     double speed_m_per_s = 0.06; ///< while sliding

@@ -1,29 +1,70 @@
 #include "engine/servo/real_time.h"
 
+#include "base/input_error.h"
+
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace springdrive {
 
 namespace {
 
-/// Below the kernel's own threads (99), above everything that a desktop runs.
-constexpr int kPriority = 80;
-
 /// More stack than a tick uses by an order of magnitude.
 constexpr std::size_t kStackTouched = std::size_t{128} * 1024;
+
+constexpr const char *kIdleFile = "/dev/cpu_dma_latency";
 
 /// The command that lifts one limit for the user who runs it.
 std::string allow(const std::string &limit) {
     return "echo \"$USER - " + limit +
            "\" | sudo tee -a /etc/security/limits.d/springdrive.conf, and log in again";
+}
+
+std::string ask_for_priority() {
+    sched_param parameters{};
+    parameters.sched_priority = kServoPriority;
+    const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    // A nanosecond, for whom the system has no real-time priority: by default sleepers of a desktop
+    // are woken 50 µs late.
+    static_cast<void>(prctl(PR_SET_TIMERSLACK, 1UL));
+    return refused == 0
+               ? ""
+               : "no real-time priority, ticks may come late (" +
+                     std::string(std::strerror(refused)) +
+                     "); to allow it: " + allow("rtprio " + std::to_string(kServoPriority));
+}
+
+/// With a limit in force, a lock on future pages would make later allocations fail: it is left
+/// alone then. The superuser's lock knows no limit.
+std::string ask_for_memory() {
+    rlimit limit{};
+    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
+                                              limit.rlim_cur == RLIM_INFINITY);
+    return unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
+               ? ""
+               : "memory may be paged out, ticks may come late; to keep it: " +
+                     allow("memlock unlimited");
+}
+
+std::string ask_for_processor(int cpu) {
+    cpu_set_t only;
+    CPU_ZERO(&only);
+    CPU_SET(static_cast<std::size_t>(cpu), &only);
+    const int refused = pthread_setaffinity_np(pthread_self(), sizeof only, &only);
+    return refused == 0 ? ""
+                        : "processor " + std::to_string(cpu) + " was refused (" +
+                              std::strerror(refused) + "); name another with --cpu";
 }
 
 void touch_stack() {
@@ -36,27 +77,58 @@ void touch_stack() {
 
 } // namespace
 
-std::vector<std::string> make_this_thread_real_time() {
+std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu) {
     std::vector<std::string> remarks;
-    sched_param parameters{};
-    parameters.sched_priority = kPriority;
-    const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    if (refused != 0) {
-        remarks.push_back("no real-time priority, ticks may come late; " +
-                          std::string(std::strerror(refused)) +
-                          "; to allow it: " + allow("rtprio 80"));
-    }
-    // With a limit in force, a lock on future pages would make later allocations fail: leave it
-    // then. The superuser's lock knows no limit.
-    rlimit limit{};
-    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
-                                              limit.rlim_cur == RLIM_INFINITY);
-    if (!unlimited || mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-        remarks.push_back("memory may be paged out, ticks may come late; to keep it: " +
-                          allow("memlock unlimited"));
+    const auto keep = [&remarks](std::string remark) {
+        if (!remark.empty()) {
+            remarks.push_back(std::move(remark));
+        }
+    };
+    keep(ask_for_priority());
+    keep(ask_for_memory());
+    if (cpu) {
+        keep(ask_for_processor(*cpu));
     }
     touch_stack();
     return remarks;
+}
+
+ShortIdle::ShortIdle() : file_(open(kIdleFile, O_WRONLY | O_CLOEXEC)) {
+    const std::int32_t longest_us = 0;
+    if (file_ >= 0 && write(file_, &longest_us, sizeof longest_us) == sizeof longest_us) {
+        return;
+    }
+    remark_ = errno == ENOENT
+                  ? std::string("processors may idle deeply, ticks may come some 0.1 ms "
+                                "late; this system has no ") +
+                        kIdleFile
+                  : std::string("processors may idle deeply, ticks may come some 0.1 ms "
+                                "late; to allow it: echo 'KERNEL==\"cpu_dma_latency\", "
+                                "MODE=\"0666\"' | sudo tee "
+                                "/etc/udev/rules.d/99-springdrive.rules, and restart");
+}
+
+ShortIdle::~ShortIdle() {
+    if (file_ >= 0) {
+        close(file_);
+    }
+}
+
+void check_cpu(int cpu) {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    sched_getaffinity(0, sizeof allowed, &allowed);
+    if (cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(cpu), &allowed)) {
+        return;
+    }
+    std::string names;
+    for (int i = 0; i < CPU_SETSIZE; ++i) {
+        if (CPU_ISSET(static_cast<std::size_t>(i), &allowed)) {
+            names += (names.empty() ? "" : ", ") + std::to_string(i);
+        }
+    }
+    throw InputError("--cpu " + std::to_string(cpu) + ": this process may run on processors " +
+                     names + " only");
 }
 
 } // namespace springdrive

@@ -1,66 +1,48 @@
 #include "engine/servo/safety_monitor.h"
 
+#include "device/phantom/kinematics.h"
+#include "engine/servo/command_limiter.h"
+#include "engine/servo/workspace_edge.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <numbers>
 #include <utility>
 
 namespace springdrive {
 
 namespace {
 
-/// From nothing to the full command.
-constexpr double kRampTime_s = 0.5;
-
-/// The force limit is one of lasting force; the shock of hitting a stiff surface is shorter, and
-/// the current limit bounds it.
-constexpr double kForceTolerated_s = 0.02;
+/// From one tick to the next a tip may go this much further than at its greatest speed before the
+/// encoders, not the hand, must have moved it; and by so many counts beside.
+constexpr double kJumpFactor = 1.5;
+constexpr double kJumpCounts = 3.0;
 
 WindingGuard guard_of(const DeviceDescription &device, std::size_t motor, double period_s) {
     return {device.motor[motor], device.amplifier.greatest_cancelled_Ohm, period_s};
 }
 
-} // namespace
-
-std::string description(const SafetyStatus &status) {
-    const auto crossed = [&status](const char *what, const char *unit) {
-        std::array<char, 96> text{};
-        std::snprintf(text.data(), text.size(), "%s %.2f %s, limit %.2f %s", what, status.measured,
-                      unit, status.limit, unit);
-        return std::string(text.data());
-    };
-    switch (status.cause) {
-    case TripCause::none:
-        return "no trip";
-    case TripCause::emergency_stop:
-        return "emergency stop";
-    case TripCause::device_lost:
-        return "the device does not answer";
-    case TripCause::not_finite:
-        return "a value that is not finite";
-    case TripCause::tip_speed:
-        return crossed("tip speed", "m/s");
-    case TripCause::tip_force:
-        return crossed("tip force", "N");
-    case TripCause::current:
-        return crossed("winding current", "A");
-    case TripCause::winding_temperature:
-        return crossed("winding temperature, upper estimate,", "°C");
-    }
-    return "unknown";
+double greatest_step_m(const DeviceDescription &device, double speed_limit_m_per_s, double time_s,
+                       const Matrix3 &J) {
+    const double quantum_rad = 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
+    return kJumpFactor * speed_limit_m_per_s * time_s + kJumpCounts * quantum_rad * J.norm();
 }
 
-SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
-    : device_(std::move(device)),
-      period_s_(period_s), guard_{guard_of(device_, 0, period_s), guard_of(device_, 1, period_s),
-                                  guard_of(device_, 2, period_s)} {}
+} // namespace
 
-void SafetyMonitor::watch_windings(const Vector3 &current_A) noexcept {
-    for (std::size_t j = 0; j < guard_.size(); ++j) {
-        guard_[j].update(current_A[static_cast<Eigen::Index>(j)]);
-        winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
-                       guard_[j].greatest_cancelled_Ohm(), false};
+SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
+    : device_(std::move(device)), period_s_(period_s), device_limits_(limits_of(device_)),
+      limits_(device_limits_), guard_{guard_of(device_, 0, period_s),
+                                      guard_of(device_, 1, period_s),
+                                      guard_of(device_, 2, period_s)},
+      energy_(period_s), rest_(period_s) {}
+
+void SafetyMonitor::reset() noexcept {
+    if (status_.state == SafetyState::tripped) {
+        status_ = {};
+        above_voltage_s_ = 0.0;
+        rest_.reset();
+        energy_.reset();
     }
 }
 
@@ -70,71 +52,167 @@ void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcep
     }
 }
 
-void SafetyMonitor::reset() noexcept {
-    if (status_.state == SafetyState::tripped) {
-        status_ = {};
-        ticks_above_force_limit_ = 0;
+/// What is not a number is above every limit.
+void SafetyMonitor::trip_above(TripCause cause, double measured, double limit) noexcept {
+    if (!(measured <= limit)) {
+        trip(cause, measured, limit);
     }
 }
 
-void SafetyMonitor::check(const DeviceCommand &wanted, const Measurement &measured,
-                          bool emergency_stop) noexcept {
-    if (emergency_stop) {
-        trip(TripCause::emergency_stop, 0.0, 0.0);
+void SafetyMonitor::watch_windings(const Vector3 &current_A) noexcept {
+    for (std::size_t j = 0; j < guard_.size(); ++j) {
+        guard_[j].update(current_A[static_cast<Eigen::Index>(j)]);
+        winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
+                       guard_[j].greatest_cancelled_Ohm(), false};
     }
-    if (measured.health != DeviceHealth::ok) {
-        trip(TripCause::device_lost, 0.0, 0.0);
-    }
-    if (!measured.all_finite || !wanted.e_W_V.allFinite() ||
-        !wanted.cancelled_resistance_Ohm.allFinite() || !measured.current_A.allFinite() ||
-        !measured.tip_velocity_m_per_s.allFinite() || !measured.tip_force_N.allFinite()) {
-        trip(TripCause::not_finite, 0.0, 0.0);
+}
+
+void SafetyMonitor::watch_window(const SafetyOrders &orders,
+                                 std::uint32_t missed_deadlines) noexcept {
+    const bool beats = orders.heartbeat != heartbeat_ || orders.heartbeat == 0;
+    heartbeat_ = orders.heartbeat;
+    window_silent_s_ = beats ? 0.0 : window_silent_s_ + (1.0 + missed_deadlines) * period_s_;
+}
+
+/// The observer looks on while the gains stand; while they rise the spring is another every tick.
+void SafetyMonitor::watch_energy(const Observation &seen) noexcept {
+    if (status_.state != SafetyState::running) {
+        energy_.reset();
         return;
     }
-    const double speed = measured.tip_velocity_m_per_s.norm();
-    if (speed > device_.limits.tip_speed_m_per_s) {
-        trip(TripCause::tip_speed, speed, device_.limits.tip_speed_m_per_s);
+    if (seen.spring_changed) {
+        energy_.spring_changed();
     }
-    const double force = measured.tip_force_N.norm();
-    ticks_above_force_limit_ =
-        force > device_.limits.tip_force_N ? ticks_above_force_limit_ + 1 : 0;
-    if (ticks_above_force_limit_ * period_s_ > kForceTolerated_s + 0.5 * period_s_) {
-        trip(TripCause::tip_force, force, device_.limits.tip_force_N);
+    energy_.update(seen.now.tip_m, seen.tip_force_N,
+                   spring_energy_J(seen.spring_force_N, seen.spring_stretch_m, force_share_),
+                   limits_.generated_energy_J);
+}
+
+void SafetyMonitor::check_motion(const Observation &seen) noexcept {
+    const Vector3 &tip_m = seen.now.tip_m;
+    if (knows_tip_) {
+        trip_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
+                   greatest_step_m(device_, device_limits_.tip_speed_m_per_s,
+                                   (1.0 + seen.missed_deadlines) * period_s_, seen.now.J));
     }
+    check_windings(seen.current_A);
+    trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
+    trip_above(TripCause::tip_speed, seen.now.tip_velocity_m_per_s().norm(),
+               limits_.tip_speed_m_per_s);
     for (std::size_t j = 0; j < winding_.size(); ++j) {
-        const MotorParameters &motor = device_.motor[j];
-        const double current_A = std::abs(measured.current_A[static_cast<Eigen::Index>(j)]);
-        if (current_A > motor.peak_current_A) {
-            trip(TripCause::current, current_A, motor.peak_current_A);
+        trip_above(TripCause::winding_temperature, winding_[j].greatest_C,
+                   std::min(device_.motor[j].thermal.greatest_winding_C, limits_.winding_C));
+    }
+    const Vector3 q_rad = joint_from_motor(device_.geometry, seen.now.theta_rad);
+    trip_above(TripCause::beyond_stops,
+               beyond_limits(device_.joint_limits, q_rad, 0.0).greatest_rad(),
+               limits_.beyond_stops_rad);
+    trip_above(TripCause::energy, energy_.generated_J(), limits_.generated_energy_J);
+}
+
+/// Names the winding that is furthest beyond its limit.
+void SafetyMonitor::check_windings(const Vector3 &current_A) noexcept {
+    double worst = 0.0; // current as a share of its limit
+    double measured_A = 0.0;
+    double limit_A = limits_.current_A;
+    for (std::size_t j = 0; j < winding_.size(); ++j) {
+        const double its_A = std::abs(current_A[static_cast<Eigen::Index>(j)]);
+        const double its_limit_A = std::min(device_.motor[j].peak_current_A, limits_.current_A);
+        if (its_A / its_limit_A > worst) {
+            worst = its_A / its_limit_A;
+            measured_A = its_A;
+            limit_A = its_limit_A;
         }
-        if (winding_[j].greatest_C > motor.thermal.greatest_winding_C) {
-            trip(TripCause::winding_temperature, winding_[j].greatest_C,
-                 motor.thermal.greatest_winding_C);
+    }
+    trip_above(TripCause::current, measured_A, limit_A);
+}
+
+void SafetyMonitor::check_voltage(const Vector3 &e_W_V) noexcept {
+    double worst = 0.0; // the largest e_W as a share of its limit
+    std::size_t motor = 0;
+    for (std::size_t j = 0; j < device_.motor.size(); ++j) {
+        const double limit_V = std::min(device_.motor[j].supply_V, limits_.voltage_V);
+        const double share = std::abs(e_W_V[static_cast<Eigen::Index>(j)]) / limit_V;
+        if (share > worst) {
+            worst = share;
+            motor = j;
         }
+    }
+    // Who waits may stand deep in a surface that does not push back.
+    above_voltage_s_ = worst > 1.0 && lets_pass() ? above_voltage_s_ + period_s_ : 0.0;
+    if (above_voltage_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
+        trip(TripCause::voltage, std::abs(e_W_V[static_cast<Eigen::Index>(motor)]),
+             std::min(device_.motor[motor].supply_V, limits_.voltage_V));
     }
 }
 
-DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Measurement &measured,
-                                  bool emergency_stop) noexcept {
-    watch_windings(measured.current_A); // tripped or not, they warm and cool
-    check(wanted, measured, emergency_stop);
-    if (status_.state == SafetyState::tripped) {
+void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
+                          const SafetyOrders &orders) noexcept {
+    if (orders.emergency_stop) {
+        trip(TripCause::emergency_stop);
+    }
+    if (seen.health != DeviceHealth::ok) {
+        trip(TripCause::device_lost);
+    }
+    if (!seen.all_finite || !wanted.e_W_V.allFinite() ||
+        !wanted.cancelled_resistance_Ohm.allFinite() || !seen.current_A.allFinite() ||
+        !seen.now.tip_m.allFinite() || !seen.now.tip_velocity_m_per_s().allFinite() ||
+        !seen.tip_force_N.allFinite() || !seen.spring_force_N.allFinite() ||
+        !seen.spring_stretch_m.allFinite()) {
+        trip(TripCause::not_finite);
+    }
+    if (!orders.are_whole) {
+        trip(TripCause::torn_inputs);
+    }
+    trip_above(TripCause::missed_deadlines, seen.missed_in_a_row, limits_.missed_deadlines);
+    trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
+    check_motion(seen);
+    check_voltage(wanted.e_W_V);
+}
+
+/// From waiting over starting to running.
+void SafetyMonitor::proceed() noexcept {
+    switch (status_.state) {
+    case SafetyState::waiting:
+        status_.state = rest_.is_at_rest() ? SafetyState::starting : SafetyState::waiting;
+        break;
+    case SafetyState::starting:
+        status_.ramp = std::min(1.0, status_.ramp + period_s_ / kRampTime_s);
+        status_.state = status_.ramp < 1.0 ? SafetyState::starting : SafetyState::running;
+        break;
+    case SafetyState::running:
+    case SafetyState::tripped:
+        break;
+    }
+}
+
+DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation &seen,
+                                  const SafetyOrders &orders) noexcept {
+    limits_ = lowered(device_limits_, orders.limits);
+    held_back_ = {};
+    watch_windings(seen.current_A); // tripped or not, they warm and cool
+    watch_window(orders, seen.missed_deadlines);
+    watch_energy(seen);
+    rest_.update(seen.now.tip_m, seen.touching);
+    check(wanted, seen, orders);
+    tip_m_ = seen.now.tip_m;
+    knows_tip_ = true;
+    proceed();
+    if (!lets_pass()) {
         return DeviceCommand::braking();
     }
-    status_.ramp = std::min(1.0, status_.ramp + period_s_ / kRampTime_s);
-    status_.state = status_.ramp < 1.0 ? SafetyState::starting : SafetyState::running;
-
-    DeviceCommand command;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const double supply_V = device_.motor[static_cast<std::size_t>(j)].supply_V;
-        WindingStatus &winding = winding_[static_cast<std::size_t>(j)];
-        const double asked_Ohm = status_.ramp * wanted.cancelled_resistance_Ohm[j];
-        command.e_W_V[j] = std::clamp(status_.ramp * wanted.e_W_V[j], -supply_V, supply_V);
-        // Whoever asks for less residual resistance does not get it (7).
-        command.cancelled_resistance_Ohm[j] = std::clamp(asked_Ohm, 0.0, winding.R_hat_limit_Ohm);
-        winding.is_limited = asked_Ohm > winding.R_hat_limit_Ohm;
+    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero()};
+    for (std::size_t j = 0; j < winding_.size(); ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
+        // Whoever asks for less residual resistance than it can bear does not get it (7).
+        winding_[j].is_limited =
+            status_.ramp * wanted.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
     }
-    return command;
+    const LimitedCommand result = limited(device_, wanted, inputs);
+    held_back_ = result.held_back;
+    force_share_ = result.force_share;
+    return result.command;
 }
 
 } // namespace springdrive

@@ -1,89 +1,109 @@
 // The last stage before the motors. Every command passes through it; nothing switches it off.
 //
-//   law ──► reject what is not finite ──► limits ──► start-up ramp ──► device
+//   law ──► watch: trip? ──► limits (command_limiter.h) ──► device
+//
+//   waiting ──tip at rest in free space──► starting ──a second──► running
+//      ▲                                       └────────┬────────────┘
+//      └──────────── a deliberate reset ──── tripped ◄──┘
 //
 // A trip latches: the device gets the safe state (braking, e_W = 0 and R̂ = 0) until a deliberate
-// reset. Limits come from the device file; that of R̂ moves with what is known of each winding's
-// temperature, see winding_guard.h.
+// reset. Limits come from the device file, and may be lowered, never raised; that of R̂ moves with
+// what is known of each winding's temperature, see winding_guard.h.
 #pragma once
 
 #include "device/haptic_device.h"
 #include "engine/control/motion_control.h"
+#include "engine/servo/energy_observer.h"
+#include "engine/servo/rest_watch.h"
+#include "engine/servo/safety_limits.h"
+#include "engine/servo/safety_status.h"
 #include "engine/servo/winding_guard.h"
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 namespace springdrive {
 
-enum class SafetyState : std::uint8_t { starting, running, tripped };
+/// From nothing to the full command.
+inline constexpr double kRampTime_s = 1.0;
 
-enum class TripCause : std::uint8_t {
-    none,
-    emergency_stop,
-    device_lost,
-    not_finite,
-    tip_speed,
-    tip_force,
-    current,
-    winding_temperature,
+/// How long e_W may ask for more than its limit: a shock may, a law that is lost goes on.
+inline constexpr double kVoltageTolerated_s = 0.02;
+
+/// What one tick shows of the machine and of those who use it.
+struct Observation {
+    DeviceHealth health = DeviceHealth::ok;
+    Configuration now;
+    Vector3 tip_force_N{Vector3::Zero()}; ///< rendered, J⁻ᵀ k_T i
+    Vector3 current_A{Vector3::Zero()};
+    bool touching = false;
+    Vector3 spring_force_N{Vector3::Zero()};   ///< static force (19) of the coupling, as wanted
+    Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
+    bool spring_changed = false;        ///< since the last tick, by a change of tuning or scene
+    bool all_finite = true;             ///< of everything else on the signal path
+    std::uint32_t missed_deadlines = 0; ///< before this tick
+    std::uint32_t missed_in_a_row = 0;
 };
 
-struct SafetyStatus {
-    SafetyState state = SafetyState::starting;
-    TripCause cause = TripCause::none;
-    double measured = 0.0; ///< what crossed the limit, in the limit's unit; 0 where none did
-    double limit = 0.0;
-    double ramp = 0.0; ///< 0 to 1, share of the command that passes while starting
+/// What the window asks of the monitor.
+struct SafetyOrders {
+    SafetyLimits limits = unlowered(); ///< to lower the device's with
+    bool emergency_stop = false;
+    std::uint32_t heartbeat = 0;
+    bool are_whole = true; ///< false: torn on their way
 };
-
-/// What the monitor knows of one winding, and made of it in its last tick.
-struct WindingStatus {
-    double least_C = 0.0;         ///< its temperature is not lower,
-    double greatest_C = 0.0;      ///< nor higher
-    double R_hat_limit_Ohm = 0.0; ///< the largest R̂ that it can bear
-    bool is_limited = false;      ///< whether more than that was asked for
-};
-
-/// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.
-[[nodiscard]] std::string description(const SafetyStatus &status);
 
 class SafetyMonitor {
 public:
     SafetyMonitor(DeviceDescription device, double period_s);
 
-    /// What one tick shows of the machine.
-    struct Measurement {
-        DeviceHealth health = DeviceHealth::ok;
-        Vector3 tip_velocity_m_per_s{Vector3::Zero()};
-        Vector3 tip_force_N{Vector3::Zero()}; ///< rendered, J⁻ᵀ k_T i
-        Vector3 current_A{Vector3::Zero()};
-        bool all_finite = true; ///< of everything else on the signal path
-    };
-
     /// The command that may go to the device. RT-safe.
-    DeviceCommand pass(const DeviceCommand &wanted, const Measurement &measured,
-                       bool emergency_stop) noexcept;
+    DeviceCommand pass(const DeviceCommand &wanted, const Observation &seen,
+                       const SafetyOrders &orders) noexcept;
 
-    /// Leaves a trip and ramps up again, unless its cause is still there: then the next `pass`
-    /// trips anew. RT-safe.
+    /// Leaves a trip and starts anew, unless its cause is still there: then the next `pass` trips
+    /// again. RT-safe.
     void reset() noexcept;
 
+    /// Whether what is wanted reaches the motors, at least in part.
+    [[nodiscard]] bool lets_pass() const {
+        return status_.state == SafetyState::starting || status_.state == SafetyState::running;
+    }
+
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
+    [[nodiscard]] const SafetyLimits &limits() const { return limits_; }
+    [[nodiscard]] const HeldBack &held_back() const { return held_back_; }
     [[nodiscard]] const std::array<WindingStatus, 3> &windings() const { return winding_; }
+    [[nodiscard]] double generated_energy_J() const { return energy_.generated_J(); }
 
 private:
     void watch_windings(const Vector3 &current_A) noexcept;
-    void trip(TripCause cause, double measured, double limit) noexcept;
-    void check(const DeviceCommand &wanted, const Measurement &measured,
-               bool emergency_stop) noexcept;
+    void watch_window(const SafetyOrders &orders, std::uint32_t missed_deadlines) noexcept;
+    void watch_energy(const Observation &seen) noexcept;
+    void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
+    void trip_above(TripCause cause, double measured, double limit) noexcept;
+    void check(const DeviceCommand &wanted, const Observation &seen,
+               const SafetyOrders &orders) noexcept;
+    void check_motion(const Observation &seen) noexcept;
+    void check_windings(const Vector3 &current_A) noexcept;
+    void check_voltage(const Vector3 &e_W_V) noexcept;
+    void proceed() noexcept;
 
     DeviceDescription device_;
     double period_s_;
+    SafetyLimits device_limits_;
+    SafetyLimits limits_; ///< in force
     std::array<WindingGuard, 3> guard_;
     std::array<WindingStatus, 3> winding_{};
-    int ticks_above_force_limit_ = 0;
+    EnergyObserver energy_;
+    RestWatch rest_;
+    bool knows_tip_ = false;
+    Vector3 tip_m_{Vector3::Zero()}; ///< of the last tick
+    double above_voltage_s_ = 0.0;
+    std::uint32_t heartbeat_ = 0;
+    double window_silent_s_ = 0.0;
+    HeldBack held_back_;
+    double force_share_ = 1.0; ///< that the limiter let through in the last tick
     SafetyStatus status_;
 };
 

@@ -1,7 +1,7 @@
 #include "engine/servo/servo.h"
 
 #include "base/input_error.h"
-#include "engine/servo/real_time.h"
+#include "engine/servo/deadlines.h"
 
 #include <cmath>
 #include <ctime>
@@ -13,26 +13,26 @@ namespace springdrive {
 
 namespace {
 
-/// At the fastest rate the window may fall 1.6 s behind before samples are lost.
-constexpr std::size_t kRingCapacity = 16'384;
+/// At the fastest rate the window may fall 1.6 s behind before samples are lost to its plots, and a
+/// disk may stall for 3.2 s before they are lost to a record.
+constexpr std::size_t kWindowRing = 16'384;
+constexpr std::size_t kRecordRing = 32'768;
 
 constexpr double kSlowest_hz = 250.0;
 constexpr double kFastest_hz = 10'000.0;
 
-template <typename Duration> double seconds(Duration duration) {
-    return std::chrono::duration<double>(duration).count();
+std::int64_t nanoseconds(std::chrono::steady_clock::duration duration) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(duration).count();
 }
 
-ServoStatistics::Duration summary(const DurationHistogram &histogram) {
-    return {histogram.mean_s(), histogram.quantile_s(0.5), histogram.quantile_s(0.99),
-            histogram.longest_s()};
+double seconds(std::chrono::steady_clock::duration duration) {
+    return std::chrono::duration<double>(duration).count();
 }
 
 /// std::this_thread::sleep_until sleeps relative to now when the clock is not the system's own;
 /// this one keeps the absolute deadline.
 void sleep_until(std::chrono::steady_clock::time_point deadline) {
-    const auto since_epoch =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(deadline.time_since_epoch()).count();
+    const std::int64_t since_epoch = nanoseconds(deadline.time_since_epoch());
     timespec when{};
     when.tv_sec = static_cast<time_t>(since_epoch / 1'000'000'000);
     when.tv_nsec = static_cast<long>(since_epoch % 1'000'000'000);
@@ -54,77 +54,73 @@ double servo_period_s(double servo_hz) {
 }
 
 Servo::Servo(HapticDevice &device, double servo_hz)
-    : loop_(device, servo_period_s(servo_hz)), samples_(kRingCapacity),
-      ticks_a_report_(static_cast<std::uint64_t>(std::ceil(0.1 * servo_hz))) {}
+    : servo_hz_(servo_hz), loop_(device, servo_period_s(servo_hz)), samples_(kWindowRing),
+      record_samples_(kRecordRing) {}
 
-std::vector<std::string> Servo::start() {
-    std::promise<std::vector<std::string>> remarks;
-    std::future<std::vector<std::string>> answer = remarks.get_future();
-    thread_ = std::thread([this, remarks = std::move(remarks)]() mutable {
-        remarks.set_value(make_this_thread_real_time());
+std::vector<std::string> Servo::start(const ServoThread &how) {
+    std::promise<std::vector<std::string>> promise;
+    std::future<std::vector<std::string>> answer = promise.get_future();
+    thread_ = std::thread([this, how, promise = std::move(promise)]() mutable {
+        promise.set_value(make_this_thread_real_time(how.cpu));
+        if (how.on_start) {
+            how.on_start();
+        }
         run();
     });
-    return answer.get();
+    std::vector<std::string> remarks = answer.get();
+    short_idle_.emplace();
+    if (!short_idle_->remark().empty()) {
+        remarks.push_back(short_idle_->remark());
+    }
+    return remarks;
 }
 
 void Servo::run() noexcept {
-    const auto period = std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(loop_.period_s()));
-    Clock::time_point deadline = Clock::now() + period;
+    const Clock::time_point origin = Clock::now();
+    Clock::time_point last_start{};
+    Deadlines deadlines(servo_hz_);
     while (!stopping_.load(std::memory_order_relaxed)) {
-        sleep_until(deadline);
-        const Clock::time_point now = Clock::now();
-        lateness_.add(seconds(now - deadline));
-        tick(true);
-        deadline += period;
-        // A late tick is never run twice in a row to catch up: what it missed is passed over.
-        for (const Clock::time_point end = Clock::now(); deadline < end; deadline += period) {
-            ++skipped_;
+        const std::int64_t due_ns = deadlines.next_ns();
+        sleep_until(origin + std::chrono::nanoseconds(due_ns));
+        const Clock::time_point start = Clock::now();
+        deadlines.begin(nanoseconds(start - origin));
+
+        const DeviceState state = loop_.exchange();
+        const Clock::time_point answered = Clock::now();
+        ServoSample sample = loop_.update(state, inputs_.latest(),
+                                          {deadlines.missed(), deadlines.missed_in_a_row()});
+        const Clock::time_point end = Clock::now();
+        sample.clock_s = seconds(start - origin);
+        sample.lateness_s = sample.clock_s - 1e-9 * static_cast<double>(due_ns);
+        if (sample.tick > 0) {
+            sample.period_s = seconds(start - last_start);
         }
+        sample.exchange_s = seconds(answered - start);
+        sample.compute_s = seconds(end - answered);
+        last_start = start;
+        hand_over(sample);
+        deadlines.end(nanoseconds(Clock::now() - origin));
     }
 }
 
 void Servo::advance(int ticks) {
     for (int i = 0; i < ticks; ++i) {
-        tick(false);
+        hand_over(loop_.update(loop_.exchange(), inputs_.latest()));
     }
-    publish_statistics();
 }
 
-void Servo::tick(bool by_the_clock) noexcept {
-    const Clock::time_point start = Clock::now();
-    const DeviceState state = loop_.exchange();
-    const Clock::time_point answered = Clock::now();
-    ServoSample sample = loop_.update(state, inputs_.latest());
-    const Clock::time_point end = Clock::now();
-
-    exchange_.add(seconds(answered - start));
-    compute_.add(seconds(end - answered));
-    if (by_the_clock) {
-        if (ticks_ > 0) {
-            sample.period_s = seconds(start - last_start_);
-            period_.add(sample.period_s);
-        }
-        sample.exchange_s = seconds(answered - start);
-        sample.compute_s = seconds(end - answered);
-    }
-    last_start_ = start;
+void Servo::hand_over(const ServoSample &sample) noexcept {
     samples_.push(sample);
-    if (++ticks_ % ticks_a_report_ == 0) {
-        publish_statistics();
+    if (recording_.load(std::memory_order_acquire)) {
+        record_samples_.push(sample);
     }
-}
-
-void Servo::publish_statistics() noexcept {
-    statistics_.publish({ticks_, skipped_, summary(period_), summary(lateness_), summary(compute_),
-                         summary(exchange_)});
 }
 
 void Servo::stop() noexcept {
     if (thread_.joinable()) {
         stopping_.store(true, std::memory_order_relaxed);
         thread_.join();
-        publish_statistics();
+        short_idle_.reset();
     }
     if (!std::exchange(stopped_, true)) {
         loop_.stop();

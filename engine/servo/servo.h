@@ -1,19 +1,22 @@
 // The servo: a loop on its own thread and clock, or in lockstep with whoever calls it.
 //
 //   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: exchange, update ─┐
-//   window ◄── drain(ServoSample)  ◄── ring    ◄── └────────────────────────────┘
+//   window ◄── drain(ServoSample)  ◄── ring    ◄── │                            │
+//   recorder ◄── record_ring()     ◄── ring    ◄── └────────────────────────────┘
 //
-// Nothing between the two threads waits. Destroying the servo stops it; the last thing that the
-// device hears is the safe state.
+// Nothing between the threads waits. Destroying the servo stops it; the last thing that the device
+// hears is the safe state.
 #pragma once
 
 #include "base/latest_value.h"
 #include "base/sample_ring.h"
-#include "engine/servo/duration_histogram.h"
+#include "engine/servo/real_time.h"
 #include "engine/servo/servo_loop.h"
 
 #include <atomic>
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,20 +27,11 @@ namespace springdrive {
 /// @throw InputError for a rate that is not finite or not from 250 to 10,000 Hz.
 [[nodiscard]] double servo_period_s(double servo_hz);
 
-/// How well the servo keeps its time, since its start.
-struct ServoStatistics {
-    struct Duration {
-        double mean_s = 0.0;
-        double p50_s = 0.0;
-        double p99_s = 0.0;
-        double longest_s = 0.0;
-    };
-    std::uint64_t ticks = 0;
-    std::uint64_t skipped = 0; ///< deadlines passed over because a tick was still running
-    Duration period;           ///< from the start of a tick to the next one's
-    Duration lateness;         ///< from a tick's deadline to its start: the jitter
-    Duration compute;          ///< from the device's answer to the next command
-    Duration exchange;         ///< what the device took
+/// How the servo's thread is to run.
+struct ServoThread {
+    std::optional<int> cpu; ///< the processor to stay on
+    std::function<void()>
+        on_start{}; ///< called on it before its first tick, for a test to watch it
 };
 
 class Servo {
@@ -49,11 +43,11 @@ public:
     Servo &operator=(const Servo &) = delete;
 
     /// New inputs from the next tick on. One thread at a time.
-    void publish(const ServoInputs &inputs) noexcept { inputs_.publish(inputs); }
+    void publish(const ServoInputs &inputs) noexcept { inputs_.publish(sealed(inputs)); }
 
     /// Runs from now on a thread of its own, with real-time priority where allowed. Returns a
     /// remark for each thing that the system refused.
-    std::vector<std::string> start();
+    std::vector<std::string> start(const ServoThread &how = {});
 
     /// Runs `ticks` ticks now, on the calling thread, without a clock. Not while started.
     void advance(int ticks);
@@ -67,8 +61,9 @@ public:
     /// Samples lost because `drain` came too late.
     [[nodiscard]] std::uint64_t lost_samples() const { return samples_.lost(); }
 
-    /// At most a tenth of a second old while running. The thread of `publish`.
-    [[nodiscard]] const ServoStatistics &statistics() noexcept { return statistics_.latest(); }
+    /// Every sample goes here too while `feed_recorder` is on, for one more reader.
+    [[nodiscard]] SampleRing<ServoSample> &record_ring() { return record_samples_; }
+    void feed_recorder(bool on) noexcept { recording_.store(on, std::memory_order_release); }
 
     [[nodiscard]] double period_s() const { return loop_.period_s(); }
 
@@ -76,27 +71,19 @@ private:
     using Clock = std::chrono::steady_clock;
 
     void run() noexcept;
-    void tick(bool by_the_clock) noexcept;
-    void publish_statistics() noexcept;
+    void hand_over(const ServoSample &sample) noexcept;
 
+    double servo_hz_;
     ServoLoop loop_;
-    LatestValue<ServoInputs> inputs_;
+    LatestValue<ServoInputs> inputs_{sealed({})};
     SampleRing<ServoSample> samples_;
-    LatestValue<ServoStatistics> statistics_;
+    SampleRing<ServoSample> record_samples_;
+    std::atomic<bool> recording_{false};
 
     std::atomic<bool> stopping_{false};
     bool stopped_ = false;
     std::thread thread_;
-
-    // Of the thread that ticks.
-    Clock::time_point last_start_{};
-    DurationHistogram period_;
-    DurationHistogram lateness_;
-    DurationHistogram compute_;
-    DurationHistogram exchange_;
-    std::uint64_t ticks_ = 0;
-    std::uint64_t skipped_ = 0;
-    std::uint64_t ticks_a_report_ = 1;
+    std::optional<ShortIdle> short_idle_;
 };
 
 } // namespace springdrive

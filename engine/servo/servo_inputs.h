@@ -3,6 +3,7 @@
 
 #include "engine/contact/haptic_surface.h"
 #include "engine/control/tuning.h"
+#include "engine/servo/safety_limits.h"
 
 #include <cstdint>
 
@@ -10,13 +11,23 @@ namespace springdrive {
 
 struct ServoInputs {
     Tuning tuning;
-    const HapticSurface *mesh = nullptr; ///< what can be touched; owned by the publisher, see below
-    std::uint32_t scene_id = 0;          ///< a change puts the proxy at the tip
-    double global_alpha_rad2_per_m2 = 0.0; ///< for AlphaMode::global
-    bool emergency_stop = false;           ///< trips the safety monitor while it is set
+    SafetyLimits limits = unlowered();      ///< wishes to lower the device's; none raises one
+    const HapticSurface *surface = nullptr; ///< what can be touched; owned by the publisher
+    std::uint32_t scene_id = 0;             ///< a change puts the proxy at the tip
+    double global_alpha_rad2_per_m2 = 0.0;  ///< for AlphaMode::global
+    bool emergency_stop = false;            ///< trips the safety monitor while it is set
     std::uint32_t reset_count = 0; ///< a change resets a tripped monitor, if its cause is gone
+    /// A window that lives changes it again and again; zero for whoever runs without one.
+    std::uint32_t heartbeat = 0;
+    std::uint32_t checksum = 0; ///< of all above, see `sealed`
 };
 
-// The publisher must keep a mesh alive until a ServoSample carries the scene_id of a later one.
+// The publisher must keep a surface alive until a ServoSample carries the scene_id of a later one.
+
+/// The inputs with the checksum that tells a whole set from a torn one. RT-safe.
+[[nodiscard]] ServoInputs sealed(ServoInputs inputs) noexcept;
+
+/// Whether the inputs are as they were when they were sealed. RT-safe.
+[[nodiscard]] bool is_whole(const ServoInputs &inputs) noexcept;
 
 } // namespace springdrive

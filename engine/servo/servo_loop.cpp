@@ -1,16 +1,12 @@
 #include "engine/servo/servo_loop.h"
 
-#include "device/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
 #include "engine/contact/haptic_surface.h"
-#include "engine/control/motion_control.h"
+#include "engine/control/force_direction.h"
 #include "engine/control/parameters.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <optional>
 
 namespace springdrive {
 
@@ -20,8 +16,8 @@ namespace {
 /// encoder counts make of the velocity signal.
 constexpr double kLeastForceWithDirection_N = 0.1;
 
-/// A parameter changed in contact must not be felt as a blow: it glides to its new value with this
-/// time constant, and is there when it is within this share of its range.
+/// A parameter glides to its new value with this time constant, and is there when it is within this
+/// share of its range.
 constexpr double kTuningGlide_s = 0.05;
 constexpr double kTuningArrived = 1e-6;
 
@@ -30,14 +26,30 @@ constexpr double kLeastSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+bool are_equal(const Tuning &a, const Tuning &b) noexcept {
+    return a.map == b.map && a.alpha_mode == b.alpha_mode &&
+           std::all_of(kParameters.begin(), kParameters.end(), [&](const Parameter &parameter) {
+               return a.*parameter.value == b.*parameter.value;
+           });
+}
+
+/// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
+double greatest_dR_step_Ohm(const DeviceDescription &device, double period_s) {
+    double peak_A = 0.0;
+    for (const MotorParameters &motor : device.motor) {
+        peak_A = std::max(peak_A, motor.peak_current_A);
+    }
+    return kGreatestChange_V_per_s * period_s / peak_A;
+}
+
 } // namespace
 
 ServoLoop::ServoLoop(HapticDevice &device, double period_s)
-    : device_(device), period_s_(period_s), k_T_(torque_constants(device.description())),
-      relative_stiffness_(relative_stiffness(device.description())),
-      rad_per_count_(2.0 * std::numbers::pi / device.description().encoder_counts_per_turn),
-      velocity_pole_(velocity_filter_pole(tuning_.lambda_rad_per_s, period_s)),
-      safety_(device.description(), period_s) {}
+    : device_(device), period_s_(period_s), law_(device.description()),
+      supply_V_(device.description().motor[0].supply_V, device.description().motor[1].supply_V,
+                device.description().motor[2].supply_V),
+      greatest_dR_step_Ohm_(greatest_dR_step_Ohm(device.description(), period_s)),
+      change_over_(period_s), safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
     command_ = DeviceCommand::braking();
@@ -45,19 +57,25 @@ void ServoLoop::stop() noexcept {
 }
 
 void ServoLoop::take(const ServoInputs &inputs) noexcept {
-    if (is_valid(inputs.tuning)) {
-        approach(inputs.tuning);
-    }
-    if (inputs.reset_count != reset_count_) {
-        reset_count_ = inputs.reset_count;
+    if (inputs.reset_count != inputs_.reset_count) {
         safety_.reset();
+    }
+    const Tuning last_valid = inputs_.tuning;
+    inputs_ = inputs;
+    if (!is_valid(inputs.tuning)) {
+        inputs_.tuning = last_valid;
     }
 }
 
 void ServoLoop::approach(const Tuning &wanted) noexcept {
-    const double share = tick_ == 0 ? 1.0 : -std::expm1(-period_s_ / kTuningGlide_s);
+    if (tick_ == 0 || !safety_.lets_pass()) {
+        tuning_ = wanted; // nobody feels it
+        return;
+    }
+    const double share = -std::expm1(-period_s_ / kTuningGlide_s);
     tuning_.map = wanted.map;
     tuning_.alpha_mode = wanted.alpha_mode;
+    const double dR_before_Ohm = tuning_.dR_Ohm;
     for (const Parameter &parameter : kParameters) {
         double &value = tuning_.*parameter.value;
         const double gap = wanted.*parameter.value - value;
@@ -65,120 +83,166 @@ void ServoLoop::approach(const Tuning &wanted) noexcept {
             std::abs(gap) < kTuningArrived * (parameter.highest - parameter.lowest);
         value = arrived ? wanted.*parameter.value : value + share * gap;
     }
-    velocity_pole_ = velocity_filter_pole(tuning_.lambda_rad_per_s, period_s_);
+    tuning_.dR_Ohm = std::clamp(tuning_.dR_Ohm, dR_before_Ohm - greatest_dR_step_Ohm_,
+                                dR_before_Ohm + greatest_dR_step_Ohm_);
 }
 
-Configuration ServoLoop::configuration(const DeviceState &state) noexcept {
-    const PhantomGeometry &geometry = device_.description().geometry;
-    Configuration now;
-    now.theta_rad = rad_per_count_ * Vector3(state.counts[0], state.counts[1], state.counts[2]);
-    if (tick_ == 0) {
-        velocity_filter_.reset(now.theta_rad);
-    }
-    now.theta_rate_rad_per_s = velocity_filter_.update(now.theta_rad, velocity_pole_, period_s_);
-    const Vector3 q_rad = joint_from_motor(geometry, now.theta_rad);
-    now.tip_m = tip_position_m(geometry, q_rad);
-    now.J = motor_jacobian(geometry, q_rad);
-    return now;
+bool ServoLoop::in_force(const Before &before) const noexcept {
+    return are_equal(before.tuning, tuning_) &&
+           before.global_alpha_rad2_per_m2 == inputs_.global_alpha_rad2_per_m2;
 }
 
-Contact ServoLoop::touch(const Vector3 &tip_m, const ServoInputs &inputs) noexcept {
-    if (tick_ == 0 || inputs.scene_id != scene_id_) {
-        scene_id_ = inputs.scene_id;
+/// What the filter would say with that cutoff; it remembers only what `update` settles on.
+Configuration ServoLoop::configuration(const Vector3 &theta_rad,
+                                       double lambda_rad_per_s) const noexcept {
+    VelocityFilter filter = velocity_filter_;
+    const double pole = velocity_filter_pole(lambda_rad_per_s, since_last_s_);
+    return law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s_));
+}
+
+Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
+    scene_is_new_ = inputs_.scene_id != scene_id_;
+    if (tick_ == 0 || scene_is_new_) {
+        scene_id_ = inputs_.scene_id;
         proxy_.reset(tip_m);
     }
-    if (inputs.mesh == nullptr) {
+    if (inputs_.surface == nullptr) {
         Contact free;
         free.x0_m = tip_m;
         return free;
     }
-    return proxy_.update(*inputs.mesh, tip_m);
+    return proxy_.update(*inputs_.surface, tip_m);
 }
 
-double ServoLoop::alpha(double bound, const ServoInputs &inputs) const noexcept {
-    switch (tuning_.alpha_mode) {
-    case AlphaMode::global:
-        return inputs.global_alpha_rad2_per_m2;
-    case AlphaMode::by_hand:
-        return tuning_.alpha_rad2_per_m2;
-    case AlphaMode::on_the_fly:
-        break;
+Vector3 ServoLoop::within_supply(const Vector3 &e_W_V) const noexcept {
+    return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
+}
+
+/// Lets no change of this tick move e_W at once, as long as anybody feels it.
+void ServoLoop::carry_over(const Before &before, const Vector3 &theta_rad, const Contact &contact,
+                           const Vector3 &e_W_V) noexcept {
+    if (!safety_.lets_pass()) {
+        change_over_.reset();
+        return;
     }
-    return bound;
+    if (scene_is_new_) { // the old one's contact is not known any more: what it last asked for is
+        change_over_.reset();
+        change_over_.change(last_e_W_V_, e_W_V);
+    } else if (!in_force(before)) {
+        const LawOutcome unchanged = law_(configuration(theta_rad, before.tuning.lambda_rad_per_s),
+                                          contact, before.tuning, before.global_alpha_rad2_per_m2);
+        // No more than the supply would have given; of what is wanted now, all there is to let in.
+        const Vector3 without_V = within_supply(unchanged.command.e_W_V + change_over_.carried_V());
+        change_over_.reset();
+        change_over_.change(without_V, e_W_V);
+    }
+    change_over_.fade();
 }
 
-DeviceCommand ServoLoop::law(const Configuration &now, const ServoInputs &inputs,
-                             ServoSample &sample) noexcept {
+LawOutcome ServoLoop::law(const Configuration &now, ServoSample &sample) const noexcept {
     const Contact &contact = sample.contact;
-    sample.eta = combined_eta(contact.eta, tuning_.eta);
-    sample.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
-    sample.alpha_rad2_per_m2 = alpha(sample.alpha_bound_rad2_per_m2, inputs);
+    const LawOutcome found = law_(now, contact, tuning_, inputs_.global_alpha_rad2_per_m2);
+    sample.eta = found.eta;
+    sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
+    sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
+    sample.inverse_possible = found.inverse.has_value();
+    sample.x_Sd_m = found.x_Sd_m;
+    sample.theta_Sd_rad = found.used.theta_Sd_rad;
 
-    const TipSetPoint target =
-        contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact, sample.eta);
-    const std::optional<MotorSetPoint> inverse =
-        inverse_map(device_.description().geometry, now, target);
-    const MotorSetPoint transpose =
-        transpose_map(now, target, sample.alpha_rad2_per_m2, relative_stiffness_);
-    const MotorSetPoint used =
-        tuning_.map == MotionMap::transpose ? transpose : inverse.value_or(no_force(now));
-
-    sample.inverse_possible = inverse.has_value();
-    sample.map = tuning_.map;
-    sample.x_Sd_m = target.x_Sd_m;
-    sample.theta_Sd_rad = used.theta_Sd_rad;
+    const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
     const auto static_error = [&](const MotorSetPoint &set_point) {
-        return direction_error_rad(
-            static_tip_force(now.J, relative_stiffness_, set_point.theta_Sd_rad - now.theta_rad),
-            contact.normal);
+        return direction_error_rad(law_.force_direction(now, set_point), contact.normal);
     };
-    const bool pushes =
-        contact.touching && (target.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
-    sample.inverse_error_rad = pushes && inverse ? static_error(*inverse) : kNone;
-    sample.transpose_error_rad = pushes ? static_error(transpose) : kNone;
-
-    DeviceCommand wanted;
-    wanted.e_W_V = drift_compensation_V(k_T_, tuning_, now, used);
-    for (std::size_t j = 0; j < 3; ++j) {
-        const MotorParameters &motor = device_.description().motor[j];
-        wanted.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
-            motor.resistance_Ohm - residual_resistance_Ohm(motor, tuning_.dR_Ohm);
-    }
-    return wanted;
+    sample.inverse_error_rad = pushes && found.inverse ? static_error(*found.inverse) : kNone;
+    sample.transpose_error_rad = pushes ? static_error(found.transpose) : kNone;
+    sample.rendered_error_rad =
+        contact.touching && sample.tip_force_N.norm() > kLeastForceWithDirection_N
+            ? direction_error_rad(sample.tip_force_N, contact.normal)
+            : kNone;
+    return found;
 }
 
-ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &inputs) noexcept {
-    take(inputs);
-    ServoSample sample;
-    sample.tick = tick_;
-    sample.time_s = static_cast<double>(tick_) * period_s_;
-    sample.counts = state.counts;
-    sample.current_A = state.current_A;
+/// The coupling K_DC (13) between tip and proxy.
+void ServoLoop::look_at_spring(const LawOutcome &found, const Contact &contact,
+                               Observation &seen) const noexcept {
+    if (contact.touching) {
+        const Vector3 stiffness_Nm_per_rad = law_.k_T() * (tuning_.K_P_V_per_rad / tuning_.dR_Ohm);
+        seen.spring_force_N = static_tip_force(seen.now.J, stiffness_Nm_per_rad,
+                                               found.used.theta_Sd_rad - seen.now.theta_rad);
+        seen.spring_stretch_m = contact.x0_m - seen.now.tip_m;
+    }
+}
 
-    const Configuration now = configuration(state);
+/// From the measurement to θ, θ̇_f, x and J.
+Configuration ServoLoop::sense(const DeviceState &state, ServoSample &sample) noexcept {
+    since_last_s_ = (1.0 + sample.missed_deadlines) * period_s_;
+    sample.counts = state.counts;
+    sample.health = state.health;
+    sample.current_A = state.current_A;
+    const Vector3 theta_rad = law_.theta_rad(state.counts);
+    if (tick_ == 0) {
+        velocity_filter_.reset(theta_rad);
+    }
+    const Configuration now = configuration(theta_rad, tuning_.lambda_rad_per_s);
     sample.theta_rad = now.theta_rad;
     sample.theta_rate_rad_per_s = now.theta_rate_rad_per_s;
     sample.tip_m = now.tip_m;
-    sample.contact = touch(now.tip_m, inputs);
-    sample.scene_id = scene_id_;
-    const DeviceCommand wanted = law(now, inputs, sample);
+    sample.tip_force_N = static_tip_force(now.J, law_.k_T(), state.current_A);
+    return now;
+}
 
-    sample.tip_force_N = static_tip_force(now.J, k_T_, state.current_A);
-    sample.rendered_error_rad =
-        sample.contact.touching && sample.tip_force_N.norm() > kLeastForceWithDirection_N
-            ? direction_error_rad(sample.tip_force_N, sample.contact.normal)
-            : kNone;
-
-    SafetyMonitor::Measurement measured;
-    measured.health = state.health;
-    measured.tip_velocity_m_per_s = now.tip_velocity_m_per_s();
-    measured.tip_force_N = sample.tip_force_N;
-    measured.current_A = state.current_A;
-    measured.all_finite = now.tip_m.allFinite() && sample.contact.x0_m.allFinite();
-    command_ = safety_.pass(wanted, measured, inputs.emergency_stop);
+/// From what the law wants to what the device gets.
+void ServoLoop::guard(DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
+                      ServoSample &sample) noexcept {
+    wanted.e_W_V += sample.carried_V;
+    last_e_W_V_ = within_supply(wanted.e_W_V);
+    command_ =
+        safety_.pass(wanted, seen,
+                     {inputs_.limits, inputs_.emergency_stop, inputs_.heartbeat, inputs_are_whole});
     sample.command = command_;
     sample.safety = safety_.status();
+    sample.held_back = safety_.held_back();
+    sample.limits = safety_.limits();
+    sample.generated_energy_J = safety_.generated_energy_J();
     sample.winding = safety_.windings();
+}
+
+ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &inputs,
+                              const TickTiming &timing) noexcept {
+    const Before before{tuning_, inputs_.global_alpha_rad2_per_m2};
+    const bool whole = is_whole(inputs);
+    if (whole) {
+        take(inputs);
+    }
+    approach(inputs_.tuning);
+
+    ServoSample sample;
+    sample.tick = tick_;
+    sample.time_s = static_cast<double>(tick_) * period_s_;
+    sample.missed_deadlines = timing.missed_deadlines;
+    sample.missed_in_a_row = timing.missed_in_a_row;
+    sample.tuning = tuning_;
+    sample.global_alpha_rad2_per_m2 = inputs_.global_alpha_rad2_per_m2;
+
+    Observation seen;
+    seen.now = sense(state, sample);
+    sample.contact = touch(seen.now.tip_m);
+    sample.scene_id = scene_id_;
+    const LawOutcome found = law(seen.now, sample);
+    carry_over(before, seen.now.theta_rad, sample.contact, found.command.e_W_V);
+    velocity_filter_ = VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
+    sample.carried_V = change_over_.carried_V();
+
+    seen.health = state.health;
+    seen.tip_force_N = sample.tip_force_N;
+    seen.current_A = state.current_A;
+    seen.touching = sample.contact.touching;
+    look_at_spring(found, sample.contact, seen);
+    seen.spring_changed = scene_is_new_ || !in_force(before);
+    seen.all_finite = sample.contact.x0_m.allFinite();
+    seen.missed_deadlines = timing.missed_deadlines;
+    seen.missed_in_a_row = timing.missed_in_a_row;
+    guard(found.command, seen, whole, sample);
     ++tick_;
     return sample;
 }

@@ -46,7 +46,7 @@ template <typename Visit> void for_each_column(const ServoSample &s, Visit &&vis
     visit("rendered_error_deg", s.rendered_error_rad * kDegreesPerRadian);
     visit("inverse_error_deg", s.inverse_error_rad * kDegreesPerRadian);
     visit("transpose_error_deg", s.transpose_error_rad * kDegreesPerRadian);
-    visit("map_is_transpose", s.map == MotionMap::transpose ? 1.0 : 0.0);
+    visit("map_is_transpose", s.tuning.map == MotionMap::transpose ? 1.0 : 0.0);
     visit("inverse_possible", s.inverse_possible ? 1.0 : 0.0);
     visit("safety_state", static_cast<double>(s.safety.state));
     visit("trip_cause", static_cast<double>(s.safety.cause));

@@ -2,15 +2,16 @@
 #pragma once
 
 #include "base/vector.h"
+#include "device/haptic_device.h"
 #include "engine/contact/contact.h"
 #include "engine/control/tuning.h"
-#include "engine/servo/safety_monitor.h"
+#include "engine/servo/safety_limits.h"
+#include "engine/servo/safety_status.h"
 
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <string_view>
 
 namespace springdrive {
 
@@ -18,30 +19,40 @@ struct ServoSample {
     std::uint64_t tick = 0;
     double time_s = 0.0; ///< tick × T
     std::array<std::int32_t, 3> counts{};
+    DeviceHealth health = DeviceHealth::ok;
     Vector3 theta_rad{Vector3::Zero()};            ///< θ, from the counts
     Vector3 theta_rate_rad_per_s{Vector3::Zero()}; ///< θ̇_f
     Vector3 tip_m{Vector3::Zero()};                ///< x
     Contact contact;                               ///< x₀, P, n, the surface's η
-    double eta = 1.0;                              ///< η in force, surface and tuning together
-    double alpha_rad2_per_m2 = 0.0;                ///< α in force
-    double alpha_bound_rad2_per_m2 = 0.0;          ///< (29) at this configuration
+    std::uint32_t scene_id = 0;
+    Tuning tuning;                         ///< in force
+    double eta = 1.0;                      ///< η in force, surface and tuning together
+    double global_alpha_rad2_per_m2 = 0.0; ///< what AlphaMode::global takes
+    double alpha_rad2_per_m2 = 0.0;        ///< α in force
+    double alpha_bound_rad2_per_m2 = 0.0;  ///< (29) at this configuration
     Vector3 x_Sd_m{Vector3::Zero()};
     Vector3 theta_Sd_rad{Vector3::Zero()}; ///< of the map in use
-    DeviceCommand command;                 ///< as passed on by the safety monitor
+    bool inverse_possible = true;          ///< false: out of reach or singular, (18) has no answer
+    Vector3 carried_V{Vector3::Zero()}; ///< of e_W: what a change has not been let through of yet
+    DeviceCommand command;              ///< as passed on by the safety monitor
     Vector3 current_A{Vector3::Zero()};
     Vector3 tip_force_N{Vector3::Zero()}; ///< rendered: J⁻ᵀ k_T i (3), (22)
     double rendered_error_rad = 0.0;      ///< angle of `tip_force_N` to n; NaN when free
     double inverse_error_rad = 0.0;       ///< the same for the static force of (18), on this state
     double transpose_error_rad = 0.0;     ///< and for that of (23)
-    MotionMap map = MotionMap::transpose;
-    bool inverse_possible = true; ///< false: out of reach or singular, (18) has no answer
     SafetyStatus safety;
+    HeldBack held_back;
+    SafetyLimits limits;                    ///< in force
+    double generated_energy_J = 0.0;        ///< as the energy observer has it
     std::array<WindingStatus, 3> winding{}; ///< as the safety monitor has it, per motor
-    std::uint32_t scene_id = 0;
+    std::uint32_t missed_deadlines = 0;     ///< passed over before this tick
+    std::uint32_t missed_in_a_row = 0;      ///< with those before the late ticks just before
     // Measured by the clock; NaN in lockstep, where there is none.
+    double clock_s = std::numeric_limits<double>::quiet_NaN();    ///< start, since the servo's own
+    double lateness_s = std::numeric_limits<double>::quiet_NaN(); ///< from deadline to start
     double period_s = std::numeric_limits<double>::quiet_NaN();   ///< since the last tick began
-    double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from answer to command
     double exchange_s = std::numeric_limits<double>::quiet_NaN(); ///< what the device took
+    double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from answer to command
 };
 
 /// The columns of a telemetry CSV, one name for each number of a row.

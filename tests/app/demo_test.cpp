@@ -141,9 +141,9 @@ TEST_F(Demo, LockstepRunsRepeatToTheLastBit) {
 TEST_F(Demo, FollowsAPathFromAFile) {
     const std::filesystem::path folder = fresh_folder("path");
     const std::filesystem::path path =
-        written(folder, "path.csv", "t,x,y,z\n0,0,0.08,0\n0.3,0,0.08,0\n0.8,0.03,0.08,0\n");
+        written(folder, "path.csv", "t,x,y,z\n0,0,0.08,0\n1.2,0,0.08,0\n1.7,0.03,0.08,0\n");
     const Ending ending =
-        run_program({"demo", "--lockstep", "--seconds", "1.5", "--without", "all", "--path", path,
+        run_program({"demo", "--lockstep", "--seconds", "2.4", "--without", "all", "--path", path,
                      "--scene", assets() / "scenes/plate.gltf", "--telemetry", folder / "t.csv"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     std::ifstream telemetry(folder / "t.csv");

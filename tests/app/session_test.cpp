@@ -43,13 +43,13 @@ void wait_for_scene(Session &session) {
     session.advance(kFrame_s);
 }
 
-/// Of the sixty frames after the first 1.5 s of the scripted touch, how many end in contact.
+/// Of the sixty frames after the first 2.7 s of the scripted touch, how many end in contact.
 int frames_in_contact(const std::filesystem::path &scene) {
     DemoOptions options = headless();
     options.scene = scene;
     Session session(options);
     session.start();
-    run(session, 1.5);
+    run(session, 2.7);
     int touching = 0;
     for (int frame = 0; frame < 60; ++frame) {
         session.advance(kFrame_s);
@@ -103,7 +103,7 @@ TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
 TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
     Session session(headless());
     session.start();
-    run(session, 1.5);
+    run(session, 2.7);
     ASSERT_TRUE(session.latest().contact.touching);
     for (const char *name : {"sphere", "organic", "stepped_block", "plate"}) {
         session.request_scene(testing::assets() / "scenes" / (std::string(name) + ".gltf"));
@@ -115,16 +115,18 @@ TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
 }
 
 TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
-    Session session(headless());
+    DemoOptions options = headless();
+    options.frames = 0; // a hand that rests
+    Session session(options);
     session.start();
-    run(session, 1.0);
+    run(session, 1.2);
     session.emergency_stop();
     run(session, 0.1);
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
     session.reset_safety();
-    run(session, 1.0);
+    run(session, 1.3); // a wait, then the ramp
     EXPECT_EQ(session.latest().safety.state, SafetyState::running);
 }
 
@@ -135,9 +137,10 @@ TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     Session session(options);
     session.start();
     EXPECT_FALSE(session.hand_follows_path());
+    run(session, 1.2);
     const Vector3 goal_m = session.hand_target_m() + Vector3(0.02, -0.01, 0.01);
     session.move_hand_to(goal_m);
-    run(session, 1.5);
+    run(session, 2.7);
     EXPECT_LT((session.latest().tip_m - goal_m).norm(), 2e-4); // encoder counts and a soft spring
     session.move_hand_to(Vector3(5.0, 5.0, 5.0));
     const Workspace &box = session.device().workspace;

@@ -84,7 +84,7 @@ struct Rig {
     Rig(const std::string &scene_name, MotionMap map, AlphaMode alpha_mode)
         : description(testing::phantom_1_0()), scene(scene_named(scene_name, description)),
           device(description, options(), start()), loop(device, 1e-3) {
-        inputs.mesh = &scene->mesh;
+        inputs.surface = &scene->surface;
         inputs.tuning.map = map;
         inputs.tuning.alpha_mode = alpha_mode;
         inputs.global_alpha_rad2_per_m2 = 3000.0;
@@ -95,7 +95,7 @@ struct Rig {
     }
     [[nodiscard]] SimulationOptions options() const {
         SimulationOptions simulation;
-        simulation.path = scripted_touch(description, scene->mesh, scene->scene.lower_m,
+        simulation.path = scripted_touch(description, scene->surface, scene->scene.lower_m,
                                          scene->scene.upper_m, start());
         return simulation;
     }
@@ -106,7 +106,7 @@ struct Rig {
         for (int i = 0; i < ticks; ++i) {
             inputs.emergency_stop = i == ticks - 200;
             inputs.reset_count = i > ticks - 100 ? 1U : 0U;
-            const ServoSample sample = loop.update(loop.exchange(), inputs);
+            const ServoSample sample = loop.update(loop.exchange(), sealed(inputs));
             touching += sample.contact.touching ? 1 : 0;
         }
         return touching;
@@ -119,7 +119,7 @@ struct Rig {
     ServoInputs inputs;
 };
 
-constexpr int kTicks = 2000;
+constexpr int kTicks = 3300;
 
 template <typename Check> void for_every_rig(Check &&check) {
     for (const char *scene : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {

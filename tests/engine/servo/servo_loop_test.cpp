@@ -7,6 +7,7 @@
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning_file.h"
+#include "tests/engine/servo/servo_rig.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 
@@ -24,43 +25,12 @@
 namespace springdrive {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-const Vector3 kStart_m(0.0, 0.02, 0.0);
-
-/// A device, a surface and a servo ticked by hand.
-struct Rig {
-    explicit Rig(const SimulationOptions &options, TriangleSoup soup = {})
-        : device(testing::phantom_1_0(), options, kStart_m), loop(device, options.servo_period_s),
-          mesh(std::move(soup)) {
-        inputs.mesh = &mesh;
-    }
-
-    ServoSample tick() { return loop.update(loop.exchange(), inputs); }
-
-    void run(double seconds) {
-        for (int i = 0; i < static_cast<int>(std::round(seconds / loop.period_s())); ++i) {
-            tick();
-        }
-    }
-
-    SimulatedPhantom device;
-    ServoLoop loop;
-    HapticSurface mesh;
-    ServoInputs inputs;
-};
-
-/// A plate whose top is at y = 0, wide enough for every slide.
-TriangleSoup plate() {
-    return testing::box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06));
-}
-
-/// What is tested here is the law: a plant without friction and weight shows it plainly.
-SimulationOptions following(std::vector<HandPath::Point> points) {
-    SimulationOptions options;
-    options.effects = PlantEffects::none();
-    options.path.emplace(std::move(points));
-    return options;
-}
+using testing::following;
+using testing::kPeriod_s;
+using testing::kStart_m;
+using testing::kStartUp_s;
+using testing::plate;
+using testing::Rig;
 
 /// Strikes the plate and slides on it, with all effects; tip and currents after every tick.
 struct Strike {
@@ -77,6 +47,7 @@ Strike strike(double longest_step_s) {
     options.quantised_encoders = false; // a count more or less is another run
     options.longest_step_s = longest_step_s;
     Rig rig(options, plate());
+    rig.run(kStartUp_s);
     Strike strike;
     for (int tick = 0; tick < 800; ++tick) {
         rig.tick();
@@ -121,7 +92,7 @@ StaticContact press(double eta, bool quantised) {
     options.quantised_encoders = quantised;
     Rig rig(options, plate());
     rig.inputs.tuning.eta = eta;
-    rig.run(3.0);
+    rig.run(kStartUp_s + 3.0);
     Vector3 force = Vector3::Zero();
     double penetration = 0.0;
     double predicted = 0.0;
@@ -165,7 +136,7 @@ TEST(ServoLoop, StaticTipStiffnessHoldsWithEncoders) {
 
 TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
     Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
-    rig.run(2.5);
+    rig.run(kStartUp_s + 2.5);
     Vector3 rendered = Vector3::Zero();
     Vector3 felt = Vector3::Zero();
     for (int i = 0; i < 500; ++i) {
@@ -182,7 +153,7 @@ double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) 
     Rig rig(following({{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * axis}}));
     rig.inputs.tuning =
         read_tuning_file(testing::assets() / "tunings" / (std::string(tuning) + ".toml"));
-    rig.run(1.2);
+    rig.run(kStartUp_s + 1.2);
     double greatest_N = 0.0;
     for (int i = 0; i < 1400; ++i) {
         rig.tick();
@@ -222,7 +193,8 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     std::vector<HandPath::Point> points;
     for (int i = 0; i <= 3000; ++i) {
         const double t = i * 1e-3;
-        points.push_back({t, kStart_m + Vector3(kReach_m * std::sin(kShake_rad_per_s * t), 0, 0)});
+        const double reach_m = kReach_m * std::min(1.0, 2.0 * t); // or its onset is a blow
+        points.push_back({t, kStart_m + Vector3(reach_m * std::sin(kShake_rad_per_s * t), 0, 0)});
     }
     SimulationOptions options = following(std::move(points));
     options.servo_period_s = period_s;
@@ -230,7 +202,7 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // holds the tip firmly to the path
     Rig rig(options);
     rig.inputs.tuning = tuning;
-    rig.run(1.0);
+    rig.run(kStartUp_s + 1.0);
     // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
     const DeviceDescription &device = rig.device.description();
     const LinkageMoments moments = linkage_moments(device.geometry, device.inertia, 0.0);
@@ -242,7 +214,8 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     const Coupling c = coupling(device.motor[0], tuning, period_s, delay);
     for (int i = 0; i < ticks; ++i) {
         const ServoSample sample = rig.tick();
-        const double t = rig.device.truth().time_s - 0.5 * period_s; // of the mean force
+        // Of the mean force, since the path began.
+        const double t = rig.device.truth().time_s - 0.5 * period_s - kStartUp_s;
         const double a =
             -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
         force_acceleration += rig.device.truth().hand_force_N.x() * a;
@@ -283,7 +256,7 @@ TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
                        {1.2, Vector3(-0.03, -0.01, 0.0)},
                        {3.2, Vector3(0.03, -0.01, 0.0)}}),
             plate());
-    rig.run(1.8);
+    rig.run(kStartUp_s + 1.8);
     Vector3 mean = Vector3::Zero();
     for (int i = 0; i < 1000; ++i) {
         const ServoSample sample = rig.tick();
@@ -296,13 +269,13 @@ TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
 
 TEST(ServoLoop, TheOtherMapIsJudgedOnTheSameState) {
     Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.03, -0.01, 0.02)}}), plate());
-    rig.run(2.0);
+    rig.run(kStartUp_s + 2.0);
     const ServoSample transpose = rig.tick();
     EXPECT_LT(transpose.transpose_error_rad, 1e-6);
     EXPECT_GT(transpose.inverse_error_rad, 0.02);
     rig.inputs.tuning.map = MotionMap::inverse;
     const ServoSample inverse = rig.tick();
-    EXPECT_EQ(inverse.map, MotionMap::inverse);
+    EXPECT_EQ(inverse.tuning.map, MotionMap::inverse);
     EXPECT_LT(inverse.transpose_error_rad, 1e-6);
     EXPECT_NEAR(inverse.inverse_error_rad, transpose.inverse_error_rad, 0.02);
     // Given time, the rendered force takes the inverse map's direction.
@@ -315,7 +288,7 @@ TEST(ServoLoop, ATransparentSurfaceHasNoForceDirection) {
     // η = 1: the set-point is the tip, and what is left of θ_Sd − θ is round-off.
     Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
     rig.inputs.tuning.eta = 1.0;
-    rig.run(1.5);
+    rig.run(kStartUp_s + 1.5);
     const ServoSample sample = rig.tick();
     EXPECT_TRUE(sample.contact.touching);
     EXPECT_TRUE(std::isnan(sample.inverse_error_rad));
@@ -324,11 +297,11 @@ TEST(ServoLoop, ATransparentSurfaceHasNoForceDirection) {
 
 TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
     Rig rig(following({{0.0, kStart_m}, {0.5, Vector3(0.0, -0.008, 0.0)}}), plate());
-    rig.run(1.5);
+    rig.run(kStartUp_s + 1.5);
     ASSERT_TRUE(rig.tick().contact.touching);
     const HapticSurface block(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
-    rig.inputs.mesh = &block;
+    rig.inputs.surface = &block;
     ++rig.inputs.scene_id;
     for (int i = 0; i < 500; ++i) {
         const ServoSample sample = rig.tick();
@@ -339,7 +312,7 @@ TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
 
 TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
     Rig rig({}, plate());
-    rig.run(0.7);
+    rig.run(kStartUp_s);
     const Vector3 before = rig.tick().command.cancelled_resistance_Ohm;
     rig.inputs.tuning.dR_Ohm = NAN;
     EXPECT_EQ(rig.tick().command.cancelled_resistance_Ohm, before);
@@ -361,7 +334,7 @@ TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
                                    std::pair("soft", "firm")}) {
         Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
         rig.inputs.tuning = tuning(from);
-        rig.run(2.0);
+        rig.run(kStartUp_s + 2.0);
         const double before_N = rig.tick().tip_force_N.norm();
         rig.inputs.tuning = tuning(to);
         double greatest_N = 0.0;
@@ -389,6 +362,7 @@ TEST(ServoLoop, EveryTuningHoldsAContact) {
                 rig.inputs.tuning =
                     read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
                 rig.inputs.tuning.eta = eta;
+                rig.run(kStartUp_s);
                 for (int i = 0; i < 2500; ++i) {
                     const ServoSample sample = rig.tick();
                     ASSERT_NE(sample.safety.state, SafetyState::tripped)

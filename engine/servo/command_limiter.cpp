@@ -1,0 +1,93 @@
+#include "engine/servo/command_limiter.h"
+
+#include "device/phantom/kinematics.h"
+#include "engine/control/force_direction.h"
+#include "engine/servo/workspace_edge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace springdrive {
+
+namespace {
+
+const MotorParameters &motor_of(const DeviceDescription &device, Eigen::Index j) {
+    return device.motor[static_cast<std::size_t>(j)];
+}
+
+/// The share of the settling currents that keeps force and currents within their limits.
+double bearable_share(const DeviceDescription &device, const LimiterInputs &inputs,
+                      const Vector3 &settling_A) {
+    double share = 1.0;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double limit_A =
+            kLimiterShare * std::min(motor_of(device, j).peak_current_A, inputs.limits.current_A);
+        share = std::min(share, limit_A / std::abs(settling_A[j])); // infinite where there is none
+    }
+    const double force_N =
+        static_tip_force(inputs.now.J, torque_constants(device), settling_A).norm();
+    if (!std::isfinite(force_N)) {
+        return 0.0; // singular: no force can be vouched for
+    }
+    return std::min(share, kLimiterShare * inputs.limits.tip_force_N / force_N);
+}
+
+/// Draws e_W towards the back-EMF as far as force and currents need it. Returns the share left.
+double draw_back(const DeviceDescription &device, const LimiterInputs &inputs,
+                 const Vector3 &back_emf_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
+    const double share = bearable_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
+    if (share < 1.0) {
+        e_W_V = back_emf_V + share * (e_W_V - back_emf_V);
+    }
+    return share;
+}
+
+/// Returns whether it had to cut anything off.
+bool hold_to_supply(const DeviceDescription &device, const LimiterInputs &inputs, Vector3 &e_W_V) {
+    const Vector3 before_V = e_W_V;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double limit_V = std::min(motor_of(device, j).supply_V, inputs.limits.voltage_V);
+        e_W_V[j] = std::clamp(e_W_V[j], -limit_V, limit_V);
+    }
+    return e_W_V != before_V;
+}
+
+} // namespace
+
+LimitedCommand limited(const DeviceDescription &device, const DeviceCommand &wanted,
+                       const LimiterInputs &inputs) noexcept {
+    LimitedCommand result;
+    const Configuration &now = inputs.now;
+    const Vector3 edge_Nm =
+        edge_torque_Nm(device, joint_from_motor(device.geometry, now.theta_rad),
+                       joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
+    result.held_back.at_edge = !edge_Nm.isZero(0.0);
+
+    Vector3 back_emf_V;
+    Vector3 dR_Ohm;
+    Vector3 e_W_V;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const MotorParameters &motor = motor_of(device, j);
+        const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
+                                            inputs.R_hat_limit_Ohm[j]);
+        result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
+        dR_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
+                             kLeastResidualShare * motor.resistance_Ohm);
+        back_emf_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j];
+        const double edge_A =
+            edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
+        e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A);
+    }
+    result.force_share = draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
+    result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
+    if (result.held_back.voltage) { // what it cut off may have held against the rest: look again
+        result.force_share *= draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
+        static_cast<void>(hold_to_supply(device, inputs, e_W_V));
+    }
+    result.held_back.force = result.force_share < 1.0;
+    result.command.e_W_V = e_W_V;
+    return result;
+}
+
+} // namespace springdrive

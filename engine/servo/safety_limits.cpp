@@ -1,0 +1,34 @@
+#include "engine/servo/safety_limits.h"
+
+#include <algorithm>
+
+namespace springdrive {
+
+SafetyLimits limits_of(const DeviceDescription &device) {
+    SafetyLimits limits;
+    for (const MotorParameters &motor : device.motor) {
+        limits.voltage_V = std::max(limits.voltage_V, motor.supply_V);
+        limits.current_A = std::max(limits.current_A, motor.peak_current_A);
+        limits.winding_C = std::max(limits.winding_C, motor.thermal.greatest_winding_C);
+    }
+    limits.tip_force_N = device.limits.tip_force_N;
+    limits.tip_speed_m_per_s = device.limits.tip_speed_m_per_s;
+    limits.beyond_stops_rad = device.limits.beyond_stops_rad;
+    limits.generated_energy_J = device.limits.generated_energy_J;
+    limits.missed_deadlines = device.limits.missed_deadlines;
+    limits.window_silence_s = device.limits.window_silence_s;
+    return limits;
+}
+
+SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexcept {
+    SafetyLimits limits = device;
+    for (const SafetyLimit &limit : kSafetyLimits) {
+        const double wanted = wish.*limit.value;
+        if (wanted > 0.0) { // false for a NaN too
+            limits.*limit.value = std::min(device.*limit.value, wanted);
+        }
+    }
+    return limits;
+}
+
+} // namespace springdrive

@@ -1,0 +1,66 @@
+#include "engine/servo/safety_status.h"
+
+#include <array>
+#include <cstdio>
+#include <numbers>
+
+namespace springdrive {
+
+namespace {
+
+/// What was measured against its limit, for people.
+struct Wording {
+    const char *what;
+    const char *unit;
+    int decimals;
+    double shown_per_si = 1.0;
+};
+
+std::string crossed(const SafetyStatus &status, const Wording &wording) {
+    std::array<char, 128> text{};
+    std::snprintf(text.data(), text.size(), "%s %.*f%s, limit %.*f%s", wording.what,
+                  wording.decimals, wording.shown_per_si * status.measured, wording.unit,
+                  wording.decimals, wording.shown_per_si * status.limit, wording.unit);
+    return text.data();
+}
+
+} // namespace
+
+std::string description(const SafetyStatus &status) {
+    constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+    switch (status.cause) {
+    case TripCause::none:
+        return "no trip";
+    case TripCause::emergency_stop:
+        return "emergency stop";
+    case TripCause::device_lost:
+        return "the device does not answer";
+    case TripCause::not_finite:
+        return "a value that is not finite";
+    case TripCause::torn_inputs:
+        return "parameters that arrived torn";
+    case TripCause::missed_deadlines:
+        return crossed(status, {"deadlines missed in a row", "", 0});
+    case TripCause::window_silent:
+        return crossed(status, {"no sign of life of the window for", " s", 2});
+    case TripCause::encoder_jump:
+        return crossed(status, {"encoders jumped by, at the tip,", " mm", 2, 1e3});
+    case TripCause::current:
+        return crossed(status, {"winding current", " A", 2});
+    case TripCause::tip_force:
+        return crossed(status, {"tip force", " N", 2});
+    case TripCause::tip_speed:
+        return crossed(status, {"tip speed", " m/s", 2});
+    case TripCause::winding_temperature:
+        return crossed(status, {"winding temperature, upper estimate,", " °C", 1});
+    case TripCause::beyond_stops:
+        return crossed(status, {"joint angle beyond its stop by", "°", 1, kDegreesPerRadian});
+    case TripCause::energy:
+        return crossed(status, {"energy given to the hand", " mJ", 1, 1e3});
+    case TripCause::voltage:
+        return crossed(status, {"lasting e_W", " V", 1});
+    }
+    return "unknown";
+}
+
+} // namespace springdrive

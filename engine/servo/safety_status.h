@@ -1,0 +1,71 @@
+// What the safety monitor says of itself: its state, why it tripped, and what it held back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace springdrive {
+
+enum class SafetyState : std::uint8_t {
+    waiting,  ///< braking, until the tip has been at rest in free space
+    starting, ///< gains rise from nothing
+    running,
+    tripped, ///< braking, until a deliberate reset
+};
+
+/// In the order in which they are looked for: a fault of the measurement comes before what it makes
+/// of speed, force and energy.
+enum class TripCause : std::uint8_t {
+    none,
+    emergency_stop,
+    device_lost,
+    not_finite,
+    torn_inputs,
+    missed_deadlines,
+    window_silent,
+    encoder_jump,
+    current,
+    tip_force,
+    tip_speed,
+    winding_temperature,
+    beyond_stops,
+    energy,
+    voltage,
+};
+
+/// Their names in records, by their number.
+inline constexpr std::array<std::string_view, 15> kTripCauseNames{
+    "none",         "emergency_stop",   "device_lost",   "not_finite",
+    "torn_inputs",  "missed_deadlines", "window_silent", "encoder_jump",
+    "current",      "tip_force",        "tip_speed",     "winding_temperature",
+    "beyond_stops", "energy",           "voltage"};
+
+struct SafetyStatus {
+    SafetyState state = SafetyState::waiting;
+    TripCause cause = TripCause::none;
+    double measured = 0.0; ///< what crossed the limit, in the limit's SI unit; 0 where none did
+    double limit = 0.0;
+    double ramp = 0.0; ///< 0 to 1, share of the command that passes
+};
+
+/// What was made less of in a tick, so that nothing passed its limit.
+struct HeldBack {
+    bool force = false;   ///< e_W, for the tip force or a winding's current that it would settle at
+    bool voltage = false; ///< e_W, for the supply
+    bool at_edge = false; ///< e_W, by the soft wall at the edge of the workspace
+};
+
+/// What the monitor knows of one winding, and made of it in its last tick.
+struct WindingStatus {
+    double least_C = 0.0;         ///< its temperature is not lower,
+    double greatest_C = 0.0;      ///< nor higher
+    double R_hat_limit_Ohm = 0.0; ///< the largest R̂ that it can bear
+    bool is_limited = false;      ///< whether more than that was asked for
+};
+
+/// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.
+[[nodiscard]] std::string description(const SafetyStatus &status);
+
+} // namespace springdrive

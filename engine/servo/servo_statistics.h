@@ -1,0 +1,50 @@
+// How well a servo keeps its time, from its samples: whoever reads them adds them up.
+#pragma once
+
+#include "engine/servo/duration_histogram.h"
+#include "engine/servo/servo_sample.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace springdrive {
+
+class ServoStatistics {
+public:
+    void add(const ServoSample &sample) noexcept {
+        ++ticks_;
+        missed_ += sample.missed_deadlines;
+        add_if_known(period_, sample.period_s);
+        add_if_known(lateness_, sample.lateness_s);
+        add_if_known(exchange_, sample.exchange_s);
+        add_if_known(compute_, sample.compute_s);
+    }
+
+    [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+    [[nodiscard]] std::uint64_t missed_deadlines() const { return missed_; }
+
+    /// From the start of a tick to the next one's.
+    [[nodiscard]] const DurationHistogram &period() const { return period_; }
+    /// From a tick's deadline to its start: the jitter.
+    [[nodiscard]] const DurationHistogram &lateness() const { return lateness_; }
+    /// What the device took.
+    [[nodiscard]] const DurationHistogram &exchange() const { return exchange_; }
+    /// From the device's answer to the next command.
+    [[nodiscard]] const DurationHistogram &compute() const { return compute_; }
+
+private:
+    static void add_if_known(DurationHistogram &histogram, double duration_s) noexcept {
+        if (!std::isnan(duration_s)) {
+            histogram.add(duration_s);
+        }
+    }
+
+    std::uint64_t ticks_ = 0;
+    std::uint64_t missed_ = 0;
+    DurationHistogram period_;
+    DurationHistogram lateness_;
+    DurationHistogram exchange_;
+    DurationHistogram compute_;
+};
+
+} // namespace springdrive

@@ -1,0 +1,448 @@
+// Covers engine/servo/safety_monitor.cpp: both sides of every cause of a trip.
+#include "tests/engine/servo/safety_monitor_fixture.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+/// All that a tick brings before the monitor.
+struct Tick {
+    Observation seen;
+    SafetyOrders orders;
+    DeviceCommand wanted;
+};
+
+class SafetyTrips : public SafetyMonitorTest {
+protected:
+    [[nodiscard]] Tick fine() const { return {calm(), {}, little()}; }
+
+    DeviceCommand pass_tick(const Tick &tick) { return pass(tick.seen, tick.orders, tick.wanted); }
+
+    [[nodiscard]] Tick with_speed(double speed_m_per_s) const {
+        Tick tick = fine();
+        tick.seen.now.theta_rate_rad_per_s =
+            tick.seen.now.J.inverse() * Vector3(0.0, speed_m_per_s, 0.0);
+        return tick;
+    }
+
+    /// It tripped in this very tick, and stays so, whatever is shown to it.
+    void expect_tripped(const DeviceCommand &command, TripCause cause) {
+        expect_braking(command);
+        EXPECT_EQ(monitor.status().state, SafetyState::tripped);
+        EXPECT_EQ(monitor.status().cause, cause) << description(monitor.status());
+        for (int i = 0; i < 200; ++i) {
+            expect_braking(pass(calm()));
+        }
+        EXPECT_EQ(monitor.status().state, SafetyState::tripped);
+        EXPECT_EQ(monitor.status().cause, cause);
+    }
+
+    /// Just within nothing happens; just beyond it trips at once, latches, trips again after a
+    /// reset while the cause is there, and starts after one when it is gone.
+    void expect_line(const Tick &within, const Tick &beyond, TripCause cause) {
+        start_up();
+        for (int i = 0; i < 100; ++i) {
+            pass_tick(within);
+            ASSERT_EQ(monitor.status().state, SafetyState::running)
+                << description(monitor.status());
+        }
+        expect_tripped(pass_tick(beyond), cause);
+        monitor.reset();
+        expect_tripped(pass_tick(beyond), cause);
+        monitor.reset();
+        start_up();
+    }
+
+    void expect_numbers(const Tick &beyond, double measured, double limit) {
+        pass_tick(beyond);
+        EXPECT_NEAR(monitor.status().measured, measured, 1e-9 * std::abs(measured));
+        EXPECT_NEAR(monitor.status().limit, limit, 1e-12 * limit);
+        monitor.reset();
+    }
+};
+
+TEST_F(SafetyTrips, TipSpeed) {
+    const double limit = device.limits.tip_speed_m_per_s;
+    expect_line(with_speed(0.999 * limit), with_speed(1.001 * limit), TripCause::tip_speed);
+    expect_numbers(with_speed(-1.001 * limit), 1.001 * limit, limit);
+}
+
+TEST_F(SafetyTrips, TipForceAtOnce) {
+    Tick within = fine();
+    Tick beyond = fine();
+    const double limit = device.limits.tip_force_N;
+    within.seen.tip_force_N = Vector3(0.0, -0.999 * limit, 0.0);
+    beyond.seen.tip_force_N = Vector3(0.0, -1.001 * limit, 0.0);
+    expect_line(within, beyond, TripCause::tip_force);
+    expect_numbers(beyond, 1.001 * limit, limit);
+}
+
+TEST_F(SafetyTrips, CurrentOfEachMotorByItsOwnLimit) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        device.motor[j].peak_current_A = 3.0 + static_cast<double>(j);
+    }
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        monitor = SafetyMonitor(device, kPeriod_s);
+        Tick within = fine();
+        Tick beyond = fine();
+        const double limit = 3.0 + static_cast<double>(j);
+        within.seen.current_A[j] = -0.999 * limit;
+        beyond.seen.current_A[j] = -1.001 * limit;
+        expect_line(within, beyond, TripCause::current);
+        expect_numbers(beyond, 1.001 * limit, limit);
+    }
+}
+
+TEST_F(SafetyTrips, EmergencyStop) {
+    Tick stop = fine();
+    stop.orders.emergency_stop = true;
+    expect_line(fine(), stop, TripCause::emergency_stop);
+}
+
+TEST_F(SafetyTrips, ALostDevice) {
+    Tick lost = fine();
+    lost.seen.health = DeviceHealth::lost;
+    expect_line(fine(), lost, TripCause::device_lost);
+}
+
+TEST_F(SafetyTrips, TornInputs) {
+    Tick torn = fine();
+    torn.orders.are_whole = false;
+    expect_line(fine(), torn, TripCause::torn_inputs);
+}
+
+TEST_F(SafetyTrips, WhateverIsNotFinite) {
+    std::vector<std::function<double &(Tick &)>> numbers;
+    for (const Eigen::Index j : {0, 1, 2}) {
+        numbers.insert(numbers.end(),
+                       {[j](Tick &t) -> double & { return t.seen.tip_force_N[j]; },
+                        [j](Tick &t) -> double & { return t.seen.current_A[j]; },
+                        [j](Tick &t) -> double & { return t.seen.now.tip_m[j]; },
+                        [j](Tick &t) -> double & { return t.seen.now.theta_rate_rad_per_s[j]; },
+                        [j](Tick &t) -> double & { return t.seen.spring_force_N[j]; },
+                        [j](Tick &t) -> double & { return t.seen.spring_stretch_m[j]; },
+                        [j](Tick &t) -> double & { return t.wanted.e_W_V[j]; },
+                        [j](Tick &t) -> double & { return t.wanted.cancelled_resistance_Ohm[j]; }});
+    }
+    start_up();
+    for (const auto &number : numbers) {
+        for (const double bad :
+             {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+              -std::numeric_limits<double>::infinity()}) {
+            Tick tick = fine();
+            number(tick) = bad;
+            expect_braking(pass_tick(tick));
+            EXPECT_EQ(monitor.status().cause, TripCause::not_finite);
+            monitor.reset();
+        }
+    }
+    Tick elsewhere = fine();
+    elsewhere.seen.all_finite = false;
+    monitor = SafetyMonitor(device, kPeriod_s);
+    expect_line(fine(), elsewhere, TripCause::not_finite);
+}
+
+TEST_F(SafetyTrips, MissedDeadlines) {
+    Tick within = fine();
+    Tick beyond = fine();
+    within.seen.missed_in_a_row = 50;
+    beyond.seen.missed_in_a_row = 51;
+    expect_line(within, beyond, TripCause::missed_deadlines);
+    expect_numbers(beyond, 51.0, 50.0);
+}
+
+TEST_F(SafetyTrips, AWindowThatGivesNoSignOfLife) {
+    Tick tick = fine();
+    for (std::uint32_t i = 1; i <= 5000; ++i) { // one that does, every 0.1 s
+        tick.orders.heartbeat = 1 + i / 100;
+        pass_tick(tick);
+    }
+    EXPECT_EQ(monitor.status().state, SafetyState::running);
+    tick.orders.heartbeat = 1000;
+    pass_tick(tick);
+    for (int i = 0; i < 1999; ++i) {
+        pass_tick(tick);
+        ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
+    }
+    pass_tick(tick);
+    pass_tick(tick); // a sum of 2000 periods may be either side of 2 s
+    EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
+    EXPECT_EQ(monitor.status().limit, device.limits.window_silence_s);
+    EXPECT_NEAR(monitor.status().measured, device.limits.window_silence_s, 1.5 * kPeriod_s);
+    expect_tripped(pass_tick(tick), TripCause::window_silent);
+    // A reset, by whatever way it comes, is a sign of life: the silence counts from there.
+    monitor.reset();
+    for (int i = 0; i < 1998; ++i) {
+        pass_tick(tick);
+    }
+    EXPECT_NE(monitor.status().state, SafetyState::tripped);
+    for (int i = 0; i < 4; ++i) {
+        pass_tick(tick);
+    }
+    EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
+}
+
+TEST_F(SafetyTrips, MissedTicksCountAsSilenceToo) {
+    start_up();
+    Tick tick = fine();
+    tick.orders.heartbeat = 1;
+    pass_tick(tick);
+    tick.seen.missed_deadlines = 9; // ten periods each
+    for (int i = 0; i < 199; ++i) {
+        pass_tick(tick);
+        ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
+    }
+    pass_tick(tick);
+    pass_tick(tick);
+    EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
+}
+
+TEST_F(SafetyTrips, AHeartbeatOfZeroMeansThatNobodyWatches) {
+    start_up();
+    for (int i = 0; i < 10'000; ++i) {
+        pass(calm());
+    }
+    EXPECT_EQ(monitor.status().state, SafetyState::running);
+}
+
+TEST_F(SafetyTrips, EncodersThatJump) {
+    // Half as far again as at the greatest speed, and three counts of each motor.
+    const double counts_m = 3.0 * 2.0 * std::numbers::pi / 4096 * calm().now.J.norm();
+    for (const std::uint32_t missed : {0U, 4U}) {
+        const double limit_m =
+            1.5 * device.limits.tip_speed_m_per_s * (1.0 + missed) * kPeriod_s + counts_m;
+        for (const double share : {0.999, 1.001}) {
+            monitor = SafetyMonitor(device, kPeriod_s);
+            start_up();
+            Tick tick = fine();
+            tick.orders.limits.tip_speed_m_per_s = 0.01; // lowering that makes no jump of a step
+            tick.seen.now.tip_m.x() += share * limit_m;
+            tick.seen.missed_deadlines = missed;
+            pass_tick(tick);
+            EXPECT_EQ(monitor.status().state == SafetyState::tripped, share > 1.0);
+            if (share > 1.0) {
+                EXPECT_EQ(monitor.status().cause, TripCause::encoder_jump);
+                EXPECT_NEAR(monitor.status().measured, share * limit_m, 1e-12);
+                EXPECT_NEAR(monitor.status().limit, limit_m, 1e-12);
+                monitor.reset(); // the place is another, but not a jump any more
+                pass_tick(tick);
+                EXPECT_EQ(monitor.status().state, SafetyState::waiting);
+            }
+        }
+    }
+}
+
+TEST_F(SafetyTrips, AnglesBeyondTheStops) {
+    const JointLimits &limits = device.joint_limits;
+    const double give_rad = device.limits.beyond_stops_rad;
+    const auto at_q = [&](const Vector3 &q_rad) {
+        Tick tick = fine();
+        tick.seen.now.theta_rad = motor_from_joint(device.geometry, q_rad); // the tip elsewhere
+        return tick;
+    };
+    for (const double sign : {-1.0, 1.0}) {
+        Vector3 q_rad(sign > 0.0 ? limits.highest_rad[0] : limits.lowest_rad[0], 0.2, 0.1);
+        const Vector3 out_rad(sign * give_rad, 0.0, 0.0);
+        monitor = SafetyMonitor(device, kPeriod_s);
+        expect_line(at_q(q_rad + 0.999 * out_rad), at_q(q_rad + 1.001 * out_rad),
+                    TripCause::beyond_stops);
+        expect_numbers(at_q(q_rad + 1.001 * out_rad), 1.001 * give_rad, give_rad);
+        const double fold_rad =
+            sign > 0.0 ? limits.greatest_q3_minus_q2_rad : limits.least_q3_minus_q2_rad;
+        q_rad = Vector3(0.0, 0.9, 0.9 + fold_rad);
+        const Vector3 folded_rad(0.0, 0.0, sign * give_rad);
+        expect_line(at_q(q_rad + 0.999 * folded_rad), at_q(q_rad + 1.001 * folded_rad),
+                    TripCause::beyond_stops);
+    }
+}
+
+TEST_F(SafetyTrips, EnergyFromNothing) {
+    // Work in one direction under a force that goes along: 5 N over 6 mm are the 30 mJ.
+    for (const double share : {0.99, 1.01}) {
+        monitor = SafetyMonitor(device, kPeriod_s);
+        start_up();
+        Tick tick = fine();
+        tick.seen.tip_force_N = Vector3(5.0, 0.0, 0.0);
+        pass_tick(tick);
+        pass_tick(tick);          // the mean of both ends from here on
+        constexpr int kSteps = 6; // short against the memory: 6 ms of 0.5 s are 0.6 %
+        for (int i = 0; i < kSteps; ++i) {
+            ASSERT_EQ(monitor.status().state, SafetyState::running);
+            tick.seen.now.tip_m.x() += share * 6.0e-3 * 1.006 / kSteps;
+            pass_tick(tick);
+        }
+        EXPECT_EQ(monitor.status().state == SafetyState::tripped, share > 1.0)
+            << monitor.generated_energy_J();
+        if (share > 1.0) {
+            EXPECT_EQ(monitor.status().cause, TripCause::energy);
+            EXPECT_EQ(monitor.status().limit, device.limits.generated_energy_J);
+            EXPECT_GT(monitor.status().measured, device.limits.generated_energy_J);
+        }
+    }
+}
+
+TEST_F(SafetyTrips, ASpringThatIsChangedIsNoEnergyFromNothing) {
+    for (const bool changed : {true, false}) {
+        monitor = SafetyMonitor(device, kPeriod_s);
+        start_up();
+        Tick tick = fine();
+        tick.seen.spring_stretch_m = Vector3(0.0, 0.01, 0.0);
+        tick.seen.spring_force_N = Vector3(0.0, 8.0, 0.0); // holds 40 mJ
+        tick.seen.spring_changed = changed;
+        pass_tick(tick);
+        EXPECT_EQ(monitor.status().state == SafetyState::tripped, !changed);
+    }
+}
+
+TEST_F(SafetyTrips, VoltageThatLasts) {
+    const double limit = device.motor[1].supply_V;
+    Tick within = fine();
+    Tick beyond = fine();
+    within.wanted.e_W_V[1] = -0.999 * limit;
+    beyond.wanted.e_W_V[1] = -1.001 * limit;
+    start_up();
+    const int tolerated = static_cast<int>(std::lround(kVoltageTolerated_s / kPeriod_s));
+    for (int times = 0; times < 3; ++times) { // shocks, with a tick between
+        for (int i = 0; i < tolerated; ++i) {
+            pass_tick(beyond);
+            ASSERT_EQ(monitor.status().state, SafetyState::running);
+        }
+        pass_tick(within);
+    }
+    for (int i = 0; i < 100; ++i) {
+        pass_tick(within);
+        ASSERT_EQ(monitor.status().state, SafetyState::running);
+    }
+    for (int i = 0; i < tolerated; ++i) {
+        pass_tick(beyond);
+    }
+    const DeviceCommand command = pass_tick(beyond);
+    EXPECT_NEAR(monitor.status().measured, 1.001 * limit, 1e-9);
+    EXPECT_EQ(monitor.status().limit, limit);
+    expect_tripped(command, TripCause::voltage);
+    monitor.reset(); // who waits may stand deep in a surface: nobody feels what it asks for
+    for (int i = 0; i < 90; ++i) {
+        pass_tick(beyond);
+        ASSERT_EQ(monitor.status().state, SafetyState::waiting);
+    }
+    for (int i = 0; i < 50; ++i) {
+        pass_tick(beyond);
+    }
+    EXPECT_EQ(monitor.status().cause, TripCause::voltage); // once it starts it trips again
+}
+
+TEST_F(SafetyTrips, WindingTemperatureByALoweredLimit) {
+    // Unloaded windings are at most as warm as the warmest air.
+    Tick within = fine();
+    Tick beyond = fine();
+    within.orders.limits.winding_C = kWarmestAir_C + 0.01;
+    beyond.orders.limits.winding_C = kWarmestAir_C - 0.01;
+    expect_line(within, beyond, TripCause::winding_temperature);
+    expect_numbers(beyond, kWarmestAir_C, kWarmestAir_C - 0.01);
+}
+
+TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
+    const SafetyLimits of_device = limits_of(device);
+    Tick tick = with_speed(0.8 * of_device.tip_speed_m_per_s);
+    tick.seen.tip_force_N = Vector3(0.8 * of_device.tip_force_N, 0.0, 0.0);
+    tick.seen.current_A = Vector3(0.8 * of_device.current_A, 0.0, 0.0);
+    tick.seen.missed_in_a_row = 40;
+    const std::vector<std::pair<double SafetyLimits::*, TripCause>> limits{
+        {&SafetyLimits::missed_deadlines, TripCause::missed_deadlines},
+        {&SafetyLimits::current_A, TripCause::current},
+        {&SafetyLimits::tip_force_N, TripCause::tip_force},
+        {&SafetyLimits::tip_speed_m_per_s, TripCause::tip_speed}};
+    for (const auto &[limit, cause] : limits) {
+        for (const double share : {0.79, 0.81, 1000.0}) {
+            monitor = SafetyMonitor(device, kPeriod_s);
+            start_up();
+            Tick lowered_to = tick;
+            lowered_to.orders.limits.*limit = share * (of_device.*limit);
+            pass_tick(lowered_to);
+            EXPECT_EQ(monitor.status().cause, share < 0.8 ? cause : TripCause::none);
+            EXPECT_EQ(monitor.limits().*limit, std::min(share, 1.0) * (of_device.*limit));
+        }
+        // Raised by however much, the device's own limit holds: a little beyond it trips.
+        monitor = SafetyMonitor(device, kPeriod_s);
+        start_up();
+        Tick beyond = tick;
+        beyond.seen.now.theta_rate_rad_per_s *= 1.3;
+        beyond.seen.tip_force_N *= 1.3;
+        beyond.seen.current_A *= 1.3;
+        beyond.seen.missed_in_a_row = 52;
+        for (const SafetyLimit &every : kSafetyLimits) {
+            beyond.orders.limits.*every.value = 1e9;
+        }
+        pass_tick(beyond);
+        EXPECT_EQ(monitor.status().state, SafetyState::tripped);
+    }
+}
+
+TEST_F(SafetyTrips, NamesTheFirstCauseAndKeepsIt) {
+    start_up();
+    pass_tick(with_speed(7.0));
+    Tick stop = fine();
+    stop.orders.emergency_stop = true;
+    pass_tick(stop);
+    EXPECT_EQ(monitor.status().cause, TripCause::tip_speed);
+    EXPECT_NEAR(monitor.status().measured, 7.0, 1e-9);
+    EXPECT_DOUBLE_EQ(monitor.status().limit, device.limits.tip_speed_m_per_s);
+}
+
+TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
+    // Everything from one cause on to the last, all in one tick.
+    const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
+        {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},
+        {TripCause::device_lost, [](Tick &t) { t.seen.health = DeviceHealth::lost; }},
+        {TripCause::not_finite, [](Tick &t) { t.seen.all_finite = false; }},
+        {TripCause::torn_inputs, [](Tick &t) { t.orders.are_whole = false; }},
+        {TripCause::missed_deadlines, [](Tick &t) { t.seen.missed_in_a_row = 51; }},
+        {TripCause::window_silent, [](Tick &t) { t.orders.limits.window_silence_s = 1e-3; }},
+        {TripCause::encoder_jump, [](Tick &t) { t.seen.now.tip_m.x() += 0.1; }},
+        {TripCause::current, [](Tick &t) { t.seen.current_A[0] = 9.0; }},
+        {TripCause::tip_force, [](Tick &t) { t.seen.tip_force_N[0] = 9.0; }},
+        {TripCause::tip_speed,
+         [](Tick &t) {
+             t.seen.now.theta_rate_rad_per_s = t.seen.now.J.inverse() * Vector3(9.0, 0.0, 0.0);
+         }},
+        {TripCause::winding_temperature, [](Tick &t) { t.orders.limits.winding_C = 30.0; }},
+        {TripCause::beyond_stops, [](Tick &t) { t.seen.now.theta_rad[0] = 100.0; }},
+        {TripCause::energy,
+         [](Tick &t) {
+             t.seen.spring_force_N[0] = 100.0;
+             t.seen.spring_stretch_m[0] = 0.01;
+         }},
+        {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 20.0; }}};
+    ASSERT_EQ(causes.size() + 1, kTripCauseNames.size()); // all but `none`
+    for (std::size_t first = 0; first < causes.size(); ++first) {
+        monitor = SafetyMonitor(device, kPeriod_s);
+        start_up();
+        Tick tick = fine();
+        tick.orders.heartbeat = 7;
+        causes.back().second(tick); // 20 ms of too much voltage are tolerated
+        for (int i = 0; i < 20; ++i) {
+            pass_tick(tick);
+        }
+        ASSERT_EQ(monitor.status().state, SafetyState::running);
+        for (std::size_t i = first; i < causes.size(); ++i) {
+            causes[i].second(tick);
+        }
+        expect_tripped(pass_tick(tick), causes[first].first);
+    }
+}
+
+} // namespace
+} // namespace springdrive::testing

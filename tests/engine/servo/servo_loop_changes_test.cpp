@@ -1,0 +1,327 @@
+// Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and inputs
+// that arrive torn.
+#include "engine/control/haptic_law.h"
+#include "engine/control/parameters.h"
+#include "engine/control/velocity_filter.h"
+#include "engine/servo/change_over.h"
+#include "engine/servo/servo_loop.h"
+#include "tests/engine/servo/servo_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+using testing::following;
+using testing::kPeriod_s;
+using testing::kStart_m;
+using testing::kStartUp_s;
+using testing::Rig;
+
+constexpr double kBound_V = kGreatestChange_V_per_s * kPeriod_s;
+
+/// Pressed on the plate by a firm hand where the maps differ, and slid along it slowly.
+SimulationOptions firm_contact() {
+    SimulationOptions options = following({{0.0, kStart_m},
+                                           {0.3, Vector3(0.0, 0.003, -0.04)},
+                                           {0.6, Vector3(0.0, -0.009, -0.04)},
+                                           {1.6, Vector3(0.01, -0.009, -0.03)}});
+    options.hand = {0.1, 20.0, 800.0, 10.0, 0.4};
+    return options;
+}
+
+/// Volts of e_W for the newtons of the hand.
+Tuning firm_tuning() {
+    Tuning tuning;
+    tuning.dR_Ohm = 1.0;
+    tuning.K_P_V_per_rad = 10.0;
+    return tuning;
+}
+
+/// A rig cannot be moved: it is made where it stands.
+struct FirmRig : Rig {
+    FirmRig() : Rig(firm_contact(), testing::plate()) { inputs.tuning = firm_tuning(); }
+};
+
+/// e_W of `now`, had nothing changed since `before`: the law of then on the state of now, from
+/// what the two samples say alone.
+Vector3 unchanged_V(const HapticLaw &law, const ServoSample &before, const ServoSample &now) {
+    VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
+    const double pole = velocity_filter_pole(before.tuning.lambda_rad_per_s, kPeriod_s);
+    const Configuration state =
+        law.configuration(now.theta_rad, filter.update(now.theta_rad, pole, kPeriod_s));
+    return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2).command.e_W_V +
+           before.carried_V;
+}
+
+struct Change {
+    std::string name;
+    std::function<void(ServoInputs &)> make;
+    double least_V = 0.0; ///< that it would have moved e_W by, were it not carried over
+};
+
+/// The greatest step of e_W that a change alone made, and what was carried at the most.
+struct Felt {
+    double step_V = 0.0;
+    double carried_V = 0.0;
+    int ticks = 0; ///< looked at: up to where the limiter had to hold back
+};
+
+Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first) {
+    FirmRig rig;
+    first(rig.inputs);
+    rig.run(kStartUp_s + 0.8);
+    const HapticLaw law(rig.device.description());
+    ServoSample before = rig.tick();
+    EXPECT_TRUE(before.contact.touching);
+    EXPECT_EQ(before.safety.state, SafetyState::running) << change.name;
+    EXPECT_GT(before.command.e_W_V.norm(), 1.0) << change.name;
+    change.make(rig.inputs);
+    Felt felt;
+    for (int tick = 0; tick < 400; ++tick) {
+        const ServoSample now = rig.tick();
+        EXPECT_EQ(now.safety.state, SafetyState::running)
+            << change.name << ": " << description(now.safety);
+        if (now.held_back.force || now.held_back.voltage) {
+            break; // what the limiter takes off is no part of the change
+        }
+        ++felt.ticks;
+        const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
+        felt.step_V = std::max(felt.step_V, moved_V.cwiseAbs().maxCoeff());
+        felt.carried_V = std::max(felt.carried_V, now.carried_V.cwiseAbs().maxCoeff());
+        before = now;
+    }
+    return felt;
+}
+
+void nothing(ServoInputs & /*inputs*/) {}
+
+TEST(ServoLoopChanges, WithoutOneTheLawIsReproducedFromTheSamples) {
+    const Felt felt = feel({"nothing", nothing}, nothing);
+    EXPECT_LT(felt.step_V, 1e-12);
+    EXPECT_EQ(felt.carried_V, 0.0);
+}
+
+TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
+    const auto by_hand = [](ServoInputs &inputs) { // so that α is felt too
+        inputs.tuning.alpha_mode = AlphaMode::by_hand;
+    };
+    for (const Parameter &parameter : kParameters) {
+        const double now = firm_tuning().*parameter.value;
+        for (const double value : {parameter.lowest, 0.5 * (parameter.lowest + now),
+                                   std::min(1.5 * now + 0.3, parameter.highest)}) {
+            const Change change{
+                std::string(parameter.name) + " to " + std::to_string(value),
+                [&](ServoInputs &inputs) { inputs.tuning.*parameter.value = value; }};
+            const Felt felt = feel(change, by_hand);
+            EXPECT_LE(felt.step_V, kBound_V + 1e-9) << change.name;
+            EXPECT_GT(felt.ticks, 10) << change.name;
+        }
+    }
+}
+
+TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWByNoMoreThanTheyMay) {
+    const auto start = [](ServoInputs &inputs) {
+        inputs.global_alpha_rad2_per_m2 = 3000.0;
+        inputs.tuning.alpha_rad2_per_m2 = 2000.0;
+    };
+    const auto global = [&](ServoInputs &inputs) {
+        start(inputs);
+        inputs.tuning.alpha_mode = AlphaMode::global;
+    };
+    const auto inverse = [&](ServoInputs &inputs) {
+        start(inputs);
+        inputs.tuning.map = MotionMap::inverse;
+    };
+    const auto to_map = [](MotionMap map) {
+        return [map](ServoInputs &inputs) { inputs.tuning.map = map; };
+    };
+    const auto to_alpha = [](AlphaMode mode) {
+        return [mode](ServoInputs &inputs) { inputs.tuning.alpha_mode = mode; };
+    };
+    const auto to_global = [](double alpha) {
+        return [alpha](ServoInputs &inputs) { inputs.global_alpha_rad2_per_m2 = alpha; };
+    };
+    const std::vector<std::pair<Change, std::function<void(ServoInputs &)>>> changes{
+        {{"to the inverse map", to_map(MotionMap::inverse), 0.1}, start},
+        {{"to the transpose map", to_map(MotionMap::transpose), 0.1}, inverse},
+        {{"to α by hand", to_alpha(AlphaMode::by_hand), 0.3}, start},
+        {{"to the global α", to_alpha(AlphaMode::global), 0.3}, start},
+        {{"to α on the fly", to_alpha(AlphaMode::on_the_fly), 0.3}, global},
+        {{"to a lower global α", to_global(500.0), 0.3}, global},
+        {{"to no global α", to_global(0.0), 0.3}, global}};
+    for (const auto &[change, first] : changes) {
+        const Felt felt = feel(change, first);
+        EXPECT_LE(felt.step_V, kBound_V + 1e-9) << change.name;
+        EXPECT_GT(felt.carried_V, change.least_V) << change.name; // not vacuous
+        EXPECT_GT(felt.ticks, 100) << change.name;
+    }
+}
+
+TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
+    FirmRig rig;
+    rig.inputs.global_alpha_rad2_per_m2 = 2500.0;
+    rig.run(kStartUp_s + 0.8);
+    const HapticLaw law(rig.device.description());
+    ServoSample before = rig.tick();
+    double most_V = 0.0;
+    for (int tick = 0; tick < 600; ++tick) {
+        if (tick % 7 == 0) {
+            Tuning &tuning = rig.inputs.tuning;
+            tuning.map = tick % 2 == 0 ? MotionMap::inverse : MotionMap::transpose;
+            tuning.alpha_mode = static_cast<AlphaMode>(tick % 3);
+            tuning.K_P_V_per_rad = tick % 4 == 0 ? 6.0 : 12.0;
+            tuning.lambda_rad_per_s = tick % 5 == 0 ? 500.0 : 1500.0;
+            rig.inputs.global_alpha_rad2_per_m2 = 2000.0 + tick;
+        }
+        const ServoSample now = rig.tick();
+        ASSERT_FALSE(now.held_back.force || now.held_back.voltage) << tick;
+        const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
+        ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
+        most_V = std::max(most_V, now.carried_V.cwiseAbs().maxCoeff());
+        before = now;
+    }
+    EXPECT_GT(most_V, 0.3);
+}
+
+TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
+    // α by hand far above the bound: from 5 V to 17 V at once, were they not carried over.
+    FirmRig rig;
+    rig.inputs.tuning.dR_Ohm = 2.0;
+    rig.inputs.tuning.K_P_V_per_rad = 20.0;
+    rig.inputs.tuning.alpha_rad2_per_m2 = 20'000.0;
+    rig.run(kStartUp_s + 0.8);
+    const HapticLaw law(rig.device.description());
+    ServoSample before = rig.tick();
+    rig.inputs.tuning.alpha_mode = AlphaMode::by_hand;
+    Vector3 law_V = Vector3::Zero();
+    for (int tick = 0; tick < 10; ++tick) {
+        const ServoSample now = rig.tick();
+        const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
+        EXPECT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
+        law_V = law_V.cwiseMax((now.command.e_W_V - now.carried_V).cwiseAbs());
+        before = now;
+    }
+    EXPECT_GT(law_V.maxCoeff(), 12.0); // not vacuous
+}
+
+TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
+    // The new scene starts free around the tip: e_W goes from what it was to nothing, bit by bit.
+    const HapticSurface elsewhere(
+        testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
+    for (const HapticSurface *next : {&elsewhere, static_cast<const HapticSurface *>(nullptr)}) {
+        FirmRig rig;
+        rig.run(kStartUp_s + 0.8);
+        ServoSample before = rig.tick();
+        ASSERT_GT(before.command.e_W_V.cwiseAbs().maxCoeff(), 0.5);
+        rig.inputs.surface = next;
+        ++rig.inputs.scene_id;
+        const HapticLaw law(rig.device.description());
+        const ServoSample first = rig.tick();
+        EXPECT_FALSE(first.contact.touching);
+        EXPECT_LE((first.command.e_W_V - before.command.e_W_V).cwiseAbs().maxCoeff(),
+                  kBound_V + 1e-9);
+        EXPECT_GT(first.carried_V.cwiseAbs().maxCoeff(), 0.4);
+        before = first;
+        for (int tick = 0; tick < 400; ++tick) {
+            const ServoSample now = rig.tick();
+            ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
+            if (!now.held_back.force) {
+                const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
+                ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
+            }
+            before = now;
+        }
+        EXPECT_EQ(before.carried_V, Vector3::Zero());
+    }
+}
+
+TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
+    // R̂ i is a voltage: at the largest current no tick moves it by more than a change may.
+    FirmRig rig;
+    rig.run(kStartUp_s + 0.8);
+    double before_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
+    const double peak_A = rig.device.description().motor[0].peak_current_A;
+    for (const double dR_Ohm : {2.0, 0.3}) {
+        rig.inputs.tuning.dR_Ohm = dR_Ohm;
+        for (int tick = 0; tick < 900; ++tick) {
+            const double now_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
+            ASSERT_LE(std::abs(now_Ohm - before_Ohm) * peak_A, kBound_V + 1e-9);
+            before_Ohm = now_Ohm;
+        }
+        EXPECT_NEAR(before_Ohm, 2.18 - dR_Ohm, 1e-12);
+    }
+}
+
+/// Sealed, and then something else in one word: also a surface that is nowhere.
+std::vector<ServoInputs> torn_from(const ServoInputs &whole) {
+    const ServoInputs good = sealed(whole);
+    std::vector<ServoInputs> torn(5, good);
+    torn[0].surface = std::bit_cast<const HapticSurface *>(std::uintptr_t{0xdeadbeef0});
+    torn[1].tuning.K_P_V_per_rad *= 2.0;
+    torn[2].scene_id += 5;
+    torn[2].surface = std::bit_cast<const HapticSurface *>(std::uintptr_t{0x10});
+    torn[3].checksum ^= 1U;
+    torn[4].reset_count += 1;
+    return torn;
+}
+
+TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
+    for (std::size_t which = 0; which < 5; ++which) {
+        FirmRig rig;
+        rig.run(kStartUp_s + 0.8);
+        const ServoSample before = rig.tick();
+        ASSERT_TRUE(before.contact.touching);
+        const ServoInputs torn = torn_from(rig.inputs)[which];
+        for (int tick = 0; tick < 3; ++tick) {
+            const ServoSample sample = rig.loop.update(rig.loop.exchange(), torn);
+            EXPECT_EQ(sample.safety.state, SafetyState::tripped);
+            EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
+            EXPECT_EQ(sample.command.e_W_V, Vector3::Zero());
+            EXPECT_EQ(sample.command.cancelled_resistance_Ohm, Vector3::Zero());
+            EXPECT_EQ(sample.tuning.K_P_V_per_rad, before.tuning.K_P_V_per_rad);
+            EXPECT_EQ(sample.scene_id, before.scene_id);
+            EXPECT_TRUE(sample.contact.touching); // on the surface of the last whole ones
+        }
+        // Whole ones alone mend nothing; a deliberate reset does, torn ones do not reset.
+        EXPECT_EQ(rig.tick().safety.state, SafetyState::tripped);
+        ++rig.inputs.reset_count;
+        EXPECT_EQ(rig.tick().safety.state, SafetyState::waiting);
+    }
+}
+
+TEST(ServoLoopChanges, TornInputsAtTheVeryFirstTickAreNotUsedEither) {
+    for (const ServoInputs &torn : torn_from({})) {
+        Rig rig(firm_contact());
+        const ServoSample sample = rig.loop.update(rig.loop.exchange(), torn);
+        EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
+        EXPECT_EQ(sample.scene_id, 0U);
+        EXPECT_EQ(sample.tuning.K_P_V_per_rad, Tuning{}.K_P_V_per_rad);
+    }
+}
+
+TEST(ServoLoopChanges, MissedDeadlinesReachSampleAndMonitor) {
+    FirmRig rig;
+    rig.run(kStartUp_s);
+    const auto tick = [&](std::uint32_t missed, std::uint32_t in_a_row) {
+        return rig.loop.update(rig.loop.exchange(), sealed(rig.inputs), {missed, in_a_row});
+    };
+    const ServoSample within = tick(2, 50);
+    EXPECT_EQ(within.missed_deadlines, 2U);
+    EXPECT_EQ(within.missed_in_a_row, 50U);
+    EXPECT_EQ(within.safety.state, SafetyState::running);
+    EXPECT_EQ(tick(1, 51).safety.cause, TripCause::missed_deadlines);
+}
+
+} // namespace
+} // namespace springdrive
