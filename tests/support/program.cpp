@@ -1,12 +1,8 @@
 #include "tests/support/program.h"
 
-#include <gtest/gtest.h>
-
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <sys/wait.h>
 #include <system_error>
 #include <thread>
@@ -43,19 +39,6 @@ constexpr std::chrono::minutes kLongest{2};
 }
 
 } // namespace
-
-std::filesystem::path fresh_folder(const std::string &name) {
-    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) /
-                                         ("springdrive_" + std::to_string(getpid()) + "_" + name);
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    return folder;
-}
-
-std::string contents_of(const std::filesystem::path &file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 Ending run_program(const std::vector<std::string> &arguments, int signal,
                    const std::filesystem::path &started) {

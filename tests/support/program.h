@@ -1,6 +1,8 @@
 // Runs the springdrive program as a user would, and keeps what it said.
 #pragma once
 
+#include "tests/support/files.h"
+
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -19,10 +21,5 @@ struct Ending {
 /// The program is killed after two minutes, which ends as exit status −1.
 [[nodiscard]] Ending run_program(const std::vector<std::string> &arguments, int signal = 0,
                                  const std::filesystem::path &started = {});
-
-/// A folder of its own for one test, empty.
-[[nodiscard]] std::filesystem::path fresh_folder(const std::string &name);
-
-[[nodiscard]] std::string contents_of(const std::filesystem::path &file);
 
 } // namespace springdrive::testing
