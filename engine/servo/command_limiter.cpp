@@ -80,6 +80,7 @@ LimitedCommand limited(const DeviceDescription &device, const DeviceCommand &wan
         e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A);
     }
     result.force_share = draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
+    result.bearable_e_W_V = e_W_V;
     result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
     if (result.held_back.voltage) { // what it cut off may have held against the rest: look again
         result.force_share *= draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);

@@ -31,7 +31,8 @@ struct LimiterInputs {
 struct LimitedCommand {
     DeviceCommand command;
     HeldBack held_back;
-    double force_share = 1.0; ///< of the force that was wanted, let through
+    Vector3 bearable_e_W_V{Vector3::Zero()}; ///< after force and current, before the supply
+    double force_share = 1.0;                ///< of the force that was wanted, let through
 };
 
 /// `wanted` must be finite. RT-safe.

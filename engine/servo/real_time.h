@@ -10,10 +10,10 @@ namespace springdrive {
 /// Below the kernel's own threads (99), above everything that a desktop runs.
 inline constexpr int kServoPriority = 80;
 
-/// Asks for the calling thread: SCHED_FIFO at kServoPriority, memory that is never paged out, the
-/// processor `cpu` for itself if one is named; and touches its stack beforehand. Returns a remark
-/// for each thing refused, with its remedy behind a semicolon; empty when all was granted. Call
-/// once at a thread's start: allocates.
+/// Asks for the calling thread: SCHED_FIFO at kServoPriority, memory that is never paged out, and
+/// to stay on the processor `cpu` if one is named; and touches its stack beforehand. Returns a
+/// remark for each thing refused, with its remedy behind a semicolon; empty when all was granted.
+/// Call once at a thread's start: allocates.
 [[nodiscard]] std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu);
 
 /// Keeps the processors from idling so deeply that waking up takes long, as long as it lives.

@@ -1,7 +1,6 @@
 #include "engine/servo/safety_monitor.h"
 
 #include "device/phantom/kinematics.h"
-#include "engine/servo/command_limiter.h"
 #include "engine/servo/workspace_edge.h"
 
 #include <algorithm>
@@ -40,7 +39,7 @@ SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
 void SafetyMonitor::reset() noexcept {
     if (status_.state == SafetyState::tripped) {
         status_ = {};
-        above_voltage_s_ = 0.0;
+        cut_off_s_ = 0.0;
         rest_.reset();
         energy_.reset();
     }
@@ -59,9 +58,23 @@ void SafetyMonitor::trip_above(TripCause cause, double measured, double limit) n
     }
 }
 
-void SafetyMonitor::watch_windings(const Vector3 &current_A) noexcept {
+void SafetyMonitor::approach_limits(const SafetyLimits &wishes) noexcept {
+    const SafetyLimits before = limits_;
+    limits_ = lowered(device_limits_, wishes);
+    if (!lets_pass()) {
+        return; // nobody feels it
+    }
+    for (double SafetyLimits::*const limit :
+         {&SafetyLimits::voltage_V, &SafetyLimits::current_A, &SafetyLimits::tip_force_N}) {
+        const double step = device_limits_.*limit * period_s_ / kLimitGlide_s;
+        limits_.*limit = std::clamp(limits_.*limit, before.*limit - step, before.*limit + step);
+    }
+}
+
+void SafetyMonitor::watch_windings(const Vector3 &current_A,
+                                   std::uint32_t missed_deadlines) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
-        guard_[j].update(current_A[static_cast<Eigen::Index>(j)]);
+        guard_[j].update(current_A[static_cast<Eigen::Index>(j)], missed_deadlines);
         winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
                        guard_[j].greatest_cancelled_Ohm(), false};
     }
@@ -80,11 +93,13 @@ void SafetyMonitor::watch_energy(const Observation &seen) noexcept {
         energy_.reset();
         return;
     }
-    if (seen.spring_changed) {
-        energy_.spring_changed();
-    }
-    energy_.update(seen.now.tip_m, seen.tip_force_N,
-                   spring_energy_J(seen.spring_force_N, seen.spring_stretch_m, force_share_),
+    const auto stored_J = [&](const Vector3 &force_N) {
+        return spring_energy_J(force_N, seen.spring_stretch_m, force_share_);
+    };
+    const double now_J = stored_J(seen.spring_force_N);
+    const double before_J =
+        seen.scene_is_new ? energy_.stored_J() : stored_J(seen.spring_force_before_N);
+    energy_.update(seen.now.tip_m, seen.tip_force_N, now_J, now_J - before_J,
                    limits_.generated_energy_J);
 }
 
@@ -127,22 +142,16 @@ void SafetyMonitor::check_windings(const Vector3 &current_A) noexcept {
     trip_above(TripCause::current, measured_A, limit_A);
 }
 
-void SafetyMonitor::check_voltage(const Vector3 &e_W_V) noexcept {
-    double worst = 0.0; // the largest e_W as a share of its limit
-    std::size_t motor = 0;
-    for (std::size_t j = 0; j < device_.motor.size(); ++j) {
-        const double limit_V = std::min(device_.motor[j].supply_V, limits_.voltage_V);
-        const double share = std::abs(e_W_V[static_cast<Eigen::Index>(j)]) / limit_V;
-        if (share > worst) {
-            worst = share;
-            motor = j;
-        }
-    }
-    // Who waits may stand deep in a surface that does not push back.
-    above_voltage_s_ = worst > 1.0 && lets_pass() ? above_voltage_s_ + period_s_ : 0.0;
-    if (above_voltage_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
-        trip(TripCause::voltage, std::abs(e_W_V[static_cast<Eigen::Index>(motor)]),
-             std::min(device_.motor[motor].supply_V, limits_.voltage_V));
+/// A cut that lasts means that the amplifier cannot give what the hand may well bear.
+void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
+    cut_off_s_ = passed.held_back.voltage ? cut_off_s_ + period_s_ : 0.0;
+    if (cut_off_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
+        Eigen::Index motor = 0;
+        static_cast<void>((passed.bearable_e_W_V - passed.command.e_W_V)
+                              .cwiseAbs()
+                              .maxCoeff(&motor)); // whose cut is the deepest
+        trip(TripCause::voltage, std::abs(passed.bearable_e_W_V[motor]),
+             std::min(device_.motor[static_cast<std::size_t>(motor)].supply_V, limits_.voltage_V));
     }
 }
 
@@ -167,7 +176,6 @@ void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
     trip_above(TripCause::missed_deadlines, seen.missed_in_a_row, limits_.missed_deadlines);
     trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
     check_motion(seen);
-    check_voltage(wanted.e_W_V);
 }
 
 /// From waiting over starting to running.
@@ -186,11 +194,24 @@ void SafetyMonitor::proceed() noexcept {
     }
 }
 
+LimitedCommand SafetyMonitor::limited_by_what_stands(const DeviceCommand &wanted,
+                                                     const Configuration &now) noexcept {
+    LimiterInputs inputs{now, limits_, status_.ramp, Vector3::Zero()};
+    for (std::size_t j = 0; j < winding_.size(); ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
+        // Whoever asks for less residual resistance than it can bear does not get it (7).
+        winding_[j].is_limited =
+            status_.ramp * wanted.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
+    }
+    return limited(device_, wanted, inputs);
+}
+
 DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation &seen,
                                   const SafetyOrders &orders) noexcept {
-    limits_ = lowered(device_limits_, orders.limits);
+    approach_limits(orders.limits);
     held_back_ = {};
-    watch_windings(seen.current_A); // tripped or not, they warm and cool
+    watch_windings(seen.current_A, seen.missed_deadlines); // tripped or not, they warm and cool
     watch_window(orders, seen.missed_deadlines);
     watch_energy(seen);
     rest_.update(seen.now.tip_m, seen.touching);
@@ -201,18 +222,14 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation
     if (!lets_pass()) {
         return DeviceCommand::braking();
     }
-    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero()};
-    for (std::size_t j = 0; j < winding_.size(); ++j) {
-        const auto index = static_cast<Eigen::Index>(j);
-        inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
-        // Whoever asks for less residual resistance than it can bear does not get it (7).
-        winding_[j].is_limited =
-            status_.ramp * wanted.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
+    const LimitedCommand passed = limited_by_what_stands(wanted, seen.now);
+    check_voltage(passed);
+    if (!lets_pass()) {
+        return DeviceCommand::braking();
     }
-    const LimitedCommand result = limited(device_, wanted, inputs);
-    held_back_ = result.held_back;
-    force_share_ = result.force_share;
-    return result.command;
+    held_back_ = passed.held_back;
+    force_share_ = passed.force_share;
+    return passed.command;
 }
 
 } // namespace springdrive

@@ -13,6 +13,7 @@
 
 #include "device/haptic_device.h"
 #include "engine/control/motion_control.h"
+#include "engine/servo/command_limiter.h"
 #include "engine/servo/energy_observer.h"
 #include "engine/servo/rest_watch.h"
 #include "engine/servo/safety_limits.h"
@@ -27,8 +28,12 @@ namespace springdrive {
 /// From nothing to the full command.
 inline constexpr double kRampTime_s = 1.0;
 
-/// How long e_W may ask for more than its limit: a shock may, a law that is lost goes on.
+/// How long e_W may be cut off at its limit, for what force and current would still bear.
 inline constexpr double kVoltageTolerated_s = 0.02;
+
+/// Limits of voltage, current and force hold e_W back: lowered or raised again, they move from the
+/// device's own to nothing in this time, so that the hand feels no blow.
+inline constexpr double kLimitGlide_s = 1.0;
 
 /// What one tick shows of the machine and of those who use it.
 struct Observation {
@@ -39,7 +44,9 @@ struct Observation {
     bool touching = false;
     Vector3 spring_force_N{Vector3::Zero()};   ///< static force (19) of the coupling, as wanted
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
-    bool spring_changed = false;        ///< since the last tick, by a change of tuning or scene
+    /// The same under the tuning of the last tick: another one only while a tuning changes.
+    Vector3 spring_force_before_N{Vector3::Zero()};
+    bool scene_is_new = false;          ///< what the spring holds is none of the last tick's
     bool all_finite = true;             ///< of everything else on the signal path
     std::uint32_t missed_deadlines = 0; ///< before this tick
     std::uint32_t missed_in_a_row = 0;
@@ -77,7 +84,8 @@ public:
     [[nodiscard]] double generated_energy_J() const { return energy_.generated_J(); }
 
 private:
-    void watch_windings(const Vector3 &current_A) noexcept;
+    void approach_limits(const SafetyLimits &wishes) noexcept;
+    void watch_windings(const Vector3 &current_A, std::uint32_t missed_deadlines) noexcept;
     void watch_window(const SafetyOrders &orders, std::uint32_t missed_deadlines) noexcept;
     void watch_energy(const Observation &seen) noexcept;
     void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
@@ -86,7 +94,9 @@ private:
                const SafetyOrders &orders) noexcept;
     void check_motion(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
-    void check_voltage(const Vector3 &e_W_V) noexcept;
+    void check_voltage(const LimitedCommand &passed) noexcept;
+    [[nodiscard]] LimitedCommand limited_by_what_stands(const DeviceCommand &wanted,
+                                                        const Configuration &now) noexcept;
     void proceed() noexcept;
 
     DeviceDescription device_;
@@ -99,7 +109,7 @@ private:
     RestWatch rest_;
     bool knows_tip_ = false;
     Vector3 tip_m_{Vector3::Zero()}; ///< of the last tick
-    double above_voltage_s_ = 0.0;
+    double cut_off_s_ = 0.0;         ///< how long e_W has been cut off at the supply
     std::uint32_t heartbeat_ = 0;
     double window_silent_s_ = 0.0;
     HeldBack held_back_;

@@ -60,6 +60,7 @@ Servo::Servo(HapticDevice &device, double servo_hz)
 std::vector<std::string> Servo::start(const ServoThread &how) {
     std::promise<std::vector<std::string>> promise;
     std::future<std::vector<std::string>> answer = promise.get_future();
+    short_idle_.emplace(); // before the first deadline
     thread_ = std::thread([this, how, promise = std::move(promise)]() mutable {
         promise.set_value(make_this_thread_real_time(how.cpu));
         if (how.on_start) {
@@ -68,7 +69,6 @@ std::vector<std::string> Servo::start(const ServoThread &how) {
         run();
     });
     std::vector<std::string> remarks = answer.get();
-    short_idle_.emplace();
     if (!short_idle_->remark().empty()) {
         remarks.push_back(short_idle_->remark());
     }

@@ -40,6 +40,7 @@ std::uint32_t checksum(const ServoInputs &inputs) noexcept {
     mix.add(std::uint64_t{inputs.scene_id});
     mix.add(inputs.global_alpha_rad2_per_m2);
     mix.add(std::uint64_t{inputs.emergency_stop});
+    mix.add(std::uint64_t{inputs.stop_count});
     mix.add(std::uint64_t{inputs.reset_count});
     mix.add(std::uint64_t{inputs.heartbeat});
     return mix.sum();

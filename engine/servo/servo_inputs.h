@@ -16,6 +16,7 @@ struct ServoInputs {
     std::uint32_t scene_id = 0;             ///< a change puts the proxy at the tip
     double global_alpha_rad2_per_m2 = 0.0;  ///< for AlphaMode::global
     bool emergency_stop = false;            ///< trips the safety monitor while it is set
+    std::uint32_t stop_count = 0;  ///< a change trips it too, even if a reset comes with it
     std::uint32_t reset_count = 0; ///< a change resets a tripped monitor, if its cause is gone
     /// A window that lives changes it again and again; zero for whoever runs without one.
     std::uint32_t heartbeat = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace springdrive {
 
@@ -60,10 +61,16 @@ void ServoLoop::take(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count) {
         safety_.reset();
     }
-    const Tuning last_valid = inputs_.tuning;
+    stops_now_ = inputs.stop_count != inputs_.stop_count;
+    const ServoInputs last = inputs_;
     inputs_ = inputs;
     if (!is_valid(inputs.tuning)) {
-        inputs_.tuning = last_valid;
+        inputs_.tuning = last.tuning;
+    }
+    Tuning with_global_alpha;
+    with_global_alpha.alpha_rad2_per_m2 = inputs.global_alpha_rad2_per_m2;
+    if (!is_valid(with_global_alpha)) {
+        inputs_.global_alpha_rad2_per_m2 = last.global_alpha_rad2_per_m2;
     }
 }
 
@@ -101,9 +108,10 @@ Configuration ServoLoop::configuration(const Vector3 &theta_rad,
 }
 
 Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
-    scene_is_new_ = inputs_.scene_id != scene_id_;
+    scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_;
     if (tick_ == 0 || scene_is_new_) {
         scene_id_ = inputs_.scene_id;
+        surface_ = inputs_.surface;
         proxy_.reset(tip_m);
     }
     if (inputs_.surface == nullptr) {
@@ -118,8 +126,18 @@ Vector3 ServoLoop::within_supply(const Vector3 &e_W_V) const noexcept {
     return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
 }
 
+/// What the law would say if nothing had changed; nothing where nothing has, or nobody feels it.
+std::optional<LawOutcome> ServoLoop::unchanged_law(const Before &before, const Vector3 &theta_rad,
+                                                   const Contact &contact) const noexcept {
+    if (in_force(before) || scene_is_new_ || !safety_.lets_pass()) {
+        return std::nullopt;
+    }
+    return law_(configuration(theta_rad, before.tuning.lambda_rad_per_s), contact, before.tuning,
+                before.global_alpha_rad2_per_m2);
+}
+
 /// Lets no change of this tick move e_W at once, as long as anybody feels it.
-void ServoLoop::carry_over(const Before &before, const Vector3 &theta_rad, const Contact &contact,
+void ServoLoop::carry_over(const std::optional<LawOutcome> &unchanged,
                            const Vector3 &e_W_V) noexcept {
     if (!safety_.lets_pass()) {
         change_over_.reset();
@@ -128,11 +146,10 @@ void ServoLoop::carry_over(const Before &before, const Vector3 &theta_rad, const
     if (scene_is_new_) { // the old one's contact is not known any more: what it last asked for is
         change_over_.reset();
         change_over_.change(last_e_W_V_, e_W_V);
-    } else if (!in_force(before)) {
-        const LawOutcome unchanged = law_(configuration(theta_rad, before.tuning.lambda_rad_per_s),
-                                          contact, before.tuning, before.global_alpha_rad2_per_m2);
+    } else if (unchanged) {
         // No more than the supply would have given; of what is wanted now, all there is to let in.
-        const Vector3 without_V = within_supply(unchanged.command.e_W_V + change_over_.carried_V());
+        const Vector3 without_V =
+            within_supply(unchanged->command.e_W_V + change_over_.carried_V());
         change_over_.reset();
         change_over_.change(without_V, e_W_V);
     }
@@ -162,15 +179,11 @@ LawOutcome ServoLoop::law(const Configuration &now, ServoSample &sample) const n
     return found;
 }
 
-/// The coupling K_DC (13) between tip and proxy.
-void ServoLoop::look_at_spring(const LawOutcome &found, const Contact &contact,
-                               Observation &seen) const noexcept {
-    if (contact.touching) {
-        const Vector3 stiffness_Nm_per_rad = law_.k_T() * (tuning_.K_P_V_per_rad / tuning_.dR_Ohm);
-        seen.spring_force_N = static_tip_force(seen.now.J, stiffness_Nm_per_rad,
-                                               found.used.theta_Sd_rad - seen.now.theta_rad);
-        seen.spring_stretch_m = contact.x0_m - seen.now.tip_m;
-    }
+/// Static force of the coupling K_DC (13) between tip and proxy.
+Vector3 ServoLoop::spring_force_N(const Configuration &now, const Tuning &tuning,
+                                  const MotorSetPoint &set_point) const noexcept {
+    const Vector3 stiffness_Nm_per_rad = law_.k_T() * (tuning.K_P_V_per_rad / tuning.dR_Ohm);
+    return static_tip_force(now.J, stiffness_Nm_per_rad, set_point.theta_Sd_rad - now.theta_rad);
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
@@ -196,9 +209,9 @@ void ServoLoop::guard(DeviceCommand wanted, const Observation &seen, bool inputs
                       ServoSample &sample) noexcept {
     wanted.e_W_V += sample.carried_V;
     last_e_W_V_ = within_supply(wanted.e_W_V);
-    command_ =
-        safety_.pass(wanted, seen,
-                     {inputs_.limits, inputs_.emergency_stop, inputs_.heartbeat, inputs_are_whole});
+    command_ = safety_.pass(wanted, seen,
+                            {inputs_.limits, inputs_.emergency_stop || stops_now_,
+                             inputs_.heartbeat, inputs_are_whole});
     sample.command = command_;
     sample.safety = safety_.status();
     sample.held_back = safety_.held_back();
@@ -211,6 +224,7 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
                               const TickTiming &timing) noexcept {
     const Before before{tuning_, inputs_.global_alpha_rad2_per_m2};
     const bool whole = is_whole(inputs);
+    stops_now_ = false;
     if (whole) {
         take(inputs);
     }
@@ -229,7 +243,9 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
     sample.contact = touch(seen.now.tip_m);
     sample.scene_id = scene_id_;
     const LawOutcome found = law(seen.now, sample);
-    carry_over(before, seen.now.theta_rad, sample.contact, found.command.e_W_V);
+    const std::optional<LawOutcome> unchanged =
+        unchanged_law(before, seen.now.theta_rad, sample.contact);
+    carry_over(unchanged, found.command.e_W_V);
     velocity_filter_ = VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
     sample.carried_V = change_over_.carried_V();
 
@@ -237,8 +253,14 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
     seen.tip_force_N = sample.tip_force_N;
     seen.current_A = state.current_A;
     seen.touching = sample.contact.touching;
-    look_at_spring(found, sample.contact, seen);
-    seen.spring_changed = scene_is_new_ || !in_force(before);
+    if (sample.contact.touching) {
+        seen.spring_stretch_m = sample.contact.x0_m - seen.now.tip_m;
+        seen.spring_force_N = spring_force_N(seen.now, tuning_, found.used);
+        seen.spring_force_before_N = unchanged
+                                         ? spring_force_N(seen.now, before.tuning, unchanged->used)
+                                         : seen.spring_force_N;
+    }
+    seen.scene_is_new = scene_is_new_;
     seen.all_finite = sample.contact.x0_m.allFinite();
     seen.missed_deadlines = timing.missed_deadlines;
     seen.missed_in_a_row = timing.missed_in_a_row;

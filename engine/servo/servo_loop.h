@@ -11,6 +11,8 @@
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"
 
+#include <optional>
+
 namespace springdrive {
 
 /// What the clock has to say of a tick; nothing in lockstep, where there is none.
@@ -55,11 +57,13 @@ private:
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               double lambda_rad_per_s) const noexcept;
     [[nodiscard]] Contact touch(const Vector3 &tip_m) noexcept;
-    void carry_over(const Before &before, const Vector3 &theta_rad, const Contact &contact,
-                    const Vector3 &e_W_V) noexcept;
+    [[nodiscard]] std::optional<LawOutcome> unchanged_law(const Before &before,
+                                                          const Vector3 &theta_rad,
+                                                          const Contact &contact) const noexcept;
+    void carry_over(const std::optional<LawOutcome> &unchanged, const Vector3 &e_W_V) noexcept;
     [[nodiscard]] LawOutcome law(const Configuration &now, ServoSample &sample) const noexcept;
-    void look_at_spring(const LawOutcome &found, const Contact &contact,
-                        Observation &seen) const noexcept;
+    [[nodiscard]] Vector3 spring_force_N(const Configuration &now, const Tuning &tuning,
+                                         const MotorSetPoint &set_point) const noexcept;
     void guard(DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
                ServoSample &sample) noexcept;
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
@@ -76,6 +80,8 @@ private:
     VelocityFilter velocity_filter_;
     Proxy proxy_;
     std::uint32_t scene_id_ = 0;
+    const HapticSurface *surface_ = nullptr;
+    bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
     ChangeOver change_over_;
     Vector3 last_e_W_V_{Vector3::Zero()}; ///< as wanted in the last tick

@@ -20,6 +20,8 @@
 #include "device/motor/motor.h"
 #include "device/motor/winding_temperature.h"
 
+#include <cstdint>
+
 namespace springdrive {
 
 /// Air in which the device is meant to work: from a laboratory after a weekend without heating to
@@ -42,7 +44,10 @@ public:
 
     /// One period later, with the current measured now. One that is not finite is unknown: it
     /// heats nothing at the least, and at the most as the amplifier's peak current would.
-    void update(double current_A) noexcept;
+    ///
+    /// Periods that were missed before count as well, each with what the current was at most; a
+    /// winding may have cooled meanwhile to what the coldest air makes of it.
+    void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
 
     /// The largest R̂ that leaves a net resistance at every commutator angle, a share of
     /// kLeastResidualShare of R. That share also covers what a winding cools by while a command is
@@ -53,11 +58,21 @@ public:
     [[nodiscard]] double greatest_C() const { return greatest_.winding_C(); }
 
 private:
+    /// So many periods take some microseconds; and the greatest is what it is after so many.
+    static constexpr std::uint32_t kMostAtOnce = 100;
+    static constexpr std::uint32_t kMostOwed = 1'000'000;
+
+    void cool_through(std::uint32_t missed_periods) noexcept;
+    void heat_through(std::uint32_t missed_periods, double most_A) noexcept;
+
     MotorParameters motor_;
     double amplifier_limit_Ohm_;
+    WindingTemperature coldest_; ///< as the least began
     WindingTemperature least_;
     WindingTemperature greatest_;
     double current_A_ = 0.0; ///< at the last update
+    std::uint32_t owed_ = 0; ///< missed periods that the greatest has not gone through yet
+    double owed_most_A_ = 0.0;
 };
 
 } // namespace springdrive

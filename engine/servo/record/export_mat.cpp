@@ -125,19 +125,27 @@ ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
     const std::uint64_t rows = record::count_rows(record, range);
     const ExportSummary summary{rows, columns.size(), record.ending()};
     check_sizes(columns, rows);
+    if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
+        throw InputError(file.string() + ": is no file to replace; give another name");
+    }
     std::uint64_t least_bytes = 128; // of the file's own header
     for (const RecordColumn &column : columns) {
         least_bytes += bytes_in_file(column, rows);
     }
-    // The library does not tell that the disk is full: the size does.
+    // Under another name until all is there, so that a file of that name is not lost for nothing.
+    const std::filesystem::path unfinished = file.string() + ".unfinished";
     std::error_code error;
-    if (!write_variables(record, range, rows, columns, file) ||
-        std::filesystem::file_size(file, error) < least_bytes || error) {
-        std::filesystem::remove(file, error);
-        throw InputError(file.string() + ": cannot be written; check its folder, permissions and "
-                                         "the room on the disk");
+    // The library does not tell that the disk is full: the size does.
+    if (write_variables(record, range, rows, columns, unfinished) &&
+        std::filesystem::file_size(unfinished, error) >= least_bytes && !error) {
+        std::filesystem::rename(unfinished, file, error);
+        if (!error) {
+            return summary;
+        }
     }
-    return summary;
+    std::filesystem::remove(unfinished, error);
+    throw InputError(file.string() + ": cannot be written; check its folder, permissions and the "
+                                     "room on the disk");
 }
 
 } // namespace springdrive

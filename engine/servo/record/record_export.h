@@ -44,7 +44,7 @@ ExportSummary export_csv(RecordReader &record, const ExportSelection &selection,
 /// One structured array, a field a column: np.load(file)["tip_x_m"].
 ExportSummary export_npy(RecordReader &record, const ExportSelection &selection, std::ostream &out);
 
-/// One variable a column, N×1. Replaces a file of that name; leaves none where it throws.
+/// One variable a column, N×1. Replaces a file of that name once all is there.
 /// @throw InputError too for more rows than a variable can have, 2 GB.
 ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
                          const std::filesystem::path &file);

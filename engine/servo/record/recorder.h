@@ -47,7 +47,7 @@ public:
     };
 
     /// The ring must outlive the recorder, which alone drains it while it records. It has to hold
-    /// what comes while the disk stalls: 16384 samples are 1.6 s at 10 kHz.
+    /// what comes while the disk stalls: 32,768 samples are 3.2 s at 10 kHz.
     explicit Recorder(SampleRing<ServoSample> &ring) : ring_(ring) {}
     ~Recorder();
     Recorder(const Recorder &) = delete;
