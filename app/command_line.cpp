@@ -1,8 +1,11 @@
 #include "app/command_line.h"
 
 #include "app/commands/demo_command.h"
+#include "app/commands/export_command.h"
 #include "app/commands/figures_command.h"
 #include "app/commands/inspect_command.h"
+#include "app/commands/record_command.h"
+#include "app/commands/replay_command.h"
 #include "app/commands/stiffness_command.h"
 #include "app/commands/touch_command.h"
 
@@ -42,6 +45,9 @@ int run_command_line(int argc, char **argv) {
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
                "Each subcommand tells its options: springdrive stiffness --help.");
     add_demo_command(app);
+    add_record_command(app);
+    add_replay_command(app);
+    add_export_command(app);
     add_figures_command(app);
     add_stiffness_command(app);
     add_touch_command(app);

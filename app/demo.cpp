@@ -1,10 +1,13 @@
 #include "app/demo.h"
 
 #include "app/asset_folder.h"
+#include "app/ending_signal.h"
+#include "app/frame_pace.h"
 #include "app/mouse.h"
 #include "app/panels/layout.h"
 #include "app/panels/panels.h"
 #include "app/session.h"
+#include "app/session_report.h"
 #include "app/view/camera.h"
 #include "app/view/renderer.h"
 #include "app/window.h"
@@ -12,27 +15,16 @@
 #include "device/phantom/kinematics.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <csignal>
 #include <cstdlib>
-#include <iomanip>
 #include <iostream>
 #include <limits>
-#include <sstream>
 #include <system_error>
-#include <thread>
 
 namespace springdrive {
 
 namespace {
 
-constexpr double kFrame_s = 1.0 / 60.0;
 constexpr double kUploadPerFrame_s = 0.25 * kFrame_s; // a large scene takes several frames
-
-volatile std::sig_atomic_t asked_to_end = 0;
-
-extern "C" void on_signal(int /*signal*/) { asked_to_end = 1; }
 
 /// The glTF files of a folder, in order of their names.
 std::vector<std::filesystem::path> scenes_in(const std::filesystem::path &folder) {
@@ -68,7 +60,7 @@ public:
     Screen(const DemoOptions &options, Session &session)
         : window_("springdrive", {options.width, options.height}, options.scale),
           session_(session) {
-        scene_panel_.files = offered_scenes(options.scene);
+        scene_panel_.files = offered_scenes(options.session.scene);
         window_.keep_frames(!options.screenshot.empty());
         if (!window_.font_remark().empty()) {
             std::cerr << "springdrive: " << window_.font_remark() << '\n';
@@ -94,7 +86,7 @@ public:
         window_.clear();
         draw_scene(places.scene_view);
         draw_tuning_panel(session_, tuning_panel_, places.tuning);
-        draw_servo_panel(session_, places.servo);
+        draw_servo_panel(session_, servo_panel_, places.servo);
         draw_scene_panel(session_, scene_panel_, places.scene);
         draw_force_direction_panel(session_, places.force_direction);
         draw_scene_overlay(session_, places.scene_view, window_.scale());
@@ -167,88 +159,31 @@ private:
     Camera camera_;
     MouseInView mouse_;
     TuningPanelState tuning_panel_;
+    ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
     std::uint32_t shown_scene_ = 0;
 };
 
-std::string microseconds(double duration_s) {
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(1) << 1e6 * duration_s << " µs";
-    return text.str();
-}
-
-/// What an unattended run has to tell.
-void report(const DemoOptions &options, Session &session) {
-    const ServoStatistics &s = session.statistics();
-    std::cout << "servo: " << s.ticks() << " ticks at " << options.servo_hz << " Hz"
-              << (options.lockstep ? " in lockstep" : "") << '\n';
-    if (!options.lockstep) {
-        std::cout << "servo: compute median " << microseconds(s.compute().quantile_s(0.5))
-                  << ", 99 % " << microseconds(s.compute().quantile_s(0.99)) << ", longest "
-                  << microseconds(s.compute().longest_s()) << '\n';
-        std::cout << "servo: jitter median " << microseconds(s.lateness().quantile_s(0.5))
-                  << ", 99 % " << microseconds(s.lateness().quantile_s(0.99)) << ", longest "
-                  << microseconds(s.lateness().longest_s()) << ", " << s.missed_deadlines()
-                  << " deadlines missed\n";
-    }
-    const SafetyStatus &safety = session.latest().safety;
-    if (safety.state == SafetyState::tripped) {
-        std::cout << "safety: stopped, " << description(safety) << '\n';
-    }
-    if (!options.screenshot.empty()) {
-        std::cout << "screenshot: " << options.screenshot.string() << '\n';
-    }
-    if (!options.telemetry.empty()) {
-        std::cout << "telemetry: " << options.telemetry.string() << ", " << session.telemetry_rows()
-                  << " ticks";
-        if (session.lost_samples() > 0) {
-            std::cout << ", " << session.lost_samples() << " lost";
-        }
-        std::cout << '\n';
-    }
-}
-
-/// One frame a sixtieth of a second by the clock, for displays that do not wait for their beam.
-class FramePace {
-    using Clock = std::chrono::steady_clock;
-
-public:
-    void wait() {
-        next_ +=
-            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kFrame_s));
-        next_ = std::max(next_, Clock::now() - std::chrono::milliseconds(50));
-        std::this_thread::sleep_until(next_);
-    }
-
-    [[nodiscard]] double elapsed_s() const {
-        return std::chrono::duration<double>(Clock::now() - start_).count();
-    }
-
-private:
-    Clock::time_point start_ = Clock::now();
-    Clock::time_point next_ = start_;
-};
-
 } // namespace
 
-void run_demo(const DemoOptions &options) {
-    Session session(options);
+bool run_demo(const DemoOptions &options) {
+    Session session(options.session);
     Screen screen(options, session);
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
+    note_ending_signals();
     for (const std::string &remark : session.start()) {
         std::cerr << "springdrive: " << remark << '\n';
     }
     FramePace pace;
-    for (int frame = 0; asked_to_end == 0 && !screen.window().is_closing(); ++frame) {
-        const double elapsed_s = options.lockstep ? frame * kFrame_s : pace.elapsed_s();
+    const bool lockstep = options.session.lockstep;
+    for (int frame = 0; !asked_to_end() && !screen.window().is_closing(); ++frame) {
+        const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
         if ((options.frames > 0 && frame >= options.frames) ||
             (options.seconds > 0.0 && elapsed_s >= options.seconds - 1e-9)) {
             break;
         }
         session.advance(kFrame_s);
         screen.draw_frame();
-        if (!options.lockstep) {
+        if (!lockstep) {
             pace.wait();
         }
     }
@@ -257,14 +192,21 @@ void run_demo(const DemoOptions &options) {
         screen.window().write_screenshot(options.screenshot);
     }
     if (options.unattended()) {
-        report(options, session);
+        write_session_report(std::cout, options.session, session);
+        if (!options.screenshot.empty()) {
+            std::cout << "screenshot: " << options.screenshot.string() << '\n';
+        }
     }
+    // Who sits before the window sees it stop.
+    const bool stopped = options.unattended() && was_stopped(session);
+    const bool well = record_is_whole(session) && !stopped;
     if (session.is_loading()) {
         // A scene is still being read, and nobody waits for it any more. The device has its safe
         // state and the files are written; the rest the system takes back.
         std::cout.flush();
-        std::quick_exit(0);
+        std::quick_exit(well ? 0 : 1);
     }
+    return well;
 }
 
 } // namespace springdrive

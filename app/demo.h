@@ -5,9 +5,10 @@
 
 namespace springdrive {
 
-/// Runs until the window is closed, its frames are over, or SIGINT or SIGTERM arrives.
+/// Runs until the window is closed, its frames are over, or SIGINT or SIGTERM arrives. False where
+/// its record is not whole, or an unattended run was stopped by the safety monitor.
 /// @throw InputError for what cannot be used, before the servo starts or, for files that cannot be
 ///        written, after it was stopped.
-void run_demo(const DemoOptions &options);
+[[nodiscard]] bool run_demo(const DemoOptions &options);
 
 } // namespace springdrive

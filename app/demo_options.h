@@ -1,27 +1,18 @@
 // What the demo was asked to do, as plain values.
 #pragma once
 
-#include "device/simulated/simulation_options.h"
-#include "engine/control/tuning.h"
+#include "app/session_options.h"
 
 #include <filesystem>
 
 namespace springdrive {
 
 struct DemoOptions {
-    std::filesystem::path scene;
-    std::filesystem::path device_file;
-    Tuning tuning;
-    double servo_hz = 1000.0;
-    int delay_samples = 0;
-    PlantEffects effects; ///< of the simulated device
-    int frames = 0;       ///< end after so many; 0: no end by frames
+    SessionOptions session;
+    int frames = 0; ///< end after so many; 0: no end by frames
     double seconds =
         0.0; ///< end after so long, by frame time in lockstep, else by the clock; 0: no
-    bool lockstep = false;
     std::filesystem::path screenshot; ///< empty: none
-    std::filesystem::path telemetry;  ///< empty: none
-    std::filesystem::path path;       ///< empty: the mouse, or the scripted touch
     int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale
     int height = 0;
     double scale = 0.0; ///< of text and panels; 0: the display's own

@@ -7,7 +7,12 @@
 int main(int argc, char **argv) {
     using namespace springdrive;
     try {
-        return run_command_line(argc, argv);
+        const int status = run_command_line(argc, argv);
+        if (std::cout.flush()) {
+            return status;
+        }
+        std::cerr << "springdrive: standard output: cannot be written; is its disk full or its "
+                     "reader gone?\n";
     } catch (const InputError &error) {
         std::cerr << "springdrive: " << error.what() << '\n';
     } catch (const std::exception &error) {

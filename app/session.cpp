@@ -3,14 +3,15 @@
 #include "app/load_lines.h"
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
-#include "engine/contact/preparation/mesh_remarks.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
 #include "engine/scenario/scripted_touch.h"
-#include "engine/scene/gltf.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <numbers>
@@ -45,33 +46,57 @@ Vector3 nearest_in_reach(const DeviceDescription &device, const Vector3 &wanted_
     return device.workspace.centre_m + in_reach * way_m;
 }
 
+/// Of a device file, so that a record holds what the session ran on, whatever becomes of the file.
+std::string text_of(const std::filesystem::path &file) {
+    static_cast<void>(read_device_file(file)); // refuses, with the reason, what is none
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void check_missed_limit(const DeviceDescription &device, int limit) {
+    if (limit < 1 || limit > device.limits.missed_deadlines) {
+        throw InputError("--missed-limit " + std::to_string(limit) + ": must be from 1 to " +
+                         std::to_string(device.limits.missed_deadlines) +
+                         ", what the device file allows");
+    }
+}
+
+/// Between rows of a record: which scene it is from here on.
+std::string note_on_scene(std::uint32_t scene_id, const LoadedScene &scene) {
+    return nlohmann::json{{"scene_id", scene_id},
+                          {"scene",
+                           {{"file", scene.scene.file.string()},
+                            {"sha256", scene.sha256},
+                            {"triangles", scene.scene.surface.triangles.size()}}}}
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 std::uint64_t plot_stride(double servo_hz) {
     return static_cast<std::uint64_t>(std::max(1.0, std::ceil(servo_hz / kGreatestPlotRate_hz)));
 }
 
 } // namespace
 
-std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
-                                        const Workspace &workspace, LoadProgress &progress) {
-    Scene scene = load_gltf(file, workspace, &progress);
-    progress.begin(LoadProgress::Stage::preparing, false);
-    HapticSurface surface(scene.surface, scene.shapes);
-    std::ranges::move(remarks_on(surface.report(), scene.surface.materials),
-                      std::back_inserter(scene.remarks));
-    return std::make_unique<LoadedScene>(LoadedScene{std::move(scene), std::move(surface)});
-}
-
-Session::Session(const DemoOptions &options)
-    : options_(options),
+Session::Session(const SessionOptions &options)
+    : options_(options), device_text_(text_of(options.device_file)),
+      loader_(read_device_text(device_text_, options.device_file).workspace),
       history_(static_cast<std::size_t>(kPlotted_s * options.servo_hz /
                                         static_cast<double>(plot_stride(options.servo_hz)))),
       plot_stride_(plot_stride(options.servo_hz)) {
-    const DeviceDescription description = read_device_file(options.device_file);
+    const DeviceDescription description = read_device_text(device_text_, options.device_file);
+    if (options.cpu) {
+        check_cpu(*options.cpu);
+    }
     inputs_.tuning = options.tuning;
     inputs_.global_alpha_rad2_per_m2 = global_alpha_bound(description);
+    if (options.missed_limit) {
+        check_missed_limit(description, *options.missed_limit);
+        inputs_.limits.missed_deadlines = *options.missed_limit;
+    }
     {
-        const LoadLines lines(options.scene.filename().string(), *load_progress_, std::cerr);
-        scene_ = load_scene(options.scene, description.workspace, *load_progress_);
+        LoadProgress progress;
+        const LoadLines lines(options.scene.filename().string(), progress, std::cerr);
+        scene_ = load_scene(options.scene, description.workspace, progress);
     }
 
     const Vector3 &lower_m = scene_->scene.lower_m;
@@ -84,25 +109,26 @@ Session::Session(const DemoOptions &options)
     if (!options.path.empty()) {
         simulation.path = HandPath::read_csv(options.path);
         hand_target_m_ = simulation.path->points().front().position_m;
-    } else if (options.unattended()) {
+    } else if (options.plays_script) {
         simulation.path =
             scripted_touch(description, scene_->surface, lower_m, upper_m, hand_target_m_);
     }
     hand_path_ = simulation.path;
     device_ = std::make_unique<SimulatedPhantom>(description, simulation, hand_target_m_);
     servo_ = std::make_unique<Servo>(*device_, options.servo_hz);
+    recorder_ = std::make_unique<Recorder>(servo_->record_ring());
 
     inputs_.surface = &scene_->surface;
     inputs_.scene_id = 1;
     publish();
-    if (!options.telemetry.empty()) {
-        telemetry_.emplace(options.telemetry);
-    }
 }
 
-std::vector<std::string> Session::start() {
+std::vector<std::string> Session::start(std::function<void()> on_servo_start) {
+    if (!options_.record.empty()) {
+        start_recording(options_.record);
+    }
     if (!options_.lockstep) {
-        remarks_ = servo_->start();
+        remarks_ = servo_->start({options_.cpu, std::move(on_servo_start)});
     }
     return remarks_;
 }
@@ -115,17 +141,45 @@ void Session::advance(double frame_s) {
         const int due = static_cast<int>(std::floor(lockstep_debt_ticks_ + 1e-9));
         lockstep_debt_ticks_ -= due;
         servo_->advance(due);
+        recorder_->pump();
     }
     take_in_samples();
-    take_in_loaded_scene();
+    if (std::unique_ptr<LoadedScene> scene = loader_.take()) {
+        show(std::move(scene));
+    }
 }
 
 void Session::stop() {
     servo_->stop();
     take_in_samples();
-    if (telemetry_) {
-        telemetry_->close();
-    }
+    stop_recording();
+}
+
+RecordHeader Session::header_of_record() const {
+    RecordHeader header = record_header(options_.servo_hz);
+    header.software = SPRINGDRIVE_VERSION;
+    header.delay_samples = device_->delay_samples();
+    header.device_name = device_->description().name;
+    header.device_file = options_.device_file.string();
+    header.device_toml = device_text_;
+    header.tuning = inputs_.tuning;
+    header.scene_file = scene_->scene.file.string();
+    header.scene_sha256 = scene_->sha256;
+    header.scene_triangles = scene_->scene.surface.triangles.size();
+    header.global_alpha_rad2_per_m2 = inputs_.global_alpha_rad2_per_m2;
+    return header;
+}
+
+void Session::start_recording(const std::filesystem::path &file) {
+    recorder_->start(file, header_of_record(),
+                     options_.lockstep ? Recorder::Mode::pumped : Recorder::Mode::own_thread);
+    servo_->feed_recorder(true);
+    record_file_ = file;
+}
+
+void Session::stop_recording() {
+    servo_->feed_recorder(false);
+    recorder_->stop();
 }
 
 PlotSample Session::plot_sample(const ServoSample &sample) {
@@ -152,9 +206,6 @@ void Session::take_in_samples() {
         if (sample.tick % plot_stride_ == 0) {
             history_.add(plotted);
         }
-        if (telemetry_) {
-            telemetry_->write(sample);
-        }
     });
     if (hand_path_) {
         hand_target_m_ = hand_path_->at(latest_.time_s).position_m;
@@ -177,8 +228,14 @@ void Session::tune(const Tuning &tuning) {
     publish();
 }
 
+void Session::lower_limits(const SafetyLimits &limits) {
+    inputs_.limits = limits;
+    publish();
+}
+
 void Session::emergency_stop() {
     inputs_.emergency_stop = true;
+    ++inputs_.stop_count;
     publish();
 }
 
@@ -196,42 +253,12 @@ void Session::move_hand_to(const Vector3 &target_m) {
     device_->set_hand_target(hand_target_m_);
 }
 
-void Session::request_scene(const std::filesystem::path &file) {
-    if (is_loading()) {
-        next_file_ = file; // the last one asked for wins
-        return;
-    }
-    scene_error_.clear();
-    load_progress_ = std::make_shared<LoadProgress>();
-    std::packaged_task<std::unique_ptr<LoadedScene>()> load(
-        [file, workspace = device().workspace, progress = load_progress_] {
-            return load_scene(file, workspace, *progress);
-        });
-    loading_ = load.get_future();
-    // Detached, so that whoever closes the window need not wait for a large file.
-    std::thread(std::move(load)).detach();
-}
-
-void Session::take_in_loaded_scene() {
-    if (!loading_.valid() ||
-        loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-        return;
-    }
-    try {
-        show(loading_.get());
-    } catch (const std::exception &error) {
-        scene_error_ = error.what();
-    }
-    if (next_file_) {
-        request_scene(*std::exchange(next_file_, std::nullopt));
-    }
-}
-
 void Session::show(std::unique_ptr<LoadedScene> scene) {
     retired_.push_back(std::exchange(scene_, std::move(scene)));
     inputs_.surface = &scene_->surface;
     ++inputs_.scene_id;
     publish();
+    recorder_->note(note_on_scene(inputs_.scene_id, *scene_));
 }
 
 } // namespace springdrive

@@ -1,19 +1,16 @@
 // One run of the demo without its window: device, servo, scene, tuning, and what came back.
 #pragma once
 
-#include "app/demo_options.h"
 #include "app/history.h"
-#include "app/telemetry_file.h"
+#include "app/scene_loader.h"
+#include "app/session_options.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/contact/haptic_surface.h"
-#include "engine/scene/load_progress.h"
-#include "engine/scene/scene.h"
+#include "engine/servo/record/recorder.h"
 #include "engine/servo/servo.h"
 #include "engine/servo/servo_statistics.h"
 
 #include <cstdint>
 #include <filesystem>
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,48 +18,45 @@
 
 namespace springdrive {
 
-/// A scene ready for eye and hand.
-struct LoadedScene {
-    Scene scene;
-    HapticSurface surface;
-};
-
-/// Loads a glTF file and prepares its surface. Any thread.
-/// @throw InputError as `load_gltf` does.
-[[nodiscard]] std::unique_ptr<LoadedScene>
-load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress);
-
-/// Everything is called from the window's thread; the servo has its own.
+/// Everything is called from the window's thread; servo and recorder have their own.
 class Session {
 public:
     /// Loads everything and starts nothing. @throw InputError for what cannot be used.
-    explicit Session(const DemoOptions &options);
+    explicit Session(const SessionOptions &options);
 
-    /// Starts the servo's thread, unless in lockstep. Returns what the system refused to it.
-    std::vector<std::string> start();
+    /// Starts the servo's thread, unless in lockstep, and the record that was asked for. Returns
+    /// what the system refused to the servo. @param on_servo_start  see ServoThread
+    /// @throw InputError for a record that cannot be made.
+    std::vector<std::string> start(std::function<void()> on_servo_start = {});
 
-    /// Moves on by one frame: in lockstep ticks the servo, then takes in its samples, and a scene
-    /// that finished loading. @throw InputError where the telemetry file cannot be written.
+    /// Moves on by one frame: gives the servo a sign of life, in lockstep ticks it, takes in its
+    /// samples, and a scene that finished loading.
     void advance(double frame_s);
 
-    /// Stops the servo; the safe state is sent last. Takes in the last samples.
+    /// Stops the servo; the safe state is sent last. Takes in the last samples, ends the record.
     void stop();
 
     // What the hand and the eye ask for; in force from the next tick.
     void tune(const Tuning &tuning);
+    void lower_limits(const SafetyLimits &limits);
     void emergency_stop();
     void reset_safety();
     void move_hand_to(const Vector3 &target_m);
 
     /// Loads in the background; on failure the old scene stays and `scene_error` tells why.
-    void request_scene(const std::filesystem::path &file);
+    void request_scene(const std::filesystem::path &file) { loader_.request(file); }
+
+    /// Records every tick from now on. @throw InputError for a file that cannot be made.
+    void start_recording(const std::filesystem::path &file);
+    void stop_recording();
 
     [[nodiscard]] const Tuning &tuning() const { return inputs_.tuning; }
+    [[nodiscard]] const SafetyLimits &lowered_limits() const { return inputs_.limits; }
     [[nodiscard]] const LoadedScene &scene() const { return *scene_; }
     [[nodiscard]] std::uint32_t scene_id() const { return inputs_.scene_id; }
-    [[nodiscard]] bool is_loading() const { return loading_.valid(); }
-    [[nodiscard]] std::string loading_progress() const { return load_progress_->text(); }
-    [[nodiscard]] const std::string &scene_error() const { return scene_error_; }
+    [[nodiscard]] bool is_loading() const { return loader_.is_loading(); }
+    [[nodiscard]] std::string loading_progress() const { return loader_.progress(); }
+    [[nodiscard]] const std::string &scene_error() const { return loader_.error(); }
     [[nodiscard]] const DeviceDescription &device() const { return device_->description(); }
     [[nodiscard]] const Vector3 &hand_target_m() const { return hand_target_m_; }
     [[nodiscard]] bool hand_follows_path() const { return hand_path_.has_value(); }
@@ -73,28 +67,29 @@ public:
     [[nodiscard]] const std::vector<std::string> &remarks() const { return remarks_; }
     [[nodiscard]] const ServoSample &latest() const { return latest_; }
     [[nodiscard]] const History &history() const { return history_; }
-    [[nodiscard]] std::uint64_t telemetry_rows() const {
-        return telemetry_ ? telemetry_->rows() : 0;
-    }
+    [[nodiscard]] bool is_recording() const { return recorder_->is_recording(); }
+    [[nodiscard]] RecorderStatus record_status() const { return recorder_->status(); }
+    /// The record that runs, or else the last one; empty when there was none.
+    [[nodiscard]] const std::filesystem::path &record_file() const { return record_file_; }
 
 private:
     void publish() { servo_->publish(inputs_); }
     void show(std::unique_ptr<LoadedScene> scene);
     void release_retired();
-    void take_in_loaded_scene();
     void take_in_samples();
     [[nodiscard]] PlotSample plot_sample(const ServoSample &sample);
+    [[nodiscard]] RecordHeader header_of_record() const;
 
-    DemoOptions options_;
+    SessionOptions options_;
+    std::string device_text_; ///< of the device file, as it was read
+    SceneLoader loader_;
     std::unique_ptr<LoadedScene> scene_;
     std::vector<std::unique_ptr<LoadedScene>> retired_; ///< until the servo has let go of them
-    std::future<std::unique_ptr<LoadedScene>> loading_;
-    std::shared_ptr<LoadProgress> load_progress_ = std::make_shared<LoadProgress>();
-    std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
-    std::string scene_error_;
 
     std::unique_ptr<SimulatedPhantom> device_;
     std::unique_ptr<Servo> servo_;
+    std::unique_ptr<Recorder> recorder_; ///< on the servo's ring, so it goes first
+    std::filesystem::path record_file_;
     ServoInputs inputs_;
     Vector3 hand_target_m_{Vector3::Zero()};
     std::optional<HandPath> hand_path_; ///< the one that the device follows, to show where it is
@@ -106,7 +101,6 @@ private:
     Vector3 felt_force_N_{Vector3::Zero()}; ///< rendered force below 30 Hz while touching
     History history_;
     std::uint64_t plot_stride_ = 1;
-    std::optional<TelemetryFile> telemetry_;
 };
 
 } // namespace springdrive

@@ -133,6 +133,25 @@ void check_range(const std::string &what, double value, double lowest, double hi
     }
 }
 
+void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input) {
+    if (output.empty() || input.empty()) {
+        return;
+    }
+    std::error_code ignored;
+    if (std::filesystem::equivalent(output, input, ignored) ||
+        std::filesystem::weakly_canonical(output, ignored) ==
+            std::filesystem::weakly_canonical(input, ignored)) {
+        throw InputError(output.string() + ": is the record itself; give another name");
+    }
+}
+
+void check_folder_of(const std::filesystem::path &output) {
+    const std::filesystem::path folder = output.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+        throw InputError(output.string() + ": its folder does not exist; make it first");
+    }
+}
+
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write) {
     if (where == "-") {
         write(std::cout);

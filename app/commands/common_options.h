@@ -65,6 +65,15 @@ void check_dR(const DeviceDescription &device, const Tuning &tuning);
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double lowest, double highest);
 
+/// @throw InputError where `output`, which is about to be written, is the file `input` that it
+/// comes
+///        from or goes beside; either may be empty or not exist.
+void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input);
+
+/// @throw InputError where the folder does not exist in which `output` is to be written: better
+///        known before a long run. Empty and "-" are fine.
+void check_folder_of(const std::filesystem::path &output);
+
 /// Lets `write` fill the file, or standard output where `where` is "-".
 /// @throw InputError where the file cannot be created, or not all of it could be written.
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);

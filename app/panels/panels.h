@@ -25,8 +25,16 @@ void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangl
 /// The angle between rendered force and surface normal over time, with both maps.
 void draw_force_direction_panel(const Session &session, const Rectangle &place);
 
-/// Rate, jitter, compute time, and what the system refused.
-void draw_servo_panel(Session &session, const Rectangle &place);
+/// What the servo panel remembers between frames.
+struct ServoPanelState {
+    std::string record_error; ///< why the last record could not be made
+};
+
+/// State, rate, jitter, compute time, recording, limits, and what the system refused.
+void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle &place);
+
+/// The safety limits, to lower them; opened by the servo panel.
+void draw_limits_popup(Session &session);
 
 /// What the scene panel remembers between frames.
 struct ScenePanelState {

@@ -1,6 +1,9 @@
 #include "app/panels/look.h"
 #include "app/panels/panels.h"
+#include "base/input_error.h"
 
+#include <array>
+#include <ctime>
 #include <string>
 
 namespace springdrive {
@@ -85,13 +88,71 @@ void show_rate(const Session &session) {
                        static_cast<unsigned long long>(session.lost_samples()));
 }
 
+/// "springdrive-20240531-123456.rec", in the folder in which the program was started.
+std::string name_of_new_record() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    localtime_r(&now, &parts);
+    std::array<char, 64> text{};
+    std::strftime(text.data(), text.size(), "springdrive-%Y%m%d-%H%M%S.rec", &parts);
+    return text.data();
+}
+
+void toggle_recording(Session &session, ServoPanelState &state) {
+    state.record_error.clear();
+    if (session.is_recording()) {
+        session.stop_recording();
+        return;
+    }
+    try {
+        session.start_recording(name_of_new_record());
+    } catch (const InputError &error) {
+        state.record_error = error.what();
+    }
+}
+
+void show_recording(Session &session, ServoPanelState &state) {
+    const bool recording = session.is_recording();
+    // As wide in both states: what stands beside it must not move under the mouse.
+    const float width = ImGui::CalcTextSize("stop recording").x + ImGui::GetFontSize();
+    if (ImGui::Button(recording ? "stop recording" : "record", {width, 0.0F})) {
+        toggle_recording(session, state);
+    }
+    if (ImGui::IsItemHovered() && !recording) {
+        ImGui::SetTooltip("every tick into a file in the folder where springdrive was started");
+    }
+    ImGui::SameLine();
+    if (ImGui::Button("limits")) {
+        ImGui::OpenPopup("limits");
+    }
+    draw_limits_popup(session);
+    const RecorderStatus status = session.record_status();
+    const std::string &error = state.record_error.empty() ? status.error : state.record_error;
+    if (!error.empty()) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
+        ImGui::TextWrapped("%s", error.c_str());
+        ImGui::PopStyleColor();
+    } else if (!session.record_file().empty()) {
+        ImGui::SameLine();
+        ImGui::TextColored(recording ? kDanger : kFaintInk, "%s %.1f s, %.1f MB",
+                           recording ? "recorded" : "saved",
+                           static_cast<double>(status.rows) / session.servo_hz(),
+                           1e-6 * static_cast<double>(status.bytes));
+        if (ImGui::IsItemHovered()) {
+            ImGui::SetTooltip("%s, %llu ticks lost", session.record_file().c_str(),
+                              static_cast<unsigned long long>(status.lost));
+        }
+    }
+}
+
 } // namespace
 
-void draw_servo_panel(Session &session, const Rectangle &place) {
+void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle &place) {
     begin_panel("Servo", place);
     show_state(session);
     show_durations(session.statistics());
     show_rate(session);
+    show_recording(session, state);
     for (const std::string &remark : session.remarks()) {
         // What is the matter; the remedy, behind the semicolon, under the mouse.
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);

@@ -11,7 +11,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <string>
 
 namespace springdrive {
 
@@ -54,11 +53,5 @@ struct ServoSample {
     double exchange_s = std::numeric_limits<double>::quiet_NaN(); ///< what the device took
     double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from answer to command
 };
-
-/// The columns of a telemetry CSV, one name for each number of a row.
-[[nodiscard]] std::string telemetry_header();
-
-/// One line without its end; NaN is written as an empty cell.
-[[nodiscard]] std::string telemetry_row(const ServoSample &sample);
 
 } // namespace springdrive

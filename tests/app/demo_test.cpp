@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 namespace springdrive::testing {
@@ -99,7 +100,7 @@ TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
     expect_one_clear_line(run_program({"--path", "none.csv"}), "none.csv");
     expect_one_clear_line(run_program({"--lockstep"}), "--frames");
     expect_one_clear_line(run_program({"--frames", "-3"}), "frames");
-    expect_one_clear_line(run_program({"--telemetry", "/no/such/folder/t.csv"}), "/no/such");
+    expect_one_clear_line(run_program({"record", "/no/such/folder/t.rec"}), "/no/such");
 }
 
 TEST(Program, HelpAndVersionSucceed) {
@@ -109,6 +110,13 @@ TEST(Program, HelpAndVersionSucceed) {
     expect_plain_text(help.out);
     EXPECT_EQ(run_program({"demo", "--help"}).exit_status, 0);
     EXPECT_EQ(run_program({"--version"}).exit_status, 0);
+}
+
+/// A record as CSV.
+std::string telemetry_of(const std::filesystem::path &record) {
+    const Ending ending = run_program({"export", record, "--csv", "-"});
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
+    return ending.out;
 }
 
 class Demo : public ::testing::Test {
@@ -124,15 +132,15 @@ TEST_F(Demo, LockstepRunsRepeatToTheLastBit) {
     const std::filesystem::path folder = fresh_folder("lockstep");
     for (const char *name : {"first", "second"}) {
         const Ending ending = run_program({"--lockstep", "--frames", "75", "--screenshot",
-                                           folder / (std::string(name) + ".png"), "--telemetry",
-                                           folder / (std::string(name) + ".csv"), "--width", "640",
+                                           folder / (std::string(name) + ".png"), "--record",
+                                           folder / (std::string(name) + ".rec"), "--width", "640",
                                            "--height", "400"});
         ASSERT_EQ(ending.exit_status, 0) << ending.error;
     }
-    const std::string telemetry = contents_of(folder / "first.csv");
+    const std::string telemetry = telemetry_of(folder / "first.rec");
     // 75 frames of 1/60 s are 1250 ticks, and the header.
     EXPECT_EQ(std::count(telemetry.begin(), telemetry.end(), '\n'), 1251);
-    EXPECT_TRUE(telemetry == contents_of(folder / "second.csv"));
+    EXPECT_TRUE(telemetry == telemetry_of(folder / "second.rec"));
     EXPECT_EQ(contents_of(folder / "first.png").substr(1, 3), "PNG");
     EXPECT_GT(contents_of(folder / "first.png").size(), 20'000U);
     std::filesystem::remove_all(folder);
@@ -144,9 +152,9 @@ TEST_F(Demo, FollowsAPathFromAFile) {
         written(folder, "path.csv", "t,x,y,z\n0,0,0.08,0\n1.2,0,0.08,0\n1.7,0.03,0.08,0\n");
     const Ending ending =
         run_program({"demo", "--lockstep", "--seconds", "2.4", "--without", "all", "--path", path,
-                     "--scene", assets() / "scenes/plate.gltf", "--telemetry", folder / "t.csv"});
+                     "--scene", assets() / "scenes/plate.gltf", "--record", folder / "t.rec"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    std::ifstream telemetry(folder / "t.csv");
+    std::istringstream telemetry(telemetry_of(folder / "t.rec"));
     std::string line;
     std::string last;
     std::getline(telemetry, line);
@@ -171,9 +179,9 @@ TEST_F(Demo, FollowsAPathFromAFile) {
 TEST_F(Demo, ASignalEndsItProperly) {
     const std::filesystem::path folder = fresh_folder("signal");
     for (const int signal : {SIGTERM, SIGINT}) {
-        const std::filesystem::path telemetry = folder / (std::to_string(signal) + ".csv");
+        const std::filesystem::path telemetry = folder / (std::to_string(signal) + ".rec");
         const Ending ending = run_program(
-            {"--width", "640", "--height", "400", "--telemetry", telemetry}, signal, telemetry);
+            {"--width", "640", "--height", "400", "--record", telemetry}, signal, telemetry);
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         RecordProperty("seconds_after_signal", std::to_string(ending.after_signal.count()));
     }

@@ -2,6 +2,8 @@
 #include "app/session.h"
 
 #include "base/input_error.h"
+#include "engine/servo/record/file_hash.h"
+#include "engine/servo/record/record_reader.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
@@ -18,12 +20,12 @@ namespace {
 
 constexpr double kFrame_s = 1.0 / 60.0;
 
-DemoOptions headless() {
-    DemoOptions options;
+SessionOptions headless() {
+    SessionOptions options;
     options.scene = testing::assets() / "scenes/plate.gltf";
     options.device_file = testing::assets() / "devices/phantom_1_0.toml";
     options.lockstep = true;
-    options.frames = 600;
+    options.plays_script = true;
     return options;
 }
 
@@ -45,7 +47,7 @@ void wait_for_scene(Session &session) {
 
 /// Of the sixty frames after the first 2.7 s of the scripted touch, how many end in contact.
 int frames_in_contact(const std::filesystem::path &scene) {
-    DemoOptions options = headless();
+    SessionOptions options = headless();
     options.scene = scene;
     Session session(options);
     session.start();
@@ -115,8 +117,8 @@ TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
 }
 
 TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
-    DemoOptions options = headless();
-    options.frames = 0; // a hand that rests
+    SessionOptions options = headless();
+    options.plays_script = false; // a hand that rests
     Session session(options);
     session.start();
     run(session, 1.2);
@@ -126,13 +128,13 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
     session.reset_safety();
-    run(session, 1.3); // a wait, then the ramp
+    run(session, 1.3); // it rests above the scene: a wait, then the ramp
     EXPECT_EQ(session.latest().safety.state, SafetyState::running);
 }
 
 TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
-    DemoOptions options = headless();
-    options.frames = 0;                     // a hand that follows no path
+    SessionOptions options = headless();
+    options.plays_script = false;
     options.effects = PlantEffects::none(); // no weight, no friction
     Session session(options);
     session.start();
@@ -149,17 +151,117 @@ TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
                     .all());
 }
 
-TEST(Session, TelemetryOnAFullDiskIsSaid) {
-    DemoOptions options = headless();
-    options.telemetry = "/dev/full";
+TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
+    const std::filesystem::path folder = testing::fresh_folder("session_record");
+    SessionOptions options = headless();
+    options.record = folder / "touch.rec";
     Session session(options);
     session.start();
-    EXPECT_THROW(
-        {
-            run(session, 2.0);
-            session.stop();
-        },
-        InputError);
+    run(session, 2.0);
+    session.request_scene(testing::assets() / "scenes/sphere.gltf");
+    wait_for_scene(session);
+    run(session, 0.5);
+    const std::uint64_t ticks = session.latest().tick + 1;
+    session.stop();
+    EXPECT_EQ(session.record_status().error, "");
+    EXPECT_EQ(session.record_status().rows, ticks);
+
+    RecordReader record(options.record);
+    EXPECT_EQ(record.header().device_toml, testing::contents_of(options.device_file));
+    EXPECT_EQ(record.header().scene_sha256, sha256_of_file(options.scene));
+    std::uint64_t next = 0;
+    std::string notes;
+    while (record.next()) {
+        notes += record.is_note() ? record.note() : "";
+        for (std::uint32_t row = 0; row < record.rows(); ++row) {
+            EXPECT_EQ(record.read_sample(row).tick, next++);
+        }
+    }
+    EXPECT_EQ(next, ticks);
+    EXPECT_NE(notes.find("sphere.gltf"), std::string::npos);
+    EXPECT_NE(notes.find(sha256_of_file(testing::assets() / "scenes/sphere.gltf")),
+              std::string::npos);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Session, ARecordHoldsTheDeviceThatRanWhateverBecameOfItsFile) {
+    const std::filesystem::path folder = testing::fresh_folder("session_device");
+    SessionOptions options = headless();
+    const std::string text = testing::contents_of(options.device_file);
+    options.device_file = folder / "device.toml";
+    std::ofstream(options.device_file) << text;
+    Session session(options);
+    session.start();
+    std::filesystem::remove(options.device_file);
+    session.start_recording(folder / "after.rec");
+    run(session, 0.1);
+    session.stop();
+    EXPECT_EQ(RecordReader(folder / "after.rec").header().device_toml, text);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Session, ARecordThatCannotBeMadeIsSaid) {
+    const std::filesystem::path folder = testing::fresh_folder("session_no_record");
+    SessionOptions options = headless();
+    options.record = folder / "no" / "such.rec";
+    Session refused(options);
+    EXPECT_THROW(refused.start(), InputError);
+    options.record.clear();
+    Session session(options);
+    session.start();
+    run(session, 0.1);
+    EXPECT_THROW(session.start_recording(folder / "no" / "such.rec"), InputError);
+    session.start_recording(folder / "is.rec"); // and another time goes well
+    run(session, 0.1);
+    session.stop_recording();
+    EXPECT_EQ(session.record_status().rows, 100U);
+    EXPECT_THROW(session.start_recording(folder / "is.rec"), InputError); // nothing is overwritten
+    session.stop();
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Session, AWindowThatFallsSilentStopsTheDevice) {
+    const std::filesystem::path folder = testing::fresh_folder("silent_window");
+    SessionOptions options = headless();
+    options.lockstep = false; // the servo goes on by itself, late or not
+    std::string device = testing::contents_of(options.device_file);
+    device.replace(device.find("missed_deadlines = 50"), 21, "missed_deadlines = 9999");
+    std::ofstream(folder / "patient.toml") << device;
+    options.device_file = folder / "patient.toml";
+    Session session(options);
+    session.start();
+    session.advance(kFrame_s); // the only sign of life
+    std::this_thread::sleep_for(
+        std::chrono::duration<double>(session.device().limits.window_silence_s + 0.2));
+    session.stop();
+    EXPECT_EQ(session.latest().safety.cause, TripCause::window_silent);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
+    Session session(headless());
+    session.start();
+    run(session, 1.2);
+    session.emergency_stop();
+    session.reset_safety(); // before any tick has seen the stop
+    session.advance(1.0 / session.servo_hz());
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    session.stop();
+}
+
+TEST(Session, LimitsAreLoweredAndNeverRaised) {
+    Session session(headless());
+    session.start();
+    run(session, 0.1);
+    const SafetyLimits device = limits_of(session.device());
+    SafetyLimits wishes = session.lowered_limits();
+    wishes.tip_force_N = 3.0;
+    wishes.current_A = 100.0;
+    session.lower_limits(wishes);
+    run(session, 0.1); // it still waits, so nobody feels a blow
+    EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
+    EXPECT_EQ(session.latest().limits.current_A, device.current_A);
+    session.stop();
 }
 
 } // namespace

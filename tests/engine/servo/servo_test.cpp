@@ -3,6 +3,7 @@
 
 #include "base/input_error.h"
 #include "device/simulated/simulated_phantom.h"
+#include "engine/servo/record/telemetry_columns.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 
@@ -10,6 +11,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -38,9 +40,18 @@ private:
     SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
 };
 
+/// All that a sample tells, as bytes.
+std::string bytes_of(const ServoSample &sample) {
+    std::string bytes;
+    for_each_column(sample, [&bytes](std::string_view, std::string_view, const auto &value) {
+        bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
+    });
+    return bytes;
+}
+
 std::vector<std::string> rows_of(Servo &servo) {
     std::vector<std::string> rows;
-    servo.drain([&rows](const ServoSample &sample) { rows.push_back(telemetry_row(sample)); });
+    servo.drain([&rows](const ServoSample &sample) { rows.push_back(bytes_of(sample)); });
     return rows;
 }
 

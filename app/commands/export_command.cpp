@@ -1,0 +1,121 @@
+#include "app/commands/export_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/print.h"
+#include "base/input_error.h"
+#include "engine/servo/record/record_export.h"
+#include "engine/servo/record/record_reader.h"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+struct Typed {
+    std::filesystem::path record;
+    std::string csv;
+    std::string npy;
+    std::string mat;
+    bool list = false;
+    ExportSelection selection;
+};
+
+/// What a record is, and its columns.
+void write_contents(std::ostream &out, RecordReader &record) {
+    const RecordHeader &header = record.header();
+    while (record.next()) {
+    }
+    const RecordEnding &ending = record.ending();
+    print(out, "%s: %s, %g Hz, %s\n", record.path().c_str(), header.started_utc.c_str(),
+          header.servo_hz, ending.text().c_str());
+    print(out, "device   %s, %s\n", header.device_name.c_str(), header.device_file.c_str());
+    print(out, "scene    %s, %llu triangles, sha256 %s\n", header.scene_file.c_str(),
+          static_cast<unsigned long long>(header.scene_triangles), header.scene_sha256.c_str());
+    print(out, "software %s, row of %u bytes\n", header.software.c_str(), header.row_bytes);
+    for (const RecordColumn &column : header.columns) {
+        print(out, "  %-32s %s\n", column.name.c_str(), column.unit.c_str());
+    }
+}
+
+int formats(const Typed &typed) {
+    return (typed.csv.empty() ? 0 : 1) + (typed.npy.empty() ? 0 : 1) + (typed.mat.empty() ? 0 : 1);
+}
+
+template <typename Export>
+ExportSummary export_to(const std::string &where, RecordReader &record,
+                        const ExportSelection &selection, Export &&write) {
+    ExportSummary summary;
+    try {
+        write_output(where, [&](std::ostream &out) { summary = write(record, selection, out); });
+    } catch (const InputError &error) {
+        const std::string what = error.what();
+        const std::string name = where == "-" ? "standard output" : where;
+        throw InputError(what.find(name) == 0 ? what : name + ": " + what);
+    }
+    return summary;
+}
+
+void run(const Typed &typed) {
+    RecordReader record(typed.record);
+    if (typed.list) {
+        write_contents(std::cout, record);
+        return;
+    }
+    if (formats(typed) != 1) {
+        throw InputError("export: give one of --csv, --npy or --mat, with the file to write; "
+                         "--list tells what the record holds");
+    }
+    if (!(typed.selection.from_s <= typed.selection.to_s)) {
+        throw InputError("--from must not be after --to; give the earlier moment first");
+    }
+    for (const std::string &output : {typed.csv, typed.npy, typed.mat}) {
+        check_other_file(output, typed.record);
+    }
+    if (typed.mat == "-") {
+        throw InputError("--mat: writes to a file only; --csv and --npy can write to -");
+    }
+    static_cast<void>(selected_columns(record.header(), typed.selection.columns));
+    ExportSummary summary;
+    if (!typed.csv.empty()) {
+        summary = export_to(typed.csv, record, typed.selection, export_csv);
+    } else if (!typed.npy.empty()) {
+        summary = export_to(typed.npy, record, typed.selection, export_npy);
+    } else {
+        summary = export_mat(record, typed.selection, typed.mat);
+    }
+    print(std::cerr, "springdrive: %llu rows of %zu columns, from %s\n",
+          static_cast<unsigned long long>(summary.rows), summary.columns,
+          summary.ending.text().c_str());
+}
+
+} // namespace
+
+void add_export_command(CLI::App &app) {
+    CLI::App &command =
+        *app.add_subcommand("export", "a record as CSV, for Python (NPY) or MATLAB (MAT)");
+    const auto typed = std::make_shared<Typed>();
+    command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
+    command.add_option("--csv", typed->csv, "comma-separated text; - is standard output")
+        ->type_name("FILE|-");
+    command.add_option("--npy", typed->npy, "one structured array: np.load(file)[\"tip_x_m\"]")
+        ->type_name("FILE|-");
+    command.add_option("--mat", typed->mat, "a variable for each column, MATLAB and Octave")
+        ->type_name("FILE");
+    command
+        .add_option("--columns", typed->selection.columns,
+                    "only these, in this order; tip_* is all that begin so [all]")
+        ->type_name("NAME,...")
+        ->delimiter(',');
+    command.add_option("--from", typed->selection.from_s, "first moment [the record's]")
+        ->type_name("S");
+    command.add_option("--to", typed->selection.to_s, "last moment [the record's]")->type_name("S");
+    command.add_flag("--list", typed->list, "tell what the record holds, and export nothing");
+    command.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,12 @@
+// `springdrive export`: a record for other programs.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive {
+
+void add_export_command(CLI::App &app);
+
+} // namespace springdrive

@@ -1,0 +1,91 @@
+#include "app/commands/record_command.h"
+
+#include "app/commands/typed_session.h"
+#include "app/ending_signal.h"
+#include "app/frame_pace.h"
+#include "app/session.h"
+#include "app/session_report.h"
+#include "base/input_error.h"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kLongest_s = 24.0 * 3600.0;
+
+struct Typed {
+    TypedSession session;
+    double seconds = 10.0;
+    std::string json;
+};
+
+/// Until the time is over, somebody asks for the end, or the record cannot go on.
+void play(Session &session, bool lockstep, double seconds) {
+    FramePace pace;
+    for (int frame = 0; !asked_to_end() && session.is_recording(); ++frame) {
+        const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
+        if (elapsed_s >= seconds - 1e-9) {
+            return;
+        }
+        session.advance(kFrame_s);
+        if (!lockstep) {
+            pace.wait();
+        }
+    }
+}
+
+void run(const Typed &typed) {
+    check_range("--seconds", typed.seconds, 1e-3, kLongest_s);
+    SessionOptions options = typed.session.session();
+    if (options.record == "-") {
+        throw InputError("record: writes to a file only; springdrive export can write to -");
+    }
+    check_folder_of(typed.json);
+    check_other_file(typed.json, options.record);
+    options.plays_script = true;
+    Session session(options);
+    note_ending_signals();
+    for (const std::string &remark : session.start()) {
+        std::cerr << "springdrive: " << remark << '\n';
+    }
+    play(session, options.lockstep, typed.seconds);
+    session.stop();
+    if (typed.json != "-") {
+        write_session_report(std::cout, options, session);
+    }
+    if (!typed.json.empty()) {
+        write_output(typed.json,
+                     [&](std::ostream &out) { write_session_json(out, options, session); });
+    }
+    const bool recorded = record_is_whole(session);
+    if (was_stopped(session) || !recorded) {
+        throw CLI::RuntimeError(1);
+    }
+}
+
+} // namespace
+
+void add_record_command(CLI::App &app) {
+    CLI::App &record = *app.add_subcommand(
+        "record", "a touch without a window, every servo tick of it into a file");
+    const auto typed = std::make_shared<Typed>();
+    record.add_option("file", typed->session.options.record, "to write; must not exist yet")
+        ->type_name("FILE")
+        ->required();
+    record.add_option("--seconds", typed->seconds, "how long [10]")->type_name("S");
+    record
+        .add_option("--json", typed->json,
+                    "write how the servo kept its time to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    typed->session.add_to(record);
+    record.footer("The hand plays a scripted touch, or --path. See springdrive export and replay.");
+    record.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

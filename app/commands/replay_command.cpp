@@ -1,0 +1,112 @@
+#include "app/commands/replay_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/print.h"
+#include "base/input_error.h"
+#include "engine/servo/record/record_reader.h"
+#include "engine/servo/record/replay.h"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+struct Typed {
+    std::filesystem::path record;
+    TuningOptions tuning;
+    std::string csv;
+};
+
+bool asks_for_a_tuning(const TuningOptions &typed) {
+    bool asks = !typed.file.empty() || !typed.map.empty() || !typed.alpha_mode.empty();
+    for (const std::optional<double> &value : typed.value) {
+        asks = asks || value.has_value();
+    }
+    return asks;
+}
+
+void write_row(std::ostream &out, const ServoSample &sample, const ReplayedTick &replayed) {
+    print(out, "%llu,%.17g", static_cast<unsigned long long>(sample.tick), sample.time_s);
+    for (const Vector3 &e_W_V : {sample.command.e_W_V, replayed.command.e_W_V}) {
+        print(out, ",%.17g,%.17g,%.17g", e_W_V[0], e_W_V[1], e_W_V[2]);
+    }
+    out << '\n';
+}
+
+void replay_all(RecordReader &record, Replay &replay, std::ostream *csv) {
+    if (csv != nullptr) {
+        *csv << "tick,time_s,recorded_e_W1_V,recorded_e_W2_V,recorded_e_W3_V,replayed_e_W1_V,"
+                "replayed_e_W2_V,replayed_e_W3_V\n";
+    }
+    while (record.next()) {
+        for (std::uint32_t row = 0; row < record.rows(); ++row) {
+            const ServoSample sample = record.read_sample(row);
+            const std::optional<ReplayedTick> replayed = replay.take(sample);
+            if (replayed && csv != nullptr) {
+                write_row(*csv, sample, *replayed);
+            }
+        }
+    }
+}
+
+void report(std::ostream &out, const RecordReader &record, const Replay &replay) {
+    print(out, "%s: %s\n", record.path().c_str(), record.ending().text().c_str());
+    print(out, "replayed %llu ticks, %llu more for the filter's memory only\n",
+          static_cast<unsigned long long>(replay.replayed()),
+          static_cast<unsigned long long>(replay.skipped()));
+    for (const ReplayedQuantity &quantity : replay.quantities()) {
+        if (quantity.differing == 0) {
+            print(out, "  %-22s equal to the last bit\n", quantity.name);
+        } else {
+            print(out, "  %-22s differs in %llu ticks, first in %llu, by at most %.3g\n",
+                  quantity.name, static_cast<unsigned long long>(quantity.differing),
+                  static_cast<unsigned long long>(quantity.first_tick), quantity.greatest);
+        }
+    }
+}
+
+void run(const Typed &typed) {
+    RecordReader record(typed.record);
+    check_other_file(typed.csv, typed.record);
+    const RecordHeader &header = record.header();
+    const bool asks = asks_for_a_tuning(typed.tuning);
+    Replay replay(read_device_text(header.device_toml, typed.record.string() + ", device"),
+                  header.period_s, asks ? std::optional(typed.tuning.tuning()) : std::nullopt);
+    if (typed.csv.empty()) {
+        replay_all(record, replay, nullptr);
+    } else {
+        write_output(typed.csv, [&](std::ostream &out) { replay_all(record, replay, &out); });
+    }
+    report(typed.csv == "-" ? std::cerr : std::cout, record, replay);
+    if (replay.replayed() == 0) {
+        throw InputError(typed.record.string() + ": holds no two ticks in a row to replay");
+    }
+    if (!asks && !replay.is_identical()) {
+        throw CLI::RuntimeError(1);
+    }
+}
+
+} // namespace
+
+void add_replay_command(CLI::App &app) {
+    CLI::App &command = *app.add_subcommand(
+        "replay", "a record through the control law again: must give the same voltages");
+    const auto typed = std::make_shared<Typed>();
+    command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
+    command
+        .add_option("--csv", typed->csv,
+                    "write recorded and replayed e_W to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    typed->tuning.add_to(command);
+    command.footer("Exits with 1 if any bit differs. With a tuning, tells instead what that would "
+                   "have\nasked of the motors on the same motion.");
+    command.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,12 @@
+// `springdrive replay`: a record through the control law again.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive {
+
+void add_replay_command(CLI::App &app);
+
+} // namespace springdrive

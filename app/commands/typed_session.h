@@ -1,0 +1,29 @@
+// The options of every command that runs a session: demo and record.
+#pragma once
+
+#include "app/commands/common_options.h"
+#include "app/session_options.h"
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive {
+
+/// The options hold references to this: it must stay where it is until the parse is over.
+struct TypedSession {
+    SessionOptions options;
+    TuningOptions tuning;
+    EffectOptions effects;
+    std::string device = "sim";
+
+    void add_to(CLI::App &command);
+
+    /// What was typed, as the session takes it.
+    /// @throw InputError for what no session can run on.
+    [[nodiscard]] SessionOptions session() const;
+};
+
+} // namespace springdrive

@@ -1,0 +1,63 @@
+#include "app/panels/look.h"
+#include "app/panels/panels.h"
+
+#include <cmath>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kLeastShare = 0.02; // of the device's own: what is lower stops everything
+
+/// A slider from next to nothing up to the device's own limit, and a button back to that.
+bool edit_limit(const SafetyLimit &limit, double device_value, double &wish) {
+    const double scale = limit.shown_per_si;
+    const float font = ImGui::GetFontSize();
+    double shown = scale * std::min(device_value, wish);
+    const double highest = scale * device_value;
+    const double lowest = kLeastShare * highest;
+    ImGui::PushID(limit.name);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(kFaintInk, "%s", limit.what);
+    ImGui::SameLine(12.0F * font);
+    ImGui::SetNextItemWidth(10.0F * font);
+    bool changed = ImGui::SliderScalar("##slider", ImGuiDataType_Double, &shown, &lowest, &highest,
+                                       "%.3g", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SameLine();
+    ImGui::TextColored(kFaintInk, "%s", limit.unit);
+    ImGui::SameLine(24.5F * font);
+    if (ImGui::Button("\u21BA")) {
+        shown = highest;
+        changed = true;
+    }
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("back to the device's own, %.3g %s", highest, limit.unit);
+    }
+    ImGui::PopID();
+    if (changed) {
+        wish = shown >= highest ? device_value : shown / scale;
+    }
+    return changed;
+}
+
+} // namespace
+
+void draw_limits_popup(Session &session) {
+    if (!ImGui::BeginPopup("limits")) {
+        return;
+    }
+    ImGui::Text("The device is stopped above");
+    const SafetyLimits device = limits_of(session.device());
+    SafetyLimits wishes = session.lowered_limits();
+    bool changed = false;
+    for (const SafetyLimit &limit : kSafetyLimits) {
+        changed |= edit_limit(limit, device.*limit.value, wishes.*limit.value);
+    }
+    if (changed) {
+        session.lower_limits(wishes);
+    }
+    ImGui::TextColored(kFaintInk, "The device file sets them; here they can only be lowered.");
+    ImGui::EndPopup();
+}
+
+} // namespace springdrive

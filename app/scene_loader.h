@@ -1,0 +1,52 @@
+// Loads scenes in the background, so that neither window nor servo waits for one.
+#pragma once
+
+#include "engine/contact/haptic_surface.h"
+#include "engine/scene/load_progress.h"
+#include "engine/scene/scene.h"
+
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace springdrive {
+
+/// A scene ready for eye and hand.
+struct LoadedScene {
+    Scene scene;
+    HapticSurface surface;
+    std::string sha256; ///< of its file
+};
+
+/// Loads a glTF file and prepares its surface. Any thread.
+/// @throw InputError as `load_gltf` does.
+[[nodiscard]] std::unique_ptr<LoadedScene>
+load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress);
+
+/// Of one thread.
+class SceneLoader {
+public:
+    explicit SceneLoader(Workspace workspace) : workspace_(std::move(workspace)) {}
+
+    /// Loads this one next; of several asked for meanwhile the last wins.
+    void request(const std::filesystem::path &file);
+
+    /// The scene, once, when it is ready. Where it failed, `error` tells why from then on.
+    [[nodiscard]] std::unique_ptr<LoadedScene> take();
+
+    [[nodiscard]] bool is_loading() const { return loading_.valid(); }
+    [[nodiscard]] std::string progress() const { return progress_->text(); }
+    [[nodiscard]] const std::string &error() const { return error_; }
+
+private:
+    Workspace workspace_;
+    std::future<std::unique_ptr<LoadedScene>> loading_;
+    std::shared_ptr<LoadProgress> progress_ = std::make_shared<LoadProgress>();
+    std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
+    std::string error_;
+};
+
+} // namespace springdrive
