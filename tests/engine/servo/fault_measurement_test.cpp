@@ -1,0 +1,118 @@
+// Covers the safety monitor's answer to faults of what is measured: a device that does not answer,
+// values that are none, encoders that jump, currents beyond the amplifiers. What is held to in
+// every tick of every fault is said in tests/support/fault_rig.h.
+#include "tests/support/fault_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+namespace springdrive::testing {
+namespace {
+
+constexpr int kFaults = kFaultsOfACause;
+
+/// One or several motors, each with −1, 0 or 1, not all zero.
+Vector3 some_motors(std::mt19937 &random) {
+    Vector3 signs = Vector3::Zero();
+    while (signs.isZero()) {
+        for (double &sign : signs) {
+            sign = std::uniform_int_distribution<int>(-1, 1)(random);
+        }
+    }
+    return signs;
+}
+
+/// A fault that is there at once, and each time that somebody resets.
+void see_through(FaultRig &rig, FaultKind kind, const Vector3 &size, TripCause cause) {
+    rig.run_to_fault();
+    rig.commit(kind, size);
+    rig.tick();
+    rig.expect_tripped_by(cause);
+    rig.expect_latched();
+    rig.expect_reset_trips_again(cause, 0.01);
+    rig.device.mend();
+    rig.expect_latched();
+    rig.expect_recovery();
+}
+
+TEST(FaultInjection, DeviceLost) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(21);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        see_through(rig, FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
+    }
+}
+
+TEST(FaultInjection, NotFinite) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(22);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        see_through(rig, random() % 2 == 0 ? FaultKind::not_a_number : FaultKind::infinite,
+                    some_motors(random), TripCause::not_finite);
+    }
+}
+
+TEST(FaultInjection, CurrentReading) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(23);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        const double peak_A = rig.device.description().motor[0].peak_current_A;
+        const double read_A = peak_A * (1.0 + log_uniform(random, 1e-4, 0.5));
+        see_through(rig, FaultKind::current_reading, read_A * some_motors(random),
+                    TripCause::current);
+        EXPECT_DOUBLE_EQ(rig.inputs.limits.current_A, unlowered().current_A);
+    }
+}
+
+/// Counts that move the tip by so much, the motors as in `signs`.
+Vector3 jump_counts(const FaultRig &rig, const Vector3 &signs, double way_m) {
+    const DeviceDescription &device = rig.device.description();
+    const TipAt now(device.geometry, rig.device.truth().theta_rad);
+    const double tip_m_per_count =
+        (now.J * signs).norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
+    return (signs * (way_m / tip_m_per_count)).array().round();
+}
+
+/// Further than a tip at twice its greatest speed comes in a tick, and five counts.
+double surely_a_jump_m(const FaultRig &rig) {
+    const DeviceDescription &device = rig.device.description();
+    const TipAt now(device.geometry, rig.device.truth().theta_rad);
+    return 2.0 * device.limits.tip_speed_m_per_s / rig.what.servo_hz +
+           5.0 * now.J.norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
+}
+
+TEST(FaultInjection, EncoderJump) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(24);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        const double way_m = log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
+        const bool flickers = i % 2 == 0;
+        rig.commit(flickers ? FaultKind::count_flicker : FaultKind::count_step,
+                   jump_counts(rig, some_motors(random), way_m));
+        rig.tick();
+        rig.expect_tripped_by(TripCause::encoder_jump);
+        EXPECT_NEAR(rig.last().safety.measured, way_m, 0.5 * way_m);
+        rig.expect_latched();
+        if (flickers) { // one that is off for good looks like any other place, once accepted
+            rig.expect_reset_trips_again(TripCause::none, 0.01); // as a jump or as a speed
+        }
+        rig.device.mend();
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+} // namespace
+} // namespace springdrive::testing

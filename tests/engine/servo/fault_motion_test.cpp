@@ -1,0 +1,187 @@
+// Covers the safety monitor's answer to what moves or warms too much: a hand that yanks, joints or
+// encoders beyond the stops, a hot motor, a lasting wish for more voltage. What is held to in every
+// tick of every fault is said in tests/support/fault_rig.h.
+#include "device/phantom/kinematics.h"
+#include "tests/support/devices.h"
+#include "tests/support/fault_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+constexpr int kFaults = kFaultsOfACause;
+
+/// Where the hand goes before the fault, and from then on at another speed to another place.
+SimulationOptions yanking(const FaultCase &what, const Vector3 &end_m, double speed_m_per_s) {
+    const double yank_s = static_cast<double>(what.at_tick) / what.servo_hz;
+    const double goes_s = (what.target_m - what.start_m).norm() / what.hand_m_per_s;
+    SimulationOptions options;
+    options.path.emplace(std::vector<HandPath::Point>{
+        {0.0, what.start_m},
+        {0.3, what.start_m},
+        {std::min(0.3 + goes_s, yank_s - 0.01), what.target_m},
+        {yank_s, what.target_m},
+        {yank_s + (end_m - what.target_m).norm() / speed_m_per_s, end_m}});
+    return options;
+}
+
+TEST(FaultInjection, TipSpeed) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(31);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultCase what = random_case(random, i, Place::anywhere);
+        what.at_tick = std::max(what.at_tick, static_cast<std::uint64_t>(0.4 * what.servo_hz));
+        what.start_m.x() = -0.06;
+        what.target_m.x() = -0.055;
+        const double device_limit = 2.0;
+        const double limit = what.firm && i % 4 == 0 ? device_limit : log_uniform(random, 0.2, 0.6);
+        const double speed = std::min(limit * uniform(random, 2.0, 3.0), 3.0);
+        const Vector3 end_m(0.07, uniform(random, 0.02, 0.05), uniform(random, -0.03, 0.03));
+        FaultRig rig(what, yanking(what, end_m, speed));
+        SCOPED_TRACE(rig.what.description() + ", then at " + std::to_string(speed) + " m/s");
+        rig.run_to_fault();
+        if (limit < device_limit) {
+            rig.inputs.limits.tip_speed_m_per_s = limit;
+        }
+        // The filter follows the truth within a few of its time constants.
+        const double late_s = 6.0 / what.tuning.lambda_rad_per_s + 2.0 / what.servo_hz;
+        int above = 0;
+        for (int tick = 0; tick < rig.ticks_in(0.5) && !rig.has_tripped(); ++tick) {
+            rig.tick();
+            above = rig.device.truth().tip_velocity_m_per_s.norm() > 1.03 * limit ? above + 1 : 0;
+            EXPECT_LE(above / what.servo_hz, late_s);
+        }
+        rig.expect_tripped_by(TripCause::tip_speed);
+        EXPECT_GT(rig.device.truth().tip_velocity_m_per_s.norm(), 0.8 * limit); // no false alarm
+        rig.expect_latched();
+        rig.inputs.limits = unlowered();
+        for (int tick = 0; tick < rig.ticks_in(0.7); ++tick) { // until the hand is there
+            rig.tick();
+        }
+        rig.expect_recovery();
+    }
+}
+
+/// Joint angles near one of the stops that can be reached at all, well off all others.
+Vector3 angles_near(std::mt19937 &random, const JointLimits &stops, int stop) {
+    constexpr double kOff_rad = 0.2;
+    const double near_rad = uniform(random, 0.1, 0.14); // beyond the soft wall's margin, 0.087
+    while (true) {
+        Vector3 q(uniform(random, -0.7, 0.7), uniform(random, -0.5, 1.9), 0.0);
+        q[2] = q[1] + uniform(random, -0.8, 0.7);
+        if (stop < 2) {
+            q[0] = stop == 0 ? stops.highest_rad[0] - near_rad : stops.lowest_rad[0] + near_rad;
+        } else if (stop == 2) {
+            q[1] = stops.highest_rad[1] - near_rad;
+        } else if (stop == 3) {
+            q[2] = stops.lowest_rad[2] + near_rad;
+        } else {
+            q[2] = q[1] + (stop == 4 ? stops.greatest_q3_minus_q2_rad - near_rad
+                                     : stops.least_q3_minus_q2_rad + near_rad);
+        }
+        const std::array<double, 7> off{stops.highest_rad[0] - q[0],
+                                        q[0] - stops.lowest_rad[0],
+                                        stops.highest_rad[1] - q[1],
+                                        q[2] - stops.lowest_rad[2],
+                                        stops.greatest_q3_minus_q2_rad - (q[2] - q[1]),
+                                        q[2] - q[1] - stops.least_q3_minus_q2_rad,
+                                        stops.highest_rad[2] - q[2]};
+        bool alone = std::cos(q[1]) + std::sin(q[2]) > 0.4; // the base is not near its axis
+        for (std::size_t other = 0; other < off.size(); ++other) {
+            alone = alone && (static_cast<int>(other) == stop || off[other] > kOff_rad);
+        }
+        if (alone) {
+            return q;
+        }
+    }
+}
+
+TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(32);
+    // Towards each stop: the joint that drifts, and its sign.
+    constexpr std::array<std::pair<int, double>, 6> kTowards{
+        {{0, 1.0}, {0, -1.0}, {1, 1.0}, {2, -1.0}, {2, 1.0}, {2, -1.0}}};
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultCase what = random_case(random, i, Place::free);
+        what.firm = true; // a light one gives way to the soft wall, and gets nowhere
+        const int stop = i % 6;
+        const DeviceDescription device = phantom_1_0();
+        const Vector3 q_rad = angles_near(random, device.joint_limits, stop);
+        what.start_m = tip_position_m(device.geometry, q_rad);
+        what.target_m = what.start_m;
+        FaultRig rig(what);
+        SCOPED_TRACE(rig.what.description() + ", stop " + std::to_string(stop));
+        if (i % 2 == 0) {
+            rig.inputs.limits.beyond_stops_rad = uniform(random, 0.002, 0.05);
+        }
+        rig.run_to_fault();
+        const auto &[joint, sign] = kTowards[static_cast<std::size_t>(stop)];
+        const double rate_rad_per_s = uniform(random, 0.15, 0.35);
+        const double counts_per_tick = rate_rad_per_s / what.servo_hz *
+                                       device.geometry.transmission_ratio[joint] *
+                                       device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
+        rig.commit(FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
+        rig.run_to_trip(3.0);
+        rig.expect_tripped_by(TripCause::beyond_stops);
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::beyond_stops, 0.01);
+        rig.device.mend();
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+TEST(FaultInjection, WindingTemperature) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(33);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::running_on_plate));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        // As if the motor were so much hotter: what is left to the limit is used up soon.
+        rig.inputs.limits.winding_C = rig.judge.upper_winding_C() + uniform(random, -0.05, 0.05);
+        rig.run_to_trip(2.0);
+        rig.expect_tripped_by(TripCause::winding_temperature);
+        EXPECT_LT(rig.device.truth().winding_C.maxCoeff(), rig.last().safety.limit);
+        rig.inputs.limits.winding_C -= 0.5; // it cools while it brakes
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::winding_temperature, 0.01);
+        rig.inputs.limits = unlowered();
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+TEST(FaultInjection, VoltageThatLasts) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(34);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::running_on_plate));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        // Lowered, it glides there in up to a second.
+        rig.inputs.limits.voltage_V =
+            uniform(random, 0.2, 0.8) * rig.last().command.e_W_V.cwiseAbs().maxCoeff();
+        rig.run_to_trip(2.0);
+        rig.expect_tripped_by(TripCause::voltage);
+        rig.expect_latched();
+        rig.expect_reset_waits();
+        rig.inputs.limits = unlowered();
+        rig.expect_recovery();
+    }
+}
+
+} // namespace
+} // namespace springdrive::testing

@@ -1,0 +1,142 @@
+// Covers the safety monitor's answer to faults of those who use the servo: the emergency stop, torn
+// inputs, missed deadlines and a window that falls silent. What is held to in every tick of every
+// fault is said in tests/support/fault_rig.h.
+#include "engine/control/parameters.h"
+#include "tests/support/fault_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace springdrive::testing {
+namespace {
+
+constexpr int kFaults = kFaultsOfACause;
+
+TEST(FaultInjection, EmergencyStop) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(11);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        rig.inputs.emergency_stop = true;
+        rig.tick();
+        rig.expect_tripped_by(TripCause::emergency_stop);
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::emergency_stop, 0.01);
+        rig.inputs.emergency_stop = false;
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+/// Changes one thing of a sealed set, as if half of it were another's.
+void tear_at(int where, ServoInputs &inputs) {
+    const auto parameters = static_cast<int>(kParameters.size());
+    const auto limits = static_cast<int>(kSafetyLimits.size());
+    if (where < parameters) {
+        const Parameter &parameter = kParameters[static_cast<std::size_t>(where)];
+        inputs.tuning.*parameter.value = 0.5 * (parameter.lowest + parameter.highest);
+    } else if (where < parameters + limits) {
+        inputs.limits.*kSafetyLimits[static_cast<std::size_t>(where - parameters)].value = 1e9;
+    } else {
+        switch (where - parameters - limits) {
+        case 0:
+            inputs.tuning.map = MotionMap::inverse;
+            break;
+        case 1:
+            inputs.tuning.alpha_mode = AlphaMode::by_hand;
+            break;
+        case 2:
+            inputs.scene_id ^= 1U;
+            break;
+        case 3:
+            inputs.global_alpha_rad2_per_m2 += 1.0;
+            break;
+        case 4:
+            inputs.reset_count += 1;
+            break;
+        case 5:
+            inputs.heartbeat += 1;
+            break;
+        default:
+            inputs.checksum ^= 0x10000U;
+        }
+    }
+}
+
+TEST(FaultInjection, TornInputs) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(12);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        rig.tear = [&](ServoInputs &inputs) { tear_at(i % 22, inputs); };
+        rig.tick();
+        rig.expect_tripped_by(TripCause::torn_inputs);
+        rig.expect_latched();
+        // A reset that arrives torn is none; the first that arrives whole counts.
+        rig.expect_reset_trips_again(TripCause::torn_inputs, 0.01);
+        rig.expect_latched();
+        rig.tear = nullptr;
+        rig.expect_recovery();
+    }
+}
+
+TEST(FaultInjection, MissedDeadlines) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(13);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        rig.run_to_fault();
+        rig.force_is_bounded = false; // the servo is not there to bound it
+        const double most = log_uniform(random, 1.0, 70.0);
+        std::uint32_t in_a_row = 0;
+        rig.timing = [&] {
+            const auto missed = static_cast<std::uint32_t>(uniform(random, 1.0, most + 1.0));
+            rig.device.pass_by(static_cast<int>(missed));
+            in_a_row += missed;
+            return TickTiming{missed, in_a_row};
+        };
+        rig.run_to_trip(0.1);
+        rig.expect_tripped_by(TripCause::missed_deadlines);
+        EXPECT_EQ(rig.last().safety.measured, in_a_row);
+        rig.force_is_bounded = true;
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::missed_deadlines, 0.01);
+        rig.timing = nullptr;
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+TEST(FaultInjection, WindowSilent) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(14);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        const double limit_s = i % 6 == 0 ? 2.0 : log_uniform(random, 0.05, 1.0);
+        rig.inputs.limits.window_silence_s = limit_s;
+        rig.run_to_fault();
+        rig.window_lives = false;
+        const std::uint32_t last_beat = rig.inputs.heartbeat;
+        rig.run_to_trip(limit_s - 0.02); // the last beat was at most 16 ms ago
+        EXPECT_FALSE(rig.has_tripped());
+        rig.run_to_trip(0.03);
+        EXPECT_EQ(rig.inputs.heartbeat, last_beat);
+        rig.expect_tripped_by(TripCause::window_silent);
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::window_silent, limit_s + 0.01);
+        rig.window_lives = true;
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+} // namespace
+} // namespace springdrive::testing

@@ -1,0 +1,119 @@
+// Covers the soft wall at the edge of the workspace as a hand meets it: before every joint's stop,
+// whatever the tuning, and at η = 1 too.
+#include "device/phantom/kinematics.h"
+#include "tests/support/devices.h"
+#include "tests/support/fault_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+/// A stop that can be reached, and how to get there: from these joint angles along one joint.
+struct Way {
+    const char *stop = "";
+    Vector3 from_deg{Vector3::Zero()};
+    int joint = 0;
+    double sign = 1.0;
+    double stop_deg = 0.0; ///< of the joint, or of the fold
+    bool fold = false;     ///< the stop is one of q₃ − q₂
+};
+
+// q₃ − q₂ is from −65° to 55°; its stops are met by moving q₃.
+const std::array<Way, 6> kWays{{{"q1 highest", {76.0, 10.0, 10.0}, 0, 1.0, 90.0},
+                                {"q1 lowest", {-76.0, 10.0, 10.0}, 0, -1.0, -90.0},
+                                {"q2 highest", {0.0, 105.0, 105.0}, 1, 1.0, 119.0},
+                                {"q3 lowest", {0.0, 10.0, -15.0}, 2, -1.0, -29.0},
+                                {"fold highest", {0.0, 10.0, 51.0}, 2, 1.0, 55.0, true},
+                                {"fold lowest", {0.0, 45.0, -6.0}, 2, -1.0, -65.0, true}}};
+
+/// Slowly along the joint, through its stop, as far as the hand can.
+SimulationOptions along(const Way &way, const PhantomGeometry &geometry) {
+    constexpr double kSpeed_deg_per_s = 15.0;
+    std::vector<HandPath::Point> points{
+        {0.0, tip_position_m(geometry, way.from_deg * kRadiansPerDegree)}};
+    for (int step = 0; step <= 20; ++step) {
+        const Vector3 q_deg = way.from_deg + way.sign * step * Vector3::Unit(way.joint);
+        points.push_back(
+            {1.15 + step / kSpeed_deg_per_s, tip_position_m(geometry, q_deg * kRadiansPerDegree)});
+    }
+    SimulationOptions options;
+    options.path.emplace(std::move(points));
+    return options;
+}
+
+/// The joint's torque by the true currents is the wall's before the stop is reached.
+void expect_edge_before_stop(const Way &way, const Tuning &tuning, double servo_hz) {
+    const DeviceDescription device = phantom_1_0();
+    FaultCase what;
+    what.tuning = tuning;
+    what.servo_hz = servo_hz;
+    what.firm = true;
+    what.start_m = tip_position_m(device.geometry, way.from_deg * kRadiansPerDegree);
+    FaultRig rig(what, along(way, device.geometry));
+    const double k_T = device.motor[0].torque_constant_Nm_per_A;
+    const double N = device.geometry.transmission_ratio[way.joint];
+    double before_stop_Nm = 0.0;
+    double share = 1.0; // of the wall's own torque, the least
+    bool met = false;
+    for (int tick = 0; tick < rig.ticks_in(2.6) && !rig.has_tripped(); ++tick) {
+        const ServoSample sample = rig.tick();
+        const Vector3 q = joint_from_motor(device.geometry, rig.device.truth().theta_rad);
+        const double q_rad = way.fold ? q[2] - q[1] : q[way.joint];
+        const double to_stop_rad = way.sign * (way.stop_deg * kRadiansPerDegree - q_rad);
+        const double pushed_back_Nm = -way.sign * N * k_T * rig.device.truth().current_A[way.joint];
+        const double depth_rad = device.edge.margin_rad - to_stop_rad;
+        if (sample.safety.state == SafetyState::running && to_stop_rad > 0.0) {
+            before_stop_Nm = std::max(before_stop_Nm, pushed_back_Nm);
+            if (depth_rad > 0.4 * device.edge.margin_rad) {
+                EXPECT_TRUE(sample.held_back.at_edge);
+                met = true;
+                share = std::min(share,
+                                 pushed_back_Nm / (device.edge.stiffness_Nm_per_rad * depth_rad));
+            }
+        }
+    }
+    EXPECT_FALSE(rig.has_tripped()) << description(rig.last().safety);
+    EXPECT_TRUE(met);
+    EXPECT_GT(before_stop_Nm, 0.2);
+    EXPECT_GT(share, 0.5); // of a spring alone; the rest is ripple, friction and lag
+    EXPECT_LT(rig.greatest_force_N(), device.limits.tip_force_N);
+}
+
+TEST(SoftEdge, IsMetBeforeEveryStopInEveryMap) {
+    for (const Way &way : kWays) {
+        for (const double eta : {0.0, 1.0}) {
+            for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+                for (const AlphaMode alpha :
+                     {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+                    for (const double dR_Ohm : {0.2, 0.8}) {
+                        Tuning tuning;
+                        tuning.dR_Ohm = dR_Ohm;
+                        tuning.eta = eta;
+                        tuning.map = map;
+                        tuning.alpha_mode = alpha;
+                        SCOPED_TRACE(std::string(way.stop) + ", η " + std::to_string(eta) +
+                                     (map == MotionMap::inverse ? ", inverse" : ", transpose") +
+                                     ", dR " + std::to_string(dR_Ohm));
+                        expect_edge_before_stop(way, tuning, 1000.0);
+                        if (HasFailure()) {
+                            return;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive::testing

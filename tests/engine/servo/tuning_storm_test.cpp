@@ -1,0 +1,21 @@
+// Covers the way of inputs to a running servo, and change_over.h: ten thousand random changes a
+// second, from another thread, are neither torn nor felt as blows. See
+// tests/support/tuning_storm.h.
+#include "tests/support/tuning_storm.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::testing {
+namespace {
+
+TEST(TuningStorm, NeitherTearsNorJolts) {
+    TuningStorm storm(1000.0);
+    const StormFigures figures = storm.blow(2.0);
+    EXPECT_EQ(figures.faults, 0U);
+    EXPECT_GT(figures.published, 1000U); // however busy the machine is
+    EXPECT_GT(figures.samples, 100U);
+    RecordProperty("figures", figures.text());
+}
+
+} // namespace
+} // namespace springdrive::testing

@@ -1,0 +1,44 @@
+// When, where and to whom a fault is to happen: drawn at random, from a seed.
+#pragma once
+
+#include "device/simulated/simulation_options.h"
+#include "engine/control/tuning.h"
+
+#include <cstdint>
+#include <random>
+#include <string>
+
+namespace springdrive::testing {
+
+/// Each cause of a trip gets so many, in tests that say how many in their property "faults".
+inline constexpr int kFaultsOfACause = 72;
+static_assert(14 * kFaultsOfACause > 1000);
+
+inline const HandParameters kLightHand{0.03, 1.0, 100.0, 3.0};
+inline const HandParameters kFirmHand{0.3, 30.0, 1500.0, 20.0};
+
+/// Where the hand is when the fault comes.
+enum class Place : std::uint8_t { anywhere, free, plate, running_free, running_on_plate };
+
+struct FaultCase {
+    std::string tuning_name;
+    Tuning tuning;
+    double servo_hz = 1000.0;
+    bool firm = false;
+    bool on_plate = false;
+    Vector3 start_m{Vector3::Zero()};  ///< where it rests at first
+    Vector3 target_m{Vector3::Zero()}; ///< where the hand then goes
+    double hand_m_per_s = 0.2;
+    std::uint64_t at_tick = 0;
+
+    [[nodiscard]] HandParameters hand() const;
+    [[nodiscard]] std::string description() const;
+};
+
+/// Tunings, rates and hands in turn by the number of the case; all else at random.
+[[nodiscard]] FaultCase random_case(std::mt19937 &random, int number, Place place);
+
+[[nodiscard]] double uniform(std::mt19937 &random, double lowest, double highest);
+[[nodiscard]] double log_uniform(std::mt19937 &random, double lowest, double highest);
+
+} // namespace springdrive::testing

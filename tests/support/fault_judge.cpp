@@ -1,0 +1,258 @@
+#include "tests/support/fault_judge.h"
+
+#include "engine/servo/winding_guard.h"
+#include "engine/servo/workspace_edge.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive::testing {
+
+namespace {
+
+constexpr double kRoundOff = 1e-6; // of a limit
+constexpr double kMemory_s = 0.5;  // of the energy observer, energy_observer.h
+constexpr double kVolts_s = 0.02;  // how long e_W may be above its limit, safety_monitor.h
+
+} // namespace
+
+TipAt::TipAt(const PhantomGeometry &geometry, const Vector3 &theta_rad)
+    : q_rad(theta_rad.array() / geometry.transmission_ratio.array()) {
+    const double l1 = geometry.upper_arm_m;
+    const double l2 = geometry.forearm_m;
+    const double s1 = std::sin(q_rad[0]);
+    const double c1 = std::cos(q_rad[0]);
+    const double r = l1 * std::cos(q_rad[1]) + l2 * std::sin(q_rad[2]);
+    const double r_2 = -l1 * std::sin(q_rad[1]);
+    const double r_3 = l2 * std::cos(q_rad[2]);
+    tip_m << r * s1, l2 - l2 * std::cos(q_rad[2]) + l1 * std::sin(q_rad[1]), r * c1 - l1;
+    J << r * c1, r_2 * s1, r_3 * s1,                           //
+        0.0, l1 * std::cos(q_rad[1]), l2 * std::sin(q_rad[2]), //
+        -r * s1, r_2 * c1, r_3 * c1;
+    J.array().rowwise() /= geometry.transmission_ratio.transpose().array();
+}
+
+Vector3 TipAt::force_N(const Vector3 &torque_Nm) const {
+    return J.transpose().partialPivLu().solve(torque_Nm);
+}
+
+FaultJudge::FaultJudge(const DeviceDescription &device, double period_s)
+    : device_(device), law_(device), k_T_(torque_constants(device)), period_s_(period_s),
+      winding_C_(Vector3::Constant(kWarmestAir_C)), housing_C_(Vector3::Constant(kWarmestAir_C)) {}
+
+void FaultJudge::reset() {
+    knows_energy_ = false;
+    generated_J_ = 0.0;
+    may_volts_ = 0;
+    must_volts_ = 0;
+    state_ = SafetyState::waiting;
+}
+
+TripCause FaultJudge::first_must() const {
+    const auto *found = std::find_if(findings_.begin(), findings_.end(),
+                                     [](const Finding &finding) { return finding.must; });
+    return found == findings_.end() ? TripCause::none
+                                    : static_cast<TripCause>(found - findings_.begin());
+}
+
+/// @param slack  a share of the limit within which either answer is right
+void FaultJudge::find(TripCause cause, double measured, double limit, double slack) {
+    Finding &finding = findings_[static_cast<std::size_t>(cause)];
+    if (!finding.must && (finding.limit == 0.0 || measured > finding.measured)) { // or the first
+        finding.measured = measured;
+        finding.limit = limit;
+    }
+    finding.may |= !(measured <= limit * (1.0 - slack));
+    finding.must |= !(measured <= limit * (1.0 + slack));
+}
+
+void FaultJudge::look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing) {
+    find(TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
+    find(TripCause::torn_inputs, torn ? 1.0 : 0.0, 0.5, 0.0);
+    const SafetyLimits limits = lowered(limits_of(device_), inputs.limits);
+    find(TripCause::missed_deadlines, timing.missed_in_a_row, limits.missed_deadlines, 0.0);
+    const bool silent = inputs.heartbeat == heartbeat_ && inputs.heartbeat != 0;
+    heartbeat_ = inputs.heartbeat;
+    silent_s_ = silent ? silent_s_ + (1 + timing.missed_deadlines) * period_s_ : 0.0;
+    find(TripCause::window_silent, silent_s_, limits.window_silence_s, kRoundOff);
+}
+
+/// Peak currents, and the upper estimate of each winding's temperature: its network from
+/// winding_temperature.h taken in small straight steps.
+void FaultJudge::look_at_currents(const Vector3 &current_A, const ServoSample &sample) {
+    constexpr int kParts = 8;
+    const double h = period_s_ / kParts;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
+        find(TripCause::current, std::abs(current_A[j]),
+             std::min(motor.peak_current_A, sample.limits.current_A), kRoundOff);
+        const ThermalParameters &thermal = motor.thermal;
+        double worst_A = std::max(std::abs(current_A[j]), std::abs(current_A_[j]));
+        if (!std::isfinite(current_A[j]) || !std::isfinite(current_A_[j])) {
+            worst_A = motor.peak_current_A;
+        }
+        const double R_Ohm = motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
+                             (1.0 + motor.resistance_rise_per_K * (winding_C_[j] - 25.0));
+        for (int part = 0; part < kParts; ++part) {
+            const double inner_W =
+                (winding_C_[j] - housing_C_[j]) / thermal.winding_housing_K_per_W;
+            const double outer_W =
+                (housing_C_[j] - kWarmestAir_C) / thermal.housing_ambient_K_per_W;
+            winding_C_[j] += h * (worst_A * worst_A * R_Ohm - inner_W) *
+                             thermal.winding_housing_K_per_W / thermal.winding_time_s;
+            housing_C_[j] +=
+                h * (inner_W - outer_W) * thermal.housing_ambient_K_per_W / thermal.motor_time_s;
+        }
+        const double limit_C = std::min(thermal.greatest_winding_C, sample.limits.winding_C);
+        constexpr double kSlack_K = 5e-4; // of steps this straight
+        find(TripCause::winding_temperature, winding_C_[j], limit_C, kSlack_K / limit_C);
+    }
+    current_A_ = current_A;
+}
+
+void FaultJudge::look_at_motion(const TipAt &now, const ServoSample &sample,
+                                const TickTiming &timing) {
+    if (knows_tip_) {
+        // No hand does twice the greatest speed; and less than that speed is none of the encoders'.
+        const double count_m =
+            2.0 * std::numbers::pi / device_.encoder_counts_per_turn * now.J.norm();
+        const double way_m =
+            device_.limits.tip_speed_m_per_s * period_s_ * (1 + timing.missed_deadlines);
+        const double jump_m = (now.tip_m - tip_m_).norm();
+        Finding &finding = findings_[static_cast<std::size_t>(TripCause::encoder_jump)];
+        finding = {jump_m > way_m + 2 * count_m, jump_m > 2 * way_m + 5 * count_m, jump_m, way_m};
+    }
+    tip_m_ = now.tip_m;
+    knows_tip_ = true;
+    find(TripCause::tip_speed, (now.J * rate_rad_per_s_).norm(), sample.limits.tip_speed_m_per_s,
+         kRoundOff);
+    look_at_stops(now.q_rad, sample.limits.beyond_stops_rad);
+}
+
+void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
+    const JointLimits &stops = device_.joint_limits;
+    const double fold_rad = q_rad[2] - q_rad[1];
+    double worst_rad =
+        std::max(fold_rad - stops.greatest_q3_minus_q2_rad, stops.least_q3_minus_q2_rad - fold_rad);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        worst_rad =
+            std::max({worst_rad, q_rad[j] - stops.highest_rad[j], stops.lowest_rad[j] - q_rad[j]});
+    }
+    find(TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
+}
+
+/// The definition of energy_observer.h: ΔG = F̄·Δx + ΔS, forgotten over half a second. What of the
+/// spring's force is not let through counts as held at a constant force.
+void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
+                                const ServoSample &sample) {
+    if (state_ != SafetyState::running) {
+        knows_energy_ = false;
+        generated_J_ = 0.0;
+        return;
+    }
+    double stored_J = 0.0;
+    if (sample.contact.touching) {
+        const Vector3 K_DC = k_T_ * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm);
+        const Vector3 spring_N =
+            now.force_N(K_DC.cwiseProduct(sample.theta_Sd_rad - sample.theta_rad));
+        const Vector3 stretch_m = sample.contact.x0_m - now.tip_m;
+        stored_J = 0.5 * spring_N.dot(stretch_m) * (1.0 - (1.0 - share_) * (1.0 - share_));
+    }
+    // Held is what the hand put in: it rises by no more than that, falls by no more than it gets.
+    double held_J = stored_J;
+    if (knows_energy_) {
+        const double changed_J = 0.0; // the tuning stands while the observer looks on
+        const double work_J = 0.5 * (force_N + energy_force_N_).dot(now.tip_m - energy_tip_m_);
+        double stretched_J = stored_J - stored_J_ - changed_J;
+        stretched_J = work_J > 0.0 ? std::min(0.0, std::max(stretched_J, -work_J))
+                                   : std::max(0.0, std::min(stretched_J, -work_J));
+        const double before_J = std::max(0.0, held_J_ + changed_J);
+        held_J = std::max(0.0, std::min(before_J + stretched_J, stored_J));
+        generated_J_ =
+            std::max(std::exp(-period_s_ / kMemory_s) * generated_J_ + work_J + held_J - before_J,
+                     -sample.limits.generated_energy_J);
+    }
+    held_J_ = held_J;
+    knows_energy_ = true;
+    energy_tip_m_ = now.tip_m;
+    energy_force_N_ = force_N;
+    stored_J_ = stored_J;
+    find(TripCause::energy, generated_J_, sample.limits.generated_energy_J, 1e-3);
+}
+
+void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const ServoSample &sample) {
+    const bool felt = state_ == SafetyState::running;
+    const double limit_V = std::min(device_.motor[0].supply_V, sample.limits.voltage_V);
+    const double worst_V = bearable_V.cwiseAbs().maxCoeff();
+    may_volts_ = felt && worst_V > limit_V * (1.0 - kRoundOff) ? may_volts_ + 1 : 0;
+    must_volts_ = felt && worst_V > limit_V * (1.0 + kRoundOff) ? must_volts_ + 1 : 0;
+    const double slack_s = 1e-3 * period_s_;
+    findings_[static_cast<std::size_t>(TripCause::voltage)] = {
+        may_volts_ * period_s_ > kVolts_s + slack_s, must_volts_ * period_s_ > kVolts_s + slack_s,
+        worst_V, limit_V};
+}
+
+/// How much of the force that was wanted may go out, by the rule of command_limiter.h: so much that
+/// the currents it settles at, and their force, are within 95 % of their limits.
+FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const DeviceCommand &wanted,
+                                          const ServoSample &sample) const {
+    const MotorParameters &motor = device_.motor[0];
+    Vector3 least_Ohm;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double R_hat_Ohm =
+            std::min(wanted.cancelled_resistance_Ohm[j],
+                     sample.winding[static_cast<std::size_t>(j)].R_hat_limit_Ohm);
+        least_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
+                                kLeastResidualShare * motor.resistance_Ohm);
+    }
+    const Vector3 &N = device_.geometry.transmission_ratio;
+    const Vector3 edge_Nm =
+        edge_torque_Nm(device_, now.q_rad, rate_rad_per_s_.cwiseQuotient(N)).cwiseQuotient(N);
+    const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
+    const Vector3 settling_A =
+        (wanted.e_W_V - back_emf_V).cwiseQuotient(least_Ohm) + edge_Nm.cwiseQuotient(k_T_);
+    const double force_N = now.force_N(k_T_.cwiseProduct(settling_A)).norm();
+    const double most_A = std::min(motor.peak_current_A, sample.limits.current_A);
+    const double share = std::min({1.0, 0.95 * most_A / settling_A.cwiseAbs().maxCoeff(),
+                                   0.95 * sample.limits.tip_force_N / force_N});
+    return {share, back_emf_V + share * settling_A.cwiseProduct(least_Ohm)};
+}
+
+void FaultJudge::look(const DeviceState &state, const ServoInputs &inputs, bool torn,
+                      const TickTiming &timing, const ServoSample &sample) {
+    findings_ = {};
+    look_at_window(inputs, torn, timing);
+    find(TripCause::device_lost, state.health == DeviceHealth::ok ? 0.0 : 1.0, 0.5, 0.0);
+    find(TripCause::not_finite, state.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
+
+    const double rad_per_count = 2.0 * std::numbers::pi / device_.encoder_counts_per_turn;
+    const Vector3 theta_rad =
+        rad_per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
+    const double since_last_s = (1 + timing.missed_deadlines) * period_s_;
+    const double a = std::exp(-sample.tuning.lambda_rad_per_s * since_last_s);
+    if (knows_before_) {
+        rate_rad_per_s_ = a * rate_rad_per_s_ + (1.0 - a) * (theta_rad - theta_rad_) / since_last_s;
+    }
+    theta_rad_ = theta_rad;
+    knows_before_ = true;
+
+    const TipAt now(device_.geometry, theta_rad);
+    const Vector3 force_N = now.force_N(k_T_.cwiseProduct(state.current_A));
+    look_at_currents(state.current_A, sample);
+    find(TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
+    look_at_motion(now, sample, timing);
+    look_at_energy(now, force_N, sample);
+    DeviceCommand wanted = law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact,
+                                sample.tuning, sample.global_alpha_rad2_per_m2)
+                               .command;
+    wanted.e_W_V += sample.carried_V;
+    const Bearable passes = bearable(now, wanted, sample);
+    look_at_voltage(passes.e_W_V, sample);
+    share_ = passes.share;
+    state_ = sample.safety.state;
+}
+
+} // namespace springdrive::testing

@@ -1,0 +1,103 @@
+// Says by its own reckoning what of a servo's faults can be seen in a tick: from the device's
+// answer and what the window sent, with formulae of its own where the safety monitor has its.
+//
+// For each cause two answers: whether it *may* be called a fault, and whether it *must*. They
+// differ by round-off, or where the limit is the monitor's own choice, by what no two could quarrel
+// about.
+#pragma once
+
+#include "engine/control/haptic_law.h"
+#include "engine/servo/servo_loop.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace springdrive::testing {
+
+struct Finding {
+    bool may = false;
+    bool must = false;
+    double measured = 0.0;
+    double limit = 0.0;
+};
+
+inline constexpr std::size_t kTripCauses = kTripCauseNames.size();
+
+/// Tip and J = ∂x/∂θ at motor angles, by the formulae of DESIGN section 5 written out.
+struct TipAt {
+    TipAt(const PhantomGeometry &geometry, const Vector3 &theta_rad);
+
+    Vector3 q_rad;
+    Vector3 tip_m;
+    Matrix3 J;
+
+    /// The tip force of winding currents [N], J⁻ᵀ k_T i.
+    [[nodiscard]] Vector3 force_N(const Vector3 &torque_Nm) const;
+};
+
+class FaultJudge {
+public:
+    FaultJudge(const DeviceDescription &device, double period_s);
+
+    /// One tick on: what came from the device, and what the servo made of it.
+    void look(const DeviceState &state, const ServoInputs &inputs, bool torn,
+              const TickTiming &timing, const ServoSample &sample);
+
+    /// As the monitor is reset in the coming tick, so is what the judge remembers.
+    void reset();
+
+    [[nodiscard]] const Finding &of(TripCause cause) const {
+        return findings_[static_cast<std::size_t>(cause)];
+    }
+    /// The first of the causes that must trip, in their order; none where none must.
+    [[nodiscard]] TripCause first_must() const;
+    [[nodiscard]] double generated_J() const { return generated_J_; }
+    [[nodiscard]] double upper_winding_C() const { return winding_C_.maxCoeff(); }
+
+private:
+    void find(TripCause cause, double measured, double limit, double slack);
+    void look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing);
+    void look_at_currents(const Vector3 &current_A, const ServoSample &sample);
+    void look_at_motion(const TipAt &now, const ServoSample &sample, const TickTiming &timing);
+    void look_at_stops(const Vector3 &q_rad, double limit_rad);
+    void look_at_energy(const TipAt &now, const Vector3 &force_N, const ServoSample &sample);
+    void look_at_voltage(const Vector3 &bearable_V, const ServoSample &sample);
+
+    /// What force and currents bear of a wanted command.
+    struct Bearable {
+        double share = 1.0;
+        Vector3 e_W_V{Vector3::Zero()};
+    };
+    [[nodiscard]] Bearable bearable(const TipAt &now, const DeviceCommand &wanted,
+                                    const ServoSample &sample) const;
+
+    DeviceDescription device_;
+    HapticLaw law_;
+    Vector3 k_T_;
+    double period_s_;
+    std::array<Finding, kTripCauses> findings_{};
+
+    bool knows_before_ = false;
+    Vector3 theta_rad_{Vector3::Zero()};
+    Vector3 rate_rad_per_s_{Vector3::Zero()};
+    bool knows_tip_ = false;
+    Vector3 tip_m_{Vector3::Zero()};
+    std::uint32_t heartbeat_ = 0;
+    double silent_s_ = 0.0;
+    Vector3 current_A_{Vector3::Zero()};
+    Vector3 winding_C_;
+    Vector3 housing_C_;
+    SafetyState state_ = SafetyState::waiting; ///< after the last tick
+    bool knows_energy_ = false;
+    Vector3 energy_tip_m_{Vector3::Zero()};
+    Vector3 energy_force_N_{Vector3::Zero()};
+    double stored_J_ = 0.0;
+    double held_J_ = 0.0;
+    double generated_J_ = 0.0;
+    double share_ = 1.0; ///< of the force let through in the last tick
+    int may_volts_ = 0;  ///< ticks in a row
+    int must_volts_ = 0;
+};
+
+} // namespace springdrive::testing

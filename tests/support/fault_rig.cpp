@@ -1,0 +1,228 @@
+#include "tests/support/fault_rig.h"
+
+#include "tests/support/devices.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::testing {
+
+namespace {
+
+constexpr double kHandGoes_s = 0.35; // from rest
+constexpr int kLatched_ticks = 200;
+constexpr double kForceRoundOff = 2e-3; // of encoder counts against the truth
+constexpr double kHeartbeat_s = 0.016;
+
+SimulationOptions at_rate_with_hand(const FaultCase &what, SimulationOptions options, HandOf hand) {
+    options.servo_period_s = 1.0 / what.servo_hz;
+    if (hand == HandOf::fault_case) {
+        options.hand = what.hand();
+    }
+    return options;
+}
+
+} // namespace
+
+FaultRig::FaultRig(const FaultCase &fault_case, const SimulationOptions &options, HandOf hand)
+    : what(fault_case),
+      device(phantom_1_0(), at_rate_with_hand(fault_case, options, hand), fault_case.start_m),
+      judge(device.description(), 1.0 / fault_case.servo_hz),
+      loop_(device, 1.0 / fault_case.servo_hz),
+      plate_(box_soup(Vector3(-0.1, -0.04, -0.1), Vector3(0.1, 0.0, 0.1))) {
+    inputs.tuning = what.tuning;
+    inputs.surface = what.on_plate ? &plate_ : nullptr;
+    inputs.heartbeat = 1;
+}
+
+int FaultRig::ticks_in(double time_s) const {
+    return static_cast<int>(std::lround(time_s * what.servo_hz));
+}
+
+ServoSample FaultRig::tick() {
+    if (ticks_ == static_cast<std::uint64_t>(ticks_in(kHandGoes_s))) {
+        device.set_hand_target(what.target_m);
+    }
+    if (window_lives && ticks_ % static_cast<std::uint64_t>(ticks_in(kHeartbeat_s)) == 0) {
+        ++inputs.heartbeat;
+    }
+    const TickTiming now = timing ? timing() : TickTiming{};
+    const DeviceCommand before = last_.command;
+    const DeviceState state = loop_.exchange();
+    ServoInputs arrived = sealed(inputs);
+    if (tear) {
+        tear(arrived);
+    }
+    const bool was_tripped = has_tripped();
+    last_ = loop_.update(state, arrived, now);
+    judge.look(state, inputs, static_cast<bool>(tear), now, last_);
+    check(state, before);
+    if (has_tripped() && (!was_tripped || since_reset_ == 0)) {
+        check_trip();
+    }
+    ++ticks_;
+    ++since_reset_;
+    return last_;
+}
+
+void FaultRig::check(const DeviceState &state, const DeviceCommand &before) {
+    EXPECT_EQ(last_.tick, ticks_);
+    EXPECT_EQ(device.exchanges(), ticks_ + 1);
+    EXPECT_EQ(last_.counts, state.counts);
+    EXPECT_EQ(device.last_command().e_W_V, before.e_W_V);
+    EXPECT_EQ(device.last_command().cancelled_resistance_Ohm, before.cancelled_resistance_Ohm);
+    EXPECT_TRUE(last_.command.e_W_V.allFinite());
+    check_force();
+    if (has_tripped()) {
+        late_ = 0;
+        check_braking();
+    } else if (late_ > 0 || judge.first_must() != TripCause::none) {
+        most_ticks_late_ = std::max(most_ticks_late_, ++late_);
+        EXPECT_LE(late_, 0) << "no trip in tick " << ticks_ << " by "
+                            << kTripCauseNames[static_cast<std::size_t>(judge.first_must())];
+    }
+    if (judge.generated_J() != 0.0 && last_.safety.state == SafetyState::running) {
+        EXPECT_NEAR(last_.generated_energy_J, judge.generated_J(), 1e-3 * 0.03);
+    }
+    recent_.emplace_back(last_.tip_m, last_.contact.touching);
+    if (recent_.size() > static_cast<std::size_t>(ticks_in(0.1))) {
+        recent_.pop_front();
+    }
+}
+
+/// True forces by true currents, at the end of every tick. Once it has tripped, no more than what a
+/// shorted winding has still to lose, e^(−T R/L) a tick, and what it answers the hand's speed with.
+void FaultRig::check_force() {
+    const DeviceDescription &device_of = device.description();
+    const TipAt truth(device_of.geometry, device.truth().theta_rad);
+    const Vector3 k_T = torque_constants(device_of);
+    const double force_N = truth.force_N(k_T.cwiseProduct(device.truth().current_A)).norm();
+    const MotorParameters &motor = device_of.motor[0];
+    const double R_Ohm =
+        (1.0 - motor.commutation_ripple) * motor.resistance_Ohm - device.sag_Ohm().maxCoeff();
+    const double brake_N =
+        truth.force_N(k_T.cwiseProduct(k_T).cwiseProduct(device.truth().theta_rate_rad_per_s))
+            .norm() /
+        R_Ohm;
+    double bound_N = last_.limits.tip_force_N * (1.0 + kForceRoundOff);
+    if (has_tripped()) {
+        const double left_N = force_N_ * std::exp(-R_Ohm / (motor.inductance_H * what.servo_hz));
+        bound_N = std::max(bound_N, 1.03 * (left_N + std::max(brake_N, brake_N_)));
+    }
+    above_force_ = force_N > bound_N ? above_force_ + 1 : 0;
+    if (force_is_bounded && above_force_ > 1) {
+        force_is_bounded = false; // say it once
+        ADD_FAILURE() << force_N << " N in tick " << ticks_ << ", after " << force_N_ << " N";
+    }
+    force_N_ = force_N;
+    brake_N_ = brake_N;
+    greatest_force_N_ = std::max(greatest_force_N_, force_N);
+}
+
+void FaultRig::check_braking() const {
+    EXPECT_TRUE(last_.command.e_W_V.isZero(0.0));
+    EXPECT_TRUE(last_.command.cancelled_resistance_Ohm.isZero(0.0));
+}
+
+/// The cause is one that can be seen, none that must come first is passed over, its numbers fit.
+void FaultRig::check_trip() const {
+    const SafetyStatus &status = last_.safety;
+    const Finding &found = judge.of(status.cause);
+    EXPECT_TRUE(found.may) << springdrive::description(status) << ", but the judge has "
+                           << found.measured << " of " << found.limit;
+    for (std::size_t cause = 1; cause < static_cast<std::size_t>(status.cause); ++cause) {
+        EXPECT_FALSE(judge.of(static_cast<TripCause>(cause)).must)
+            << kTripCauseNames[cause] << " comes before " << springdrive::description(status);
+    }
+    if (status.cause < TripCause::missed_deadlines) { // says no numbers
+        EXPECT_EQ(status.measured, 0.0);
+        return;
+    }
+    EXPECT_GT(status.measured, status.limit);
+    EXPECT_NEAR(status.measured, found.measured, 2e-3 * found.limit);
+    if (status.cause != TripCause::encoder_jump) { // how far is a jump, is for the monitor to say
+        EXPECT_NEAR(status.limit, found.limit, 1e-9 * found.limit);
+    }
+}
+
+void FaultRig::run_to_fault() {
+    while (ticks_ < what.at_tick && !has_tripped()) {
+        tick();
+    }
+    EXPECT_FALSE(has_tripped()) << "before any fault: " << springdrive::description(last_.safety);
+}
+
+void FaultRig::run_to_trip(double at_most_s) {
+    for (int i = 0; i < ticks_in(at_most_s) && !has_tripped(); ++i) {
+        tick();
+    }
+}
+
+void FaultRig::expect_tripped_by(TripCause cause) const {
+    EXPECT_TRUE(has_tripped());
+    EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(last_.safety.cause)],
+              kTripCauseNames[static_cast<std::size_t>(cause)])
+        << springdrive::description(last_.safety);
+    EXPECT_LE(most_ticks_late_, 1);
+}
+
+void FaultRig::expect_latched() {
+    const TripCause cause = last_.safety.cause;
+    for (int i = 0; i < kLatched_ticks; ++i) {
+        tick();
+        ASSERT_TRUE(has_tripped());
+        ASSERT_EQ(last_.safety.cause, cause);
+    }
+}
+
+void FaultRig::reset() {
+    ++inputs.reset_count;
+    judge.reset();
+    since_reset_ = 0;
+    recent_.clear();
+}
+
+void FaultRig::expect_reset_trips_again(TripCause cause, double within_s) {
+    reset();
+    tick();
+    run_to_trip(within_s);
+    expect_tripped_by(cause == TripCause::none ? last_.safety.cause : cause);
+}
+
+void FaultRig::expect_recovery() {
+    device.set_hand_target(what.start_m);
+    reset();
+    for (int i = 0; i < ticks_in(4.0); ++i) {
+        tick();
+        ASSERT_FALSE(has_tripped()) << springdrive::description(last_.safety);
+        if (last_.safety.state != SafetyState::waiting) {
+            check_rest();
+            return;
+        }
+        check_braking();
+    }
+    ADD_FAILURE() << "does not start again";
+}
+
+void FaultRig::expect_reset_waits() {
+    reset();
+    for (int i = 0; i < kLatched_ticks; ++i) {
+        tick();
+        ASSERT_NE(last_.safety.state, SafetyState::starting);
+        check_braking();
+    }
+}
+
+/// It starts: for a tenth of a second the tip was at one place, and touched nothing.
+void FaultRig::check_rest() const {
+    EXPECT_GE(since_reset_, static_cast<std::uint64_t>(ticks_in(0.1)));
+    for (const auto &[tip_m, touching] : recent_) {
+        EXPECT_LE((tip_m - last_.tip_m).norm(), 2e-3);
+        EXPECT_FALSE(touching);
+    }
+}
+
+} // namespace springdrive::testing

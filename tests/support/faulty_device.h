@@ -1,0 +1,152 @@
+// A device with a fault: passes everything on to a simulated PHANTOM and, from a given exchange on,
+// commits one fault, until it is mended.
+//
+//   servo ── e_W, R̂ ──► [gain, sag] ──► SimulatedPhantom
+//   servo ◄─ counts, i, health ◄── [step, flicker, drift, lateness, reading, silence] ◄── truth
+//
+// What a hand does wrong comes by its path or target; what a window does wrong is no device's.
+#pragma once
+
+#include "device/simulated/simulated_phantom.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace springdrive::testing {
+
+enum class FaultKind : std::uint8_t {
+    none,
+    silent,          ///< no answer: the last known state, health lost
+    not_a_number,    ///< in each current whose size is not zero
+    infinite,        ///< the same, with the sign of the size
+    count_step,      ///< counts off by the size [counts]
+    count_flicker,   ///< the same, in every other exchange
+    count_drift,     ///< counts that run away by the size in each exchange [counts]
+    late_counts,     ///< counts of size[0] exchanges ago
+    current_reading, ///< currents read as the size where it is not zero [A]
+    sagging_winding, ///< R less by the size [Ω]
+    amplifier_gain,  ///< e_W times the size; −1 is a swapped pair of wires
+};
+
+struct Fault {
+    FaultKind kind = FaultKind::none;
+    Vector3 size{Vector3::Zero()};
+};
+
+class FaultyDevice final : public HapticDevice {
+public:
+    FaultyDevice(const DeviceDescription &description, const SimulationOptions &options,
+                 const Vector3 &start_tip_m)
+        : device_(description, options, start_tip_m) {}
+
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return device_.description();
+    }
+    [[nodiscard]] int delay_samples() const override { return device_.delay_samples(); }
+
+    DeviceState exchange(const DeviceCommand &command) noexcept override {
+        last_command_ = command;
+        const DeviceState truth = device_.exchange(reaching_the_motors(command));
+        past_counts_[exchanges_ % past_counts_.size()] = truth.counts;
+        answer_ = as_reported(truth);
+        ++exchanges_;
+        return answer_;
+    }
+
+    /// From the exchange of that number on, counted from zero; in place of the fault before.
+    void commit(const Fault &fault, std::uint64_t from_exchange) {
+        fault_ = fault;
+        from_ = from_exchange;
+    }
+    void mend() { fault_ = {}; }
+
+    /// How much R is less than it should be.
+    [[nodiscard]] Vector3 sag_Ohm() const {
+        return fault_.kind == FaultKind::sagging_winding ? fault_.size : Vector3::Zero();
+    }
+
+    /// Periods in which the servo does not come: the amplifiers hold the last command.
+    void pass_by(int periods) noexcept {
+        for (int i = 0; i < periods; ++i) {
+            static_cast<void>(device_.exchange(reaching_the_motors(last_command_)));
+        }
+    }
+
+    void set_hand_target(const Vector3 &target_m) noexcept { device_.set_hand_target(target_m); }
+
+    [[nodiscard]] const SimulatedPhantom::Truth &truth() const { return device_.truth(); }
+    [[nodiscard]] const DeviceCommand &last_command() const { return last_command_; }
+    [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
+
+private:
+    [[nodiscard]] FaultKind present() const {
+        return exchanges_ >= from_ ? fault_.kind : FaultKind::none;
+    }
+
+    [[nodiscard]] DeviceCommand reaching_the_motors(DeviceCommand command) const {
+        if (present() == FaultKind::amplifier_gain) {
+            command.e_W_V = command.e_W_V.cwiseProduct(fault_.size);
+        } else if (present() == FaultKind::sagging_winding) {
+            command.cancelled_resistance_Ohm += fault_.size; // R − δ − R̂ is R − (R̂ + δ)
+        }
+        return command;
+    }
+
+    [[nodiscard]] DeviceState as_reported(DeviceState state) const {
+        const FaultKind kind = present();
+        if (kind == FaultKind::silent) {
+            state = answer_;
+            state.health = DeviceHealth::lost;
+        }
+        if (kind == FaultKind::late_counts) {
+            const auto late = static_cast<std::uint64_t>(fault_.size[0]);
+            state.counts =
+                past_counts_[(exchanges_ - std::min(late, exchanges_)) % past_counts_.size()];
+        }
+        for (std::size_t motor = 0; motor < 3; ++motor) {
+            const auto j = static_cast<Eigen::Index>(motor);
+            const double size = fault_.size[j];
+            state.counts[motor] += static_cast<std::int32_t>(std::lround(size * steps(kind)));
+            if (size == 0.0) {
+                continue;
+            }
+            if (kind == FaultKind::not_a_number) {
+                state.current_A[j] = std::numeric_limits<double>::quiet_NaN();
+            } else if (kind == FaultKind::infinite) {
+                state.current_A[j] = std::copysign(std::numeric_limits<double>::infinity(), size);
+            } else if (kind == FaultKind::current_reading) {
+                state.current_A[j] = size;
+            }
+        }
+        return state;
+    }
+
+    /// How many times its size a fault of the counts has grown to.
+    [[nodiscard]] double steps(FaultKind kind) const {
+        const std::uint64_t since = exchanges_ - from_;
+        switch (kind) {
+        case FaultKind::count_step:
+            return 1.0;
+        case FaultKind::count_flicker:
+            return since % 2 == 0 ? 1.0 : 0.0;
+        case FaultKind::count_drift:
+            return static_cast<double>(since + 1);
+        default:
+            return 0.0;
+        }
+    }
+
+    SimulatedPhantom device_;
+    Fault fault_;
+    std::uint64_t from_ = 0;
+    std::uint64_t exchanges_ = 0;
+    DeviceCommand last_command_;
+    DeviceState answer_;
+    std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
+};
+
+} // namespace springdrive::testing

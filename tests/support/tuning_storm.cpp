@@ -1,0 +1,225 @@
+#include "tests/support/tuning_storm.h"
+
+#include "engine/control/parameters.h"
+#include "tests/support/devices.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <sstream>
+#include <thread>
+
+namespace springdrive::testing {
+
+namespace {
+
+constexpr double kChanges_hz = 10'000.0;
+constexpr double kSceneShare = 0.0004; // of the changes: some four a second
+constexpr std::uint32_t kSerials = 40;
+constexpr std::uint64_t kMostTold = 5;
+constexpr double kPress_s = 0.15; // down, and as long up: a new scene around the tip starts free
+const Vector3 kFree_m(0.0, 0.02, 0.0);
+const Vector3 kAbove_m(-0.005, 0.006, 0.0);
+const Vector3 kPressing_m(0.005, -0.012, 0.0);
+
+/// What the serial number of a set makes of its limits and of α of AlphaMode::global.
+double winding_C(std::uint32_t serial) { return 99.0 - 0.5 * serial; }
+double beyond_stops_rad(std::uint32_t serial) { return 0.05 - 0.001 * serial; }
+double global_alpha(std::uint32_t serial) { return 500.0 + 100.0 * serial; }
+double surface_eta(std::uint32_t scene_id) { return 0.2 * (scene_id % 3U); }
+
+SimulationOptions at_rate(double servo_hz) {
+    SimulationOptions options;
+    options.servo_period_s = 1.0 / servo_hz;
+    return options;
+}
+
+HapticSurface plate(std::uint32_t scene_id) {
+    return HapticSurface(box_soup(Vector3(-0.1, -0.04, -0.1), Vector3(0.1, 0.001 * scene_id, 0.1),
+                                  surface_eta(scene_id)));
+}
+
+bool passes(const ServoSample &sample) {
+    return sample.safety.state == SafetyState::starting ||
+           sample.safety.state == SafetyState::running;
+}
+
+} // namespace
+
+std::string StormFigures::text() const {
+    std::ostringstream out;
+    out << published << " sets published, " << samples << " samples, " << felt
+        << " of them in contact with voltage on, " << scenes << " scenes, greatest step "
+        << greatest_step_V << " V, trips:";
+    for (std::size_t cause = 1; cause < by_cause.size(); ++cause) {
+        if (by_cause[cause] > 0) {
+            out << ' ' << kTripCauseNames[cause] << ' ' << by_cause[cause];
+        }
+    }
+    return out.str();
+}
+
+TuningStorm::TuningStorm(double servo_hz)
+    : device_(phantom_1_0(), at_rate(servo_hz), kFree_m), law_(device_.description()),
+      supply_V_(Vector3::Constant(device_.description().motor[0].supply_V)),
+      period_s_(1.0 / servo_hz), surfaces_{plate(0), plate(1), plate(2)},
+      servo_(device_, servo_hz) {
+    inputs_.surface = surfaces_.data();
+}
+
+/// All parameters within their ranges; K_D and η are tied to K_P and α, as what glides to them is.
+void TuningStorm::publish() {
+    const auto serial = std::uniform_int_distribution<std::uint32_t>(0, kSerials - 1)(random_);
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    Tuning &tuning = inputs_.tuning;
+    for (const Parameter &parameter : kParameters) {
+        const double x = share(random_);
+        tuning.*parameter.value =
+            parameter.logarithmic
+                ? std::clamp(parameter.lowest * std::pow(parameter.highest / parameter.lowest, x),
+                             parameter.lowest, parameter.highest)
+                : parameter.lowest + x * (parameter.highest - parameter.lowest);
+    }
+    tuning.K_D_Vs_per_rad = tuning.K_P_V_per_rad / 200.0;
+    tuning.eta = tuning.alpha_rad2_per_m2 / 20'000.0;
+    tuning.map = serial % 2 == 0 ? MotionMap::transpose : MotionMap::inverse;
+    tuning.alpha_mode = static_cast<AlphaMode>(serial % 3);
+    inputs_.limits.winding_C = winding_C(serial);
+    inputs_.limits.beyond_stops_rad = beyond_stops_rad(serial);
+    inputs_.global_alpha_rad2_per_m2 = global_alpha(serial);
+    if (share(random_) < kSceneShare) {
+        ++inputs_.scene_id;
+        inputs_.surface = &surfaces_[inputs_.scene_id % 3U];
+    }
+    ++inputs_.heartbeat;
+    servo_.publish(inputs_);
+    ++figures_.published;
+}
+
+/// Up and down, again and again; up after a trip, for the rest that a start wants.
+void TuningStorm::lift_and_press(const ServoSample &sample) {
+    const auto ticks = static_cast<std::uint64_t>(kPress_s / period_s_);
+    if (passes(sample)) {
+        if (sample.tick % ticks == 0) {
+            device_.set_hand_target(sample.tick / ticks % 2 == 0 ? kPressing_m : kAbove_m);
+        }
+    } else if (sample.safety.state == SafetyState::tripped && sample.tick >= next_reset_) {
+        ++figures_.trips;
+        ++figures_.by_cause[static_cast<std::size_t>(sample.safety.cause)];
+        expect(sample.safety.cause != TripCause::torn_inputs, sample, "torn inputs");
+        device_.set_hand_target(kFree_m);
+        ++inputs_.reset_count;
+        next_reset_ = sample.tick + ticks;
+    }
+}
+
+void TuningStorm::expect(bool good, const ServoSample &sample, const char *what) {
+    if (!good && figures_.faults++ < kMostTold) {
+        ADD_FAILURE() << what << " in tick " << sample.tick;
+    }
+}
+
+/// What is in force is whole, and within its ranges.
+void TuningStorm::check_set(const ServoSample &sample) {
+    const Tuning &tuning = sample.tuning;
+    expect(is_valid(tuning), sample, "a parameter out of its range");
+    const double serial_of_alpha = (sample.global_alpha_rad2_per_m2 - 500.0) / 100.0;
+    const auto serial = static_cast<std::uint32_t>(std::lround(serial_of_alpha));
+    expect(sample.global_alpha_rad2_per_m2 == global_alpha(serial) && serial < kSerials, sample,
+           "an α of no set");
+    expect(sample.limits.winding_C == winding_C(serial) &&
+               sample.limits.beyond_stops_rad == beyond_stops_rad(serial),
+           sample, "limits of another set");
+    expect((tuning.map == MotionMap::transpose) == (serial % 2 == 0) &&
+               static_cast<std::uint32_t>(tuning.alpha_mode) == serial % 3,
+           sample, "a map of another set");
+    // Glided together, arrived together: within what counts as arrived.
+    expect(std::abs(tuning.K_D_Vs_per_rad / 0.1 - tuning.K_P_V_per_rad / 20.0) < 1e-5 &&
+               std::abs(tuning.eta - tuning.alpha_rad2_per_m2 / 20'000.0) < 1e-5,
+           sample, "K_D or η of another set");
+    expect(!sample.contact.touching || sample.contact.eta == surface_eta(sample.scene_id), sample,
+           "a surface of another scene");
+}
+
+/// e_W as wanted on the state of one sample under the tuning of another, within the supply.
+Vector3 TuningStorm::wanted_V(const ServoSample &state, const ServoSample &tuned,
+                              const Configuration &now) const {
+    return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
+}
+
+/// The step that this tick's changes alone made of e_W: to what it would have been without them,
+/// or after a change of scene to what it last was. And R̂ i, by as little.
+void TuningStorm::check_step(const ServoSample &sample) {
+    const auto within_supply = [&](const Vector3 &e_W_V) -> Vector3 {
+        return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
+    };
+    const auto configuration = [&](const ServoSample &tuned) {
+        VelocityFilter filter(before_.theta_rad, before_.theta_rate_rad_per_s);
+        const double since_last_s = (1.0 + sample.missed_deadlines) * period_s_;
+        const double pole = velocity_filter_pole(tuned.tuning.lambda_rad_per_s, since_last_s);
+        return law_.configuration(sample.theta_rad,
+                                  filter.update(sample.theta_rad, pole, since_last_s));
+    };
+    const Configuration now = configuration(sample);
+    expect((now.theta_rate_rad_per_s - sample.theta_rate_rad_per_s).norm() < 1e-6, sample,
+           "a velocity that is not the filter's");
+    const Vector3 after_V = within_supply(wanted_V(sample, sample, now)) + sample.carried_V;
+    Vector3 unchanged_V;
+    if (sample.scene_id != before_.scene_id) {
+        ++figures_.scenes;
+        const Configuration then =
+            law_.configuration(before_.theta_rad, before_.theta_rate_rad_per_s);
+        unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.carried_V);
+    } else {
+        unchanged_V =
+            within_supply(wanted_V(sample, before_, configuration(before_))) + before_.carried_V;
+    }
+    const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();
+    figures_.greatest_step_V = std::max(figures_.greatest_step_V, step_V);
+    expect(step_V <= kGreatestChange_V_per_s * period_s_ + 1e-6, sample, "a step in e_W");
+    const double peak_A = device_.description().motor[0].peak_current_A;
+    expect(std::abs(sample.tuning.dR_Ohm - before_.tuning.dR_Ohm) * peak_A <=
+               kGreatestChange_V_per_s * period_s_ + 1e-9,
+           sample, "a step in R̂ i");
+}
+
+void TuningStorm::check(const ServoSample &sample) {
+    expect(sample.tick == figures_.samples, sample, "a lost sample");
+    ++figures_.samples;
+    check_set(sample);
+    if (knows_before_ && passes(before_)) {
+        check_step(sample);
+    }
+    figures_.felt += passes(sample) && sample.contact.touching ? 1 : 0;
+    lift_and_press(sample);
+    before_ = sample;
+    knows_before_ = true;
+}
+
+StormFigures TuningStorm::blow(double seconds) {
+    using Clock = std::chrono::steady_clock;
+    publish();
+    servo_.start();
+    const Clock::time_point begin = Clock::now();
+    const auto since_s = [&] {
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+    };
+    while (since_s() < seconds) {
+        const auto due = static_cast<std::uint64_t>(kChanges_hz * since_s());
+        while (figures_.published < due) {
+            publish();
+        }
+        servo_.drain([&](const ServoSample &sample) { check(sample); });
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    servo_.stop();
+    servo_.drain([&](const ServoSample &sample) { check(sample); });
+    EXPECT_EQ(servo_.lost_samples(), 0U);
+    return figures_;
+}
+
+} // namespace springdrive::testing

@@ -1,0 +1,65 @@
+// A storm of changes on a servo that runs on its own thread: 10,000 sets of inputs a second, all at
+// random within their ranges, while a hand presses on one of three surfaces. Every sample is
+// checked.
+//
+// One serial number shows in several fields of each set, so that a torn one would be seen in the
+// samples: in limits that trip nothing, in K_D and η, which go with K_P and α, and in α of
+// AlphaMode::global.
+#pragma once
+
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/haptic_law.h"
+#include "engine/servo/servo.h"
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string>
+
+namespace springdrive::testing {
+
+/// What a storm has shown.
+struct StormFigures {
+    std::uint64_t published = 0;
+    std::uint64_t samples = 0;
+    std::uint64_t felt = 0;   ///< with voltage on and the tip touching
+    std::uint64_t scenes = 0; ///< that came into force
+    std::uint64_t trips = 0;  ///< wild tunings are not all stable
+    std::uint64_t faults = 0; ///< expectations that failed; the first few say which
+    std::array<int, kTripCauseNames.size()> by_cause{};
+    double greatest_step_V = 0.0; ///< that a change made of e_W in a tick
+
+    [[nodiscard]] std::string text() const;
+};
+
+class TuningStorm {
+public:
+    explicit TuningStorm(double servo_hz);
+
+    StormFigures blow(double seconds);
+
+private:
+    void publish();
+    void lift_and_press(const ServoSample &sample);
+    void check(const ServoSample &sample);
+    void check_set(const ServoSample &sample);
+    void check_step(const ServoSample &sample);
+    void expect(bool good, const ServoSample &sample, const char *what);
+    [[nodiscard]] Vector3 wanted_V(const ServoSample &state, const ServoSample &tuned,
+                                   const Configuration &now) const;
+
+    SimulatedPhantom device_;
+    HapticLaw law_;
+    Vector3 supply_V_;
+    double period_s_;
+    std::array<HapticSurface, 3> surfaces_;
+    std::mt19937 random_{61};
+    ServoInputs inputs_;
+    StormFigures figures_;
+    bool knows_before_ = false;
+    ServoSample before_;
+    std::uint64_t next_reset_ = 0; ///< no sooner than in this tick
+    Servo servo_;                  ///< the last, so that it stops first
+};
+
+} // namespace springdrive::testing
