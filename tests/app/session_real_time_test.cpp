@@ -1,0 +1,232 @@
+// Covers app/session.cpp with the servo on its own thread: whatever the
+// hand, the panels, the loader and the recorder do meanwhile, that thread allocates nothing, locks
+// nothing, and makes no system call but to read the clock and to sleep.
+#include "app/session.h"
+#include "engine/control/parameters.h"
+#include "engine/scenario/scripted_touch.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+#include "tests/support/real_time_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace springdrive {
+namespace {
+
+using testing::watched;
+
+constexpr std::array kScenes{"sphere", "stepped_block", "organic", "compliance", "plate"};
+constexpr auto kPatience = std::chrono::seconds(30);
+
+void expect_nothing_caught() {
+    EXPECT_TRUE(watched().has_filter);
+    EXPECT_EQ(watched().allocations, 0);
+    EXPECT_EQ(watched().locks, 0);
+    EXPECT_EQ(watched().system_call, -1) << "the number of the system call";
+}
+
+/// Until `is_so`, or until patience ends or the servo was caught: whoever waits finds out why.
+template <typename Step> bool step_until(const std::function<bool()> &is_so, Step &&step) {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (!is_so()) {
+        if (watched().system_call != -1 || std::chrono::steady_clock::now() > end) {
+            return false;
+        }
+        step();
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return true;
+}
+
+SessionOptions options(const std::string &scene) {
+    SessionOptions chosen;
+    chosen.scene = testing::assets() / "scenes" / (scene + ".gltf");
+    chosen.device_file = testing::assets() / "devices/phantom_1_0.toml";
+    return chosen;
+}
+
+/// A session whose servo is watched, and a hand to touch with.
+class Touch {
+public:
+    explicit Touch(const SessionOptions &chosen) : session_(chosen) {
+        session_.start(testing::watch_this_thread_for_good);
+    }
+
+    Session &session() { return session_; }
+    [[nodiscard]] const ServoSample &latest() const { return session_.latest(); }
+
+    bool until(const std::function<bool()> &is_so) {
+        return step_until(is_so, [this] { session_.advance(2e-3); });
+    }
+    void ticks(std::uint64_t number) {
+        const std::uint64_t end = latest().tick + number;
+        EXPECT_TRUE(until([&] { return latest().tick >= end; }));
+    }
+
+    /// Lifts the tip, leaves a trip if there is one, and waits until the motors have their voltage.
+    void stand_above() {
+        const Vector3 above_m = path().at(0.0).position_m;
+        session_.move_hand_to(above_m);
+        EXPECT_TRUE(until([&] { return (latest().tip_m - above_m).norm() < 5e-3; }));
+        if (latest().safety.state == SafetyState::tripped) {
+            session_.reset_safety();
+        }
+        EXPECT_TRUE(until([&] { return latest().safety.state == SafetyState::running; }));
+    }
+    void press() {
+        session_.move_hand_to(path().at(2.0).position_m);
+        EXPECT_TRUE(until([&] {
+            return latest().contact.touching && latest().scene_id == session_.scene_id();
+        })) << session_.scene().scene.file;
+        ticks(100);
+    }
+    /// After an attempt on its stability.
+    void recover() {
+        if (latest().safety.state == SafetyState::tripped) {
+            stand_above();
+            press();
+        }
+    }
+
+    void switch_to(const std::string &scene) {
+        const std::uint32_t next = session_.scene_id() + 1;
+        session_.request_scene(testing::assets() / "scenes" / (scene + ".gltf"));
+        EXPECT_TRUE(until([&] { return latest().scene_id == next; })) << scene;
+        ticks(50);
+    }
+
+private:
+    [[nodiscard]] HandPath path() const {
+        const LoadedScene &loaded = session_.scene();
+        const Vector3 start_m =
+            start_above(session_.device(), loaded.scene.lower_m, loaded.scene.upper_m);
+        return scripted_touch(session_.device(), loaded.surface, loaded.scene.lower_m,
+                              loaded.scene.upper_m, start_m, {});
+    }
+
+    Session session_;
+};
+
+void touch_every_scene(Touch &touch) {
+    for (const char *scene : kScenes) {
+        touch.switch_to(scene); // in contact with the one before
+        touch.stand_above();
+        touch.press();
+    }
+}
+
+void turn_every_knob(Touch &touch) {
+    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+        for (const AlphaMode mode :
+             {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+            Tuning tuning;
+            tuning.map = map;
+            tuning.alpha_mode = mode;
+            touch.session().tune(tuning);
+            touch.ticks(60);
+        }
+    }
+    for (const Parameter &parameter : kParameters) {
+        for (const double value : {parameter.lowest, parameter.highest}) {
+            Tuning tuning;
+            tuning.*parameter.value = value;
+            touch.session().tune(tuning);
+            touch.ticks(100);
+        }
+        touch.session().tune({});
+        touch.recover();
+    }
+}
+
+void lower_and_raise_every_limit(Touch &touch) {
+    for (const SafetyLimit &limit : kSafetyLimits) {
+        SafetyLimits lower = unlowered();
+        lower.*limit.value = 0.7 * limits_of(touch.session().device()).*limit.value;
+        touch.session().lower_limits(lower);
+        touch.ticks(40);
+        touch.session().lower_limits(unlowered());
+        touch.ticks(10);
+    }
+    touch.recover();
+}
+
+void trip(Touch &touch, const std::function<void()> &how, TripCause cause) {
+    how();
+    EXPECT_TRUE(touch.until([&] { return touch.latest().safety.cause == cause; }));
+    touch.session().lower_limits(unlowered());
+    touch.stand_above();
+    touch.press();
+}
+
+void trip_and_reset(Touch &touch) {
+    Session &session = touch.session();
+    trip(
+        touch, [&] { session.emergency_stop(); }, TripCause::emergency_stop);
+    SafetyLimits weak = unlowered();
+    weak.tip_force_N = 0.05;
+    trip(
+        touch, [&] { session.lower_limits(weak); }, TripCause::tip_force);
+}
+
+class RealTimeSession : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (!testing::can_filter_system_calls()) {
+            GTEST_SKIP() << "this kernel lets nobody filter system calls (seccomp)";
+        }
+    }
+};
+
+TEST_F(RealTimeSession, NothingThatIsDoneToItMakesTheServoAllocateLockOrCall) {
+    const std::filesystem::path folder = testing::fresh_folder("real_time_session");
+    const bool holds = testing::holds_in_a_child([&] {
+        Touch touch(options("plate"));
+        touch.stand_above();
+        touch.session().start_recording(folder / "scenes.rec");
+        touch.press();
+        touch_every_scene(touch);
+        turn_every_knob(touch);
+        touch.session().stop_recording();
+        touch.session().start_recording(folder / "safety.rec");
+        lower_and_raise_every_limit(touch);
+        trip_and_reset(touch);
+        touch.session().stop_recording();
+        EXPECT_EQ(touch.session().record_status().error, "");
+        EXPECT_GT(touch.session().record_status().rows, 1000U);
+        expect_nothing_caught();
+        testing::end_this_child();
+    });
+    EXPECT_TRUE(holds);
+    std::filesystem::remove_all(folder);
+}
+
+TEST_F(RealTimeSession, AHandOnAPathAtTheFastestRateMakesItNeither) {
+    const std::filesystem::path folder = testing::fresh_folder("real_time_path");
+    const bool holds = testing::holds_in_a_child([&] {
+        SessionOptions chosen = options("organic");
+        chosen.plays_script = true;
+        chosen.servo_hz = 4000.0;
+        chosen.delay_samples = 1;
+        chosen.effects.structural_compliance = true;
+        chosen.record = folder / "path.rec";
+        Touch touch(chosen);
+        EXPECT_TRUE(touch.until([&] { return touch.latest().contact.touching; }));
+        touch.ticks(2000);
+        touch.session().stop_recording();
+        expect_nothing_caught();
+        testing::end_this_child();
+    });
+    EXPECT_TRUE(holds);
+    std::filesystem::remove_all(folder);
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,193 @@
+// What each step of a servo tick costs by itself: part of servo_benchmark. What
+// motion_control_benchmark and proxy_benchmark have in detail is here one step.
+#include "base/sample_ring.h"
+#include "engine/control/force_direction.h"
+#include "engine/servo/change_over.h"
+#include "engine/servo/command_limiter.h"
+#include "tests/bench/over_ticks.h"
+#include "tests/bench/touch_path.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace {
+
+using namespace springdrive;
+using namespace springdrive::bench;
+
+/// So few that a step's inputs stay in the processor's cache, as they do within a tick.
+constexpr std::size_t kEnd = RecordedTouch::kBefore + 1000;
+
+void nothing() {}
+
+Configuration configuration_of(const HapticLaw &law, const ServoSample &sample) {
+    return law.configuration(sample.theta_rad, sample.theta_rate_rad_per_s);
+}
+
+std::vector<Configuration> configurations(const HapticLaw &law, const RecordedTouch &touch) {
+    std::vector<Configuration> all;
+    for (const ServoSample &sample : touch.samples) {
+        all.push_back(configuration_of(law, sample));
+    }
+    return all;
+}
+
+void step_device(benchmark::State &state, const RecordedTouch &touch) {
+    std::unique_ptr<ServoRig> rig;
+    over_ticks(
+        state, RecordedTouch::kTicks,
+        [&] {
+            rig = std::make_unique<ServoRig>(touch.description, touch.path, touch.surface);
+            for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
+                rig->tick();
+            }
+        },
+        [&](std::size_t tick) { return rig->device.exchange(touch.samples[tick - 1].command); });
+}
+
+void step_inputs(benchmark::State &state, const RecordedTouch &touch) {
+    ServoInputs inputs;
+    inputs.surface = &touch.surface;
+    inputs = sealed(inputs);
+    over_ticks(state, kEnd, nothing, [&](std::size_t /*tick*/) { return is_whole(inputs); });
+}
+
+void step_configuration(benchmark::State &state, const RecordedTouch &touch) {
+    const HapticLaw law(touch.description);
+    VelocityFilter filter;
+    over_ticks(
+        state, kEnd, [&] { filter.reset(touch.samples[RecordedTouch::kBefore - 1].theta_rad); },
+        [&](std::size_t tick) {
+            const Vector3 theta_rad = law.theta_rad(touch.states[tick].counts);
+            const double pole =
+                velocity_filter_pole(touch.samples[tick].tuning.lambda_rad_per_s, kServoPeriod_s);
+            return law.configuration(theta_rad, filter.update(theta_rad, pole, kServoPeriod_s));
+        });
+}
+
+void step_proxy(benchmark::State &state, const RecordedTouch &touch) {
+    Proxy proxy;
+    over_ticks(
+        state, RecordedTouch::kTicks,
+        [&] {
+            proxy.reset(touch.samples.front().tip_m);
+            for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
+                proxy.update(touch.surface, touch.samples[i].tip_m);
+            }
+        },
+        [&](std::size_t tick) { return proxy.update(touch.surface, touch.samples[tick].tip_m); });
+}
+
+void step_law(benchmark::State &state, const RecordedTouch &touch) {
+    const HapticLaw law(touch.description);
+    const std::vector<Configuration> now = configurations(law, touch);
+    over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
+        const ServoSample &sample = touch.samples[tick];
+        return law(now[tick], sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
+    });
+}
+
+/// What is added to a tick in which a tuning moves: its angles and its law once more, as before.
+void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
+    const HapticLaw law(touch.description);
+    ChangeOver change(kServoPeriod_s);
+    over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
+        const ServoSample &sample = touch.samples[tick];
+        VelocityFilter filter(touch.samples[tick - 1].theta_rad,
+                              touch.samples[tick - 1].theta_rate_rad_per_s);
+        const double pole = velocity_filter_pole(sample.tuning.lambda_rad_per_s, kServoPeriod_s);
+        const Configuration now = law.configuration(
+            sample.theta_rad, filter.update(sample.theta_rad, pole, kServoPeriod_s));
+        const LawOutcome before =
+            law(now, sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
+        change.change(before.command.e_W_V, sample.command.e_W_V);
+        change.fade();
+        return change.carried_V();
+    });
+}
+
+/// What the safety monitor sees in each tick.
+std::vector<Observation> observations(const HapticLaw &law, const RecordedTouch &touch) {
+    std::vector<Observation> all;
+    for (const ServoSample &sample : touch.samples) {
+        Observation seen;
+        seen.now = configuration_of(law, sample);
+        seen.tip_force_N = sample.tip_force_N;
+        seen.current_A = sample.current_A;
+        seen.touching = sample.contact.touching;
+        if (seen.touching) {
+            seen.spring_force_N = static_tip_force(
+                seen.now.J, law.k_T() * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm),
+                sample.theta_Sd_rad - sample.theta_rad);
+            seen.spring_stretch_m = sample.contact.x0_m - sample.tip_m;
+        }
+        all.push_back(seen);
+    }
+    return all;
+}
+
+void step_safety_monitor(benchmark::State &state, const RecordedTouch &touch) {
+    const std::vector<Observation> seen = observations(HapticLaw(touch.description), touch);
+    std::optional<SafetyMonitor> monitor;
+    over_ticks(
+        state, kEnd,
+        [&] {
+            monitor.emplace(touch.description, kServoPeriod_s);
+            for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
+                monitor->pass(touch.samples[i].command, seen[i], {});
+            }
+        },
+        [&](std::size_t tick) {
+            return monitor->pass(touch.samples[tick].command, seen[tick], {});
+        });
+}
+
+void step_limiter(benchmark::State &state, const RecordedTouch &touch) {
+    const HapticLaw law(touch.description);
+    const std::vector<Configuration> now = configurations(law, touch);
+    over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
+        const ServoSample &sample = touch.samples[tick];
+        LimiterInputs inputs{now[tick], sample.limits, 1.0, Vector3::Zero()};
+        for (std::size_t j = 0; j < sample.winding.size(); ++j) {
+            inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
+                sample.winding[j].R_hat_limit_Ohm;
+        }
+        return limited(touch.description, sample.command, inputs);
+    });
+}
+
+void step_energy_observer(benchmark::State &state, const RecordedTouch &touch) {
+    const std::vector<Observation> seen = observations(HapticLaw(touch.description), touch);
+    EnergyObserver observer(kServoPeriod_s);
+    over_ticks(
+        state, kEnd, [&] { observer.reset(); },
+        [&](std::size_t tick) {
+            const Observation &now = seen[tick];
+            observer.update(now.now.tip_m, now.tip_force_N,
+                            spring_energy_J(now.spring_force_N, now.spring_stretch_m, 1.0), 0.0,
+                            0.03);
+            return observer.generated_J();
+        });
+}
+
+/// Into a ring as long as the record's: the memory is not in a cache.
+void step_telemetry(benchmark::State &state, const RecordedTouch &touch) {
+    SampleRing<ServoSample> ring(32'768);
+    over_ticks(
+        state, kEnd, [&] { ring.drain([](const ServoSample & /*sample*/) {}); },
+        [&](std::size_t tick) { return ring.push(touch.samples[tick]); });
+}
+
+} // namespace
+
+BENCHMARK(at_place<step_device>)->Name("step_device")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_inputs>)->Name("step_inputs")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_configuration>)->Name("step_configuration")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_proxy>)->Name("step_proxy")->DenseRange(kFirstPlace, kLastPlace);
+BENCHMARK(at_place<step_law>)->Name("step_law")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_carry_over>)->Name("step_carry_over")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_safety_monitor>)->Name("step_safety_monitor")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_limiter>)->Name("step_limiter")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_energy_observer>)->Name("step_energy_observer")->Arg(kFree)->Arg(kOrganic);
+BENCHMARK(at_place<step_telemetry>)->Name("step_telemetry")->Arg(kFree)->Arg(kOrganic);

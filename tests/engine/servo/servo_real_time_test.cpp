@@ -1,0 +1,212 @@
+// Covers engine/servo/servo.cpp: its thread, once started, only computes, sleeps and reads the
+// clock. And the watch that says so (tests/support/real_time_watch.h) sees what would be wrong.
+#include "device/simulated/simulated_phantom.h"
+#include "engine/scenario/scripted_touch.h"
+#include "engine/scenario/test_surfaces.h"
+#include "engine/servo/servo.h"
+#include "tests/support/devices.h"
+#include "tests/support/real_time_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace springdrive {
+namespace {
+
+using testing::watched;
+
+constexpr int kNone = -1;
+constexpr auto kPatience = std::chrono::seconds(30);
+
+/// Ends this child when the servo has done enough or was caught, after a last look by `check`.
+template <typename IsEnough, typename Check>
+[[noreturn]] void run_watched(Servo &servo, const HapticSurface *surface, IsEnough &&is_enough,
+                              Check &&check) {
+    ServoInputs inputs;
+    inputs.surface = surface;
+    servo.publish(inputs);
+    servo.feed_recorder(true);
+    servo.start({{}, testing::watch_this_thread_for_good});
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    bool enough = false;
+    while (!enough && watched().system_call == kNone && std::chrono::steady_clock::now() < end) {
+        servo.drain([&](const ServoSample &sample) { enough = enough || is_enough(sample); });
+        servo.record_ring().drain([](const ServoSample & /*sample*/) {});
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    EXPECT_TRUE(watched().has_filter);
+    check(enough);
+    testing::end_this_child();
+}
+
+class RealTimeServo : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (!testing::can_filter_system_calls()) {
+            GTEST_SKIP() << "this kernel lets nobody filter system calls (seccomp)";
+        }
+    }
+};
+
+TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
+    const HapticSurface surface(*test_surface_named("sphere:1310720"));
+    const bool holds = testing::holds_in_a_child([&] {
+        const DeviceDescription description = testing::phantom_1_0();
+        const Vector3 upper_m = Vector3::Constant(kTestSphereRadius_m);
+        const Vector3 start_m = start_above(description, -upper_m, upper_m);
+        SimulationOptions options;
+        options.path = scripted_touch(description, surface, -upper_m, upper_m, start_m);
+        SimulatedPhantom device(description, options, start_m);
+        Servo servo(device, 1000.0);
+        int touching = 0;
+        run_watched(
+            servo, &surface,
+            [&](const ServoSample &sample) {
+                touching += sample.contact.touching ? 1 : 0;
+                return touching > 500;
+            },
+            [](bool enough) {
+                EXPECT_TRUE(enough);
+                EXPECT_EQ(watched().allocations, 0);
+                EXPECT_EQ(watched().locks, 0);
+                EXPECT_EQ(watched().system_call, kNone);
+            });
+    });
+    EXPECT_TRUE(holds);
+}
+
+/// A device whose driver does something on the servo's thread, in its twentieth tick.
+class Driver final : public HapticDevice {
+public:
+    explicit Driver(std::function<void()> deed)
+        : deed_(std::move(deed)),
+          phantom_(testing::phantom_1_0(), {}, testing::phantom_1_0().workspace.centre_m) {}
+
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return phantom_.description();
+    }
+    [[nodiscard]] int delay_samples() const override { return 0; }
+    DeviceState exchange(const DeviceCommand &command) noexcept override {
+        if (++ticks_ == 20) {
+            deed_();
+        }
+        return phantom_.exchange(command);
+    }
+
+private:
+    std::function<void()> deed_;
+    SimulatedPhantom phantom_;
+    int ticks_ = 0;
+};
+
+struct Deed {
+    const char *name;
+    std::function<void()> act;
+    long system_call = kNone; ///< that it makes
+};
+
+/// What a servo was seen to do whose driver does this.
+template <typename Check> bool holds_for(const Deed &deed, Check &&check) {
+    return testing::holds_in_a_child([&] {
+        Driver driver(deed.act);
+        Servo servo(driver, 1000.0);
+        run_watched(
+            servo, nullptr, [](const ServoSample &sample) { return sample.tick > 40; },
+            [&](bool enough) {
+                EXPECT_TRUE(enough || watched().system_call != kNone);
+                check();
+            });
+    });
+}
+
+TEST_F(RealTimeServo, TheWatchSeesNothingWhereNothingIsDone) {
+    const bool holds = holds_for({"nothing", [] {}}, [] {
+        EXPECT_EQ(watched().allocations, 0);
+        EXPECT_EQ(watched().locks, 0);
+        EXPECT_EQ(watched().system_call, kNone);
+    });
+    EXPECT_TRUE(holds);
+}
+
+TEST_F(RealTimeServo, TheWatchSeesAllocations) {
+    static std::atomic<void *> kept = nullptr; // what nobody keeps, a compiler need not allocate
+    static std::atomic<void *> none = nullptr;
+    static auto *old = new std::vector<char>(100);
+    const std::array deeds{
+        Deed{"malloc", [] { kept = std::malloc(1); }},                    // NOLINT
+        Deed{"calloc", [] { kept = std::calloc(1, 1); }},                 // NOLINT
+        Deed{"realloc", [] { kept = std::realloc(none, 1); }},            // NOLINT
+        Deed{"aligned_alloc", [] { kept = std::aligned_alloc(64, 64); }}, // NOLINT
+        Deed{"new", [] { kept = new char; }},                             // NOLINT
+        Deed{"free", [] { std::free(none); }},                            // NOLINT
+        Deed{"a vector that grows", [] { old->resize(1000); }},
+        Deed{"a vector that goes", [] { delete old; }}, // NOLINT
+    };
+    for (const Deed &deed : deeds) {
+        const bool seen = holds_for(deed, [] { EXPECT_GT(watched().allocations, 0); });
+        EXPECT_TRUE(seen) << deed.name;
+    }
+}
+
+TEST_F(RealTimeServo, TheWatchSeesLocks) {
+    static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+    static pthread_rwlock_t lock = PTHREAD_RWLOCK_INITIALIZER;
+    static std::mutex standard;
+    const std::array deeds{
+        Deed{"a mutex", [] { pthread_mutex_lock(&mutex); }},
+        Deed{"a mutex tried", [] { static_cast<void>(pthread_mutex_trylock(&mutex)); }},
+        Deed{"a lock to read", [] { pthread_rwlock_rdlock(&lock); }},
+        Deed{"a lock to write", [] { pthread_rwlock_wrlock(&lock); }},
+        Deed{"C++'s own", [] { const std::lock_guard guard(standard); }},
+    };
+    for (const Deed &deed : deeds) {
+        const bool seen = holds_for(deed, [] { EXPECT_EQ(watched().locks, 1); });
+        EXPECT_TRUE(seen) << deed.name;
+    }
+}
+
+TEST_F(RealTimeServo, TheWatchSeesSystemCalls) {
+    static int word = 0;
+    const std::array deeds{
+        Deed{"write", [] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); }, SYS_write},
+        Deed{"wake", [] { syscall(SYS_futex, &word, FUTEX_WAKE, 1); }, SYS_futex},
+        Deed{"yield", [] { sched_yield(); }, SYS_sched_yield},
+        Deed{"open", [] { static_cast<void>(open("/dev/null", O_RDONLY)); }, SYS_openat},
+        Deed{"control", [] { ioctl(0, FIONREAD, &word); }, SYS_ioctl},
+        Deed{"map",
+             [] {
+                 static_cast<void>(mmap(nullptr, 1, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+             },
+             SYS_mmap},
+        Deed{"unmap", [] { munmap(nullptr, 1); }, SYS_munmap},
+        Deed{"break", [] { syscall(SYS_brk, nullptr); }, SYS_brk},
+        Deed{"advise", [] { madvise(nullptr, 1, MADV_NORMAL); }, SYS_madvise},
+        Deed{"ask", [] { getppid(); }, SYS_getppid},
+    };
+    for (const Deed &deed : deeds) {
+        const bool seen =
+            holds_for(deed, [&] { EXPECT_EQ(watched().system_call, deed.system_call); });
+        EXPECT_TRUE(seen) << deed.name;
+    }
+}
+
+} // namespace
+} // namespace springdrive
