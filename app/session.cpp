@@ -86,6 +86,7 @@ Session::Session(const SessionOptions &options)
     const DeviceDescription description = read_device_text(device_text_, options.device_file);
     if (options.cpu) {
         check_cpu(*options.cpu);
+        keep_off_cpu(*options.cpu); // window, recorder and loader; the servo's thread goes there
     }
     inputs_.tuning = options.tuning;
     inputs_.global_alpha_rad2_per_m2 = global_alpha_bound(description);

@@ -114,6 +114,16 @@ ShortIdle::~ShortIdle() {
     }
 }
 
+void keep_off_cpu(int cpu) noexcept {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    sched_getaffinity(0, sizeof allowed, &allowed);
+    CPU_CLR(static_cast<std::size_t>(cpu), &allowed);
+    if (CPU_COUNT(&allowed) > 0) {
+        static_cast<void>(sched_setaffinity(0, sizeof allowed, &allowed));
+    }
+}
+
 void check_cpu(int cpu) {
     cpu_set_t allowed;
     CPU_ZERO(&allowed);

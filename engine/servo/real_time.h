@@ -36,4 +36,9 @@ private:
 /// @throw InputError unless this process may run on processor `cpu`.
 void check_cpu(int cpu);
 
+/// Keeps the calling thread, and those that it starts from now on, off a processor that the servo
+/// stays on: on many kernels what is in the midst of a write to disk is not interrupted. Does
+/// nothing where there is no other.
+void keep_off_cpu(int cpu) noexcept;
+
 } // namespace springdrive
