@@ -1,4 +1,5 @@
-// A signal that asks the program to end (SIGINT, SIGTERM, SIGHUP) is only noted: who runs a loop looks.
+// A signal that asks the program to end (SIGINT, SIGTERM, SIGHUP) is only noted: who runs a loop
+// looks.
 #pragma once
 
 namespace springdrive {

@@ -3,8 +3,8 @@
 #include "base/input_error.h"
 #include "device/phantom/kinematics.h"
 #include "engine/analysis/configuration.h"
-#include "engine/control/force_direction.h"
 #include "engine/analysis/held_motor.h"
+#include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/winding_guard.h"
 

@@ -3,8 +3,8 @@
 // what it found and did.
 #pragma once
 
-#include "engine/contact/facet.h"
 #include "base/parallel.h"
+#include "engine/contact/facet.h"
 #include "engine/contact/triangle_soup.h"
 
 #include <cstddef>

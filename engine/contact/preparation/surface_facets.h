@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/contact/preparation/edge_table.h"
 #include "engine/contact/facet.h"
+#include "engine/contact/preparation/edge_table.h"
 #include "engine/contact/preparation/mesh_topology.h"
 #include "engine/contact/preparation/mesh_triangle.h"
 #include "engine/contact/triangle_soup.h"

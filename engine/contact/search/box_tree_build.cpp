@@ -1,7 +1,7 @@
 #include "engine/contact/search/box_tree_build.h"
 
-#include "engine/contact/search/box_split.h"
 #include "base/parallel.h"
+#include "engine/contact/search/box_split.h"
 
 #include <algorithm>
 #include <array>

@@ -42,7 +42,7 @@ double worst_normal_rad(const DeviceDescription &device, const Vector3 &q_rad) {
 }
 
 TEST(LockedDevice, InverseErrsByTheAngleBetweenTheLinks) {
-    // Fig. 6's amplitude for five configurations: 0.1° is what the issue asks for.
+    // Fig. 6's amplitude for five configurations: 0.1° is what is asked for.
     const DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {0.0, -15.0, -30.0, -45.0, -60.0}) {
         const LockedDeviceOptions options = without_effects(folded(fold_deg));
@@ -84,7 +84,7 @@ TEST(LockedDevice, ForcesAreThoseOfTheStiffnessEllipse) {
 }
 
 TEST(LockedDevice, TransposeErrsLittleOnAnImperfectDevice) {
-    // 5° is what the issue allows; above a tenth of a degree somewhere, or the effects are not in.
+    // 5° is what is allowed; above a tenth of a degree somewhere, or the effects are not in.
     const DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {0.0, -15.0, -30.0, -45.0, -60.0}) {
         LockedDeviceOptions options;

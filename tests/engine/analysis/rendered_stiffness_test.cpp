@@ -15,7 +15,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// The tunings that issue and panels allow.
+/// The tunings that the panels allow.
 SpringDrive random_drive(std::mt19937 &random) {
     const auto between = [&random](double low, double high) {
         return std::uniform_real_distribution<double>(low, high)(random);
