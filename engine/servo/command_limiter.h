@@ -6,8 +6,9 @@
 // *Force and current.* Behind a held e_W and a steady speed each winding's current goes to
 // i = (e_W − k_T θ̇)/dR as e^(−t dR/L), so the tip force J⁻ᵀ k_T i goes straight from where it is to
 // where it settles. e_W is drawn towards k_T θ̇_f, where no force settles, until the force that does
-// is within kLimiterShare of its limit: then, as a ball is convex, so is all on the way there. What
-// is left for the monitor to trip on is what the nominal R and the filtered speed do not know.
+// is within kLimiterShare of its limit: then, as a ball is convex, so is all on the way there,
+// where all windings have one dR. What is left for the monitor to trip on is what R at 25 °C and
+// its commutator's worst angle, a common dR and the filtered speed do not know.
 #pragma once
 
 #include "device/haptic_device.h"

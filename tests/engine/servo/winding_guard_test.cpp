@@ -181,5 +181,33 @@ TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
     }
 }
 
+TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
+    // Through each gap: the greatest as if every period had had the current, the least as if none.
+    const DeviceDescription device = testing::phantom_1_0();
+    const MotorParameters &motor = device.motor[0];
+    const double amplifier_Ohm = device.amplifier.greatest_cancelled_Ohm;
+    for (const std::uint32_t missed : {1U, 7U, 100U, 101U, 1000U}) {
+        WindingGuard guard(motor, amplifier_Ohm, 1e-3);
+        WindingGuard every(motor, amplifier_Ohm, 1e-3);
+        for (int i = 0; i < 5000; ++i) {
+            guard.update(3.0);
+            every.update(3.0);
+        }
+        WindingGuard punctual = guard;
+        punctual.update(3.0);
+        guard.update(3.0, missed);
+        EXPECT_LT(guard.least_C(), punctual.least_C()) << missed;
+        EXPECT_GE(guard.least_C(), kColdestAir_C) << missed;
+        EXPECT_EQ(guard.least_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
+        for (int i = 0; i < 20; ++i) { // a long one is gone through in some ticks
+            guard.update(3.0);
+        }
+        for (std::uint32_t i = 0; i < missed + 21; ++i) {
+            every.update(3.0);
+        }
+        EXPECT_NEAR(guard.greatest_C(), every.greatest_C(), 1e-9) << missed;
+    }
+}
+
 } // namespace
 } // namespace springdrive
