@@ -29,6 +29,18 @@ CurrentStep behind(const MotorParameters &motor, const Source &source, const Dri
     return behind(motor, source, CurrentStep{now.current_A, 0.0, 0.0, 0.0}, step_s);
 }
 
+CurrentStep at_once(const MotorParameters &motor, const Source &source) {
+    const double A = source.voltage_V / source.net_resistance_Ohm;
+    const double As_per_rad = -motor.torque_constant_Nm_per_A / source.net_resistance_Ohm;
+    return {A, As_per_rad, A, As_per_rad};
+}
+
+/// What sustains the current limit at standstill, as far as the supply goes.
+Source sustaining(const MotorParameters &motor, const DriveState &now, double current_A) {
+    const double voltage_V = std::min(motor.supply_V, motor.peak_current_A * now.resistance_Ohm);
+    return {std::copysign(voltage_V, current_A), now.resistance_Ohm};
+}
+
 /// First behind one source, then behind another.
 CurrentStep behind_both(const MotorParameters &motor, const DriveState &now, const Source &first,
                         double first_s, const Source &second, double second_s) {
@@ -67,10 +79,7 @@ CurrentStep spring_drive_step(const MotorParameters &motor, const DriveState &no
     };
     const double first_V = e_A_V(now.current_A);
     if (std::abs(now.current_A) >= motor.peak_current_A && first_V * now.current_A > 0.0) {
-        const double sustaining_V =
-            std::min(motor.supply_V, motor.peak_current_A * now.resistance_Ohm);
-        return behind(motor, {std::copysign(sustaining_V, now.current_A), now.resistance_Ohm}, now,
-                      step_s);
+        return behind(motor, sustaining(motor, now, now.current_A), now, step_s);
     }
     const double last_V = e_A_V(unlimited.end_at(now.rate_rad_per_s));
     const Source rail{
@@ -103,6 +112,40 @@ CurrentStep current_drive_step(const MotorParameters &motor, const DriveState &n
                       step_s);
     }
     return {end_A, 0.0, mean_A, 0.0};
+}
+
+CurrentStep spring_drive_at_once(const MotorParameters &motor, const DriveState &now, double e_W_V,
+                                 double cancelled_resistance_Ohm) {
+    const double R = now.resistance_Ohm;
+    const double dR = std::max(R - cancelled_resistance_Ohm, kLeastResidualShare * R);
+    const CurrentStep unlimited = at_once(motor, {e_W_V, dR});
+    if (!now.limited) {
+        return unlimited;
+    }
+    const double free_A = unlimited.end_at(now.rate_rad_per_s);
+    const double e_A_V = (R - dR) * free_A + e_W_V;
+    const CurrentStep supplied = std::abs(e_A_V) > motor.supply_V
+                                     ? at_once(motor, {std::copysign(motor.supply_V, e_A_V), R})
+                                     : unlimited;
+    const double current_A = supplied.end_at(now.rate_rad_per_s);
+    const bool driven_on = e_A_V * current_A > 0.0;
+    return driven_on && std::abs(current_A) > motor.peak_current_A
+               ? at_once(motor, sustaining(motor, now, current_A))
+               : supplied;
+}
+
+CurrentStep current_drive_at_once(const MotorParameters &motor, const DriveState &now,
+                                  double commanded_A) {
+    if (!now.limited) {
+        return {commanded_A, 0.0, commanded_A, 0.0};
+    }
+    const double wanted_A = std::clamp(commanded_A, -motor.peak_current_A, motor.peak_current_A);
+    const double e_A_V =
+        now.resistance_Ohm * wanted_A + motor.torque_constant_Nm_per_A * now.rate_rad_per_s;
+    if (std::abs(e_A_V) > motor.supply_V) {
+        return at_once(motor, {std::copysign(motor.supply_V, e_A_V), now.resistance_Ohm});
+    }
+    return {wanted_A, 0.0, wanted_A, 0.0};
 }
 
 } // namespace springdrive

@@ -47,4 +47,18 @@ struct DriveState {
                                              double commanded_A, double bandwidth_rad_per_s,
                                              double step_s);
 
+// The same two amplifiers on windings without inductance, whose current follows at once: (11) with
+// L = 0, i = (e_W − k_T θ̇)/dR. The current of the end and the mean one then go with ω̄ alike.
+
+/// An over-cancelled winding would have no current to settle at: dR is taken to be no less than
+/// kLeastResidualShare of R. Supply and current limit are judged at the rate of the step's start.
+/// RT-safe.
+[[nodiscard]] CurrentStep spring_drive_at_once(const MotorParameters &motor, const DriveState &now,
+                                               double e_W_V, double cancelled_resistance_Ohm);
+
+/// The commanded current, as long as the supply suffices for e_A = R i + k_T θ̇; else the rail.
+/// RT-safe.
+[[nodiscard]] CurrentStep current_drive_at_once(const MotorParameters &motor, const DriveState &now,
+                                                double commanded_A);
+
 } // namespace springdrive

@@ -17,9 +17,12 @@ double mean_resistance_Ohm(const MotorParameters &motor, double winding_C) {
 } // namespace
 
 double winding_resistance_Ohm(const MotorParameters &motor, double winding_C, double theta_rad) {
-    const double ripple =
-        motor.commutation_ripple * std::cos(motor.commutator_segments * theta_rad);
-    return mean_resistance_Ohm(motor, winding_C) * (1.0 + ripple);
+    const double mean_Ohm = mean_resistance_Ohm(motor, winding_C);
+    if (motor.commutation_ripple == 0.0) {
+        return mean_Ohm;
+    }
+    return mean_Ohm *
+           (1.0 + motor.commutation_ripple * std::cos(motor.commutator_segments * theta_rad));
 }
 
 double least_resistance_Ohm(const MotorParameters &motor, double winding_C) {

@@ -1,57 +1,12 @@
 #include "device/phantom/dynamics.h"
 
+#include "device/phantom/linkage_secants.h"
+
 #include <cmath>
 
 namespace springdrive {
 
 namespace {
-
-/// sin(x)/x.
-double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(x) / x; }
-
-/// Sine and cosine of an angle that goes from a to b: their difference quotients and the means of
-/// their end values, by the sum formulas, so that nothing cancels where a and b are close.
-class AngleSecant {
-public:
-    AngleSecant(double a, double b)
-        : sin_middle_(std::sin(0.5 * (a + b))), cos_middle_(std::cos(0.5 * (a + b))),
-          cos_half_(std::cos(0.5 * (b - a))), sinc_half_(sinc(0.5 * (b - a))) {}
-
-    [[nodiscard]] double sin_slope() const { return cos_middle_ * sinc_half_; }
-    [[nodiscard]] double cos_slope() const { return -sin_middle_ * sinc_half_; }
-    [[nodiscard]] double mean_sin() const { return sin_middle_ * cos_half_; }
-    [[nodiscard]] double mean_cos() const { return cos_middle_ * cos_half_; }
-    /// Of sin²; that of cos² is its negative.
-    [[nodiscard]] double square_slope() const { return 2.0 * mean_sin() * sin_slope(); }
-
-private:
-    double sin_middle_;
-    double cos_middle_;
-    double cos_half_;
-    double sinc_half_;
-};
-
-/// How M changes from one configuration to the next; where they meet, its derivative.
-struct InertiaSlopes {
-    double axial_by_q2 = 0.0; ///< M₁₁
-    double axial_by_q3 = 0.0;
-    double coupling_by_q3 = 0.0; ///< M₂₃, and its negative by q₂
-};
-
-InertiaSlopes inertia_slopes(const LinkageMoments &m, const Vector3 &q_a, const Vector3 &q_b) {
-    const AngleSecant two(q_a[1], q_b[1]);
-    const AngleSecant three(q_a[2], q_b[2]);
-    const AngleSecant fold(q_a[2] - q_a[1], q_b[2] - q_b[1]);
-    InertiaSlopes slopes;
-    slopes.axial_by_q2 =
-        -(m.maa_kg_m2 + m.with_q2_kg_m2[1] - m.with_q2_kg_m2[2]) * two.square_slope() +
-        2.0 * m.mab_kg_m2 * two.cos_slope() * three.mean_sin();
-    slopes.axial_by_q3 =
-        (m.mbb_kg_m2 + m.with_q3_kg_m2[1] - m.with_q3_kg_m2[2]) * three.square_slope() +
-        2.0 * m.mab_kg_m2 * two.mean_cos() * three.sin_slope();
-    slopes.coupling_by_q3 = m.mab_kg_m2 * fold.sin_slope();
-    return slopes;
-}
 
 void add_mass(LinkageMoments &moments, double mass_kg, double a_m, double b_m) {
     moments.maa_kg_m2 += mass_kg * a_m * a_m;
@@ -79,30 +34,43 @@ LinkageMoments linkage_moments(const PhantomGeometry &geometry, const LinkageIne
     return moments;
 }
 
-Matrix3 mass_matrix(const LinkageMoments &m, const Vector3 &q_rad) {
-    const double s2 = std::sin(q_rad[1]);
-    const double c2 = std::cos(q_rad[1]);
-    const double s3 = std::sin(q_rad[2]);
-    const double c3 = std::cos(q_rad[2]);
-    const double coupling = m.mab_kg_m2 * std::sin(q_rad[2] - q_rad[1]);
+LinkSines LinkSines::of(const Vector3 &q_rad) {
+    return {std::sin(q_rad[1]), std::cos(q_rad[1]), std::sin(q_rad[2]), std::cos(q_rad[2])};
+}
+
+Matrix3 mass_matrix(const LinkageMoments &m, const LinkSines &links) {
+    const double s2 = links.sin_q2;
+    const double c2 = links.cos_q2;
+    const double s3 = links.sin_q3;
+    const double c3 = links.cos_q3;
     const double axial = m.base_kg_m2 + m.maa_kg_m2 * c2 * c2 + 2.0 * m.mab_kg_m2 * c2 * s3 +
                          m.mbb_kg_m2 * s3 * s3 + m.with_q2_kg_m2[1] * c2 * c2 +
                          m.with_q2_kg_m2[2] * s2 * s2 + m.with_q3_kg_m2[1] * s3 * s3 +
                          m.with_q3_kg_m2[2] * c3 * c3;
-    Matrix3 M;
-    M << axial, 0.0, 0.0,                                //
-        0.0, m.maa_kg_m2 + m.with_q2_kg_m2[0], coupling, //
-        0.0, coupling, m.mbb_kg_m2 + m.with_q3_kg_m2[0];
+    Matrix3 M = Matrix3::Zero();
+    M(0, 0) = axial;
+    M.bottomRightCorner<2, 2>() = mass_matrix_of_plane(m, links);
+    return M;
+}
+
+Eigen::Matrix2d mass_matrix_of_plane(const LinkageMoments &m, const LinkSines &links) {
+    const double coupling = m.mab_kg_m2 * links.sin_fold();
+    Eigen::Matrix2d M;
+    M << m.maa_kg_m2 + m.with_q2_kg_m2[0], coupling, //
+        coupling, m.mbb_kg_m2 + m.with_q3_kg_m2[0];
     return M;
 }
 
 Vector3 coriolis_torque_Nm(const LinkageMoments &moments, const Vector3 &q_rad,
                            const Vector3 &q_rate_rad_per_s) {
-    const InertiaSlopes slope = inertia_slopes(moments, q_rad, q_rad);
+    const LinkageSecants<3> slope(q_rad, q_rad);
+    const double axial_by_q2 = slope.axial_by_q2(moments);
+    const double axial_by_q3 = slope.axial_by_q3(moments);
+    const double coupling_by_q3 = slope.coupling_by_q3(moments);
     const Vector3 &w = q_rate_rad_per_s;
-    return {w[0] * (slope.axial_by_q2 * w[1] + slope.axial_by_q3 * w[2]),
-            slope.coupling_by_q3 * w[2] * w[2] - 0.5 * slope.axial_by_q2 * w[0] * w[0],
-            -slope.coupling_by_q3 * w[1] * w[1] - 0.5 * slope.axial_by_q3 * w[0] * w[0]};
+    return {w[0] * (axial_by_q2 * w[1] + axial_by_q3 * w[2]),
+            coupling_by_q3 * w[2] * w[2] - 0.5 * axial_by_q2 * w[0] * w[0],
+            -coupling_by_q3 * w[1] * w[1] - 0.5 * axial_by_q3 * w[0] * w[0]};
 }
 
 Vector3 gravity_torque_Nm(const LinkageMoments &moments, const Vector3 &q_rad) {
@@ -115,35 +83,16 @@ double gravity_energy_J(const LinkageMoments &moments, const Vector3 &q_rad) {
 }
 
 Matrix3 tip_secant(const PhantomGeometry &geometry, const Vector3 &q_a, const Vector3 &q_b) {
-    const double l1 = geometry.upper_arm_m;
-    const double l2 = geometry.forearm_m;
-    const AngleSecant one(q_a[0], q_b[0]);
-    const AngleSecant two(q_a[1], q_b[1]);
-    const AngleSecant three(q_a[2], q_b[2]);
-    const double mean_r = l1 * two.mean_cos() + l2 * three.mean_sin();
-    const double r_by_q2 = l1 * two.cos_slope();
-    const double r_by_q3 = l2 * three.sin_slope();
-    Matrix3 secant;
-    secant << mean_r * one.sin_slope(), one.mean_sin() * r_by_q2, one.mean_sin() * r_by_q3, //
-        0.0, l1 * two.sin_slope(), -l2 * three.cos_slope(),                                 //
-        mean_r * one.cos_slope(), one.mean_cos() * r_by_q2, one.mean_cos() * r_by_q3;
-    return secant;
+    return LinkageSecants<3>(q_a, q_b).tip(geometry);
 }
 
 Matrix3 inertia_secant(const LinkageMoments &moments, const Vector3 &q_a, const Vector3 &q_b,
                        const Vector3 &rate_rad_per_s) {
-    const InertiaSlopes slope = inertia_slopes(moments, q_a, q_b);
-    const Vector3 &u = rate_rad_per_s;
-    Matrix3 secant;
-    secant << 0.0, 0.0, 0.0, //
-        slope.axial_by_q2 * u[0], -slope.coupling_by_q3 * u[2], -slope.coupling_by_q3 * u[1],
-        slope.axial_by_q3 * u[0], slope.coupling_by_q3 * u[2], slope.coupling_by_q3 * u[1];
-    return 0.5 * secant;
+    return LinkageSecants<3>(q_a, q_b).inertia(moments, rate_rad_per_s);
 }
 
 Vector3 gravity_secant_Nm(const LinkageMoments &moments, const Vector3 &q_a, const Vector3 &q_b) {
-    return {0.0, kGravity_m_per_s2 * moments.ma_kg_m * AngleSecant(q_a[1], q_b[1]).sin_slope(),
-            -kGravity_m_per_s2 * moments.mb_kg_m * AngleSecant(q_a[2], q_b[2]).cos_slope()};
+    return LinkageSecants<3>(q_a, q_b).gravity_Nm(moments);
 }
 
 } // namespace springdrive

@@ -37,8 +37,28 @@ struct LinkageMoments {
 [[nodiscard]] LinkageMoments linkage_moments(const PhantomGeometry &geometry,
                                              const LinkageInertia &inertia, double tip_load_kg);
 
+/// Where the links stand in their plane.
+struct LinkSines {
+    double sin_q2 = 0.0;
+    double cos_q2 = 1.0;
+    double sin_q3 = 0.0;
+    double cos_q3 = 1.0;
+
+    [[nodiscard]] static LinkSines of(const Vector3 &q_rad);
+
+    /// sin(q₃ − q₂).
+    [[nodiscard]] double sin_fold() const { return sin_q3 * cos_q2 - cos_q3 * sin_q2; }
+};
+
 /// M(q) [kg·m²], symmetric and positive definite. Without the rotors.
-[[nodiscard]] Matrix3 mass_matrix(const LinkageMoments &moments, const Vector3 &q_rad);
+[[nodiscard]] Matrix3 mass_matrix(const LinkageMoments &moments, const LinkSines &links);
+[[nodiscard]] inline Matrix3 mass_matrix(const LinkageMoments &moments, const Vector3 &q_rad) {
+    return mass_matrix(moments, LinkSines::of(q_rad));
+}
+
+/// The part of M(q) that belongs to joints 2 and 3.
+[[nodiscard]] Eigen::Matrix2d mass_matrix_of_plane(const LinkageMoments &moments,
+                                                   const LinkSines &links);
 
 /// C(q, q̇) q̇ [N·m]: Coriolis and centrifugal torques.
 [[nodiscard]] Vector3 coriolis_torque_Nm(const LinkageMoments &moments, const Vector3 &q_rad,

@@ -16,24 +16,34 @@ struct PoseTerms {
     double s1, c1, s2, c2, s3, c3, r;
 };
 
-} // namespace
-
-Vector3 tip_position_m(const PhantomGeometry &geometry, const Vector3 &q_rad) {
-    const double l1 = geometry.upper_arm_m;
-    const double l2 = geometry.forearm_m;
-    const PoseTerms p(geometry, q_rad);
-    return {p.r * p.s1, l2 - l2 * p.c3 + l1 * p.s2, p.r * p.c1 - l1};
+Vector3 position_m(const PhantomGeometry &g, const PoseTerms &p) {
+    return {p.r * p.s1, g.forearm_m - g.forearm_m * p.c3 + g.upper_arm_m * p.s2,
+            p.r * p.c1 - g.upper_arm_m};
 }
 
-Matrix3 joint_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad) {
+Matrix3 jacobian_m_per_rad(const PhantomGeometry &geometry, const PoseTerms &p) {
     const double l1 = geometry.upper_arm_m;
     const double l2 = geometry.forearm_m;
-    const PoseTerms p(geometry, q_rad);
     Matrix3 jacobian;
     jacobian << p.r * p.c1, -l1 * p.s2 * p.s1, l2 * p.c3 * p.s1, //
         0.0, l1 * p.c2, l2 * p.s3,                               //
         -p.r * p.s1, -l1 * p.s2 * p.c1, l2 * p.c3 * p.c1;
     return jacobian;
+}
+
+} // namespace
+
+Vector3 tip_position_m(const PhantomGeometry &geometry, const Vector3 &q_rad) {
+    return position_m(geometry, PoseTerms(geometry, q_rad));
+}
+
+Matrix3 joint_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad) {
+    return jacobian_m_per_rad(geometry, PoseTerms(geometry, q_rad));
+}
+
+TipPlace tip_place(const PhantomGeometry &geometry, const Vector3 &q_rad) {
+    const PoseTerms p(geometry, q_rad);
+    return {position_m(geometry, p), jacobian_m_per_rad(geometry, p)};
 }
 
 Matrix3 motor_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad) {

@@ -23,6 +23,13 @@ namespace springdrive {
 /// ∂x/∂q [m/rad], one column per joint.
 [[nodiscard]] Matrix3 joint_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
 
+/// Both of them.
+struct TipPlace {
+    Vector3 tip_m{Vector3::Zero()};
+    Matrix3 jacobian_m_per_rad{Matrix3::Zero()};
+};
+[[nodiscard]] TipPlace tip_place(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
 /// J = ∂x/∂θ = (∂x/∂q) N⁻¹ [m/rad], one column per motor: the Jacobian of DESIGN section 2.
 [[nodiscard]] Matrix3 motor_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
 

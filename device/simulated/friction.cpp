@@ -1,6 +1,6 @@
 #include "device/simulated/friction.h"
 
-#include <Eigen/LU>
+#include "device/simulated/small_system.h"
 
 #include <cstddef>
 
@@ -8,14 +8,17 @@ namespace springdrive {
 
 namespace {
 
-using Modes = std::array<FrictionMode, 3>;
+template <int joints> using Vector = Eigen::Matrix<double, joints, 1>;
+template <int joints> using Matrix = Eigen::Matrix<double, joints, joints>;
+template <int joints> using Modes = std::array<FrictionMode, static_cast<std::size_t>(joints)>;
 
 /// The solution for given modes; stopped joints are taken out of the system.
-Vector3 solve_for(const Matrix3 &A, const Vector3 &b, const FrictionRange &friction,
-                  const Modes &modes) {
-    Matrix3 system = A;
-    Vector3 right = b;
-    for (Eigen::Index j = 0; j < 3; ++j) {
+template <int joints>
+Vector<joints> solve_for(const Matrix<joints> &A, const Vector<joints> &b,
+                         const JointFrictionRange<joints> &friction, const Modes<joints> &modes) {
+    Matrix<joints> system = A;
+    Vector<joints> right = b;
+    for (Eigen::Index j = 0; j < joints; ++j) {
         const FrictionMode mode = modes[static_cast<std::size_t>(j)];
         if (mode == FrictionMode::stopped) {
             system.row(j).setZero();
@@ -27,8 +30,8 @@ Vector3 solve_for(const Matrix3 &A, const Vector3 &b, const FrictionRange &frict
                 mode == FrictionMode::turning_forward ? friction.lowest[j] : friction.highest[j];
         }
     }
-    Vector3 v = system.partialPivLu().solve(right);
-    for (Eigen::Index j = 0; j < 3; ++j) {
+    Vector<joints> v = solve_definite<joints>(system, right);
+    for (Eigen::Index j = 0; j < joints; ++j) {
         if (modes[static_cast<std::size_t>(j)] == FrictionMode::stopped) {
             v[j] = 0.0; // to the last bit
         }
@@ -52,28 +55,18 @@ FrictionMode corrected(FrictionMode mode, double v, double needed, double lowest
     return needed > highest ? FrictionMode::turning_backward : FrictionMode::stopped;
 }
 
-} // namespace
-
-FrictionRange FrictionRange::after(const Vector3 &rate_before, const Vector3 &coulomb) {
-    FrictionRange range;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        range.lowest[j] = rate_before[j] < 0.0 ? 0.0 : -coulomb[j];
-        range.highest[j] = rate_before[j] > 0.0 ? 0.0 : coulomb[j];
-    }
-    return range;
-}
-
-Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b, const FrictionRange &friction,
-                            std::array<FrictionMode, 3> &modes) noexcept {
-    // One joint at a time, the first that disagrees: for a matrix of this kind that cannot cycle
-    // (Murty's least-index rule), so it ends within the 27 combinations that there are.
-    constexpr int kCombinations = 27;
-    Vector3 v = Vector3::Zero();
+/// One joint at a time, the first that disagrees: for a matrix of this kind that cannot cycle
+/// (Murty's least-index rule), so it ends within the combinations that there are.
+template <int joints>
+Vector<joints> solve(const Matrix<joints> &A, const Vector<joints> &b,
+                     const JointFrictionRange<joints> &friction, Modes<joints> &modes) noexcept {
+    constexpr int kCombinations = joints == 3 ? 27 : 9;
+    Vector<joints> v = Vector<joints>::Zero();
     for (int trial = 0; trial < kCombinations; ++trial) {
-        v = solve_for(A, b, friction, modes);
-        const Vector3 needed = A * v - b;
+        v = solve_for<joints>(A, b, friction, modes);
+        const Vector<joints> needed = A * v - b;
         bool agrees = true;
-        for (Eigen::Index j = 0; j < 3 && agrees; ++j) {
+        for (Eigen::Index j = 0; j < joints && agrees; ++j) {
             FrictionMode &mode = modes[static_cast<std::size_t>(j)];
             const FrictionMode better =
                 corrected(mode, v[j], needed[j], friction.lowest[j], friction.highest[j]);
@@ -85,6 +78,19 @@ Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b, const FrictionRa
         }
     }
     return v;
+}
+
+} // namespace
+
+Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b, const FrictionRange &friction,
+                            std::array<FrictionMode, 3> &modes) noexcept {
+    return solve<3>(A, b, friction, modes);
+}
+
+Eigen::Vector2d solve_with_friction(const Eigen::Matrix2d &A, const Eigen::Vector2d &b,
+                                    const JointFrictionRange<2> &friction,
+                                    std::array<FrictionMode, 2> &modes) noexcept {
+    return solve<2>(A, b, friction, modes);
 }
 
 } // namespace springdrive

@@ -1,4 +1,4 @@
-// Coulomb friction with real sticking, for an implicit step of three joints.
+// Coulomb friction with real sticking, for an implicit step of three joints, or of two.
 //
 // Friction opposes motion with at most τ_c. A step that starts with a joint turning may brake it,
 // stop it, or leave it alone where the load turns it round; one that starts at rest may hold it:
@@ -19,13 +19,23 @@
 namespace springdrive {
 
 /// What friction may do over a step, per joint [N·m, or N·m·s for an impulse].
-struct FrictionRange {
-    Vector3 lowest{Vector3::Zero()};
-    Vector3 highest{Vector3::Zero()};
+template <int joints> struct JointFrictionRange {
+    using Vector = Eigen::Matrix<double, joints, 1>;
+    Vector lowest{Vector::Zero()};
+    Vector highest{Vector::Zero()};
 
     /// After the table above.
-    [[nodiscard]] static FrictionRange after(const Vector3 &rate_before, const Vector3 &coulomb);
+    [[nodiscard]] static JointFrictionRange after(const Vector &rate_before,
+                                                  const Vector &coulomb) {
+        JointFrictionRange range;
+        for (Eigen::Index j = 0; j < joints; ++j) {
+            range.lowest[j] = rate_before[j] < 0.0 ? 0.0 : -coulomb[j];
+            range.highest[j] = rate_before[j] > 0.0 ? 0.0 : coulomb[j];
+        }
+        return range;
+    }
 };
+using FrictionRange = JointFrictionRange<3>;
 
 enum class FrictionMode : std::uint8_t { stopped, turning_forward, turning_backward };
 
@@ -36,5 +46,11 @@ enum class FrictionMode : std::uint8_t { stopped, turning_forward, turning_backw
 [[nodiscard]] Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b,
                                           const FrictionRange &friction,
                                           std::array<FrictionMode, 3> &modes) noexcept;
+
+/// The same of two joints: at most 9 solutions of a 2 × 2 system.
+[[nodiscard]] Eigen::Vector2d solve_with_friction(const Eigen::Matrix2d &A,
+                                                  const Eigen::Vector2d &b,
+                                                  const JointFrictionRange<2> &friction,
+                                                  std::array<FrictionMode, 2> &modes) noexcept;
 
 } // namespace springdrive

@@ -39,6 +39,9 @@ std::array<Stop, 8> stops(const JointLimits &limits) {
 StopTorque stop_torque(const JointLimits &limits, const Vector3 &q_a_rad,
                        const Vector3 &q_b_rad) noexcept {
     StopTorque sum;
+    if (limits.allow(q_a_rad) && limits.allow(q_b_rad)) {
+        return sum; // as nearly always
+    }
     for (const Stop &stop : stops(limits)) {
         const double before = stop.depth(q_a_rad);
         const double after = stop.depth(q_b_rad);

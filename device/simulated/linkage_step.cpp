@@ -1,5 +1,8 @@
 #include "device/simulated/linkage_step.h"
 
+#include "device/simulated/linkage_forces.h"
+#include "device/simulated/small_system.h"
+
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -15,65 +18,135 @@ constexpr int kMostIterations = 12;
 /// A step that does not settle is taken in halves, and those again. No hand moves a device so fast.
 constexpr int kMostPieces = 64;
 
-Matrix3 inertia_with_rotors(const LinkagePlant &plant, const Vector3 &q_rad) {
-    Matrix3 M = mass_matrix(plant.moments, q_rad);
-    M.diagonal() += plant.rotor_kg_m2;
+template <int joints>
+JointMatrix<joints> inertia_with_rotors(const LinkagePlant &plant, const LinkSines &links) {
+    JointMatrix<joints> M;
+    if constexpr (joints == 3) {
+        M = mass_matrix(plant.moments, links);
+    } else {
+        M = mass_matrix_of_plane(plant.moments, links);
+    }
+    M.diagonal() += plant.rotor_kg_m2.tail<joints>();
     return M;
 }
 
-} // namespace
-
-double LinkagePlant::kinetic_energy_J(const LinkageState &state) const {
-    return 0.5 *
-           state.rate_rad_per_s.dot(inertia_with_rotors(*this, state.q_rad) * state.rate_rad_per_s);
+/// Joints that do not move keep their place.
+template <int joints> Vector3 all_joints(const JointVector<joints> &moving) {
+    Vector3 all = Vector3::Zero();
+    all.tail<joints>() = moving;
+    return all;
 }
 
-double LinkagePlant::potential_energy_J(const LinkageState &state) const {
-    return (gravity ? gravity_energy_J(moments, state.q_rad) : 0.0) +
-           (stops ? stop_energy_J(limits, state.q_rad) : 0.0);
+/// Whether the end of the step no longer moves from one iteration to the next.
+template <int joints>
+bool settled(const Vector3 &q_a, const JointVector<joints> &rate, const JointVector<joints> &before,
+             double h) {
+    const double moved_rad = h * (rate - before).cwiseAbs().maxCoeff();
+    return moved_rad <= std::max(kSettled_rad, kEpsilon * q_a.cwiseAbs().maxCoeff());
+}
+
+/// The friction of a step; where there is none, a plain system of equations.
+template <int joints> class StepFriction {
+public:
+    StepFriction(const LinkagePlant &plant, const JointVector<joints> &rate_a, double h,
+                 std::array<FrictionMode, 3> &modes)
+        : there_is_((plant.coulomb_Nm.array() > 0.0).any()), modes_(modes) {
+        if (there_is_) {
+            range_ = JointFrictionRange<joints>::after(rate_a, plant.coulomb_Nm.tail<joints>());
+            range_.lowest *= h;
+            range_.highest *= h;
+        }
+    }
+
+    [[nodiscard]] JointVector<joints> solve(const JointMatrix<joints> &system,
+                                            const JointVector<joints> &right) {
+        if (!there_is_) {
+            return solve_definite<joints>(system, right);
+        }
+        std::array<FrictionMode, static_cast<std::size_t>(joints)> modes{};
+        std::copy_n(modes_.end() - joints, joints, modes.begin());
+        const JointVector<joints> rate_b = solve_with_friction(system, right, range_, modes);
+        std::copy_n(modes.begin(), joints, modes_.end() - joints);
+        return rate_b;
+    }
+
+private:
+    bool there_is_;
+    JointFrictionRange<joints> range_;
+    std::array<FrictionMode, 3> &modes_;
+};
+
+template <int joints>
+LinkageMotion motion_of(const LinkagePlant &plant, const Vector3 &q_a,
+                        const JointVector<joints> &mean_rate, const JointVector<joints> &rate_b,
+                        const JointMatrix<joints> &tip_m_per_rad, double h) {
+    LinkageMotion motion;
+    motion.mean_rate_rad_per_s = all_joints<joints>(mean_rate);
+    motion.after = {q_a + h * motion.mean_rate_rad_per_s, all_joints<joints>(rate_b)};
+    motion.mean_tip_velocity_m_per_s = in_space<joints>(plant, tip_m_per_rad * mean_rate);
+    return motion;
 }
 
 /// One solution of the equations in the header. Nothing where the iterations do not settle.
-std::optional<LinkageMotion> undivided_step(const LinkagePlant &plant, const LinkageState &before,
-                                            const LinkageLoad &load, double h,
-                                            std::array<FrictionMode, 3> &modes) {
+template <int joints>
+std::optional<LinkageMotion> accelerated_step(const LinkagePlant &plant, const LinkageState &before,
+                                              const LinkageLoad &load, double h,
+                                              std::array<FrictionMode, 3> &modes) {
     const Vector3 &q_a = before.q_rad;
-    const Vector3 &rate_a = before.rate_rad_per_s;
-    const Vector3 momentum_a = inertia_with_rotors(plant, q_a) * rate_a;
-    FrictionRange friction = FrictionRange::after(rate_a, plant.coulomb_Nm);
-    friction.lowest *= h;
-    friction.highest *= h;
+    const JointVector<joints> rate_a = before.rate_rad_per_s.tail<joints>();
+    const JointVector<joints> momentum_a =
+        inertia_with_rotors<joints>(plant, LinkSines::of(q_a)) * rate_a;
+    StepFriction<joints> friction(plant, rate_a, h, modes);
 
-    LinkageMotion motion;
-    motion.mean_rate_rad_per_s = rate_a;
+    JointVector<joints> mean_rate = rate_a;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-        const Vector3 q_b = q_a + h * motion.mean_rate_rad_per_s;
-        const Matrix3 tip_jacobian = tip_secant(plant.geometry, q_a, q_b);
-        Matrix3 damping = load.tip_damping_Ns_per_m * (tip_jacobian.transpose() * tip_jacobian);
-        damping.diagonal() += load.damping_Nms_per_rad;
-        Vector3 torque = load.torque_Nm + tip_jacobian.transpose() * load.tip_force_N;
-        if (plant.gravity) {
-            torque -= gravity_secant_Nm(plant.moments, q_a, q_b);
-        }
-        if (plant.stops) {
-            const StopTorque pressed = stop_torque(plant.limits, q_a, q_b);
-            torque += pressed.torque_Nm;
-            damping += pressed.damping_Nms_per_rad;
-        }
-        const Matrix3 system = inertia_with_rotors(plant, q_b) + 0.5 * h * damping -
-                               h * inertia_secant(plant.moments, q_a, q_b, rate_a);
-        const Vector3 right = momentum_a + h * torque - 0.5 * h * (damping * rate_a);
-        const Vector3 rate_b = solve_with_friction(system, right, friction, modes);
-        const Vector3 mean_rate = 0.5 * (rate_a + rate_b);
-        const double moved = h * (mean_rate - motion.mean_rate_rad_per_s).cwiseAbs().maxCoeff();
-        motion.mean_rate_rad_per_s = mean_rate;
-        if (moved <= std::max(kSettled_rad, kEpsilon * q_a.cwiseAbs().maxCoeff())) {
-            motion.after = {q_a + h * mean_rate, rate_b};
-            motion.mean_tip_velocity_m_per_s = tip_jacobian * mean_rate;
-            return motion;
+        const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
+        const LinkageSecants<joints> secants(q_a, q_b);
+        const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
+        const JointMatrix<joints> &damping = force.damping_Nms_per_rad;
+        const JointMatrix<joints> system = inertia_with_rotors<joints>(plant, secants.end()) +
+                                           0.5 * h * damping -
+                                           h * secants.inertia(plant.moments, rate_a);
+        const JointVector<joints> right =
+            momentum_a + h * force.torque_Nm - 0.5 * h * (damping * rate_a);
+        const JointVector<joints> rate_b = friction.solve(system, right);
+        const JointVector<joints> guess = mean_rate;
+        mean_rate = 0.5 * (rate_a + rate_b);
+        if (settled<joints>(q_a, mean_rate, guess, h)) {
+            return motion_of<joints>(plant, q_a, mean_rate, rate_b, force.tip_m_per_rad, h);
         }
     }
     return std::nullopt;
+}
+
+/// The same without masses.
+template <int joints>
+std::optional<LinkageMotion> balanced_step(const LinkagePlant &plant, const LinkageState &before,
+                                           const LinkageLoad &load, double h) {
+    const Vector3 &q_a = before.q_rad;
+    JointVector<joints> mean_rate = before.rate_rad_per_s.tail<joints>();
+    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+        const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
+        const LinkageSecants<joints> secants(q_a, q_b);
+        const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
+        const JointVector<joints> guess = mean_rate;
+        mean_rate = solve_definite<joints>(force.damping_Nms_per_rad, force.torque_Nm);
+        if (settled<joints>(q_a, mean_rate, guess, h)) {
+            return motion_of<joints>(plant, q_a, mean_rate, mean_rate, force.tip_m_per_rad, h);
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<LinkageMotion> undivided_step(const LinkagePlant &plant, const LinkageState &before,
+                                            const LinkageLoad &load, double h,
+                                            std::array<FrictionMode, 3> &modes) {
+    if (plant.has_mass) {
+        return plant.planar ? accelerated_step<2>(plant, before, load, h, modes)
+                            : accelerated_step<3>(plant, before, load, h, modes);
+    }
+    return plant.planar ? balanced_step<2>(plant, before, load, h)
+                        : balanced_step<3>(plant, before, load, h);
 }
 
 /// The same in so many equal pieces.
@@ -93,6 +166,22 @@ std::optional<LinkageMotion> divided_step(const LinkagePlant &plant, const Linka
         whole.mean_tip_velocity_m_per_s += part->mean_tip_velocity_m_per_s / pieces;
     }
     return whole;
+}
+
+} // namespace
+
+double LinkagePlant::kinetic_energy_J(const LinkageState &state) const {
+    if (!has_mass) {
+        return 0.0;
+    }
+    return 0.5 *
+           state.rate_rad_per_s.dot(inertia_with_rotors<3>(*this, LinkSines::of(state.q_rad)) *
+                                    state.rate_rad_per_s);
+}
+
+double LinkagePlant::potential_energy_J(const LinkageState &state) const {
+    return (gravity ? gravity_energy_J(moments, state.q_rad) : 0.0) +
+           (stops ? stop_energy_J(limits, state.q_rad) : 0.0);
 }
 
 LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before,

@@ -7,6 +7,9 @@
 //
 // Γ, the secant of ½ q̇_aᵀ M q̇_b, is what makes the kinetic energy's change equal the work of the
 // right-hand side to round-off, whatever h; the scheme is symmetric and second order.
+//
+// Without masses the left-hand side is none, and the mean rate is what balances the right-hand
+// side. The rates at the ends of a step are then its mean, as there is nothing to store them.
 #pragma once
 
 #include "device/phantom/dynamics.h"
@@ -29,6 +32,9 @@ struct LinkagePlant {
     JointLimits limits;
     bool gravity = true;
     bool stops = true;
+    bool has_mass = true;              ///< false: `moments` serve gravity alone
+    bool planar = false;               ///< the base stands still, which two joints show
+    Vector3 outward{Vector3::UnitZ()}; ///< planar: along the links' plane, level
 
     [[nodiscard]] double kinetic_energy_J(const LinkageState &state) const;
     [[nodiscard]] double potential_energy_J(const LinkageState &state) const; ///< gravity and stops

@@ -12,6 +12,27 @@
 
 namespace springdrive {
 
+namespace {
+
+/// What a plant without masses has no use for.
+void check_coupling(const SimulationOptions &options) {
+    if (options.dynamics != PlantDynamics::coupling) {
+        return;
+    }
+    if (options.effects.coulomb_friction || options.effects.structural_compliance) {
+        throw InputError("simulated device: as a coupling alone it has no masses, and so neither "
+                         "coulomb_friction nor structural_compliance; switch them off, or simulate "
+                         "rigid bodies");
+    }
+    if (options.amplifier == AmplifierKind::current_drive &&
+        !(options.hand.stiffness_N_per_m + options.hand.damping_Ns_per_m > 0.0)) {
+        throw InputError("simulated device: as a coupling alone with a current drive nothing but "
+                         "the hand holds its tip; give the hand a stiffness or a damping above 0");
+    }
+}
+
+} // namespace
+
 void check_options(const DeviceDescription &description, const SimulationOptions &options) {
     const HandParameters &hand = options.hand;
     constexpr double kMostSteps = 1e6; // in a period
@@ -43,6 +64,7 @@ void check_options(const DeviceDescription &description, const SimulationOptions
         throw InputError("simulated device: a tip behind a compliant structure needs a mass; give "
                          "the hand one, or the device a tip_load_kg");
     }
+    check_coupling(options);
 }
 
 Vector3 start_angles(const DeviceDescription &description, const SimulationOptions &options,
@@ -79,6 +101,8 @@ LinkagePlant linkage_plant(const DeviceDescription &description, const Simulatio
     plant.limits = description.joint_limits;
     plant.gravity = options.effects.gravity;
     plant.stops = options.effects.joint_limits;
+    plant.has_mass = options.dynamics != PlantDynamics::coupling;
+    plant.planar = options.planar;
     return plant;
 }
 
@@ -88,6 +112,9 @@ std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
     for (std::size_t j = 0; j < motors.size(); ++j) {
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
         motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
+        if (options.dynamics != PlantDynamics::electromechanical) {
+            motors[j].inductance_H = 0.0; // it stores nothing
+        }
     }
     return motors;
 }

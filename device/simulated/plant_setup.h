@@ -22,7 +22,7 @@ void check_options(const DeviceDescription &description, const SimulationOptions
                                          const SimulationOptions &options);
 
 /// The motors as they truly are: off their data sheet by `resistance_share`, with or without
-/// ripple.
+/// ripple and inductance.
 [[nodiscard]] std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
                                                          const SimulationOptions &options);
 

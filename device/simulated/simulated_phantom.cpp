@@ -31,11 +31,16 @@ SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
     check_options(description, options);
     linkage_.q_rad = start_angles(description, options, start_tip_m);
     plant_ = linkage_plant(description, options);
+    plant_.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
+    first_joint_ = options.planar ? 1 : 0;
     motor_ = true_motors(description, options);
     if (options.effects.structural_compliance) {
         free_tip_ =
             FreeTip{description.structure, description.inertia.tip_load_kg + options.hand.mass_kg,
                     start_tip_m, Vector3::Zero()};
+    }
+    if (options.dynamics == PlantDynamics::coupling) {
+        options_.hand.mass_kg = 0.0;
     }
     if (!options.quantised_encoders) {
         description_.encoder_counts_per_turn *= fine_encoder_factor(description);
@@ -94,9 +99,11 @@ double SimulatedPhantom::stored_energy_J() const {
 void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A) {
     linkage_.rate_rad_per_s = q_rate_rad_per_s;
     truth_.current_A = current_A;
+    linkage_.rate_rad_per_s.head(first_joint_).setZero();
+    truth_.current_A.head(first_joint_).setZero();
     note_linkage(linkage_);
     truth_.tip_velocity_m_per_s =
-        joint_jacobian(description_.geometry, linkage_.q_rad) * q_rate_rad_per_s;
+        joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
     if (free_tip_) {
         free_tip_->velocity_m_per_s = truth_.tip_velocity_m_per_s;
     }
@@ -142,26 +149,34 @@ void SimulatedPhantom::move_hand_target(double h) noexcept {
 SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &command,
                                                        double h) noexcept {
     CurrentSteps steps;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const auto index = static_cast<std::size_t>(j);
-        const MotorParameters &motor = motor_[index];
-        // At the sub-step's middle, so that the commutator's ripple too is met at second order.
-        const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
-        truth_.resistance_Ohm[j] =
-            winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
-        const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
-                             truth_.theta_rate_rad_per_s[j], options_.effects.amplifier_limits};
-        steps[index] =
-            options_.amplifier == AmplifierKind::spring_drive
-                ? spring_drive_step(motor, now, command.e_W_V[j],
-                                    std::clamp(command.cancelled_resistance_Ohm[j], 0.0,
-                                               description_.amplifier.greatest_cancelled_Ohm),
-                                    h)
-                : current_drive_step(
-                      motor, now, command.current_A[j],
-                      2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz, h);
+    for (Eigen::Index j = first_joint_; j < 3; ++j) {
+        steps[static_cast<std::size_t>(j)] = drive_motor(j, command, h);
     }
     return steps;
+}
+
+CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const DeviceCommand &command,
+                                          double h) noexcept {
+    const auto index = static_cast<std::size_t>(j);
+    const MotorParameters &motor = motor_[index];
+    // At the sub-step's middle, so that the commutator's ripple too is met at second order.
+    const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
+    truth_.resistance_Ohm[j] =
+        winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
+    const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
+                         truth_.theta_rate_rad_per_s[j], options_.effects.amplifier_limits};
+    const bool at_once = options_.dynamics != PlantDynamics::electromechanical;
+    if (options_.amplifier == AmplifierKind::current_drive) {
+        const double bandwidth_rad_per_s =
+            2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz;
+        return at_once
+                   ? current_drive_at_once(motor, now, command.current_A[j])
+                   : current_drive_step(motor, now, command.current_A[j], bandwidth_rad_per_s, h);
+    }
+    const double cancelled_Ohm = std::clamp(command.cancelled_resistance_Ohm[j], 0.0,
+                                            description_.amplifier.greatest_cancelled_Ohm);
+    return at_once ? spring_drive_at_once(motor, now, command.e_W_V[j], cancelled_Ohm)
+                   : spring_drive_step(motor, now, command.e_W_V[j], cancelled_Ohm, h);
 }
 
 LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
@@ -202,15 +217,20 @@ Vector3 SimulatedPhantom::linkage_end_m() const noexcept {
     return tip_position_m(description_.geometry, linkage_.q_rad);
 }
 
-void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const Vector3 &mean_q_rate,
+void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const LinkageMotion &motion,
                                        double h) noexcept {
-    for (Eigen::Index j = 0; j < 3; ++j) {
+    const bool at_once = options_.dynamics != PlantDynamics::electromechanical;
+    for (Eigen::Index j = first_joint_; j < 3; ++j) {
         const CurrentStep &current = drive[static_cast<std::size_t>(j)];
-        const double rate = description_.geometry.transmission_ratio[j] * mean_q_rate[j];
-        const double before_A = truth_.current_A[j];
-        const double after_A = current.end_at(rate);
+        const double N = description_.geometry.transmission_ratio[j];
+        const double mean_rate = N * motion.mean_rate_rad_per_s[j];
+        const double end_rate = at_once ? N * motion.after.rate_rad_per_s[j] : mean_rate;
+        // i² averaged as if i went straight from one end to the other; a current that follows at
+        // once may leap where the step begins.
+        const double after_A = current.end_at(end_rate);
+        const double before_A =
+            at_once ? 2.0 * current.mean_at(mean_rate) - after_A : truth_.current_A[j];
         truth_.current_A[j] = after_A;
-        // i² averaged as if i went straight from one to the other.
         heat_J_[j] += h * truth_.resistance_Ohm[j] *
                       (before_A * before_A + before_A * after_A + after_A * after_A) / 3.0;
     }
@@ -225,9 +245,9 @@ void SimulatedPhantom::settle_tip(const LinkageMotion &motion, const VelocityLoa
         truth_.tip_velocity_m_per_s = free_tip_->velocity_m_per_s;
         return;
     }
-    truth_.tip_m = linkage_end_m();
-    truth_.tip_velocity_m_per_s =
-        joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
+    const TipPlace place = tip_place(description_.geometry, linkage_.q_rad);
+    truth_.tip_m = place.tip_m;
+    truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
 }
 
 /// One sub-step; returns the hand's force on the tip, its mean over the sub-step [N].
@@ -235,13 +255,13 @@ Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept 
     move_hand_target(h);
     const VelocityLoad hand = hand_load(h);
     const CurrentSteps currents = drive(command, h);
-    const Vector3 end_before_m = linkage_end_m();
+    const Vector3 end_before_m = free_tip_ ? linkage_end_m() : truth_.tip_m;
     const VelocityLoad at_linkage =
         free_tip_ ? free_tip_->at_linkage(with_weight(hand), end_before_m, h) : hand;
     const LinkageMotion motion =
         linkage_step(plant_, linkage_, load(currents, at_linkage), h, friction_mode_);
 
-    settle_currents(currents, motion.mean_rate_rad_per_s, h);
+    settle_currents(currents, motion, h);
     const Vector3 tip_before_m = truth_.tip_m;
     const Vector3 velocity_before = truth_.tip_velocity_m_per_s;
     note_linkage(motion.after);

@@ -8,6 +8,10 @@
 // With structural compliance the hand holds a mass of its own, which a spring and a damper join to
 // the end of the linkage.
 //
+// Parts that are off are not run (PlantDynamics, SimulationOptions::planar): without inductance the
+// currents follow (11) with L = 0 at once; without masses what is left of the second equation is a
+// balance; in a plane the base joint and its motor stand still.
+//
 // One sub-step takes the winding exactly for a standing rotor velocity (device/motor/motor.h) and
 // the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean velocity:
 // the work that leaves the windings is, to round-off, the work that reaches the rotors. Second
@@ -61,7 +65,8 @@ public:
     /// without the hand's spring. Nothing that is passive can make it grow. [J]
     [[nodiscard]] double stored_energy_J() const;
 
-    /// Sets the plant moving: joint rates [rad/s] and winding currents [A], from rest.
+    /// Sets the plant moving: joint rates [rad/s] and winding currents [A], from rest. What has no
+    /// state of its own in the dynamics simulated follows the next command at once.
     void set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A);
 
 private:
@@ -74,7 +79,9 @@ private:
                                    const VelocityLoad &tip) const noexcept;
     [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
     [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
-    void settle_currents(const CurrentSteps &drive, const Vector3 &mean_q_rate, double h) noexcept;
+    [[nodiscard]] CurrentStep drive_motor(Eigen::Index motor, const DeviceCommand &command,
+                                          double h) noexcept;
+    void settle_currents(const CurrentSteps &drive, const LinkageMotion &motion, double h) noexcept;
     void settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
                     const Vector3 &linkage_end_before_m, double h) noexcept;
     void warm_windings() noexcept;
@@ -86,6 +93,7 @@ private:
     LinkagePlant plant_;
     std::array<MotorParameters, 3> motor_; ///< the true ones: with the effects that are on
     std::optional<FreeTip> free_tip_;      ///< where the structure bends
+    Eigen::Index first_joint_ = 0;         ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
     HandTarget hand_;

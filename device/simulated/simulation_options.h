@@ -7,6 +7,7 @@
 #include "device/simulated/hand_path.h"
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -20,6 +21,13 @@ struct HandParameters {
     double stiffness_N_per_m = 300.0;
     double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
     double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
+};
+
+/// What moves by laws of its own in the simulated device.
+enum class PlantDynamics : std::uint8_t {
+    coupling,   ///< no mass and no inductance: hand, drives and dampers balance at any moment
+    rigid_body, ///< links and rotors have their masses; currents follow e_W at once
+    electromechanical, ///< the windings have their inductance, too
 };
 
 /// What of the device is simulated beyond rigid links, rotors, windings and encoders. Each can be
@@ -68,7 +76,9 @@ struct SimulationOptions {
     double longest_step_s = 100e-6;
     HandParameters hand;
     std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
+    PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
+    bool planar = false; ///< the base joint stands still, so that only two are simulated
     AmplifierKind amplifier = AmplifierKind::spring_drive;
     Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R over its data sheet's
     double ambient_C = kReferenceTemperature_C;

@@ -180,5 +180,84 @@ TEST(CurrentDrive, HoldsItsCurrentLimitUnlessLimitsAreOff) {
     expect_current(current_drive_step(motor(), free, 20.0, 1e4, kStep_s), 0.0, {20.0, 20.0});
 }
 
+TEST(SpringDriveAtOnce, IsOhmsLawOnWhatRemainsOfTheResistance) {
+    // (11) with L = 0: i = (e_W − k_T θ̇)/dR.
+    const double R_Ohm = motor().resistance_Ohm;
+    for (const double dR_Ohm : {R_Ohm, 0.5, 0.02}) {
+        for (const double rate : {0.0, 30.0, -30.0}) {
+            const double current_A = (0.02 - motor().torque_constant_Nm_per_A * rate) / dR_Ohm;
+            const CurrentStep step =
+                spring_drive_at_once(motor(), {R_Ohm, 7.0, rate, false}, 0.02, R_Ohm - dR_Ohm);
+            expect_current(step, rate, {current_A, current_A}); // whatever it was before
+        }
+    }
+}
+
+TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
+    MotorParameters m = motor();
+    m.inductance_H *= 1e-9;
+    const DriveState now{m.resistance_Ohm, 0.3, 5.0, false};
+    const CurrentStep slow = spring_drive_step(m, now, 0.4, 1.6, kStep_s);
+    const CurrentStep at_once = spring_drive_at_once(m, now, 0.4, 1.6);
+    // The mean differs by what is left of 0.3 A for L/dR, 4e-13 s of 25 µs.
+    EXPECT_NEAR(slow.end_at(5.0), at_once.end_at(5.0), kRoundOff_A);
+    EXPECT_NEAR(slow.mean_at(5.0), at_once.mean_at(5.0), 1e-7);
+}
+
+TEST(SpringDriveAtOnce, KeepsAResidualWhereTheWindingIsOverCancelled) {
+    const double R_Ohm = motor().resistance_Ohm;
+    const double least_Ohm = kLeastResidualShare * R_Ohm;
+    for (const double cancelled_Ohm : {R_Ohm - least_Ohm, R_Ohm, R_Ohm + 0.1}) {
+        const CurrentStep step =
+            spring_drive_at_once(motor(), {R_Ohm, 0.0, 0.0, false}, 1e-3, cancelled_Ohm);
+        expect_current(step, 0.0, {1e-3 / least_Ohm, 1e-3 / least_Ohm});
+    }
+}
+
+TEST(SpringDriveAtOnce, MeetsTheRailWhereItExceedsTheSupply) {
+    // At standstill e_A = R̂ i + e_W = e_W R/dR. Nothing limits the current here.
+    MotorParameters m = motor();
+    m.peak_current_A = 100.0;
+    const double R_Ohm = m.resistance_Ohm;
+    const double dR_Ohm = 0.5;
+    const double greatest_V = m.supply_V * dR_Ohm / R_Ohm;
+    const auto current_A = [&](double e_W_V) {
+        return spring_drive_at_once(m, {R_Ohm, 0.0, 0.0, true}, e_W_V, R_Ohm - dR_Ohm).end_at(0.0);
+    };
+    EXPECT_NEAR(current_A(0.999 * greatest_V), 0.999 * m.supply_V / R_Ohm, kRoundOff_A);
+    EXPECT_NEAR(current_A(1.001 * greatest_V), m.supply_V / R_Ohm, kRoundOff_A);
+    EXPECT_NEAR(current_A(-3.0 * greatest_V), -m.supply_V / R_Ohm, kRoundOff_A);
+}
+
+TEST(SpringDriveAtOnce, HoldsItsCurrentLimit) {
+    MotorParameters m = motor();
+    m.peak_current_A = 2.0;
+    const double R_Ohm = m.resistance_Ohm;
+    const auto current_A = [&](double wanted_A) {
+        return spring_drive_at_once(m, {R_Ohm, 0.0, 0.0, true}, 0.5 * wanted_A, R_Ohm - 0.5)
+            .end_at(0.0);
+    };
+    EXPECT_NEAR(current_A(1.999), 1.999, kRoundOff_A);
+    EXPECT_NEAR(current_A(2.001), 2.0, kRoundOff_A);
+    EXPECT_NEAR(current_A(-4.0), -2.0, kRoundOff_A);
+}
+
+TEST(CurrentDriveAtOnce, HoldsTheCommandWithinSupplyAndLimit) {
+    const MotorParameters m = motor();
+    const double k_T = m.torque_constant_Nm_per_A;
+    const double spent_rad_per_s = (m.supply_V - 2.0 * m.resistance_Ohm) / k_T;
+    const auto at = [&](double commanded_A, double rate, bool limited) {
+        return current_drive_at_once(m, {m.resistance_Ohm, 0.0, rate, limited}, commanded_A)
+            .end_at(rate);
+    };
+    EXPECT_EQ(at(2.0, 0.999 * spent_rad_per_s, true), 2.0);
+    const double too_fast = 1.1 * spent_rad_per_s;
+    EXPECT_NEAR(at(2.0, too_fast, true), (m.supply_V - k_T * too_fast) / m.resistance_Ohm,
+                kRoundOff_A);
+    EXPECT_EQ(at(2.0, too_fast, false), 2.0);
+    EXPECT_EQ(at(-1.1 * m.peak_current_A, 0.0, true), -m.peak_current_A);
+    EXPECT_EQ(at(-1.1 * m.peak_current_A, 0.0, false), -1.1 * m.peak_current_A);
+}
+
 } // namespace
 } // namespace springdrive

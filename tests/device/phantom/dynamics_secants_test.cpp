@@ -1,7 +1,9 @@
-// Covers the secants of device/phantom/dynamics.cpp, on which the plant's exact energy rests.
+// Covers device/phantom/linkage_secants.h and the secants of dynamics.cpp, on which the plant's
+// exact energy rests.
 #include "device/phantom/dynamics.h"
 
 #include "device/phantom/kinematics.h"
+#include "device/phantom/linkage_secants.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -94,6 +96,26 @@ TEST_P(Secants, AreOfSecondOrderAboutTheMiddleHoweverCloseTheEnds) {
         ASSERT_LT(
             (gravity_secant_Nm(moments, q.a, q.b) - gravity_torque_Nm(moments, q.middle())).norm(),
             relative);
+    }
+}
+
+TEST_P(Secants, OfTwoJointsAreThoseOfThreeWhereTheBaseStandsStill) {
+    for (int i = 0; i < 1000; ++i) {
+        Pair q = any_pair(std::pow(10.0, -(i % 15)));
+        q.b[0] = q.a[0];
+        Vector3 u = any_vector();
+        u[0] = 0.0;
+        const LinkageSecants<2> two(q.a, q.b);
+        const Vector3 outward(std::sin(q.a[0]), 0.0, std::cos(q.a[0]));
+        Eigen::Matrix<double, 3, 2> tip = outward * two.tip(geometry()).row(0);
+        tip.row(1) += two.tip(geometry()).row(1);
+        ASSERT_LT((tip - tip_secant(geometry(), q.a, q.b).rightCols<2>()).norm(), kRoundOff);
+        const Eigen::Matrix2d gamma = two.inertia(moments, u.tail<2>());
+        ASSERT_LT((gamma - inertia_secant(moments, q.a, q.b, u).bottomRightCorner<2, 2>()).norm(),
+                  kRoundOff);
+        ASSERT_EQ(two.gravity_Nm(moments), gravity_secant_Nm(moments, q.a, q.b).tail<2>());
+        ASSERT_EQ(mass_matrix_of_plane(moments, LinkSines::of(q.a)),
+                  (mass_matrix(moments, q.a).bottomRightCorner<2, 2>()));
     }
 }
 

@@ -136,5 +136,13 @@ INSTANTIATE_TEST_SUITE_P(Devices, Kinematics,
                                                                               : "Premium15";
                          });
 
+TEST(TipPlace, IsPositionAndJacobianInOne) {
+    const PhantomGeometry geometry = testing::phantom_1_0().geometry;
+    const Vector3 q_rad(0.3, 0.2, -0.1);
+    const TipPlace place = tip_place(geometry, q_rad);
+    EXPECT_EQ(place.tip_m, tip_position_m(geometry, q_rad));
+    EXPECT_EQ(place.jacobian_m_per_rad, joint_jacobian(geometry, q_rad));
+}
+
 } // namespace
 } // namespace springdrive

@@ -152,5 +152,23 @@ TEST(FrictionSolver, WithoutFrictionIsAPlainSolution) {
     }
 }
 
+TEST(FrictionSolver, TwoJointsAreThreeWithOneByItself) {
+    std::mt19937_64 random(23);
+    for (int i = 0; i < 1000; ++i) {
+        Problem problem = random_problem(random, 1.0);
+        problem.A.row(0) = problem.A.col(0).transpose() = Vector3::UnitX().transpose();
+        const JointFrictionRange<2> friction{problem.friction.lowest.tail<2>(),
+                                             problem.friction.highest.tail<2>()};
+        Modes modes{};
+        std::array<FrictionMode, 2> two_modes{};
+        const Vector3 v = solve_with_friction(problem.A, problem.b, problem.friction, modes);
+        const Eigen::Vector2d two_v = solve_with_friction(problem.A.bottomRightCorner<2, 2>(),
+                                                          problem.b.tail<2>(), friction, two_modes);
+        ASSERT_LT((v.tail<2>() - two_v).norm(), kTolerance * (1.0 + v.norm()));
+        ASSERT_EQ(two_modes[0], modes[1]);
+        ASSERT_EQ(two_modes[1], modes[2]);
+    }
+}
+
 } // namespace
 } // namespace springdrive
