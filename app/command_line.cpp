@@ -6,6 +6,7 @@
 #include "app/commands/inspect_command.h"
 #include "app/commands/record_command.h"
 #include "app/commands/replay_command.h"
+#include "app/commands/stability_command.h"
 #include "app/commands/stiffness_command.h"
 #include "app/commands/touch_command.h"
 
@@ -50,6 +51,7 @@ int run_command_line(int argc, char **argv) {
     add_export_command(app);
     add_figures_command(app);
     add_stiffness_command(app);
+    add_stability_command(app);
     add_touch_command(app);
     add_inspect_command(app);
 

@@ -1,6 +1,6 @@
 #include "app/session_report.h"
 
-#include "app/commands/print.h"
+#include "base/print.h"
 
 #include <nlohmann/json.hpp>
 

@@ -109,6 +109,10 @@ void StrictTomlTable::refuse(std::string_view key, const std::string &problem) c
                      " " + problem);
 }
 
+bool StrictTomlTable::has(std::string_view key) const {
+    return contents_->table->get(key) != nullptr;
+}
+
 std::string StrictTomlTable::text(std::string_view key) {
     const toml::node *node = contents_->find(key);
     if (node == nullptr) {

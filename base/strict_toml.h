@@ -29,6 +29,9 @@ public:
     [[nodiscard]] static StrictTomlTable parse(const std::string &text,
                                                const std::filesystem::path &file);
 
+    /// Whether a key is there, for those that need not be. Does not count as asking for it.
+    [[nodiscard]] bool has(std::string_view key) const;
+
     [[nodiscard]] std::string text(std::string_view key);
     [[nodiscard]] double number(std::string_view key, NumberRange range = {});
     [[nodiscard]] int integer(std::string_view key, int lowest, int highest);

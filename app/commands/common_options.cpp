@@ -12,6 +12,7 @@
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 namespace springdrive {
 
@@ -149,6 +150,18 @@ void check_folder_of(const std::filesystem::path &output) {
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder)) {
         throw InputError(output.string() + ": its folder does not exist; make it first");
+    }
+}
+
+void make_output_folder(const std::filesystem::path &folder) {
+    std::error_code problem;
+    std::filesystem::create_directories(folder, problem);
+    if (problem) {
+        throw InputError("--out " + folder.string() + ": cannot be made: " + problem.message());
+    }
+    if (access(folder.c_str(), W_OK | X_OK) != 0) {
+        throw InputError("--out " + folder.string() +
+                         ": you may not write there; name another folder");
     }
 }
 

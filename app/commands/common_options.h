@@ -74,6 +74,10 @@ void check_other_file(const std::filesystem::path &output, const std::filesystem
 ///        known before a long run. Empty and "-" are fine.
 void check_folder_of(const std::filesystem::path &output);
 
+/// Makes the folder that `--out` names, where it is missing.
+/// @throw InputError where that cannot be, or nobody may write there.
+void make_output_folder(const std::filesystem::path &folder);
+
 /// Lets `write` fill the file, or standard output where `where` is "-".
 /// @throw InputError where the file cannot be created, or not all of it could be written.
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);

@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 #include "base/input_error.h"
@@ -13,12 +14,10 @@
 #include <CLI/CLI.hpp>
 
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <numbers>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace springdrive {
@@ -34,31 +33,6 @@ struct Typed {
     std::filesystem::path tuning_file; ///< empty: the default tuning
     std::vector<double> q_deg{0.0, 20.0, -15.0};
     double resistance_spread = FigureSetting{}.resistance_spread;
-};
-
-/// One line on standard error: rewritten in place where somebody watches, else left out.
-class ProgressLine {
-public:
-    ~ProgressLine() {
-        if (watched_ && begun_) {
-            std::cerr << "\r\x1b[K" << std::flush;
-        }
-    }
-    ProgressLine() = default;
-    ProgressLine(const ProgressLine &) = delete;
-    ProgressLine &operator=(const ProgressLine &) = delete;
-
-    void show(std::string_view what, double share) {
-        if (watched_) {
-            begun_ = true;
-            std::cerr << "\r\x1b[K" << what << ' ' << std::lround(100.0 * share) << " %"
-                      << std::flush;
-        }
-    }
-
-private:
-    bool watched_ = isatty(STDERR_FILENO) != 0;
-    bool begun_ = false;
 };
 
 /// Where friction can hold half of what the transpose map renders, directions are friction's too.
@@ -98,18 +72,10 @@ FigureSetting setting_of(const Typed &typed) {
     return setting;
 }
 
-void make_folder(const std::filesystem::path &folder) {
-    std::error_code problem;
-    std::filesystem::create_directories(folder, problem);
-    if (problem) {
-        throw InputError("--out " + folder.string() + ": cannot be made: " + problem.message());
-    }
-}
-
 /// All numbers first, so that they are there even where nothing can be drawn.
 void make_figures(const Typed &typed) {
     const FigureSetting setting = setting_of(typed);
-    make_folder(typed.out);
+    make_output_folder(typed.out);
     ProgressLine line;
     std::vector<Chart> charts;
     for (const FigureMaker &maker : kFigures) {

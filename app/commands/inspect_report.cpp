@@ -1,6 +1,6 @@
 #include "app/commands/inspect_report.h"
 
-#include "app/commands/print.h"
+#include "base/print.h"
 #include "engine/contact/preparation/mesh_remarks.h"
 
 #include <nlohmann/json.hpp>

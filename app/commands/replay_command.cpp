@@ -1,8 +1,8 @@
 #include "app/commands/replay_command.h"
 
 #include "app/commands/common_options.h"
-#include "app/commands/print.h"
 #include "base/input_error.h"
+#include "base/print.h"
 #include "engine/servo/record/record_reader.h"
 #include "engine/servo/record/replay.h"
 

@@ -1,7 +1,7 @@
 #include "app/commands/stiffness_report.h"
 
-#include "app/commands/print.h"
-#include "engine/analysis/sampled_loop.h"
+#include "base/print.h"
+#include "engine/analysis/stability/sampled_loop.h"
 #include "engine/control/coupling.h"
 
 #include <algorithm>

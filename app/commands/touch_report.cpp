@@ -1,6 +1,6 @@
 #include "app/commands/touch_report.h"
 
-#include "app/commands/print.h"
+#include "base/print.h"
 
 #include <nlohmann/json.hpp>
 

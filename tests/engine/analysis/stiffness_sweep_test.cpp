@@ -1,7 +1,7 @@
 // Covers engine/analysis/stiffness_sweep.cpp.
 #include "engine/analysis/stiffness_sweep.h"
 
-#include "engine/analysis/sampled_loop.h"
+#include "engine/analysis/stability/sampled_loop.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

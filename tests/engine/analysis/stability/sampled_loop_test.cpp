@@ -1,5 +1,5 @@
-// Covers engine/analysis/sampled_loop.cpp.
-#include "engine/analysis/sampled_loop.h"
+// Covers engine/analysis/stability/sampled_loop.cpp.
+#include "engine/analysis/stability/sampled_loop.h"
 
 #include "tests/support/devices.h"
 

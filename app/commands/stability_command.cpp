@@ -1,0 +1,177 @@
+#include "app/commands/stability_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
+#include "app/commands/stability_map_chart.h"
+#include "app/commands/stability_options.h"
+#include "app/commands/stability_report.h"
+#include "base/input_error.h"
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr int kUnstable = 3; ///< exit status: the work was done, and the answer is no
+constexpr int kMostSteps = 400;
+
+struct Typed {
+    StabilityOptions loop;
+    std::string vary; ///< empty: nothing is varied
+    std::optional<double> from;
+    std::optional<double> to;
+    std::vector<std::string> map; ///< empty, or two names
+    int steps = 40;
+    std::filesystem::path out; ///< of a map
+    std::string json; ///< empty: text for people
+};
+
+StabilityReport report_of(const Typed &typed) {
+    StabilityReport report;
+    report.which = typed.loop.stability_case();
+    report.worst = worst_member(report.which);
+    report.stable_simulated =
+        is_stable_simulated(report.which, TrialOptions::with(SimulationEffects::electronics()));
+    if (!typed.vary.empty()) {
+        report.varied = &typed_parameter("--vary", typed.vary);
+        check_that_it_counts("--vary", *report.varied, report.which);
+        report.range = {typed.from.value_or(report.varied->from),
+                        typed.to.value_or(report.varied->to)};
+        check_parameter_range(*report.varied, report.range.from, report.range.to);
+        report.limits = stability_limits(report.which, *report.varied, report.range);
+    }
+    return report;
+}
+
+void tell(const Typed &typed) {
+    const StabilityReport report = report_of(typed);
+    write_output(typed.json.empty() ? "-" : typed.json, [&](std::ostream &out) {
+        if (typed.json.empty()) {
+            write_stability_table(out, report);
+        } else {
+            write_stability_json(out, report);
+        }
+    });
+    if (!report.is_stable()) {
+        throw CLI::RuntimeError(kUnstable);
+    }
+}
+
+/// `kp`, or `kp=0.5:50`.
+MapAxis axis_of(const std::string &text, int steps) {
+    const std::size_t equals = text.find('=');
+    MapAxis axis;
+    axis.parameter = &typed_parameter("--map", text.substr(0, equals));
+    axis.range = {axis.parameter->from, axis.parameter->to};
+    axis.steps = steps;
+    if (equals != std::string::npos) {
+        std::istringstream numbers(text.substr(equals + 1));
+        char colon = '\0';
+        if (!(numbers >> axis.range.from >> colon >> axis.range.to) || colon != ':' ||
+            numbers.peek() != std::char_traits<char>::eof()) {
+            throw InputError("--map " + text + ": a range is written as NAME=FROM:TO");
+        }
+    }
+    check_parameter_range(*axis.parameter, axis.range.from, axis.range.to);
+    return axis;
+}
+
+/// What does not vary over the map.
+std::string setting_text(const StabilityCase &which, const MapAxis &x, const MapAxis &y) {
+    std::ostringstream text;
+    text << which.device.name;
+    const bool spring = which.drive == AmplifierKind::spring_drive;
+    const std::vector<std::string_view> told =
+        spring ? std::vector<std::string_view>{"T", "d", "dR", "kp", "kd", "lambda", "eta"}
+               : std::vector<std::string_view>{"T",      "d",  "wall-stiffness", "wall-damping",
+                                               "lambda", "eta"};
+    for (const std::string_view name : told) {
+        const StabilityParameter &parameter = *stability_parameter_named(name);
+        if (&parameter != x.parameter && &parameter != y.parameter) {
+            text << ", " << parameter.symbol << ' ' << parameter.get(which);
+            text << (parameter.unit == "–" ? "" : " ")
+                 << (parameter.unit == "–" ? "" : parameter.unit);
+        }
+    }
+    text << (spring ? "; spring drive" : "; current drive")
+         << (which.freedom == Freedom::one_motor ? ", each motor" : ", all motors at once") << ", "
+         << which.hands.size() << (which.hands.size() == 1 ? " hand" : " hands");
+    return text.str();
+}
+
+void draw_map(const Typed &typed) {
+    const StabilityCase which = typed.loop.stability_case();
+    const MapAxis x = axis_of(typed.map[0], typed.steps);
+    const MapAxis y = axis_of(typed.map[1], typed.steps);
+    for (const MapAxis *axis : {&x, &y}) {
+        check_that_it_counts("--map", *axis->parameter, which);
+    }
+    if (x.parameter == y.parameter) {
+        throw InputError("--map: names the same parameter twice; it takes two");
+    }
+    check_range("--steps", typed.steps, 2, kMostSteps);
+    if (typed.out.extension() != ".svg") {
+        throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
+    }
+    check_folder_of(typed.out);
+    std::vector<MapCell> cells;
+    {
+        ProgressLine line;
+        cells = stability_map(which, x, y, [&](double share) { line.show("map", share); });
+    }
+    draw_stability_map(typed.out, setting_text(which, x, y), x, y, cells);
+}
+
+void run(const Typed &typed) {
+    if (typed.map.empty()) {
+        tell(typed);
+    } else {
+        draw_map(typed);
+    }
+}
+
+} // namespace
+
+void add_stability_command(CLI::App &app) {
+    CLI::App &stability = *app.add_subcommand(
+        "stability", "whether a loop is stable and where that ends, predicted and simulated");
+    const auto typed = std::make_shared<Typed>();
+    typed->loop.add_to(stability);
+    CLI::Option *vary = stability
+                            .add_option("--vary", typed->vary,
+                                        "find its limits: " + names_of_stability_parameters())
+                            ->type_name("NAME");
+    stability.add_option("--from", typed->from, "lowest value to look at")->needs(vary);
+    stability.add_option("--to", typed->to, "highest value to look at")->needs(vary);
+    CLI::Option *out =
+        stability.add_option("--out", typed->out, "the map's picture; its numbers go beside it")
+            ->type_name("FILE.svg");
+    CLI::Option *map =
+        stability
+            .add_option("--map", typed->map, "a map over two of these, each NAME or NAME=FROM:TO")
+            ->type_name("A,B")
+            ->delimiter(',')
+            ->expected(2)
+            ->needs(out)
+            ->excludes(vary);
+    out->needs(map);
+    stability.add_option("--steps", typed->steps, "values of each in a map [40]")
+        ->type_name("N")
+        ->needs(map);
+    stability
+        .add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
+        ->type_name("FILE|-")
+        ->excludes(map);
+    stability.footer("Exit status: 0 stable, 3 not, 1 or 2 for what cannot be.");
+    stability.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,152 @@
+#include "app/commands/stability_options.h"
+
+#include "app/commands/common_options.h"
+#include "base/input_error.h"
+#include "engine/analysis/configuration.h"
+#include "engine/control/tuning_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string_view>
+
+namespace springdrive {
+
+namespace {
+
+/// What option a parameter has: `--delay` and `--servo-hz` stand for d and T.
+std::string option_of(const StabilityParameter &parameter) {
+    return parameter.name == "d" ? "--delay" : "--" + std::string(parameter.name);
+}
+
+bool is_of_hand(const StabilityParameter &parameter) { return parameter.name.starts_with("hand"); }
+
+void check(const std::string &option, const StabilityParameter &parameter, double value) {
+    if (const std::string wrong = what_is_wrong_with(parameter, value); !wrong.empty()) {
+        throw InputError(option + ": " + wrong);
+    }
+}
+
+} // namespace
+
+void StabilityOptions::add_to(CLI::App &command) {
+    add_device_file_option(command, device_file);
+    command.add_option("--tuning-file", tuning_file, "a tuning from assets/tunings, or your own")
+        ->type_name("FILE");
+    values.resize(stability_parameters().size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const StabilityParameter &parameter = stability_parameters()[i];
+        if (parameter.name == "T") {
+            command.add_option("--servo-hz", servo_hz, "servo rate, 1 to 100000 [1000]")
+                ->type_name("HZ");
+            continue;
+        }
+        command.add_option(option_of(parameter), values[i], std::string(parameter.help))
+            ->type_name(parameter.unit == "–" ? "" : std::string(parameter.unit));
+    }
+    command.add_option("--kinematics", kinematics, "inverse (18) or transpose (23) [as tuned]")
+        ->check(CLI::IsMember({"inverse", "transpose"}));
+    command
+        .add_option("--drive", drive,
+                    "spring: the paper's; current: a virtual wall as others render it [spring]")
+        ->check(CLI::IsMember({"spring", "current"}));
+    command
+        .add_option("--motors", motors,
+                    "1: each motor by itself; 3: the whole linkage, its tip held at a point [1]")
+        ->check(CLI::IsMember({1, 3}));
+    command.add_option("--q", q_deg, "the three joint angles in degrees [0,20,-15]")
+        ->type_name("A,B,C")
+        ->delimiter(',')
+        ->expected(3);
+    command.add_flag("--no-hand", no_hand,
+                     "nobody holds the device [no hand, and five from light to firm]");
+}
+
+StabilityCase StabilityOptions::stability_case() const {
+    StabilityCase which;
+    which.device = read_device_file(device_file);
+    which.tuning = tuning_file.empty() ? Tuning{} : read_tuning_file(tuning_file);
+    which.drive = drive == "spring" ? AmplifierKind::spring_drive : AmplifierKind::current_drive;
+    which.freedom = motors == 1 ? Freedom::one_motor : Freedom::three_motors;
+    which.wall = {300.0, 2.0}; // firm enough to be felt, stable on both devices at 1 kHz
+    if (!kinematics.empty()) {
+        which.tuning.map = *motion_map_named(kinematics);
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!std::isfinite(q_deg[j])) {
+            throw InputError("--q: every angle must be a finite number of degrees");
+        }
+        which.q_rad[static_cast<Eigen::Index>(j)] = q_deg[j] * std::numbers::pi / 180.0;
+    }
+    check_configuration(which.device, which.q_rad);
+    if (servo_hz) {
+        check_range("--servo-hz", *servo_hz, 1.0, 1e5);
+        which.period_s = 1.0 / *servo_hz;
+    }
+    if (no_hand) {
+        which.hands = {springdrive::no_hand()};
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const StabilityParameter &parameter = stability_parameters()[i];
+        if (!values[i]) {
+            continue;
+        }
+        check(option_of(parameter), parameter, *values[i]);
+        check_that_it_counts(option_of(parameter), parameter, which);
+        parameter.set(which, *values[i]);
+    }
+    return which;
+}
+
+void check_that_it_counts(const std::string &option, const StabilityParameter &parameter,
+                          const StabilityCase &which) {
+    const std::string_view name = parameter.name;
+    const bool current = which.drive == AmplifierKind::current_drive;
+    const bool nobody = which.hands.size() == 1 && which.hands.front().mass_kg == 0.0 &&
+                        which.hands.front().stiffness_N_per_m == 0.0;
+    const auto refuse = [&](const std::string &why) {
+        const bool own = option == option_of(parameter);
+        throw InputError(option + (own ? "" : " " + std::string(name)) + ": " + why);
+    };
+    if (current && (name == "kp" || name == "kd" || name == "dR" || name == "alpha")) {
+        refuse("is of a spring drive; leave out --drive current");
+    }
+    if (!current && name.starts_with("wall")) {
+        refuse("is of a current drive; add --drive current");
+    }
+    if (name == "alpha" && which.tuning.map == MotionMap::inverse) {
+        refuse("is of the transpose map (23); leave out --kinematics inverse");
+    }
+    if (which.freedom == Freedom::three_motors && (name == "inertia" || name == "damping")) {
+        refuse("is of one motor by itself; leave out --motors 3");
+    }
+    if (nobody && is_of_hand(parameter)) {
+        refuse("there is no hand; leave out --no-hand");
+    }
+}
+
+const StabilityParameter &typed_parameter(const std::string &option, const std::string &name) {
+    const StabilityParameter *parameter = stability_parameter_named(name);
+    if (parameter == nullptr) {
+        throw InputError(option + ": there is no \"" + name + "\"; it must be one of " +
+                         names_of_stability_parameters());
+    }
+    return *parameter;
+}
+
+void check_parameter_range(const StabilityParameter &parameter, double from, double to) {
+    for (const double value : {from, to}) {
+        check("the range", parameter, value);
+    }
+    if (!(from < to)) {
+        std::ostringstream message;
+        message << parameter.name << " from " << from << " to " << to
+                << ": the first must be below the second, both from " << parameter.lowest << " to "
+                << parameter.highest;
+        throw InputError(message.str());
+    }
+}
+
+} // namespace springdrive

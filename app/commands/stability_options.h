@@ -1,0 +1,46 @@
+// What is typed to say which loop is meant: for the commands about stability.
+#pragma once
+
+#include "engine/analysis/stability/stability_parameters.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive {
+
+struct StabilityOptions {
+    std::filesystem::path device_file;
+    std::filesystem::path tuning_file;         ///< empty: the default tuning
+    std::vector<std::optional<double>> values; ///< of `stability_parameters()`
+    std::optional<double> servo_hz;
+    std::string kinematics; ///< empty: as in the tuning
+    std::string drive = "spring";
+    int motors = 1;
+    std::vector<double> q_deg{0.0, 20.0, -15.0};
+    bool no_hand = false;
+
+    /// The options hold references to this: it must stay where it is until the parse is over.
+    void add_to(CLI::App &command);
+
+    /// @throw InputError for a value out of its range, with the range.
+    [[nodiscard]] StabilityCase stability_case() const;
+};
+
+/// A parameter by its name. @throw InputError naming all that there are.
+[[nodiscard]] const StabilityParameter &typed_parameter(const std::string &option,
+                                                        const std::string &name);
+
+/// @throw InputError where the parameter means nothing to the case: gains to a current drive, say.
+void check_that_it_counts(const std::string &option, const StabilityParameter &parameter,
+                          const StabilityCase &which);
+
+/// A range of it. @throw InputError where it is outside of what the parameter can be, or empty.
+void check_parameter_range(const StabilityParameter &parameter, double from, double to);
+
+} // namespace springdrive

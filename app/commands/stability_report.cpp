@@ -1,0 +1,174 @@
+#include "app/commands/stability_report.h"
+
+#include "base/print.h"
+#include "device/phantom/kinematics.h"
+#include "engine/control/coupling.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string who(const StabilityCase &which, const LoopMember &member) {
+    if (which.rotor) {
+        return "the motor given, " + member.hand.name;
+    }
+    return which.freedom == Freedom::three_motors
+               ? "all motors, " + member.hand.name
+               : "motor " + std::to_string(member.motor + 1) + ", " + member.hand.name;
+}
+
+void write_setting(std::ostream &out, const StabilityReport &report) {
+    const StabilityCase &which = report.which;
+    const Tuning &tuning = which.tuning;
+    print(out, "%s, servo %.6g Hz, delay %d, ", which.device.name.c_str(), 1.0 / which.period_s,
+          which.delay_samples);
+    if (which.drive == AmplifierKind::current_drive) {
+        print(out, "current drive: wall K %.4g N/m, B %.4g N·s/m, λ %.4g rad/s\n",
+              which.wall.stiffness_N_per_m, which.wall.damping_Ns_per_m, tuning.lambda_rad_per_s);
+    } else {
+        print(out, "spring drive: dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, ",
+              which.dR_Ohm(which.device.motor[0]), tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad);
+        print(out, "λ %.4g rad/s, η %.3g, %s\n", tuning.lambda_rad_per_s, tuning.eta,
+              tuning.map == MotionMap::transpose ? "transpose (23)" : "inverse (18)");
+    }
+    print(out, "hands: %zu, ", which.hands.size());
+    out << (which.rotor                              ? "one motor with an inertia of its own"
+            : which.freedom == Freedom::three_motors ? "the whole linkage, its tip held at a point"
+                                                     : "each motor by itself")
+        << "\n\n";
+}
+
+void write_verdict(std::ostream &out, const StabilityReport &report) {
+    print(out, "predicted  %-8s  largest eigenvalue %.6f (%s)\n",
+          report.worst.is_stable() ? "stable" : "UNSTABLE", report.worst.eigenvalue,
+          who(report.which, report.worst.member).c_str());
+    print(out, "simulated  %-8s  let go 1 mm aside, with encoder counts and supply limits\n",
+          report.stable_simulated ? "stable" : "UNSTABLE");
+    if (report.which.drive == AmplifierKind::current_drive) {
+        print(out,
+              "2b/(T(1 + 2d) + 2/ω)  %.4g N/m at the tip: Colgate and Schenkel's line for a "
+              "heavy device without hand and B,\n",
+              passive_wall_N_per_m(report.which));
+        out << "           d samples late, behind this amplifier's bandwidth ω; of the motor with "
+               "the least\n";
+    }
+    if (report.worst.is_stable() && !report.stable_simulated) {
+        out << "           they differ because counts shake a loop that hardly dies out\n";
+    }
+}
+
+void write_found(std::ostream &out, const StabilityLimit &limit,
+                 const std::optional<double> &found) {
+    if (found) {
+        print(out, "%11.5g", *found);
+        if (limit.predicted != 0.0) {
+            print(out, " %6.3f", *found / limit.predicted);
+        } else {
+            out << "      –";
+        }
+    } else {
+        out << "          –      –";
+    }
+}
+
+void write_limits(std::ostream &out, const StabilityReport &report) {
+    const StabilityParameter &varied = *report.varied;
+    print(out, "\n%s from %.5g to %.5g %s: ", std::string(varied.symbol).c_str(), report.range.from,
+          report.range.to, std::string(varied.unit).c_str());
+    if (report.limits.empty()) {
+        out << "no limit within it\n";
+        return;
+    }
+    out << (report.limits.size() == 1 ? "one limit\n\n" : "more than one limit\n\n");
+    out << "  stable    predicted      no effects   ratio   counts, supply   + friction  "
+           "limited by\n";
+    for (const StabilityLimit &limit : report.limits) {
+        print(out, "  %-6s  %11.6g", limit.stable_below ? "up to" : "from", limit.predicted);
+        write_found(out, limit, limit.simulated_linear);
+        write_found(out, limit, limit.simulated);
+        write_found(out, limit, limit.simulated_all);
+        StabilityCase there = report.which;
+        varied.set(there, limit.predicted);
+        out << "  " << who(there, limit.worst) << '\n';
+    }
+    out << "\nEach simulated limit stands with its ratio to the prediction. Counts can keep a loop "
+           "rattling that\nhardly dies out; friction takes small motions away. What grows or dies "
+           "slower than some 0.3/s is\nnot told apart in the seconds that a trial lasts.\n";
+}
+
+Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }
+
+Json member_json(const StabilityCase &which, const LoopMember &member) {
+    const bool one = which.freedom == Freedom::one_motor && !which.rotor;
+    return {{"motor", one ? Json(member.motor + 1) : Json(nullptr)},
+            {"hand", member.hand.name},
+            {"hand_mass_kg", member.hand.mass_kg},
+            {"hand_damping_Ns_per_m", member.hand.damping_Ns_per_m},
+            {"hand_stiffness_N_per_m", member.hand.stiffness_N_per_m}};
+}
+
+} // namespace
+
+double passive_wall_N_per_m(const StabilityCase &which) {
+    StabilityCase each = which;
+    each.freedom = Freedom::one_motor;
+    each.hands = {no_hand()};
+    const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
+    const double late_s =
+        which.period_s * (1.0 + 2.0 * which.delay_samples) +
+        2.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
+    double least = HUGE_VAL;
+    for (const LoopMember &member : members(each)) {
+        const double b = driven_load(each, member).damping_Nms_per_rad(0, 0);
+        least = std::min(least, 2.0 * b / late_s / J.col(member.motor).squaredNorm());
+    }
+    return least;
+}
+
+void write_stability_table(std::ostream &out, const StabilityReport &report) {
+    write_setting(out, report);
+    write_verdict(out, report);
+    if (report.varied != nullptr) {
+        write_limits(out, report);
+    }
+}
+
+void write_stability_json(std::ostream &out, const StabilityReport &report) {
+    Json json;
+    json["stable"] = report.is_stable();
+    json["predicted"] = {{"stable", report.worst.is_stable()},
+                         {"largest_eigenvalue", report.worst.eigenvalue},
+                         {"worst", member_json(report.which, report.worst.member)}};
+    json["simulated"] = {{"stable", report.stable_simulated}};
+    if (report.varied != nullptr) {
+        json["vary"] = report.varied->name;
+        json["unit"] = report.varied->unit;
+        json["from"] = report.range.from;
+        json["to"] = report.range.to;
+        json["limits"] = Json::array();
+        for (const StabilityLimit &limit : report.limits) {
+            json["limits"].push_back(
+                {{"stable", limit.stable_below ? "below" : "above"},
+                 {"predicted", limit.predicted},
+                 {"simulated_without_effects", found_json(limit.simulated_linear)},
+                 {"simulated", found_json(limit.simulated)},
+                 {"simulated_with_friction", found_json(limit.simulated_all)},
+                 {"ratio", limit.simulated && limit.predicted != 0.0
+                               ? Json(*limit.simulated / limit.predicted)
+                               : Json(nullptr)},
+                 {"limited_by", member_json(report.which, limit.worst)}});
+        }
+    }
+    out << json.dump(2) << '\n';
+}
+
+} // namespace springdrive

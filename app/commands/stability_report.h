@@ -1,0 +1,33 @@
+// What `springdrive stability` tells, for people or as JSON.
+#pragma once
+
+#include "engine/analysis/stability/stability_limits.h"
+
+#include <ostream>
+#include <vector>
+
+namespace springdrive {
+
+struct StabilityReport {
+    StabilityCase which;
+    WorstMember worst;
+    bool stable_simulated = true; ///< with counts and supply
+    const StabilityParameter *varied = nullptr;
+    ParameterRange range;
+    std::vector<StabilityLimit> limits;
+
+    /// By both.
+    [[nodiscard]] bool is_stable() const { return worst.is_stable() && stable_simulated; }
+};
+
+void write_stability_table(std::ostream &out, const StabilityReport &report);
+
+/// One object; what was not found is null.
+void write_stability_json(std::ostream &out, const StabilityReport &report);
+
+/// Colgate and Schenkel's line K = 2b/T, for a command that comes d samples late and an amplifier
+/// of bandwidth ω: 2b/(T(1 + 2d) + 2/ω), for a motor of a current drive without a hand and without
+/// B; the least of all motors [N/m at the tip].
+[[nodiscard]] double passive_wall_N_per_m(const StabilityCase &which);
+
+} // namespace springdrive

@@ -1,0 +1,46 @@
+// Where stability ends along one parameter: predicted by eigenvalues, and found by trying.
+#pragma once
+
+#include "engine/analysis/stability/stability_parameters.h"
+#include "engine/analysis/stability/stability_simulation.h"
+
+#include <optional>
+#include <vector>
+
+namespace springdrive {
+
+/// Which values are looked at.
+struct ParameterRange {
+    double from = 0.0;
+    double to = 0.0; ///< above `from`
+};
+
+/// One place at which stability ends or begins.
+struct StabilityLimit {
+    double predicted = 0.0; ///< the last stable value, to 1e-6 of it
+    bool stable_below = true;
+    LoopMember worst; ///< who is unstable just beyond
+    /// The last stable value by trying, to 1e-3 of it; nothing where no trial differs within
+    /// a factor of 4 about the prediction, or within the parameter's range.
+    std::optional<double> simulated_linear; ///< without counts, supply and friction
+    std::optional<double> simulated;        ///< with counts and supply
+    std::optional<double> simulated_all;    ///< with friction, too
+};
+
+/// The places where the prediction changes within a range, by a scan of 60 values and bisection.
+[[nodiscard]] std::vector<StabilityLimit> predicted_limits(const StabilityCase &which,
+                                                           const StabilityParameter &parameter,
+                                                           const ParameterRange &range);
+
+/// The same place by trying, searched for from the prediction outwards.
+[[nodiscard]] std::optional<double> simulated_limit(const StabilityCase &which,
+                                                    const StabilityParameter &parameter,
+                                                    const StabilityLimit &predicted,
+                                                    const TrialOptions &options);
+
+/// All of it, on as many processors as there are kinds of trial.
+[[nodiscard]] std::vector<StabilityLimit> stability_limits(const StabilityCase &which,
+                                                           const StabilityParameter &parameter,
+                                                           const ParameterRange &range);
+
+} // namespace springdrive

@@ -1,0 +1,251 @@
+// Covers app/commands/stability_command.cpp, stability_options.cpp, stability_report.cpp and
+// stability_map_chart.cpp, from outside.
+#include "engine/analysis/stability/stability_limits.h"
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+Ending stability(std::vector<std::string> options) {
+    options.insert(options.begin(), "stability");
+    return run_program(options);
+}
+
+Json json_of(std::vector<std::string> options) {
+    options.insert(options.end(), {"--json", "-"});
+    return Json::parse(stability(options).out);
+}
+
+void expect_refused(const std::vector<std::string> &options, const std::string &names) {
+    const Ending ending = stability(options);
+    EXPECT_TRUE(ending.exit_status == 1 || ending.exit_status == 2)
+        << names << ": " << ending.exit_status;
+    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    EXPECT_EQ(ending.out, "");
+}
+
+StabilityCase firm() {
+    StabilityCase which;
+    which.device = phantom_1_0();
+    return which;
+}
+
+TEST(StabilityCommand, ExitsByTheAnswer) {
+    const Ending good = stability({});
+    EXPECT_EQ(good.exit_status, 0) << good.error;
+    EXPECT_NE(good.out.find("predicted  stable"), std::string::npos) << good.out;
+    EXPECT_NE(good.out.find("simulated  stable"), std::string::npos) << good.out;
+    const Ending bad = stability({"--kp", "60"});
+    EXPECT_EQ(bad.exit_status, 3);
+    EXPECT_EQ(bad.error, "");
+    EXPECT_NE(bad.out.find("predicted  UNSTABLE"), std::string::npos) << bad.out;
+    EXPECT_NE(bad.out.find("simulated  UNSTABLE"), std::string::npos) << bad.out;
+}
+
+TEST(StabilityCommand, SaysWhyTheTwoMayDiffer) {
+    // Just below the predicted line, where counts keep it rattling.
+    const Ending ending = stability({"--kp", "29.5"});
+    EXPECT_EQ(ending.exit_status, 3);
+    EXPECT_NE(ending.out.find("predicted  stable"), std::string::npos) << ending.out;
+    EXPECT_NE(ending.out.find("simulated  UNSTABLE"), std::string::npos) << ending.out;
+    EXPECT_NE(ending.out.find("they differ because"), std::string::npos) << ending.out;
+}
+
+TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
+    const StabilityParameter &kp = *stability_parameter_named("kp");
+    const std::vector<StabilityLimit> truth = predicted_limits(firm(), kp, {1.0, 100.0});
+    ASSERT_EQ(truth.size(), 1U);
+    const std::vector<std::string> options{"--vary", "kp", "--from", "1", "--to", "100"};
+    const Json json = json_of(options);
+    EXPECT_TRUE(json["stable"]);
+    EXPECT_EQ(json["vary"], "kp");
+    EXPECT_EQ(json["unit"], "V/rad");
+    EXPECT_EQ(json["from"], 1.0);
+    EXPECT_EQ(json["to"], 100.0);
+    ASSERT_EQ(json["limits"].size(), 1U);
+    const Json &limit = json["limits"][0];
+    EXPECT_EQ(limit["stable"], "below");
+    EXPECT_EQ(limit["predicted"].get<double>(), truth[0].predicted);
+    EXPECT_EQ(limit["limited_by"]["motor"], truth[0].worst.motor + 1);
+    EXPECT_EQ(limit["limited_by"]["hand"], truth[0].worst.hand.name);
+    EXPECT_NEAR(limit["simulated_without_effects"].get<double>(), truth[0].predicted,
+                0.02 * truth[0].predicted);
+    EXPECT_LT(limit["simulated"].get<double>(), limit["simulated_with_friction"].get<double>());
+    EXPECT_NEAR(limit["ratio"].get<double>(), limit["simulated"].get<double>() / truth[0].predicted,
+                1e-12);
+    const Ending table = stability(options);
+    EXPECT_EQ(table.exit_status, 0);
+    EXPECT_NE(table.out.find("K_P from 1 to 100 V/rad: one limit"), std::string::npos) << table.out;
+    EXPECT_NE(table.out.find("30.01"), std::string::npos) << table.out;
+}
+
+TEST(StabilityCommand, SaysWhereThereIsNoLimit) {
+    const Ending ending = stability({"--vary", "kp", "--from", "1", "--to", "2"});
+    EXPECT_EQ(ending.exit_status, 0);
+    EXPECT_NE(ending.out.find("no limit within it"), std::string::npos) << ending.out;
+    EXPECT_TRUE(json_of({"--vary", "kp", "--from", "1", "--to", "2"})["limits"].empty());
+}
+
+TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
+    const auto eigenvalue = [](const std::vector<std::string> &options) {
+        return json_of(options)["predicted"]["largest_eigenvalue"].get<double>();
+    };
+    StabilityCase which = firm();
+    EXPECT_EQ(eigenvalue({}), worst_member(which).eigenvalue);
+    which.freedom = Freedom::three_motors;
+    EXPECT_EQ(eigenvalue({"--motors", "3"}), worst_member(which).eigenvalue);
+    which.tuning.map = MotionMap::inverse;
+    which.q_rad = Vector3(10.0, -5.0, 30.0) * std::numbers::pi / 180.0;
+    EXPECT_EQ(eigenvalue({"--motors", "3", "--kinematics", "inverse", "--q", "10,-5,30"}),
+              worst_member(which).eigenvalue);
+    which = firm();
+    which.hands = {no_hand()};
+    which.period_s = 1.0 / 2500.0;
+    which.delay_samples = 2;
+    EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "2"}),
+              worst_member(which).eigenvalue);
+    which = firm();
+    which.drive = AmplifierKind::current_drive;
+    which.wall = {500.0, 1.5};
+    EXPECT_EQ(
+        eigenvalue({"--drive", "current", "--wall-stiffness", "500", "--wall-damping", "1.5"}),
+        worst_member(which).eigenvalue);
+    which = firm();
+    which.net_resistance_Ohm = -0.05;
+    EXPECT_EQ(eigenvalue({"--dR", "-0.05"}), worst_member(which).eigenvalue);
+    which = firm();
+    which.rotor = driven_load(which, {1, no_hand()}).damping_Nms_per_rad(0, 0) > 0.0
+                      ? RotorLoad{3e-5, 1e-4, 0.0}
+                      : RotorLoad{};
+    EXPECT_EQ(eigenvalue({"--inertia", "3e-5", "--damping", "1e-4"}),
+              worst_member(which).eigenvalue);
+}
+
+/// What the line says for a wall without B is where such a wall ends: motor 3, the weakest.
+TEST(StabilityCommand, TellsColgateAndSchenkelsLine) {
+    const Ending ending = stability(
+        {"--drive", "current", "--wall-damping", "0", "--no-hand", "--vary", "wall-stiffness"});
+    const std::string head = "2b/(T(1 + 2d) + 2/ω)";
+    const std::size_t line = ending.out.find(head);
+    ASSERT_NE(line, std::string::npos) << ending.out;
+    const double told = std::stod(ending.out.substr(line + head.size()));
+    const std::size_t row = ending.out.find("up to", line + head.size());
+    ASSERT_NE(row, std::string::npos) << ending.out;
+    const std::size_t limit = ending.out.find("  up to", line);
+    const double found = std::stod(ending.out.substr(limit + 7));
+    EXPECT_NEAR(found / told, 1.0, 0.01); // light rotors feel bT/6J more, and digits are four
+}
+
+TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
+    expect_refused({"--motors", "3", "--vary", "inertia"}, "--vary inertia");
+    expect_refused({"--motors", "3", "--inertia", "1e-5"}, "--inertia");
+    expect_refused({"--drive", "current", "--vary", "kp"}, "spring drive");
+    expect_refused({"--vary", "wall-stiffness"}, "--drive current");
+    expect_refused({"--kinematics", "inverse", "--vary", "alpha"}, "transpose");
+    expect_refused({"--no-hand", "--vary", "hand-mass"}, "--no-hand");
+    expect_refused({"--map", "kp,wall-damping", "--out", "none.svg"}, "--map wall-damping");
+}
+
+TEST(StabilityCommand, DrawsAMap) {
+    const std::filesystem::path folder = fresh_folder("stability_map");
+    const Ending ending = stability(
+        {"--map", "kp=1:100,dR=0.1:2", "--steps", "4", "--no-hand", "--out", folder / "map.svg"});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    const std::string svg = contents_of(folder / "map.svg");
+    EXPECT_NE(svg.find("<svg"), std::string::npos);
+    EXPECT_NE(svg.find("</svg>"), std::string::npos);
+    std::istringstream csv(contents_of(folder / "map.csv"));
+    std::string line;
+    std::getline(csv, line);
+    EXPECT_EQ(line, "kp,dR,largest_eigenvalue,stable_simulated,remaining_m_per_s");
+    int rows = 0;
+    int gaps = 0;
+    while (std::getline(csv, line)) {
+        if (line.empty()) {
+            ++gaps;
+            continue;
+        }
+        ++rows;
+        std::istringstream cells(line);
+        std::vector<double> row;
+        for (std::string cell; std::getline(cells, cell, ',');) {
+            row.push_back(std::stod(cell));
+        }
+        ASSERT_EQ(row.size(), 5U) << line;
+        StabilityCase which = firm();
+        which.hands = {no_hand()};
+        which.tuning.K_P_V_per_rad = row[0];
+        which.net_resistance_Ohm = row[1];
+        EXPECT_NEAR(row[2], worst_member(which).eigenvalue, 1e-6) << line;
+    }
+    EXPECT_EQ(rows, 16);
+    EXPECT_EQ(gaps, 4); // after each row of the grid
+    std::filesystem::remove_all(folder);
+}
+
+TEST(StabilityCommand, RefusesNonsenseWithTheRange) {
+    expect_refused({"--kp", "-1"}, "0 to 10000");
+    expect_refused({"--kp", "nan"}, "kp");
+    expect_refused({"--dR", "0"}, "not 0");
+    expect_refused({"--servo-hz", "0"}, "1 to 1");
+    expect_refused({"--servo-hz", "nan"}, "--servo-hz");
+    expect_refused({"--delay", "-1"}, "0 to 8");
+    expect_refused({"--delay", "9"}, "0 to 8");
+    expect_refused({"--delay", "1.5"}, "whole");
+    expect_refused({"--eta", "1.1"}, "0 to 1");
+    expect_refused({"--hand-mass", "-0.1"}, "0 to 100");
+    expect_refused({"--hand-mass", "0.1", "--no-hand"}, "--no-hand");
+    expect_refused({"--inertia", "0"}, "inertia");
+    expect_refused({"--inertia", "-1e-5"}, "1e-12");
+    expect_refused({"--damping", "-1"}, "0 to 1000");
+    expect_refused({"--inertia", "1e-5", "--motors", "3"}, "--motors");
+    expect_refused({"--motors", "2"}, "--motors");
+    expect_refused({"--drive", "hydraulic"}, "--drive");
+    expect_refused({"--q", "0,20"}, "--q");
+    expect_refused({"--q", "nan,0,0"}, "--q");
+    expect_refused({"--q", "0,200,0"}, "q");
+    expect_refused({"--tuning-file", "none.toml"}, "none.toml");
+    expect_refused({"--device-file", "none.toml"}, "none.toml");
+    expect_refused({"--json", "/no/such/folder/x.json"}, "/no/such/folder");
+}
+
+TEST(StabilityCommand, RefusesRangesThatCannotBe) {
+    expect_refused({"--vary", "gain"}, "kp, kd, lambda");
+    expect_refused({"--vary", "kp", "--from", "10", "--to", "1"}, "the first must be below");
+    expect_refused({"--vary", "kp", "--from", "1", "--to", "1"}, "the first must be below");
+    expect_refused({"--vary", "T", "--from", "0"}, "1e-06 to 1");
+    expect_refused({"--vary", "kp", "--to", "1e9"}, "0 to 10000");
+    expect_refused({"--vary", "kp", "--from", "nan"}, "kp");
+    expect_refused({"--vary", "d", "--from", "0.5"}, "whole");
+    expect_refused({"--from", "1"}, "--vary");
+}
+
+TEST(StabilityCommand, RefusesMapsThatCannotBe) {
+    expect_refused({"--map", "kp,kp", "--out", "x.svg"}, "twice");
+    expect_refused({"--map", "kp", "--out", "x.svg"}, "--map");
+    expect_refused({"--map", "kp,gain", "--out", "x.svg"}, "gain");
+    expect_refused({"--map", "kp=5,kd", "--out", "x.svg"}, "NAME=FROM:TO");
+    expect_refused({"--map", "kp=5:1,kd", "--out", "x.svg"}, "below");
+    expect_refused({"--map", "kp=1:2x,kd", "--out", "x.svg"}, "NAME=FROM:TO");
+    expect_refused({"--map", "kp,kd"}, "--out");
+    expect_refused({"--map", "kp,kd", "--out", "x.png"}, ".svg");
+    expect_refused({"--map", "kp,kd", "--out", "/no/such/folder/x.svg"}, "/no/such/folder");
+    expect_refused({"--map", "kp,kd", "--out", "x.svg", "--steps", "1"}, "--steps");
+    expect_refused({"--map", "kp,kd", "--out", "x.svg", "--steps", "401"}, "--steps");
+}
+
+} // namespace
+} // namespace springdrive::testing

@@ -1,0 +1,67 @@
+// Loops for tests of stability, drawn at random over what motors, servos and hands may be.
+#pragma once
+
+#include "engine/analysis/stability/stability_limits.h"
+#include "tests/support/configurations.h"
+#include "tests/support/devices.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <string_view>
+
+namespace springdrive::testing {
+
+/// Numbers between two others.
+class Draw {
+public:
+    explicit Draw(std::mt19937_64 &random) : random_(random) {}
+
+    double even(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random_);
+    }
+    double by_ratio(double low, double high) { return low * std::pow(high / low, even(0.0, 1.0)); }
+    int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+
+private:
+    std::mt19937_64 &random_;
+};
+
+/// A motor such as there are from watch makers' to robots'.
+inline MotorParameters random_motor(std::mt19937_64 &random) {
+    Draw draw(random);
+    MotorParameters motor = phantom_1_0().motor[0];
+    motor.resistance_Ohm = draw.by_ratio(0.5, 10.0);
+    motor.inductance_H = draw.by_ratio(5e-5, 2e-3);
+    motor.torque_constant_Nm_per_A = draw.by_ratio(0.01, 0.06);
+    motor.rotor_inertia_kg_m2 = draw.by_ratio(3e-7, 1e-5);
+    return motor;
+}
+
+/// Gains of a loop that may be stable.
+inline Tuning random_tuning(const MotorParameters &motor, std::mt19937_64 &random) {
+    Draw draw(random);
+    Tuning tuning;
+    tuning.dR_Ohm = motor.resistance_Ohm * draw.by_ratio(0.05, 1.0);
+    tuning.K_P_V_per_rad = draw.by_ratio(0.1, 10.0);
+    tuning.K_D_Vs_per_rad = draw.even(0.0, 0.02);
+    tuning.lambda_rad_per_s = draw.by_ratio(200.0, 4000.0);
+    tuning.eta = draw.whole(0, 2) == 0 ? draw.even(0.0, 0.9) : 0.0;
+    return tuning;
+}
+
+/// One motor that moves an inertia of its own, in one hand or in none.
+inline StabilityCase random_rotor_loop(std::mt19937_64 &random) {
+    Draw draw(random);
+    StabilityCase which;
+    which.device = phantom_1_0();
+    which.device.motor.fill(random_motor(random));
+    which.tuning = random_tuning(which.device.motor[0], random);
+    which.period_s = draw.by_ratio(2e-4, 2e-3);
+    which.delay_samples = draw.whole(0, 3);
+    which.rotor = RotorLoad{draw.by_ratio(1e-6, 1e-4), draw.by_ratio(1e-7, 1e-3), 0.0};
+    which.hands = {draw.whole(0, 2) == 0 ? no_hand() : hand_of_firmness(draw.even(0.0, 1.0))};
+    return which;
+}
+
+} // namespace springdrive::testing
