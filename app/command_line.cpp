@@ -9,6 +9,7 @@
 #include "app/commands/stability_command.h"
 #include "app/commands/stiffness_command.h"
 #include "app/commands/touch_command.h"
+#include "app/commands/tune_command.h"
 
 #include <CLI/CLI.hpp>
 
@@ -52,6 +53,7 @@ int run_command_line(int argc, char **argv) {
     add_figures_command(app);
     add_stiffness_command(app);
     add_stability_command(app);
+    add_tune_command(app);
     add_touch_command(app);
     add_inspect_command(app);
 

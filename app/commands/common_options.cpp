@@ -100,6 +100,19 @@ Tuning TuningOptions::tuning() const {
     return tuning;
 }
 
+void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
+                       int delay_samples) {
+    if (tuning_file.empty()) {
+        return;
+    }
+    const std::optional<TuningMargins> margins = read_whole_tuning_file(tuning_file).margins;
+    if (margins && (servo_hz < margins->servo_hz || delay_samples > margins->delay_samples)) {
+        std::cerr << "springdrive: remark: " << tuning_file.string() << " was found for "
+                  << margins->servo_hz << " Hz and a delay of " << margins->delay_samples
+                  << "; on a slower or later servo its margins do not hold\n";
+    }
+}
+
 void check_dR(const DeviceDescription &device, const Tuning &tuning) {
     for (std::size_t j = 0; j < device.motor.size(); ++j) {
         const MotorParameters &motor = device.motor[j];

@@ -38,7 +38,7 @@ struct Layout {
     const float column = std::min(400.0F * scale, 0.55F * size.x);
     const float strip = std::min(190.0F * scale, 0.4F * size.y);
     const float left = size.x - column;
-    const float tuning = std::min(318.0F * scale, 0.5F * size.y);
+    const float tuning = std::min(344.0F * scale, 0.5F * size.y);
     const float servo = std::min(216.0F * scale, 0.3F * size.y);
     Layout result;
     result.scene_view = {{0.0F, 0.0F}, {left, size.y - strip}};

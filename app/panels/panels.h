@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/panels/layout.h"
+#include "app/panels/stability_tab.h"
 #include "app/session.h"
 
 #include <cstddef>
@@ -17,9 +18,10 @@ namespace springdrive {
 struct TuningPanelState {
     std::optional<std::size_t> typing; ///< which parameter
     double typed = 0.0;
+    StabilityTabState stability;
 };
 
-/// The six parameters with what follows from them.
+/// The six parameters with what follows from them, and behind a second tab how stable they are.
 void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place);
 
 /// The angle between rendered force and surface normal over time, with both maps.

@@ -47,13 +47,14 @@ void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
     ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
     ImGui::InputDouble("##typed", &shown, 0.0, 0.0, digits_for(kParameters[index]));
     if (ImGui::IsItemActive()) {
-        state = {index, shown};
+        state.typing = index;
+        state.typed = shown;
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) {
         value = state.typed;
     }
     if (ImGui::IsItemDeactivated()) {
-        state = {};
+        state.typing.reset();
     }
 }
 
@@ -178,10 +179,7 @@ void show_consequences(const Session &session) {
     }
 }
 
-} // namespace
-
-void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place) {
-    begin_panel("Tuning", place);
+void draw_tuning_tab(Session &session, TuningPanelState &state) {
     Tuning tuning = session.tuning();
     const float font = ImGui::GetFontSize();
     bool changed = choose_preset(tuning);
@@ -207,6 +205,23 @@ void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangl
     }
     ImGui::Separator();
     show_consequences(session);
+}
+
+} // namespace
+
+void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place) {
+    begin_panel("Tuning", place);
+    if (ImGui::BeginTabBar("tuning")) {
+        if (ImGui::BeginTabItem("Gains")) {
+            draw_tuning_tab(session, state);
+            ImGui::EndTabItem();
+        }
+        if (ImGui::BeginTabItem("Stability")) {
+            draw_stability_tab(session, state.stability);
+            ImGui::EndTabItem();
+        }
+        ImGui::EndTabBar();
+    }
     ImGui::End();
 }
 

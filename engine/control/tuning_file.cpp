@@ -3,6 +3,8 @@
 #include "base/strict_toml.h"
 #include "engine/control/parameters.h"
 
+#include <array>
+#include <charconv>
 #include <optional>
 #include <string>
 
@@ -28,20 +30,97 @@ AlphaMode read_alpha_mode(StrictTomlTable &file) {
     return *mode;
 }
 
+TuningMargins read_margins(StrictTomlTable table) {
+    constexpr double kFastest_hz = 1e6;
+    constexpr int kLongest_samples = 100;
+    TuningMargins margins;
+    margins.servo_hz = table.number("servo_hz", {1.0, kFastest_hz});
+    margins.delay_samples = table.integer("delay_samples", 0, kLongest_samples);
+    margins.gain = table.number("gain", {1.0});
+    margins.more_delay_samples = table.integer("more_delay_samples", 0, kLongest_samples);
+    margins.least_dR_Ohm = table.number("least_dR_Ohm", {0.0});
+    margins.K_DC_Nm_per_rad = table.number("K_DC_Nm_per_rad", {0.0});
+    margins.worst_hand = table.text("worst_hand");
+    margins.worst_eta = table.number("worst_eta", {0.0, 1.0});
+    table.refuse_unknown_keys();
+    return margins;
+}
+
+/// The shortest digits that give the same number again.
+std::string digits(double value) {
+    std::array<char, 32> text{};
+    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+    std::string number(text.data(), end);
+    return number.find_first_of(".e") == std::string::npos ? number + ".0" : number;
+}
+
+/// A TOML string on one line.
+std::string quoted(const std::string &text) {
+    std::string inside;
+    for (const char c : text) {
+        inside += c == '"' || c == '\\' ? std::string("\\") + c
+                                        : std::string(1, c < ' ' && c >= 0 ? ' ' : c);
+    }
+    return '"' + inside + '"';
+}
+
+std::string name_of(MotionMap map) { return map == MotionMap::inverse ? "inverse" : "transpose"; }
+
+std::string name_of(AlphaMode mode) {
+    switch (mode) {
+    case AlphaMode::global:
+        return "global";
+    case AlphaMode::by_hand:
+        return "by_hand";
+    case AlphaMode::on_the_fly:
+        break;
+    }
+    return "on_the_fly";
+}
+
 } // namespace
 
-Tuning read_tuning_file(const std::filesystem::path &path) {
-    StrictTomlTable file = StrictTomlTable::read(path);
-    Tuning tuning;
-    static_cast<void>(file.text("description"));
+TuningFile read_whole_tuning_file(const std::filesystem::path &path) {
+    StrictTomlTable table = StrictTomlTable::read(path);
+    TuningFile file;
+    file.description = table.text("description");
     for (const Parameter &parameter : kParameters) {
-        tuning.*parameter.value =
-            file.number(parameter.name, {parameter.lowest, parameter.highest});
+        file.tuning.*parameter.value =
+            table.number(parameter.name, {parameter.lowest, parameter.highest});
     }
-    tuning.map = read_map(file);
-    tuning.alpha_mode = read_alpha_mode(file);
-    file.refuse_unknown_keys();
-    return tuning;
+    file.tuning.map = read_map(table);
+    file.tuning.alpha_mode = read_alpha_mode(table);
+    if (table.has("margins")) {
+        file.margins = read_margins(table.table("margins"));
+    }
+    table.refuse_unknown_keys();
+    return file;
+}
+
+Tuning read_tuning_file(const std::filesystem::path &path) {
+    return read_whole_tuning_file(path).tuning;
+}
+
+void write_tuning_file(std::ostream &out, const TuningFile &file) {
+    out << "description = " << quoted(file.description) << '\n';
+    out << "map = " << quoted(name_of(file.tuning.map)) << '\n';
+    out << "alpha_mode = " << quoted(name_of(file.tuning.alpha_mode)) << '\n';
+    for (const Parameter &parameter : kParameters) {
+        out << parameter.name << " = " << digits(file.tuning.*parameter.value) << '\n';
+    }
+    if (!file.margins) {
+        return;
+    }
+    const TuningMargins &margins = *file.margins;
+    out << "\n# How far it is from where it fails, one thing changed at a time.\n[margins]\n";
+    out << "servo_hz = " << digits(margins.servo_hz) << '\n';
+    out << "delay_samples = " << margins.delay_samples << '\n';
+    out << "gain = " << digits(margins.gain) << '\n';
+    out << "more_delay_samples = " << margins.more_delay_samples << '\n';
+    out << "least_dR_Ohm = " << digits(margins.least_dR_Ohm) << '\n';
+    out << "K_DC_Nm_per_rad = " << digits(margins.K_DC_Nm_per_rad) << '\n';
+    out << "worst_hand = " << quoted(margins.worst_hand) << '\n';
+    out << "worst_eta = " << digits(margins.worst_eta) << '\n';
 }
 
 } // namespace springdrive

@@ -4,13 +4,42 @@
 #include "engine/control/tuning.h"
 
 #include <filesystem>
+#include <optional>
+#include <ostream>
+#include <string>
 
 namespace springdrive {
 
+/// How far a tuning is from where it fails, one thing changed at a time, on the servo that it was
+/// found for.
+struct TuningMargins {
+    double servo_hz = 0.0;
+    int delay_samples = 0;
+    double gain = 1.0;            ///< the factor on K_P and K_D that is just stable
+    int more_delay_samples = 0;   ///< whole samples beyond the delay that are still stable
+    double least_dR_Ohm = 0.0;    ///< to which dR may fall, as in a winding that cools
+    double K_DC_Nm_per_rad = 0.0; ///< (13), for the record
+    std::string worst_hand;       ///< who limits the gain
+    double worst_eta = 0.0;       ///< and at which η
+};
+
+struct TuningFile {
+    Tuning tuning;
+    std::string description;
+    std::optional<TuningMargins> margins; ///< of a tuning that was found by `springdrive tune`
+};
+
 /// Reads a tuning file: one key for each of `kParameters` by its name, `map` = "inverse" or
-/// "transpose", `alpha_mode` = "on_the_fly", "global" or "by_hand", and a `description`.
+/// "transpose", `alpha_mode` = "on_the_fly", "global" or "by_hand", a `description`, and where
+/// there are any, `[margins]`.
 /// @throw InputError naming the file, the line, the key and what it may be, for a file that cannot
 ///        be read, a missing or unknown key, or a value out of range.
+[[nodiscard]] TuningFile read_whole_tuning_file(const std::filesystem::path &path);
+
+/// The tuning of such a file.
 [[nodiscard]] Tuning read_tuning_file(const std::filesystem::path &path);
+
+/// The same as text, every number to its last bit.
+void write_tuning_file(std::ostream &out, const TuningFile &file);
 
 } // namespace springdrive

@@ -1,4 +1,5 @@
-// Covers engine/control/tuning_file.cpp and parameters.cpp.
+// Covers engine/control/tuning_file.cpp and parameters.cpp, and what of base/strict_toml.cpp may be
+// left out.
 #include "engine/control/tuning_file.h"
 
 #include "base/input_error.h"
@@ -7,11 +8,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <random>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace springdrive {
 namespace {
@@ -58,6 +63,125 @@ TEST(TuningFile, RefusesWhatItDoesNotKnowOrCannotBe) {
     EXPECT_NE(complaint("transpose", "transposed").find("inverse or transpose"), std::string::npos);
     EXPECT_NE(complaint("on_the_fly", "auto").find("by_hand"), std::string::npos);
     EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
+}
+
+TuningFile written_and_read(const TuningFile &file) {
+    const auto path = std::filesystem::path(::testing::TempDir()) / "written_tuning.toml";
+    std::ofstream out(path);
+    write_tuning_file(out, file);
+    out.close();
+    return read_whole_tuning_file(path);
+}
+
+TuningFile random_file(std::mt19937_64 &random) {
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    TuningFile file;
+    file.description = "a \"firm\" one \\ of dR 0.5 Ω";
+    for (const Parameter &parameter : kParameters) {
+        file.tuning.*parameter.value =
+            parameter.lowest + share(random) * (parameter.highest - parameter.lowest);
+    }
+    file.tuning.map = share(random) < 0.5 ? MotionMap::inverse : MotionMap::transpose;
+    constexpr std::array kModes{AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand};
+    file.tuning.alpha_mode = kModes[random() % kModes.size()];
+    file.margins = TuningMargins{1.0 / (1e-4 + 1e-3 * share(random)),
+                                 static_cast<int>(random() % 9),
+                                 1.0 + share(random),
+                                 static_cast<int>(random() % 9),
+                                 share(random),
+                                 share(random) * 1e-7, // digits with an exponent
+                                 "firmness 0.25",
+                                 share(random)};
+    return file;
+}
+
+TEST(TuningFile, IsReadAsItWasWrittenToTheLastBit) {
+    std::mt19937_64 random(51);
+    for (int i = 0; i < 100; ++i) {
+        const TuningFile file = random_file(random);
+        const TuningFile same = written_and_read(file);
+        EXPECT_EQ(same.description, file.description);
+        for (const Parameter &parameter : kParameters) {
+            EXPECT_EQ(same.tuning.*parameter.value, file.tuning.*parameter.value);
+        }
+        EXPECT_EQ(same.tuning.map, file.tuning.map);
+        EXPECT_EQ(same.tuning.alpha_mode, file.tuning.alpha_mode);
+        ASSERT_TRUE(same.margins);
+        EXPECT_EQ(same.margins->servo_hz, file.margins->servo_hz);
+        EXPECT_EQ(same.margins->delay_samples, file.margins->delay_samples);
+        EXPECT_EQ(same.margins->gain, file.margins->gain);
+        EXPECT_EQ(same.margins->more_delay_samples, file.margins->more_delay_samples);
+        EXPECT_EQ(same.margins->least_dR_Ohm, file.margins->least_dR_Ohm);
+        EXPECT_EQ(same.margins->K_DC_Nm_per_rad, file.margins->K_DC_Nm_per_rad);
+        EXPECT_EQ(same.margins->worst_hand, file.margins->worst_hand);
+        EXPECT_EQ(same.margins->worst_eta, file.margins->worst_eta);
+    }
+}
+
+TEST(TuningFile, NeedsNoMargins) {
+    TuningFile file;
+    EXPECT_FALSE(written_and_read(file).margins);
+    for (const char *name : {"soft", "firm", "stiffest"}) {
+        const TuningFile shipped =
+            read_whole_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+        EXPECT_NE(shipped.description, "") << name;
+    }
+}
+
+TEST(TuningFile, ADescriptionStaysOnItsLine) {
+    TuningFile file;
+    file.description = "two\nlines\tand a tab";
+    EXPECT_EQ(written_and_read(file).description, "two lines and a tab");
+}
+
+/// The complaint about a file with good margins in which `from` stands as `to`.
+std::string complaint_about_margins(const std::string &from, const std::string &to) {
+    TuningFile file;
+    file.margins = TuningMargins{1000.0, 1, 1.5, 2, 0.25, 0.5, "firm", 0.75};
+    std::ostringstream out;
+    write_tuning_file(out, file);
+    std::string text = out.str();
+    const std::size_t at = text.find(from, text.find("[margins]"));
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const auto path = std::filesystem::path(::testing::TempDir()) / "bad_margins.toml";
+    std::ofstream(path) << text;
+    try {
+        static_cast<void>(read_whole_tuning_file(path));
+    } catch (const InputError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(TuningFile, RefusesMarginsThatCannotBeWithTheirLine) {
+    struct Bad {
+        std::string from;
+        std::string to;
+        std::string said;
+    };
+    // [margins] is line 12: a description, two names, six parameters, a gap and a remark before.
+    const std::vector<Bad> all{
+        {"servo_hz = 1000.0", "servo_hz = 0.0", ":13: margins.servo_hz is 0; it must be"},
+        {"delay_samples = 1", "delay_samples = -1", ":14: margins.delay_samples"},
+        {"delay_samples = 1", "delay_samples = 1.5", "whole"},
+        {"gain = 1.5", "gain = 0.9", ":15: margins.gain"},
+        {"gain = 1.5", "gain = nan", ":15: margins.gain"},
+        {"more_delay_samples = 2", "more_delay_samples = 1000", ":16: margins.more_delay_samples"},
+        {"least_dR_Ohm = 0.25", "least_dR_Ohm = -0.1", ":17: margins.least_dR_Ohm"},
+        {"K_DC_Nm_per_rad = 0.5", "K_DC_Nm_per_rad = inf", ":18: margins.K_DC_Nm_per_rad"},
+        {"worst_hand = \"firm\"", "worst_hand = 3", ":19: margins.worst_hand"},
+        {"worst_eta = 0.75", "worst_eta = 1.01", ":20: margins.worst_eta"},
+        {"worst_eta = 0.75", "", "margins.worst_eta is missing"},
+        {"gain = 1.5", "gain = 1.5\nphase = 3", "phase"},
+    };
+    for (const Bad &bad : all) {
+        const std::string said = complaint_about_margins(bad.from, bad.to);
+        EXPECT_NE(said.find(bad.said), std::string::npos) << bad.to << ": " << said;
+        EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    }
+    EXPECT_EQ(complaint_about_margins("gain = 1.5", "gain = 1.5"), "");
+    EXPECT_NE(complaint_about_margins("[margins]", "margins = 3\n[more]"), "");
 }
 
 TEST(Parameters, BothSidesOfEveryRange) {

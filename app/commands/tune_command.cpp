@@ -1,0 +1,121 @@
+#include "app/commands/tune_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
+#include "base/input_error.h"
+#include "base/print.h"
+#include "engine/analysis/stability/auto_tune.h"
+#include "engine/servo/servo.h"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+struct Typed {
+    std::filesystem::path device_file;
+    double dR_Ohm = Tuning{}.dR_Ohm;
+    double servo_hz = 1000.0;
+    int delay_samples = 0;
+    double margin = AutoTuneRequest{}.margin;
+    std::string kinematics = "transpose";
+    std::string out; ///< empty: standard output, after what people want to know
+};
+
+AutoTuneRequest request_of(const Typed &typed) {
+    AutoTuneRequest request;
+    StabilityCase &which = request.which;
+    which.device = read_device_file(typed.device_file);
+    which.tuning.dR_Ohm = typed.dR_Ohm;
+    which.tuning.map = *motion_map_named(typed.kinematics);
+    if (const std::string wrong = what_is_wrong_with(which.tuning); !wrong.empty()) {
+        throw InputError("--dR: " + wrong);
+    }
+    check_dR(which.device, which.tuning);
+    which.period_s = servo_period_s(typed.servo_hz);
+    check_range("--delay", typed.delay_samples, 0, SimulationOptions::kLongestDelay);
+    which.delay_samples = typed.delay_samples;
+    check_range("--margin", typed.margin, 1.0, 10.0);
+    request.margin = typed.margin;
+    return request;
+}
+
+std::string description_of(const Typed &typed, const AutoTuned &found) {
+    std::ostringstream text;
+    text.precision(4);
+    text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_samples
+         << " with dR " << typed.dR_Ohm << " Ω and a margin of " << typed.margin << ": K_DC "
+         << found.margins.K_DC_Nm_per_rad << " N·m/rad at the motor";
+    return text.str();
+}
+
+void tell(std::ostream &out, const AutoTuned &found) {
+    const TuningMargins &margins = found.margins;
+    print(out, "K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s: K_DC %.4g N·m/rad\n",
+          found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
+          margins.K_DC_Nm_per_rad);
+    print(out, "stable on %zu loops: every hand, configuration and η\n", found.loops);
+    print(out, "margins: K_P and K_D × %.3g (then %s, η %.2g, fails)", margins.gain,
+          margins.worst_hand.c_str(), margins.worst_eta);
+    print(out, ", %d more samples of delay, dR down to %.3g Ω\n", margins.more_delay_samples,
+          margins.least_dR_Ohm);
+    if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+        out << "K_P is at the end of its range: the loops would bear more\n";
+    }
+    if (found.taken_back > 0.0) {
+        print(out,
+              "K_P is %.0f %% lower than the loops would bear: encoder counts kept them "
+              "rattling\n",
+              100.0 * found.taken_back);
+    }
+}
+
+void run(const Typed &typed) {
+    const AutoTuneRequest request = request_of(typed);
+    check_folder_of(typed.out);
+    AutoTuned found;
+    {
+        ProgressLine line;
+        found = auto_tune(request, [&line](double share) {
+            line.show("tuning", share);
+            return true;
+        });
+    }
+    tell(typed.out.empty() ? std::cerr : std::cout, found);
+    write_output(typed.out.empty() ? "-" : typed.out, [&](std::ostream &out) {
+        write_tuning_file(out, {found.tuning, description_of(typed, found), found.margins});
+    });
+}
+
+} // namespace
+
+void add_tune_command(CLI::App &app) {
+    CLI::App &tune = *app.add_subcommand(
+        "tune", "the stiffest tuning that every hand finds stable, as a tuning file");
+    const auto typed = std::make_shared<Typed>();
+    add_device_file_option(tune, typed->device_file);
+    tune.add_option("--dR", typed->dR_Ohm, "residual resistance, as it will be tuned [0.5]")
+        ->type_name("Ω");
+    tune.add_option("--servo-hz", typed->servo_hz, "servo rate, 250 to 10000 [1000]")
+        ->type_name("HZ");
+    tune.add_option("--delay", typed->delay_samples,
+                    "whole samples from reading θ to applying e_W [0]")
+        ->type_name("D");
+    tune.add_option("--margin", typed->margin,
+                    "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
+        ->type_name("FACTOR");
+    tune.add_option("--kinematics", typed->kinematics, "inverse (18) or transpose (23)")
+        ->check(CLI::IsMember({"inverse", "transpose"}));
+    tune.add_option("--out", typed->out, "the file to write [standard output]")
+        ->type_name("FILE.toml");
+    tune.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,65 @@
+// What the stability tab remembers between frames, and what it works out beside them.
+#pragma once
+
+#include "app/background.h"
+#include "app/session.h"
+#include "engine/analysis/stability/auto_tune.h"
+
+#include <optional>
+#include <string>
+
+namespace springdrive {
+
+/// How far the present tuning is from where it fails.
+struct StabilityOutlook {
+    WorstMember worst;
+    double period_s = 1e-3;
+    std::optional<double> K_P_up_to;
+    std::optional<double> K_D_up_to;
+    std::optional<double> dR_down_to_Ohm;
+};
+
+class StabilityTabState {
+public:
+    /// Takes in what was finished, and starts anew where tuning or configuration changed.
+    void update(const Session &session);
+
+    /// Looks for the stiffest tuning with the dR in force and the margin set.
+    void start_tuning(const Session &session);
+    void stop_tuning() { search_.give_up(); }
+    [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
+    [[nodiscard]] double tuning_share() const { return search_.share(); }
+
+    /// Writes what was found as a tuning file into the folder where the program was started.
+    void save();
+
+    [[nodiscard]] const std::optional<StabilityOutlook> &outlook() const { return outlook_; }
+    [[nodiscard]] const std::optional<AutoTuned> &found() const { return found_; }
+    [[nodiscard]] const std::string &message() const { return message_; }
+    /// What was in force before the tuning that was found; once.
+    [[nodiscard]] std::optional<Tuning> take_back();
+    /// A tuning that is to be in force now; once.
+    [[nodiscard]] std::optional<Tuning> take_new_tuning();
+
+    double margin = AutoTuneRequest{}.margin;
+
+private:
+    Background<StabilityOutlook> watch_;
+    std::optional<StabilityOutlook> outlook_;
+    std::optional<Tuning> looked_at_;
+    Vector3 looked_at_q_rad_{Vector3::Zero()};
+    Background<AutoTuned> search_;
+    std::optional<AutoTuned> found_;
+    std::optional<Tuning> before_;
+    std::optional<Tuning> new_tuning_;
+    std::string message_; ///< of the last search or save
+};
+
+/// The loop as it stands: at the hand's configuration, with the tuning that is asked for.
+[[nodiscard]] StabilityCase stability_case_of(const Session &session);
+
+/// Whether every hand finds the tuning stable, how much room is left, and a button for the stiffest
+/// tuning that leaves a margin.
+void draw_stability_tab(Session &session, StabilityTabState &state);
+
+} // namespace springdrive

@@ -1,0 +1,70 @@
+// Covers app/background.h.
+#include "app/background.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <stdexcept>
+
+namespace springdrive {
+namespace {
+
+template <typename Result> Result waited_for(Background<Result> &background) {
+    std::optional<Result> result;
+    while (!(result = background.take())) {
+        std::this_thread::yield();
+    }
+    return *result;
+}
+
+TEST(Background, GivesItsResultOnce) {
+    Background<int> background;
+    EXPECT_FALSE(background.is_busy());
+    background.start([](BackgroundTalk &talk) {
+        talk.share = 0.5;
+        return 42;
+    });
+    EXPECT_TRUE(background.is_busy());
+    EXPECT_EQ(waited_for(background), 42);
+    EXPECT_FALSE(background.is_busy());
+    EXPECT_FALSE(background.take());
+    EXPECT_EQ(background.share(), 0.5);
+}
+
+TEST(Background, PassesOnWhatWasThrown) {
+    Background<int> background;
+    background.start([](BackgroundTalk &) -> int { throw std::runtime_error("no"); });
+    EXPECT_THROW(waited_for(background), std::runtime_error);
+    EXPECT_FALSE(background.is_busy());
+}
+
+TEST(Background, TellsWorkThatNobodyWaits) {
+    const auto ended = std::make_shared<std::promise<bool>>();
+    std::future<bool> was_wanted = ended->get_future();
+    {
+        Background<int> background;
+        background.start([ended](BackgroundTalk &talk) {
+            while (talk.is_wanted) {
+                std::this_thread::yield();
+            }
+            ended->set_value(talk.is_wanted);
+            return 0;
+        });
+    }
+    EXPECT_FALSE(was_wanted.get());
+}
+
+TEST(Background, ANewPieceReplacesTheOld) {
+    Background<int> background;
+    background.start([](BackgroundTalk &talk) {
+        while (talk.is_wanted) {
+            std::this_thread::yield();
+        }
+        return 1;
+    });
+    background.start([](BackgroundTalk &) { return 2; });
+    EXPECT_EQ(waited_for(background), 2);
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,82 @@
+// Covers app/commands/tune_command.cpp, from outside.
+#include "engine/analysis/stability/stability_simulation.h"
+#include "engine/control/parameters.h"
+#include "engine/control/tuning_file.h"
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+Ending tune(std::vector<std::string> options) {
+    options.insert(options.begin(), "tune");
+    return run_program(options);
+}
+
+void expect_refused(const std::vector<std::string> &options, const std::string &names) {
+    const Ending ending = tune(options);
+    EXPECT_GT(ending.exit_status, 0) << names;
+    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    EXPECT_EQ(ending.out, "");
+}
+
+/// Both ways to get it, and that every command can use it. The whole search: seconds.
+TEST(TuneCommand, WritesATuningThatIsStable) {
+    const std::filesystem::path folder = fresh_folder("tune");
+    const std::filesystem::path file = folder / "found.toml";
+    const Ending told =
+        tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5", "--out", file});
+    ASSERT_EQ(told.exit_status, 0) << told.error;
+    EXPECT_EQ(told.out.substr(0, 4), "K_P ") << told.out;
+    EXPECT_NE(told.out.find("margins: "), std::string::npos) << told.out;
+
+    const TuningFile found = read_whole_tuning_file(file);
+    EXPECT_EQ(what_is_wrong_with(found.tuning), "");
+    EXPECT_EQ(found.tuning.dR_Ohm, 0.8);
+    ASSERT_TRUE(found.margins);
+    EXPECT_NEAR(found.margins->servo_hz, 500.0, 1e-9);
+    EXPECT_GE(found.margins->gain, 1.5 * (1.0 - 1e-3));
+    StabilityCase which;
+    which.device = phantom_1_0();
+    which.tuning = found.tuning;
+    which.period_s = 1.0 / 500.0;
+    for (const Freedom freedom : {Freedom::one_motor, Freedom::three_motors}) {
+        which.freedom = freedom;
+        EXPECT_TRUE(is_stable(which));
+    }
+
+    const Ending stable = run_program({"stability", "--tuning-file", file, "--servo-hz", "500"});
+    EXPECT_EQ(stable.exit_status, 0) << stable.out << stable.error;
+
+    const Ending to_standard_output = tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5"});
+    EXPECT_EQ(to_standard_output.out, contents_of(file)) << "what people want to know is apart";
+    EXPECT_EQ(to_standard_output.error.substr(0, 4), "K_P ") << to_standard_output.error;
+    std::filesystem::remove_all(folder);
+}
+
+TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
+    expect_refused({"--dR", "0"}, "0.02 to 2.18");
+    expect_refused({"--dR", "nan"}, "--dR");
+    expect_refused({"--servo-hz", "249"}, "250");
+    expect_refused({"--servo-hz", "nan"}, "250");
+    expect_refused({"--delay", "-1"}, "--delay");
+    expect_refused({"--delay", "9"}, "--delay");
+    expect_refused({"--margin", "0.9"}, "1 to 10");
+    expect_refused({"--margin", "11"}, "1 to 10");
+    expect_refused({"--margin", "nan"}, "--margin");
+    expect_refused({"--kinematics", "forward"}, "--kinematics");
+    expect_refused({"--device-file", "none.toml"}, "none.toml");
+    expect_refused({"--out", "/no/such/folder/t.toml"}, "/no/such/folder");
+}
+
+} // namespace
+} // namespace springdrive::testing

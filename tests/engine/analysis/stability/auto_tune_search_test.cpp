@@ -1,0 +1,179 @@
+// Covers engine/analysis/stability/auto_tune.cpp: against a search that tries everything, and
+// hands that were not in the family. Some seconds for each of twenty devices.
+#include "engine/analysis/stability/auto_tune.h"
+
+#include "base/input_error.h"
+#include "engine/analysis/stability/stability_simulation.h"
+#include "engine/control/parameters.h"
+#include "tests/support/random_loops.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+/// A PHANTOM of another size and mass, with other motors.
+DeviceDescription random_device(std::mt19937_64 &random) {
+    testing::Draw draw(random);
+    DeviceDescription device = testing::phantom_1_0();
+    const double size = draw.by_ratio(0.7, 1.5);
+    device.geometry.upper_arm_m *= size;
+    device.geometry.forearm_m *= size;
+    device.workspace.centre_m *= size;
+    device.workspace.size_m *= size;
+    device.friction.viscous_Nms_per_rad *= draw.by_ratio(0.3, 3.0);
+    device.inertia.base_kg_m2 *= draw.by_ratio(0.5, 2.0);
+    device.inertia.tip_load_kg = draw.even(0.0, 0.03);
+    const MotorParameters motor = testing::random_motor(random);
+    for (MotorParameters &each : device.motor) {
+        each = motor;
+        each.torque_constant_Nm_per_A *= draw.even(0.95, 1.05);
+    }
+    return device;
+}
+
+AutoTuneRequest random_request(std::mt19937_64 &random) {
+    testing::Draw draw(random);
+    AutoTuneRequest request;
+    request.which.device = random_device(random);
+    const double R = request.which.device.motor[0].resistance_Ohm;
+    request.which.tuning.dR_Ohm = std::min(R, draw.by_ratio(0.1, 2.0));
+    request.which.tuning.map = draw.whole(0, 1) == 0 ? MotionMap::inverse : MotionMap::transpose;
+    request.which.period_s = 1.0 / draw.by_ratio(300.0, 4000.0);
+    request.which.delay_samples = draw.whole(0, 3);
+    request.margin = draw.even(1.0, 2.0);
+    return request;
+}
+
+/// The n-th request of those that have a tuning at all.
+struct Tuned {
+    AutoTuneRequest request;
+    AutoTuned found;
+};
+
+Tuned tuned_device(int seed) {
+    std::mt19937_64 random(static_cast<unsigned>(1000 + seed));
+    while (true) {
+        Tuned tuned;
+        tuned.request = random_request(random);
+        try {
+            tuned.found = auto_tune(tuned.request);
+            return tuned;
+        } catch (const InputError &) { // nothing is stable there: the next
+        }
+    }
+}
+
+/// The stiffest on a grid over K_P, K_D and λ that keeps the five hands and none stable with the
+/// margin. Hands between those, which a tuning has to bear as well, could only make it less.
+class EverythingTried {
+public:
+    EverythingTried(const HeldLoops &loops, double margin) : loops_(loops), margin_(margin) {
+        // Loops of one motor first: they cost a twentieth.
+        for (const Eigen::Index size : {1, 3}) {
+            for (std::size_t i = 0; i < loops.count(); ++i) {
+                const bool between = loops[i].hand.find(" to ") != std::string::npos;
+                if (loops[i].share.rows() == size && !between) {
+                    order_.push_back(i);
+                }
+            }
+        }
+    }
+
+    double stiffest_K_P() {
+        constexpr int kGrid = 21;
+        constexpr double kStep = 1.03;
+        double best = 0.0;
+        for (int i = 0; i < kGrid; ++i) {
+            const double share = static_cast<double>(i) / (kGrid - 1);
+            for (int j = 0; j < kGrid; ++j) {
+                const LoopGains pair{0.0, 0.1 * share * share,
+                                     100.0 * std::pow(50.0, static_cast<double>(j) / (kGrid - 1))};
+                double K_P = 20.0;
+                while (K_P > std::max(best, 0.01)) {
+                    if (all_stable({K_P, pair.K_D_Vs_per_rad, pair.lambda_rad_per_s})) {
+                        best = K_P;
+                    }
+                    K_P /= kStep;
+                }
+            }
+        }
+        return best;
+    }
+
+private:
+    bool all_stable(LoopGains gains) {
+        gains.K_P_V_per_rad *= margin_;
+        gains.K_D_Vs_per_rad *= margin_;
+        for (std::size_t i = 0; i < order_.size(); ++i) {
+            if (!loops_.is_stable(order_[i], gains)) {
+                std::swap(order_[i], order_[i / 2]); // what fails often moves forward
+                return false;
+            }
+        }
+        return true;
+    }
+
+    const HeldLoops &loops_;
+    double margin_;
+    std::vector<std::size_t> order_;
+};
+
+class AutoTuneSearch : public ::testing::TestWithParam<int> {};
+
+/// All of the family's hands, finely, at any η: without the search's own list of loops.
+void expect_stable_in_every_hand(StabilityCase which, std::mt19937_64 &random) {
+    which.hands = hand_family(41);
+    const Vector3 own_rad = which.q_rad;
+    for (int i = 0; i <= 20; ++i) {
+        which.tuning.eta = i / 20.0;
+        which.freedom = Freedom::one_motor;
+        which.q_rad = own_rad;
+        const WorstMember one = worst_member(which);
+        EXPECT_TRUE(one.is_stable()) << "motor " << one.member.motor << ", " << one.member.hand.name
+                                     << ", η " << which.tuning.eta << ": " << one.eigenvalue;
+        which.freedom = Freedom::three_motors;
+        which.q_rad = i == 0 ? own_rad : testing::random_workspace_angles(which.device, random);
+        const WorstMember three = worst_member(which);
+        EXPECT_TRUE(three.is_stable())
+            << three.member.hand.name << ", η " << which.tuning.eta << ": " << three.eigenvalue;
+    }
+}
+
+void expect_some_at_rest(StabilityCase which, std::mt19937_64 &random) {
+    which.hands = {no_hand(), hand_of_firmness(0.0),
+                   hand_of_firmness(testing::Draw(random).even(0.0, 1.0)), hand_of_firmness(1.0)};
+    for (const double eta : {0.0, 0.6}) {
+        which.tuning.eta = eta;
+        EXPECT_TRUE(is_stable_simulated(which, TrialOptions::linear())) << eta;
+    }
+}
+
+TEST_P(AutoTuneSearch, NearlyReachesTheBestThatThereIsAndNoHandShakesIt) {
+    const Tuned tuned = tuned_device(GetParam());
+    StabilityCase which = tuned.request.which;
+    which.tuning = tuned.found.tuning;
+    const HeldLoops loops(which);
+    const double best = EverythingTried(loops, tuned.request.margin).stiffest_K_P();
+    const double found = which.tuning.K_P_V_per_rad; // also after what was taken back
+    std::printf("%.0f Hz, delay %d, dR %.2f Ω, margin %.2f: K_P %.3f, by trying all %.3f, "
+                "taken back %.0f %%\n",
+                1.0 / which.period_s, which.delay_samples, which.tuning.dR_Ohm,
+                tuned.request.margin, found, best, 100.0 * tuned.found.taken_back);
+    EXPECT_GE(found, 0.95 * best);
+    std::mt19937_64 random(static_cast<unsigned>(GetParam()));
+    expect_stable_in_every_hand(which, random);
+    expect_some_at_rest(which, random);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, AutoTuneSearch, ::testing::Range(0, 20));
+
+} // namespace
+} // namespace springdrive
