@@ -1,5 +1,6 @@
 #include "app/command_line.h"
 
+#include "app/commands/baseline_command.h"
 #include "app/commands/demo_command.h"
 #include "app/commands/export_command.h"
 #include "app/commands/figures_command.h"
@@ -54,6 +55,7 @@ int run_command_line(int argc, char **argv) {
     add_stiffness_command(app);
     add_stability_command(app);
     add_tune_command(app);
+    add_baseline_command(app);
     add_touch_command(app);
     add_inspect_command(app);
 

@@ -1,0 +1,96 @@
+#include "app/commands/baseline_command.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
+#include "engine/analysis/stability/drive_comparison.h"
+#include "engine/servo/servo.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+struct Typed {
+    std::filesystem::path device_file;
+    std::optional<double> servo_hz;
+    std::optional<int> delay_samples;
+    std::optional<double> dR_Ohm;
+    double margin = AutoTuneRequest{}.margin;
+    std::string csv; ///< empty: a table for people
+};
+
+/// The usual ones, or those of them that have what was typed; and with all three typed that one.
+std::vector<ServoSetting> settings_of(const Typed &typed, const DeviceDescription &device) {
+    std::vector<ServoSetting> settings = usual_settings();
+    for (ServoSetting &setting : settings) {
+        setting.servo_hz = typed.servo_hz.value_or(setting.servo_hz);
+        setting.delay_samples = typed.delay_samples.value_or(setting.delay_samples);
+        setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
+        static_cast<void>(servo_period_s(setting.servo_hz)); // refuses what is out of range
+        check_range("--delay", setting.delay_samples, 0, SimulationOptions::kLongestDelay);
+        Tuning tuning;
+        tuning.dR_Ohm = setting.dR_Ohm;
+        check_dR(device, tuning);
+    }
+    std::vector<ServoSetting> once;
+    for (const ServoSetting &setting : settings) {
+        if (std::find(once.begin(), once.end(), setting) == once.end()) {
+            once.push_back(setting);
+        }
+    }
+    return once;
+}
+
+void run(const Typed &typed) {
+    StabilityCase which;
+    which.device = read_device_file(typed.device_file);
+    check_range("--margin", typed.margin, 1.0, 10.0);
+    check_folder_of(typed.csv);
+    const std::vector<ServoSetting> settings = settings_of(typed, which.device);
+    std::vector<DriveComparison> all;
+    {
+        ProgressLine line;
+        all = compare_drives(which, typed.margin, settings,
+                             [&line](double share) { line.show("tuning both drives", share); });
+    }
+    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
+        if (typed.csv.empty()) {
+            write_comparison_table(out, all);
+        } else {
+            write_comparison_csv(out, all);
+        }
+    });
+}
+
+} // namespace
+
+void add_baseline_command(CLI::App &app) {
+    CLI::App &baseline = *app.add_subcommand(
+        "baseline", "spring drive against current drive, each at its own stable best");
+    const auto typed = std::make_shared<Typed>();
+    add_device_file_option(baseline, typed->device_file);
+    baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
+        ->type_name("HZ");
+    baseline.add_option("--delay", typed->delay_samples, "one delay [0 and 1]")->type_name("D");
+    baseline.add_option("--dR", typed->dR_Ohm, "one dR of the spring drive [0.2 and 0.5]")
+        ->type_name("Ω");
+    baseline
+        .add_option("--margin", typed->margin,
+                    "by what factor all gains might be larger yet, 1 to 10 [1.3]")
+        ->type_name("FACTOR");
+    baseline.add_option("--csv", typed->csv, "write CSV to a file, or to standard output with -")
+        ->type_name("FILE|-");
+    baseline.footer("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those along the "
+                    "vertical at (0°, 20°, -15°).");
+    baseline.callback([typed] { run(*typed); });
+}
+
+} // namespace springdrive

@@ -1,0 +1,84 @@
+// Covers app/commands/baseline_command.cpp and drive_comparison, from outside.
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+namespace {
+
+Ending baseline(std::vector<std::string> options) {
+    options.insert(options.begin(), "baseline");
+    return run_program(options);
+}
+
+void expect_refused(const std::vector<std::string> &options, const std::string &names) {
+    const Ending ending = baseline(options);
+    EXPECT_GT(ending.exit_status, 0) << names;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    EXPECT_EQ(ending.out, "");
+}
+
+std::vector<std::string> cells(const std::string &line) {
+    std::vector<std::string> all;
+    std::istringstream stream(line);
+    std::string cell;
+    while (std::getline(stream, cell, ',')) {
+        // A name in quotes may hold a comma.
+        if (!cell.empty() && cell.front() == '"' && cell.back() != '"') {
+            std::string rest;
+            std::getline(stream, rest, ',');
+            cell += "," + rest;
+        }
+        all.push_back(cell);
+    }
+    return all;
+}
+
+/// At 250 Hz, where tuning is quick to end: three drives, the quiet one no louder than the spring.
+TEST(BaselineCommand, ComparesThreeDrives) {
+    const Ending ending =
+        baseline({"--servo-hz", "250", "--delay", "1", "--dR", "0.8", "--csv", "-"});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    std::istringstream lines(ending.out);
+    std::string line;
+    std::getline(lines, line);
+    const std::vector<std::string> names = cells(line);
+    std::map<std::string, std::map<std::string, std::string>> drives;
+    while (std::getline(lines, line)) {
+        const std::vector<std::string> values = cells(line);
+        ASSERT_EQ(values.size(), names.size()) << line;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            drives[values[3]][names[i]] = values[i];
+        }
+    }
+    ASSERT_EQ(drives.size(), 3U);
+    const auto value = [&](const std::string &drive, const std::string &name) {
+        return std::stod(drives.at('"' + drive + '"').at(name));
+    };
+    // (14) is the inductance's, and a current drive has none of it.
+    EXPECT_GT(value("spring", "K_HF_N_per_m"), 1e4);
+    EXPECT_EQ(value("current", "K_HF_N_per_m"), 0.0);
+    // A wall is at rest what it was tuned to.
+    EXPECT_NEAR(value("current", "K_DC_N_per_m"), value("current", "wall_K_N_per_m"),
+                1e-4 * value("current", "wall_K_N_per_m"));
+    EXPECT_LE(value("current, as quiet", "count_N"), value("spring", "count_N") * (1.0 + 1e-5));
+    EXPECT_LE(value("current, as quiet", "K_DC_N_per_m"), value("current", "K_DC_N_per_m") * 1.01);
+    // Free space: the spring drive's lag weighs, the other's does not.
+    EXPECT_GT(value("spring", "apparent_mass_kg"), value("current", "apparent_mass_kg"));
+}
+
+TEST(BaselineCommand, RefusesWhatCannotBe) {
+    expect_refused({"--servo-hz", "100"}, "250 to 10000");
+    expect_refused({"--delay", "9"}, "from 0 to 8");
+    expect_refused({"--dR", "0"}, "dR is 0");
+    expect_refused({"--margin", "0.5"}, "from 1 to 10");
+    expect_refused({"--csv", "/nonexistent/x.csv"}, "/nonexistent/x.csv");
+}
+
+} // namespace
+} // namespace springdrive::testing

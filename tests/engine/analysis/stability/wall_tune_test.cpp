@@ -1,0 +1,73 @@
+// Covers engine/analysis/stability/wall_tune.cpp.
+#include "engine/analysis/stability/wall_tune.h"
+
+#include "engine/analysis/stability/stability_simulation.h"
+#include "engine/analysis/stability/tip_stiffness.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace springdrive {
+namespace {
+
+constexpr double kMargin = 1.3;
+
+StabilityCase late_servo() {
+    StabilityCase which;
+    which.device = testing::phantom_1_0();
+    which.delay_samples = 1;
+    which.hands = {no_hand(), hand_of_firmness(0.5)};
+    return which;
+}
+
+StabilityCase with(const TunedWall &tuned, double factor) {
+    StabilityCase which = late_servo();
+    which.drive = AmplifierKind::current_drive;
+    which.tuning.lambda_rad_per_s = tuned.lambda_rad_per_s;
+    which.wall = {factor * tuned.wall.stiffness_N_per_m, factor * tuned.wall.damping_Ns_per_m};
+    return which;
+}
+
+bool holds(StabilityCase which) {
+    which.freedom = Freedom::one_motor;
+    const bool each = is_stable(which);
+    which.freedom = Freedom::three_motors;
+    return each && is_stable(which);
+}
+
+TEST(TunedWall, LeavesItsMarginAndNoMore) {
+    const TunedWall tuned = tuned_wall(late_servo(), kMargin);
+    ASSERT_GT(tuned.wall.stiffness_N_per_m, 100.0);
+    EXPECT_TRUE(holds(with(tuned, 1.0)));
+    EXPECT_TRUE(holds(with(tuned, 0.999 * kMargin)));
+    // K alone a tenth larger has the margin no longer: it is the largest with its B and λ.
+    StabilityCase stiffer = with(tuned, kMargin);
+    stiffer.wall.stiffness_N_per_m *= 1.1;
+    EXPECT_FALSE(holds(stiffer));
+    EXPECT_TRUE(is_stable_simulated(with(tuned, 1.0),
+                                    TrialOptions::with(SimulationEffects::electronics())));
+}
+
+/// Over a grid of its own: no K_B_λ beats it by more than what its own grid leaves between points.
+TEST(TunedWall, IsTheStiffestThereIs) {
+    const TunedWall tuned = tuned_wall(late_servo(), kMargin);
+    for (double B = 1.0; B < 60.0; B *= 1.35) {
+        for (double lambda = 150.0; lambda <= 5000.0; lambda *= 2.4) {
+            const TunedWall rival{{1.06 * tuned.wall.stiffness_N_per_m, B}, lambda};
+            EXPECT_FALSE(holds(with(rival, kMargin))) << "B " << B << " λ " << lambda;
+        }
+    }
+}
+
+TEST(TunedWall, KeepsToWhatACountMayDo) {
+    const double loud_N = force_of_a_count_N(with(tuned_wall(late_servo(), kMargin), 1.0));
+    const TunedWall quiet = tuned_wall(late_servo(), kMargin, 0.25 * loud_N);
+    ASSERT_GT(quiet.wall.stiffness_N_per_m, 0.0);
+    EXPECT_LE(force_of_a_count_N(with(quiet, 1.0)), 0.25 * loud_N);
+    EXPECT_TRUE(holds(with(quiet, kMargin)));
+}
+
+} // namespace
+} // namespace springdrive
