@@ -1,6 +1,7 @@
 #include "app/command_line.h"
 
 #include "app/commands/baseline_command.h"
+#include "app/commands/chart_command.h"
 #include "app/commands/demo_command.h"
 #include "app/commands/export_command.h"
 #include "app/commands/figures_command.h"
@@ -52,6 +53,7 @@ int run_command_line(int argc, char **argv) {
     add_replay_command(app);
     add_export_command(app);
     add_figures_command(app);
+    add_chart_command(app);
     add_stiffness_command(app);
     add_stability_command(app);
     add_tune_command(app);

@@ -59,7 +59,8 @@ void add_inspect_command(CLI::App &app) {
         *app.add_subcommand("inspect", "what a scene holds, and what of it can be touched");
     const auto typed = std::make_shared<Typed>();
     inspect
-        .add_option("scene", typed->scene, "a glTF file, or sphere:N or bumpy:N, of N triangles")
+        .add_option("scene", typed->scene,
+                    "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles")
         ->type_name("FILE")
         ->required();
     add_device_file_option(inspect, typed->device_file);

@@ -180,7 +180,8 @@ void add_touch_command(CLI::App &app) {
     const auto typed = std::make_shared<Typed>();
     touch
         .add_option("scene", typed->scene,
-                    "a glTF file, or sphere:N or bumpy:N, of N triangles: 1280, 5120, ... 1310720")
+                    "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles: 1280, 5120, "
+                    "... 1310720")
         ->type_name("FILE")
         ->required();
     add_device_file_option(touch, typed->device_file);

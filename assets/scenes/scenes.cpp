@@ -46,7 +46,7 @@ SceneDescription stepped_block() {
 /// Lumps on a body, like a coral or a potato; fitted to whatever workspace it meets.
 SceneDescription organic() {
     constexpr int kFrequency = 39; // 30,420 triangles
-    Part coral = blob_union(organic_blobs(), kOrganicLevel, kFrequency);
+    Part coral = blob_union(organic_shape(), kFrequency);
     return {"organic", false, {named(std::move(coral), "coral", {1.0, 1.0, 1.0})}};
 }
 
@@ -68,15 +68,6 @@ SceneDescription compliance() {
 }
 
 } // namespace
-
-const std::vector<Blob> &organic_blobs() {
-    static const std::vector<Blob> blobs = {
-        {Vector3(0.0, 0.0, 0.0), 1.50},      {Vector3(0.85, 0.15, 0.10), 0.80},
-        {Vector3(-0.80, 0.30, 0.20), 0.85},  {Vector3(0.20, 0.75, -0.25), 0.70},
-        {Vector3(-0.15, 0.35, 0.75), 0.65},  {Vector3(0.45, -0.35, 0.60), 0.65},
-        {Vector3(-0.45, -0.45, -0.50), 0.75}};
-    return blobs;
-}
 
 std::vector<SceneDescription> all_scenes() {
     return {plate(), sphere(), stepped_block(), organic(), compliance()};

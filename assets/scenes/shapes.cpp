@@ -79,42 +79,6 @@ std::vector<std::array<std::uint32_t, 3>> icosahedron_faces(const std::vector<Ve
     return faces;
 }
 
-double field_at(const std::vector<Blob> &blobs, const Vector3 &point) {
-    double sum = 0.0;
-    for (const Blob &blob : blobs) {
-        const double q = 1.0 - (point - blob.centre).squaredNorm() / (blob.radius * blob.radius);
-        sum += q > 0.0 ? q * q * q : 0.0;
-    }
-    return sum;
-}
-
-Vector3 outward_normal(const std::vector<Blob> &blobs, const Vector3 &point) {
-    Vector3 descent = Vector3::Zero();
-    for (const Blob &blob : blobs) {
-        const double radius_squared = blob.radius * blob.radius;
-        const Vector3 offset = point - blob.centre;
-        const double q = 1.0 - offset.squaredNorm() / radius_squared;
-        if (q > 0.0) {
-            descent += (6.0 * q * q / radius_squared) * offset;
-        }
-    }
-    return descent / descent.norm();
-}
-
-/// The distance from the origin at which the field falls to `level`, by bisection.
-double distance_to_level(const std::vector<Blob> &blobs, double level, const Vector3 &direction) {
-    double inside = 0.0;
-    double outside = 0.0;
-    for (const Blob &blob : blobs) {
-        outside = std::max(outside, blob.centre.norm() + blob.radius);
-    }
-    for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (inside + outside);
-        (field_at(blobs, middle * direction) > level ? inside : outside) = middle;
-    }
-    return 0.5 * (inside + outside);
-}
-
 /// Between three linear colours: deep water, sand, coral.
 std::array<std::uint8_t, 4> coral_colour(double share) {
     constexpr std::array<std::array<double, 3>, 3> kStops = {
@@ -211,15 +175,15 @@ Part geodesic_sphere(int frequency) {
     return part;
 }
 
-Part blob_union(const std::vector<Blob> &blobs, double level, int frequency) {
+Part blob_union(const BlobShape &shape, int frequency) {
     Part part = geodesic_sphere(frequency);
     double nearest = std::numeric_limits<double>::infinity();
     double farthest = 0.0;
     for (std::size_t i = 0; i < part.positions_m.size(); ++i) {
         Vector3 &position = part.positions_m[i];
-        const double distance = distance_to_level(blobs, level, position);
+        const double distance = shape.distance(position);
         position *= distance;
-        part.normals[i] = outward_normal(blobs, position);
+        part.normals[i] = shape.outward_normal(position);
         nearest = std::min(nearest, distance);
         farthest = std::max(farthest, distance);
     }

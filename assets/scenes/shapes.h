@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "engine/scenario/blob_shape.h"
 
 #include <array>
 #include <cstdint>
@@ -45,16 +46,9 @@ struct CellGrid {
 /// positions.
 [[nodiscard]] Part geodesic_sphere(int frequency);
 
-/// A blob of the organic shape: (1 − |p − centre|²/radius²)³ inside, 0 outside.
-struct Blob {
-    Vector3 centre;
-    double radius;
-};
-
-/// Where the sum of `blobs` falls to `level`, seen from the origin, with a vertex on each direction
-/// of a geodesic sphere; smooth normals, coloured by distance from the origin.
-/// The surface must be star-shaped: no ray from the origin may cross it twice.
-[[nodiscard]] Part blob_union(const std::vector<Blob> &blobs, double level, int frequency);
+/// The shape's surface seen from the origin, with a vertex on each direction of a geodesic sphere;
+/// smooth normals, coloured by distance from the origin.
+[[nodiscard]] Part blob_union(const BlobShape &shape, int frequency);
 
 /// A scene file of the project.
 struct SceneDescription {
@@ -68,9 +62,5 @@ struct SceneDescription {
 
 inline constexpr double kSphereRadius_m = 0.045;
 inline constexpr int kSphereFrequency = 32;
-
-/// The blobs of the organic scene, and the level of their union.
-[[nodiscard]] const std::vector<Blob> &organic_blobs();
-inline constexpr double kOrganicLevel = 0.35;
 
 } // namespace springdrive::scenes

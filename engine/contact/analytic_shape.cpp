@@ -8,9 +8,16 @@ namespace springdrive {
 
 namespace {
 
+/// Squares below this begin to lose their digits.
+constexpr double kLeastSquare_m2 = 1e-280;
+
 /// In the direction of `v`, however short that is. @pre v is not zero
 [[nodiscard]] Vector3 unit(const Vector3 &v) noexcept {
-    const Vector3 scaled = v / v.cwiseAbs().maxCoeff(); // squares must not vanish
+    const double length2 = v.squaredNorm();
+    if (length2 > kLeastSquare_m2) {
+        return v / std::sqrt(length2);
+    }
+    const Vector3 scaled = v / v.cwiseAbs().maxCoeff();
     return scaled / scaled.norm();
 }
 

@@ -13,6 +13,10 @@ constexpr double kStill_m = 1e-11;
 /// A plane that has turned by less than this [rad] since it was met is still the same.
 constexpr double kSamePlane = 1e-9;
 
+/// Cosine of how far a shape may turn away below a slide for its end to be foreseen. What slides
+/// farther leaves more of the surface than it follows.
+constexpr double kGentle = 0.9;
+
 /// Round a curved offset each slide along a tangent plane leaves a share of the way that hardly
 /// changes from one to the next: once it shows, the rest of the way is known (Aitken).
 class Foresight {
@@ -40,6 +44,23 @@ void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
     path_.add(to_m);
 }
 
+/// Where a slide along a single shape is to end: straight above the place of rest, so that it only
+/// has to drop from there. A convex shape says where that is, its nearest point to the target. With
+/// more than one plane in play, such an end might lie below the others.
+std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
+                                           const Vector3 &target_m) const noexcept {
+    const AnalyticShape *shape = planes.size() == 1 ? surface_.shape(planes[0].obstacle) : nullptr;
+    if (shape == nullptr) {
+        return std::nullopt;
+    }
+    const Vector3 up = shape->nearest(target_m).normal;
+    const double slant = up.dot(planes[0].normal);
+    if (slant < kGentle) {
+        return std::nullopt; // another side of it is nearer
+    }
+    return Vector3(target_m - planes[0].height_m(target_m) / slant * up);
+}
+
 bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {
     ContactPlanes touching;
     bool is_unchanged = true;
@@ -62,7 +83,8 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
     Foresight foresight;
     ContactPlanes last_met;
-    NearestPoint goal = nearest_point(target_m, rest.held_by, rest.point_m);
+    ContactPlanes planes = rest.held_by; // that the goal keeps above
+    NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
     while (effort_.motions_left > 0) {
         if ((goal.point_m - rest.point_m).squaredNorm() <= kStill_m * kStill_m) {
             // As far as these planes let it; which of them are still there?
@@ -71,22 +93,27 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
                 return true;
             }
             --effort_.motions_left;
-            goal = nearest_point(target_m, rest.held_by, rest.point_m);
+            planes = rest.held_by;
+            goal = nearest_point(target_m, planes, rest.point_m);
             continue;
         }
         --effort_.motions_left;
         Vector3 end_m = goal.point_m;
         if (is_curved && goal.active.size() > 0) {
-            const Vector3 slide_m = goal.point_m - rest.point_m;
-            end_m = rest.point_m + foresight.stretch(slide_m) * slide_m;
+            if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
+                end_m = *above_m;
+            } else {
+                const Vector3 slide_m = goal.point_m - rest.point_m;
+                end_m = rest.point_m + foresight.stretch(slide_m) * slide_m;
+            }
         }
         const std::optional<SurfaceStop> hit = first_stop(rest.point_m, end_m);
         if (!hit) {
             move(rest, end_m);
             if (is_curved) {
-                ContactPlanes left = goal.active;
-                static_cast<void>(refresh(left, rest.point_m));
-                goal = nearest_point(target_m, left, rest.point_m);
+                planes = goal.active;
+                static_cast<void>(refresh(planes, rest.point_m));
+                goal = nearest_point(target_m, planes, rest.point_m);
             }
             continue;
         }
@@ -104,7 +131,7 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
         }
         last_met = ContactPlanes();
         last_met.add(plane);
-        ContactPlanes planes = goal.active;
+        planes = goal.active;
         planes.add(plane);
         goal = nearest_point(target_m, planes, rest.point_m);
     }

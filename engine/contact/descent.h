@@ -52,6 +52,8 @@ public:
                                                         const Vector3 &to_m) const noexcept;
 
 private:
+    [[nodiscard]] std::optional<Vector3> above_rest(const ContactPlanes &planes,
+                                                    const Vector3 &target_m) const noexcept;
     [[nodiscard]] bool refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept;
     void move(Rest &rest, const Vector3 &to_m) const noexcept;
 

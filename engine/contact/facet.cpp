@@ -123,8 +123,8 @@ std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept 
             return std::nullopt;
         }
     }
-    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters, crossing.reach_m,
-                            nearest_m);
+    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters,
+                            nearest_m(crossing.enters_m), crossing.reach_m, nearest_m);
 }
 
 std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,

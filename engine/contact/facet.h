@@ -130,12 +130,13 @@ private:
 }
 
 /// Advances a motion towards a convex obstacle, from one supporting plane to the next, until it
-/// touches: `nearest(point)` is the obstacle's nearest point to it. Every plane parts the obstacle
-/// from all of the motion that was passed, so nothing is stepped over. RT-safe.
+/// touches: `nearest(point)` is the obstacle's nearest point to it, and `nearest_m` that to where
+/// the motion starts. Every plane parts the obstacle from all of the motion that was passed, so
+/// nothing is stepped over. RT-safe.
 template <typename Nearest>
-[[nodiscard]] std::optional<Stop> advance_to_touch(const Vector3 &from_m, const Vector3 &to_m,
-                                                   double start_fraction, double reach_m,
-                                                   const Nearest &nearest) noexcept {
+[[nodiscard]] std::optional<Stop>
+advance_to_touch(const Vector3 &from_m, const Vector3 &to_m, double start_fraction,
+                 Vector3 nearest_m, double reach_m, const Nearest &nearest) noexcept {
     // Quadratic towards what it meets squarely; what it grazes halves the rest of the way in each
     // step, and after 64 of those no way is left.
     constexpr int kSteps = 64;
@@ -143,10 +144,9 @@ template <typename Nearest>
     const Vector3 motion = to_m - from_m;
     double fraction = start_fraction;
     double kept_m = reach_m;
+    Vector3 at_m = from_m + fraction * motion;
     Stop stop;
     for (int step = 0; step < kSteps; ++step) {
-        const Vector3 at_m = from_m + fraction * motion;
-        const Vector3 nearest_m = nearest(at_m);
         const Vector3 gap = at_m - nearest_m;
         const double distance_m = gap.norm();
         if (distance_m == 0.0) {
@@ -165,6 +165,8 @@ template <typename Nearest>
             return stop;
         }
         fraction += (1.0 - fraction) * (distance_m - kept_m) / (distance_m - clear_m);
+        at_m = from_m + fraction * motion;
+        nearest_m = nearest(at_m);
     }
     return stop;
 }

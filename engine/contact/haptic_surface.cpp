@@ -192,7 +192,7 @@ std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector
     if (start.distance_m < 0.0) {
         return std::nullopt; // starts inside, and may leave
     }
-    return advance_to_touch(from_m, to_m, 0.0, reach_m, [&](const Vector3 &point_m) {
+    return advance_to_touch(from_m, to_m, 0.0, start.point_m, reach_m, [&](const Vector3 &point_m) {
         return shapes_[shape].nearest(point_m).point_m;
     });
 }

@@ -73,6 +73,11 @@ public:
     [[nodiscard]] const Facet &facet(std::uint32_t index) const noexcept { return facets_[index]; }
     [[nodiscard]] const std::vector<AnalyticShape> &shapes() const noexcept { return shapes_; }
 
+    /// The shape that an obstacle is; none where it is a facet. RT-safe.
+    [[nodiscard]] const AnalyticShape *shape(std::uint32_t obstacle) const noexcept {
+        return obstacle < facets_.size() ? nullptr : &shapes_[obstacle - facets_.size()];
+    }
+
     /// Of an obstacle. RT-safe.
     [[nodiscard]] const SurfaceMaterial &material(std::uint32_t obstacle) const noexcept {
         return materials_[material_index(obstacle)];

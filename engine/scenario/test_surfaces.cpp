@@ -1,6 +1,7 @@
 #include "engine/scenario/test_surfaces.h"
 
 #include "base/input_error.h"
+#include "engine/scenario/blob_shape.h"
 
 #include <Eigen/Geometry>
 
@@ -23,6 +24,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 constexpr std::string_view kSphere = "sphere:";
 constexpr std::string_view kBumpy = "bumpy:";
+constexpr std::string_view kOrganic = "organic:";
 
 constexpr int kFewestDivisions = 3;
 constexpr int kMostDivisions = 8;
@@ -140,6 +142,15 @@ TriangleSoup bumpy_sphere(int divisions, double radius_m, double height_m, doubl
     return soup;
 }
 
+TriangleSoup organic_surface(int divisions, double scale_m) {
+    TriangleSoup soup = icosphere(divisions, 1.0);
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex *= scale_m * organic_shape().distance(vertex);
+    }
+    soup.materials = {{"organic", 0.0}};
+    return soup;
+}
+
 std::optional<TriangleSoup> test_surface_named(std::string_view name) {
     if (names_test_sphere(name)) {
         return icosphere(divisions_of(name, name.substr(kSphere.size())), kTestSphereRadius_m);
@@ -147,6 +158,10 @@ std::optional<TriangleSoup> test_surface_named(std::string_view name) {
     if (name.starts_with(kBumpy)) {
         return bumpy_sphere(divisions_of(name, name.substr(kBumpy.size())), kTestSphereRadius_m,
                             kTestBumpHeight_m, kTestBumpLength_m);
+    }
+    if (name.starts_with(kOrganic)) {
+        return organic_surface(divisions_of(name, name.substr(kOrganic.size())),
+                               kTestOrganicScale_m);
     }
     return std::nullopt;
 }

@@ -12,6 +12,7 @@ namespace springdrive {
 inline constexpr double kTestSphereRadius_m = 0.05;
 inline constexpr double kTestBumpHeight_m = 0.5e-3;
 inline constexpr double kTestBumpLength_m = 6e-3;
+inline constexpr double kTestOrganicScale_m = 0.04; ///< of the unit of `organic_shape`
 
 /// An icosahedron whose triangles are divided into four again and again, each time pushed out to a
 /// sphere about the origin. Closed, wound outwards, vertices shared.
@@ -22,8 +23,12 @@ inline constexpr double kTestBumpLength_m = 6e-3;
 [[nodiscard]] TriangleSoup bumpy_sphere(int divisions, double radius_m, double height_m,
                                         double length_m);
 
-/// What `sphere:N` and `bumpy:N` name, with N triangles: 1280, 5120, 20480, 81920, 327680 or
-/// 1310720. Nothing for a name that does not begin so.
+/// Like the icosphere, but each vertex pushed out to the shape, `scale_m` times its size: no two
+/// triangles are alike, and all corners are on the true surface.
+[[nodiscard]] TriangleSoup organic_surface(int divisions, double scale_m);
+
+/// What `sphere:N`, `bumpy:N` and `organic:N` name, with N triangles: 1280, 5120, 20480, 81920,
+/// 327680 or 1310720. Nothing for a name that does not begin so.
 /// @throw InputError for another N.
 [[nodiscard]] std::optional<TriangleSoup> test_surface_named(std::string_view name);
 

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace springdrive {
 namespace {
@@ -105,6 +107,48 @@ TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
             }
         });
         EXPECT_GT(touching, 500);
+    }
+}
+
+TEST(ProxyOnShapes, SlidesOverCurvedOnesInTwoMotions) {
+    // Straight above the place of rest, and down.
+    for (const AnalyticShape::Size &size :
+         {AnalyticShape::Size(Sphere{0.02}), AnalyticShape::Size(Capsule{0.02, 0.05})}) {
+        const HapticSurface surface = shape(size);
+        Proxy proxy;
+        proxy.reset({0.03, 0.0, 0.0});
+        for (int i = 0; i < 1000; ++i) {
+            const double angle = 0.005 * i;
+            const Vector3 tip(0.018 * std::cos(angle), 2e-5 * i, 0.018 * std::sin(angle));
+            ASSERT_TRUE(proxy.update(surface, tip).settled);
+            ASSERT_LE(proxy.path().size(), 3U) << i;
+        }
+    }
+}
+
+TEST(ProxyOnShapes, NearlyAlwaysSettlesWhereTheyOverlap) {
+    // In a crease deep inside, where slides along both go on and on, the next tick goes on.
+    TriangleSoup soup;
+    soup.materials = {{"shapes", 0.0}};
+    Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+    aside.translate(Vector3(0.015, 0.005, 0.0));
+    const AnalyticShape ball(Sphere{0.02}, Eigen::Isometry3d::Identity(), 0);
+    const AnalyticShape other_ball(Sphere{0.015}, aside, 0);
+    const AnalyticShape box(Box{Vector3(0.01, 0.02, 0.012)}, aside, 0);
+    for (const std::vector<AnalyticShape> &shapes :
+         {std::vector{ball}, std::vector{ball, other_ball}, std::vector{ball, box}}) {
+        const HapticSurface surface(soup, shapes);
+        Proxy proxy;
+        proxy.reset({0.031, 0.031, 0.031});
+        int unsettled = 0;
+        wander(7, [&](const Vector3 &tip, int i) {
+            const Contact contact = proxy.update(surface, tip);
+            unsettled += contact.settled ? 0 : 1;
+            for (const AnalyticShape &one : shapes) {
+                EXPECT_GT(one.nearest(contact.x0_m).distance_m, 0.0) << i;
+            }
+        });
+        EXPECT_LE(unsettled, shapes.size() == 1 ? 0 : 40); // of 20,000
     }
 }
 

@@ -2,6 +2,7 @@
 #include "engine/scenario/test_surfaces.h"
 
 #include "base/input_error.h"
+#include "engine/scenario/blob_shape.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -103,15 +104,25 @@ TEST(TestSurfaces, BumpsAreAsHighAndLongAsSaid) {
     EXPECT_GT(here_m * height_near(on_sphere(-1.5e-3, -1.5e-3)), 0.0);
 }
 
+TEST(TestSurfaces, OrganicOnesAreClosedWithCornersOnTheShape) {
+    const TriangleSoup soup = organic_surface(4, 0.04);
+    EXPECT_TRUE(is_closed(soup));
+    EXPECT_GT(volume_m3(soup), 0.0); // wound outwards
+    for (const Vector3 &vertex_m : soup.vertices_m) {
+        ASSERT_NEAR(organic_shape().field(vertex_m / 0.04), organic_shape().level, 1e-12);
+    }
+}
+
 TEST(TestSurfaces, AreFoundByName) {
     EXPECT_EQ(test_surface_named("sphere:1280")->triangles.size(), 1280U);
     EXPECT_EQ(test_surface_named("bumpy:5120")->triangles.size(), 5120U);
+    EXPECT_EQ(test_surface_named("organic:1280")->triangles.size(), 1280U);
     EXPECT_FALSE(test_surface_named("sphere").has_value());
     EXPECT_FALSE(test_surface_named("sphere.gltf").has_value());
     EXPECT_TRUE(names_test_sphere("sphere:1280"));
     EXPECT_FALSE(names_test_sphere("bumpy:1280"));
     for (const char *name : {"sphere:", "sphere:1281", "sphere:320", "sphere:5242880",
-                             "sphere:1280 ", "bumpy:-1280", "bumpy:1e3"}) {
+                             "sphere:1280 ", "bumpy:-1280", "bumpy:1e3", "organic:30420"}) {
         try {
             static_cast<void>(test_surface_named(name));
             FAIL() << name;

@@ -163,7 +163,7 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
     EXPECT_EQ(part.colours.size(), part.positions_m.size());
     const auto field = [](const Vector3 &p) {
         double sum = 0.0;
-        for (const scenes::Blob &blob : scenes::organic_blobs()) {
+        for (const Blob &blob : organic_shape().blobs) {
             const double d = (p - blob.centre).norm() / blob.radius;
             sum += d < 1.0 ? std::pow(1.0 - d * d, 3) : 0.0;
         }
@@ -171,7 +171,7 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
     };
     for (std::size_t i = 0; i < part.positions_m.size(); ++i) {
         const Vector3 &p = part.positions_m[i];
-        ASSERT_NEAR(field(p), scenes::kOrganicLevel, 1e-12);
+        ASSERT_NEAR(field(p), organic_shape().level, 1e-12);
         // The normal agrees with the field's steepest descent, by central differences.
         constexpr double kStep = 1e-5;
         Vector3 descent;
@@ -182,10 +182,10 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
         ASSERT_LT((descent.normalized() - part.normals[i]).norm(), 1e-6);
         // Along the ray from the origin it stays above the level before, below it after.
         for (const double share : {0.25, 0.5, 0.75, 0.95}) {
-            ASSERT_GT(field(share * p), scenes::kOrganicLevel);
+            ASSERT_GT(field(share * p), organic_shape().level);
         }
         for (const double share : {1.05, 1.25, 1.5, 2.0}) {
-            ASSERT_LT(field(share * p), scenes::kOrganicLevel);
+            ASSERT_LT(field(share * p), organic_shape().level);
         }
     }
 }

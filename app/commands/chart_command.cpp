@@ -1,0 +1,115 @@
+#include "app/commands/chart_command.h"
+
+#include "app/asset_folder.h"
+#include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
+#include "app/figures/gnuplot.h"
+#include "app/figures/work_precision_marks.h"
+#include "engine/analysis/work_precision/charts.h"
+#include "engine/analysis/work_precision/machine_name.h"
+#include "engine/analysis/work_precision/work_precision_csv.h"
+#include "engine/control/tuning_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr int kMostRepeats = 100;
+
+struct Typed {
+    std::filesystem::path out;
+    std::filesystem::path device_file;
+    std::filesystem::path tuning_file; ///< empty: the default tuning
+    std::vector<std::string> only;     ///< empty: all charts
+    int repeats = ChartSetting{}.repeats;
+};
+
+ChartSetting setting_of(const Typed &typed) {
+    ChartSetting setting;
+    setting.device = read_device_file(typed.device_file);
+    if (!typed.tuning_file.empty()) {
+        setting.tuning = read_tuning_file(typed.tuning_file);
+    }
+    check_dR(setting.device, setting.tuning);
+    check_range("--repeats", typed.repeats, 1, kMostRepeats);
+    setting.repeats = typed.repeats;
+    return setting;
+}
+
+bool is_asked_for(const Typed &typed, std::string_view name) {
+    return typed.only.empty() || std::ranges::find(typed.only, name) != typed.only.end();
+}
+
+std::string footnote(const ChartSetting &setting, const std::string &machine) {
+    return machine + "; points: least of " + std::to_string(setting.repeats) +
+           " repetitions, bars: to the greatest, crosses: where it fails";
+}
+
+/// All numbers first, so that they are there even where nothing can be drawn.
+void make_charts(const Typed &typed) {
+    const ChartSetting setting = setting_of(typed);
+    make_output_folder(typed.out);
+    const std::string machine = machine_name();
+    ProgressLine line;
+    std::vector<Chart> pictures;
+    for (const ChartMaker &maker : kCharts) {
+        if (!is_asked_for(typed, maker.name)) {
+            continue;
+        }
+        const WorkPrecisionChart chart =
+            maker.make(setting, [&](double share) { line.show(maker.name, share); });
+        write_output((typed.out / (chart.name + ".csv")).string(),
+                     [&](std::ostream &out) { write_work_precision_csv(out, chart, machine); });
+        pictures.push_back({asset_folder() / "figures" / "work_precision.gnuplot",
+                            work_precision_marks(chart, footnote(setting, machine)).assignments(),
+                            typed.out, chart.name + ".csv", chart.name + ".svg"});
+    }
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        line.show("pictures", static_cast<double>(i) / static_cast<double>(pictures.size()));
+        draw(pictures[i]);
+    }
+}
+
+std::vector<std::string> chart_names() {
+    std::vector<std::string> names;
+    for (const ChartMaker &maker : kCharts) {
+        names.emplace_back(maker.name);
+    }
+    return names;
+}
+
+} // namespace
+
+void add_chart_command(CLI::App &app) {
+    CLI::App *chart = app.add_subcommand(
+        "chart", "speed against accuracy of motion control, proxies and servo rates: each "
+                 "method's cost beside its error, as SVG and CSV");
+    const auto typed = std::make_shared<Typed>();
+    chart->add_option("--out", typed->out, "the folder to write to; made where missing")
+        ->type_name("DIR")
+        ->required();
+    chart->add_option("--only", typed->only, "these charts only, with commas between")
+        ->type_name("NAME,...")
+        ->delimiter(',')
+        ->check(CLI::IsMember(chart_names()));
+    chart
+        ->add_option("--repeats", typed->repeats,
+                     "how often each time is taken, from 1 to " + std::to_string(kMostRepeats) +
+                         " [" + std::to_string(typed->repeats) + "]")
+        ->type_name("N");
+    add_device_file_option(*chart, typed->device_file);
+    chart
+        ->add_option("--tuning-file", typed->tuning_file,
+                     "a tuning from assets/tunings, or your own")
+        ->type_name("FILE");
+    chart->callback([typed] { make_charts(*typed); });
+}
+
+} // namespace springdrive

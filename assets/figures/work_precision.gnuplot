@@ -1,0 +1,58 @@
+# A work-precision chart: what a method costs, and how far from the truth it is. Rows of the CSV
+# file: method, setting, least, median and greatest cost [ns], error, stable.
+rows = (words(methods) + 1) / 2 # of the legend
+row = 26.0                      # pixels
+height = 600 + row*rows
+set terminal svg size 900,height font "DejaVu Sans,14" enhanced background rgb "white"
+set label 1 heading at screen 0.5, 0.965 center noenhanced font ",16"
+set label 2 footnote at screen 0.5, 0.925 center noenhanced font ",11" textcolor rgb grey
+set tmargin at screen 0.89
+set bmargin at screen (118 + row*rows)/height
+set lmargin at screen 0.13
+set rmargin at screen 0.97
+set logscale xy
+set xrange [cost_low_s:cost_high_s]
+set yrange [error_low:error_high]
+set xlabel cost_label noenhanced
+set ylabel error_label noenhanced
+set key at screen 0.5, (34 + row*rows)/height center top maxrows rows samplen 2.5 width 2 noenhanced Left reverse
+
+# Each decade has its number; where there are few, their 2 and 5 as well.
+set micro
+set xtics format "%.0s %cs"
+few(low, high) = log10(high/low) < 2.2
+if (few(cost_low_s, cost_high_s)) {
+    set for [e=-12:3] for [m in "2 5"] xtics add (gprintf("%.0s %cs", m*10.0**e) m*10.0**e)
+}
+plain = error_low > 5e-5 && error_high < 5e4
+power = "10^{%T}"
+set ytics format (plain ? "%g" : power)
+if (few(error_low, error_high)) {
+    set for [e=-20:6] for [m in "2 5"] ytics add (gprintf(plain ? "%g" : "%.0t·".power, m*10.0**e) m*10.0**e)
+}
+# An error of 0 stands below all others, on a number of its own.
+if (error_of_zero > 0) {
+    set ytics ("0" error_of_zero)
+    do for [e=-20:6] {
+        if (10.0**e > 5*error_of_zero) { set ytics add (gprintf(plain ? "%g" : power, 10.0**e) 10.0**e) }
+    }
+}
+
+# One colour and one mark a method.
+array colour[10] = [vermillion, blue, green, "#CC79A7", "#E69F00", "black", "#56B4E9", "#8C564B", "#777777", "#B2A000"]
+array mark[10] = [4, 7, 8, 12, 6, 10, 5, 9, 13, 11]
+count = words(methods)
+look(i) = (i - 1) % 10 + 1
+
+# A point stands at the least of its times, which what else the machine does changes least; a bar
+# goes to the greatest. Of method i in the row at hand; what is undefined is left out.
+is_of(i) = word(method_of_rows, int($0) + 1) == i
+stable(i) = is_of(i) && $7 == 1 ? 1e-9*$3 : NaN
+unstable(i) = is_of(i) && $7 == 0 ? 1e-9*$3 : NaN
+error(row) = !valid(6) ? 0.5*error_high : $6 == 0 ? error_of_zero : $6
+is_named(row) = strstrt(named_rows, sprintf(" %d ", row)) > 0
+
+plot for [i=1:count] csv using (stable(i)):(error($0)) skip 1 with lines linewidth 1.5 linecolor rgb colour[look(i)] notitle, \
+     for [i=1:count] csv using (stable(i)):(error($0)):(1e-9*$3):(1e-9*$5) skip 1 with xerrorbars pointtype mark[look(i)] pointsize 0.9 linewidth 1.5 linecolor rgb colour[look(i)] title word(methods, i), \
+     for [i=1:count] csv using (unstable(i)):(error($0)) skip 1 with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb colour[look(i)] notitle, \
+     csv using (is_named($0) ? 1e-9*$3 : NaN):(error($0)):2 skip 1 with labels offset 0.8,0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle

@@ -1,0 +1,35 @@
+// CVODE (SUNDIALS) on the plant's equations: the reference of the integrators' chart, and a peer.
+#pragma once
+
+#include "engine/analysis/work_precision/plant_equations.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace springdrive {
+
+enum class CvodeMethod : std::uint8_t {
+    adams, ///< up to order 12, for what is not stiff
+    bdf,   ///< up to order 5, for what is stiff
+};
+
+class CvodeSolver {
+public:
+    /// @param relative_tolerance  of every step; in absolute terms a hundredth of it
+    /// @throw std::runtime_error where CVODE has no memory
+    CvodeSolver(CvodeMethod method, double relative_tolerance);
+    ~CvodeSolver();
+    CvodeSolver(const CvodeSolver &) = delete;
+    CvodeSolver &operator=(const CvodeSolver &) = delete;
+
+    /// y at `end_s`, from `y` at `start_s`. Starts anew, as inputs leap where a period begins.
+    /// @throw std::runtime_error where CVODE gives up
+    [[nodiscard]] PlantState advance(const PlantEquations &equations, double start_s, double end_s,
+                                     const PlantState &y);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+} // namespace springdrive

@@ -1,0 +1,124 @@
+#include "engine/analysis/work_precision/servo_rate_trial.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/direction_spectrum.h"
+#include "engine/analysis/stability/sampled_loop.h"
+#include "engine/analysis/stiffness_ellipse.h"
+#include "engine/analysis/stiffness_sweep.h"
+#include "engine/analysis/work_precision/timing.h"
+#include "engine/control/motion_control.h"
+#include "engine/scenario/scripted_touch.h"
+#include "engine/scenario/test_surfaces.h"
+#include "engine/servo/servo_loop.h"
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kPeriod_s = 1e-3; ///< of the servo that is timed
+constexpr std::size_t kTicks = 8000;
+
+/// In the middle of the workspace.
+Vector3 middle_angles_rad(const DeviceDescription &device) {
+    return joint_angles_rad(device.geometry, device.workspace.centre_m).value_or(Vector3::Zero());
+}
+
+/// A servo in lockstep with a simulated device, on a sphere.
+struct TouchedSphere {
+    explicit TouchedSphere(const ChartSetting &setting)
+        : surface(icosphere(5, kTestSphereRadius_m)),
+          start_m(start_above(setting.device, -corner_m(), corner_m())) {
+        options.path = scripted_touch(setting.device, surface, -corner_m(), corner_m(), start_m);
+        ServoInputs inputs;
+        inputs.tuning = setting.tuning;
+        inputs.surface = &surface;
+        inputs.global_alpha_rad2_per_m2 = global_alpha_bound(setting.device);
+        sealed_inputs = sealed(inputs);
+    }
+
+    static Vector3 corner_m() { return Vector3::Constant(kTestSphereRadius_m); }
+
+    HapticSurface surface;
+    Vector3 start_m;
+    SimulationOptions options;
+    ServoInputs sealed_inputs;
+};
+
+/// What the servo measured, tick by tick.
+std::vector<DeviceState> recorded_states(const ChartSetting &setting, const TouchedSphere &sphere) {
+    SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
+    ServoLoop loop(device, kPeriod_s);
+    std::vector<DeviceState> states;
+    for (std::size_t i = 0; i < kTicks; ++i) {
+        states.push_back(loop.exchange());
+        const ServoSample sample = loop.update(states.back(), sphere.sealed_inputs);
+        if (sample.safety.state == SafetyState::tripped) {
+            throw InputError("the safety monitor stops the servo while it is timed: " +
+                             description(sample.safety) + "; choose another tuning");
+        }
+    }
+    return states;
+}
+
+} // namespace
+
+double stiffness_error(const SpringDrive &drive, int points) {
+    double sum = 0.0;
+    const double ratio = kHighestJudged_Hz / kLowestJudged_Hz;
+    for (int i = 0; i < points; ++i) {
+        const double asked_Hz = kLowestJudged_Hz * std::pow(ratio, i / (points - 1.0));
+        const SweepWindow window = sweep_window(asked_Hz, drive.period_s);
+        const double omega_rad_per_s = 2.0 * std::numbers::pi * window.frequency_hz(drive.period_s);
+        const std::complex<double> truth = analytic_stiffness(drive, omega_rad_per_s);
+        sum += std::norm((measured_stiffness(drive, window) - truth) / truth);
+    }
+    return std::sqrt(sum / points);
+}
+
+double perceived_direction_error_rad(const DeviceDescription &device, const Tuning &tuning,
+                                     double period_s) {
+    const Vector3 q_rad = middle_angles_rad(device);
+    PlanarContact contact;
+    contact.J = planar_jacobian(device.geometry, q_rad);
+    contact.alpha_rad2_per_m2 = planar_stiffness(device, tuning, q_rad).alpha_rad2_per_m2;
+    contact.relative_stiffness = relative_stiffness(device).tail<2>();
+    for (std::size_t j = 0; j < 2; ++j) {
+        contact.drive[j] = {device.motor[j + 1], tuning, period_s, 0};
+    }
+    return worst_direction_error_rad(
+        tip_stiffness(contact, MotionMap::transpose, 2.0 * std::numbers::pi * kPerceived_Hz));
+}
+
+bool is_stable_on_all_motors(const DeviceDescription &device, const Tuning &tuning, double period_s,
+                             int delay_samples) {
+    for (std::size_t j = 0; j < device.motor.size(); ++j) {
+        SampledLoop loop;
+        loop.drive = {device.motor[j], tuning, period_s, delay_samples};
+        loop.device = device_load(device, static_cast<int>(j));
+        if (!is_stable(loop)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+Cost cost_of_servo_tick(const ChartSetting &setting) {
+    const TouchedSphere sphere(setting);
+    const std::vector<DeviceState> states = recorded_states(setting, sphere);
+    SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
+    return cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
+        ServoLoop loop(device, kPeriod_s);
+        for (const DeviceState &state : states) {
+            keep(loop.update(state, sphere.sealed_inputs));
+        }
+    });
+}
+
+} // namespace springdrive
