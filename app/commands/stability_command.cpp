@@ -6,6 +6,7 @@
 #include "app/commands/stability_options.h"
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
+#include "engine/analysis/failure_lines.h"
 
 #include <CLI/CLI.hpp>
 
@@ -31,6 +32,7 @@ struct Typed {
     std::vector<std::string> map; ///< empty, or two names
     int steps = 40;
     std::filesystem::path out; ///< of a map
+    bool table = false;
     std::string json; ///< empty: text for people
 };
 
@@ -130,8 +132,20 @@ void draw_map(const Typed &typed) {
     draw_stability_map(typed.out, setting_text(which, x, y), x, y, cells);
 }
 
+void write_table(const Typed &typed) {
+    const StabilityCase which = typed.loop.stability_case();
+    std::vector<FailureLine> lines;
+    {
+        ProgressLine line;
+        lines = failure_lines(which, [&](double share) { line.show("limits", share); });
+    }
+    write_output("-", [&](std::ostream &out) { write_failure_lines(out, lines); });
+}
+
 void run(const Typed &typed) {
-    if (typed.map.empty()) {
+    if (typed.table) {
+        write_table(typed);
+    } else if (typed.map.empty()) {
         tell(typed);
     } else {
         draw_map(typed);
@@ -167,9 +181,15 @@ void add_stability_command(CLI::App &app) {
         ->type_name("N")
         ->needs(map);
     stability
+        .add_flag("--table", typed->table,
+                  "where every method fails, predicted and measured, as a Markdown table")
+        ->excludes(vary)
+        ->excludes(map);
+    stability
         .add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
         ->type_name("FILE|-")
-        ->excludes(map);
+        ->excludes(map)
+        ->excludes("--table");
     stability.footer("Exit status: 0 stable, 3 not, 1 or 2 for what cannot be.");
     stability.callback([typed] { run(*typed); });
 }

@@ -1,0 +1,247 @@
+// Covers engine/analysis/stability: each line of DESIGN section 6 that a loop can cross, from both
+// sides, predicted and tried.
+#include "engine/analysis/stability/stability_limits.h"
+
+#include "device/phantom/kinematics.h"
+#include "engine/control/motion_control.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string_view>
+
+namespace springdrive {
+namespace {
+
+StabilityCase firm() {
+    StabilityCase which;
+    which.device = testing::phantom_1_0();
+    return which;
+}
+
+StabilityCase with(StabilityCase which, std::string_view name, double value) {
+    stability_parameter_named(name)->set(which, value);
+    return which;
+}
+
+double last_stable(double stable, double unstable, const std::function<bool(double)> &holds) {
+    while (std::abs(unstable - stable) > 1e-7 * std::abs(stable)) {
+        const double middle = 0.5 * (stable + unstable);
+        (holds(middle) ? stable : unstable) = middle;
+    }
+    return stable;
+}
+
+/// Both verdicts 2 % inside and 2 % outside of a limit.
+void expect_crossing(const StabilityCase &which, std::string_view name, double limit,
+                     bool stable_below = true, double longest_s = 3.0) {
+    TrialOptions options = TrialOptions::linear();
+    options.longest_s = longest_s;
+    const double outward = stable_below ? 0.02 : -0.02;
+    const StabilityCase inside = with(which, name, limit * (1.0 - outward));
+    const StabilityCase outside = with(which, name, limit * (1.0 + outward));
+    EXPECT_TRUE(is_stable(inside)) << name;
+    EXPECT_TRUE(is_stable_simulated(inside, options)) << name;
+    EXPECT_FALSE(is_stable(outside)) << name;
+    // The one who fails, not everybody before him.
+    EXPECT_FALSE(simulated(outside, worst_member(outside).member, options).stable) << name;
+}
+
+StabilityLimit only_limit(const StabilityCase &which, std::string_view name, double from,
+                          double to) {
+    const std::vector<StabilityLimit> limits =
+        predicted_limits(which, *stability_parameter_named(name), {from, to});
+    EXPECT_EQ(limits.size(), 1U) << name;
+    return limits.empty() ? StabilityLimit{} : limits.front();
+}
+
+TEST(FailureLines, DriftCompensationGains) {
+    for (const auto &[name, to] : {std::pair{"kp", 200.0}, std::pair{"kd", 1.0}}) {
+        const StabilityLimit limit = only_limit(firm(), name, 1e-3, to);
+        EXPECT_TRUE(limit.stable_below);
+        expect_crossing(firm(), name, limit.predicted);
+    }
+}
+
+TEST(FailureLines, AServoThatIsTooSlow) {
+    const StabilityLimit limit = only_limit(firm(), "T", 1e-4, 0.02);
+    EXPECT_TRUE(limit.stable_below);
+    expect_crossing(firm(), "T", limit.predicted);
+}
+
+TEST(FailureLines, AFilterThatIsTooSlow) {
+    // Where K_D is what keeps the loop stable, its lag matters.
+    StabilityCase which = firm();
+    which.tuning.K_P_V_per_rad = 25.0;
+    const StabilityLimit limit = only_limit(which, "lambda", 20.0, 1000.0);
+    EXPECT_FALSE(limit.stable_below);
+    expect_crossing(which, "lambda", limit.predicted, false);
+}
+
+TEST(FailureLines, ADelayThatIsTooLong) {
+    const StabilityLimit limit = only_limit(firm(), "d", 0.0, 8.0);
+    const int last = static_cast<int>(limit.predicted);
+    StabilityCase which = firm();
+    for (const int delay : {last, last + 1}) {
+        which.delay_samples = delay;
+        EXPECT_EQ(is_stable(which), delay == last);
+        EXPECT_EQ(is_stable_simulated(which, TrialOptions::linear()), delay == last);
+    }
+    // Between the two, K_P that the longer delay still bears tells how near: at the line itself
+    // both verdicts turn within 2 %, too.
+    which.delay_samples = last + 1;
+    expect_crossing(which, "kp", only_limit(which, "kp", 0.01, 200.0).predicted);
+}
+
+TEST(FailureLines, AResidualThatIsTooSmallForTheGains) {
+    const StabilityLimit limit = only_limit(firm(), "dR", 0.02, 2.18);
+    EXPECT_FALSE(limit.stable_below);
+    expect_crossing(firm(), "dR", limit.predicted, false);
+}
+
+/// Resistance cancellation (6) fails at dR = 0: held fast, without gains, the current decays by
+/// dR/L or grows by it.
+TEST(FailureLines, AnOverCancelledWindingThatIsHeld) {
+    StabilityCase which = firm();
+    which.rotor = RotorLoad{1e-3, 6.3, 1e4}; // a vice
+    which.hands = {no_hand()};
+    which.tuning.K_P_V_per_rad = which.tuning.K_D_Vs_per_rad = 0.0;
+    const LoopMember member = members(which).front();
+    const double L = which.device.motor[1].inductance_H;
+    for (const double dR : {0.1, 0.002, -0.002, -0.1}) { // of 2.18 Ω: within 0.1 %, and farther
+        which.net_resistance_Ohm = dR;
+        EXPECT_EQ(is_stable(which), dR > 0.0) << dR;
+        const Trial trial = simulated(which, member, TrialOptions::linear());
+        EXPECT_EQ(trial.stable, dR > 0.0) << dR;
+        if (std::abs(dR) < 0.01) { // else it is over before the start is forgotten
+            EXPECT_NEAR(trial.growth_per_s, -dR / L, 0.01 * std::abs(dR) / L) << dR;
+        }
+    }
+}
+
+/// (29) and what it promises: at the bound the largest mode is the inverse map's, and α may exceed
+/// the bound only by what one motor's gains have in hand.
+TEST(FailureLines, AlphaAboveItsBound) {
+    StabilityCase three = firm();
+    three.freedom = Freedom::three_motors;
+    three.q_rad = {0.0, 0.1, 0.1}; // square, so that each mode is a motor of its own
+    three.hands = {no_hand()};
+    StabilityCase inverse = three;
+    inverse.tuning.map = MotionMap::inverse;
+    const Matrix3 J = motor_jacobian(three.device.geometry, three.q_rad);
+    const Vector3 W = relative_stiffness(three.device);
+    const double bound = alpha_bound(J, W);
+    // Gains just below, then just above what the inverse map bears.
+    for (const double gain : {0.9, 1.1}) {
+        double K_P = last_stable(
+            1.0, 200.0, [&](double value) { return is_stable(with(inverse, "kp", value)); });
+        K_P *= gain;
+        const StabilityCase tuned = with(three, "kp", K_P);
+        const double limit = last_stable(1.0, 100.0 * bound, [&](double alpha) {
+            return is_stable(with(tuned, "alpha", alpha));
+        });
+        if (gain < 1.0) {
+            EXPECT_GT(limit, bound) << "what (29) promises";
+        }
+        expect_crossing(tuned, "alpha", limit, true, 1.0);
+        // One motor after another: the mode with eigenvalue a of α JᵀJ is the loop with η = 1 − a.
+        double truth = HUGE_VAL;
+        for (int j = 0; j < 3; ++j) {
+            StabilityCase one = inverse;
+            one.freedom = Freedom::one_motor;
+            one.tuning.K_P_V_per_rad = K_P;
+            // η below 0: more than rigid.
+            const double share = last_stable(1e-3, 100.0, [&](double a) {
+                StabilityCase at = one;
+                at.tuning.eta = 1.0 - a;
+                return largest_eigenvalue(at, {j, no_hand()}) < 1.0;
+            });
+            truth = std::min(truth, share / J.col(j).squaredNorm());
+        }
+        EXPECT_NEAR(limit, truth, 1e-5 * truth);
+    }
+}
+
+/// What (29) is for: with K_P within what the inverse map bears, a motor's own limit of α is the
+/// bound times its margin.
+TEST(FailureLines, AlphaOfOneMotorHasItsGainsMargin) {
+    StabilityCase which = firm();
+    which.hands = {no_hand()};
+    which.tuning.K_D_Vs_per_rad = 0.0;
+    const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
+    const double bound = alpha_bound(J, relative_stiffness(which.device));
+    const double limit =
+        last_stable(1.0, 1e6, [&](double alpha) { return is_stable(with(which, "alpha", alpha)); });
+    EXPECT_GT(limit, bound);
+    expect_crossing(which, "alpha", limit);
+}
+
+/// A mass J with damping b behind a zero-order hold and a wall K: its roots lie within the circle
+/// (Jury) while K < b (1 − p)/(τ(1 − p) − pT), p = e^(−bT/J), τ = J/b; if the mass is heavy.
+double sampled_wall_limit(double J, double b, double T) {
+    const double p = std::exp(-b * T / J);
+    const double tau = J / b;
+    return b * (1.0 - p) / (tau * (1.0 - p) - p * T);
+}
+
+StabilityCase wall_of_current_drive(double inertia_kg_m2, double damping_Nms_per_rad) {
+    StabilityCase which = firm();
+    which.drive = AmplifierKind::current_drive;
+    which.device.amplifier.current_bandwidth_hz = 1e6; // ideal
+    which.rotor = RotorLoad{inertia_kg_m2, damping_Nms_per_rad, 0.0};
+    which.hands = {no_hand()};
+    return which;
+}
+
+double squared_lever_m2(const StabilityCase &which) {
+    return motor_jacobian(which.device.geometry, which.q_rad).col(1).squaredNorm();
+}
+
+TEST(FailureLines, TheWallOfACurrentDrive) {
+    for (const auto &[J, b] :
+         {std::pair{1e-4, 1e-2}, std::pair{1e-5, 1e-3}, std::pair{1e-5, 5e-3}}) {
+        const StabilityCase which = wall_of_current_drive(J, b);
+        const double truth = sampled_wall_limit(J, b, which.period_s) / squared_lever_m2(which);
+        const StabilityLimit limit = only_limit(which, "wall-stiffness", 1.0, 1e6);
+        // 1 MHz lags by 0.16 µs of a 1 ms period.
+        EXPECT_NEAR(limit.predicted, truth, 1e-3 * truth);
+        expect_crossing(which, "wall-stiffness", limit.predicted);
+    }
+}
+
+/// Colgate and Schenkel: a wall below 2b/T is passive, so that no hand shakes it; well above, one
+/// that is heavy enough does.
+TEST(FailureLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
+    for (const double b : {1e-4, 1e-3, 1e-2}) {
+        StabilityCase which = wall_of_current_drive(2e-6, b);
+        const double passive = 2.0 * b / which.period_s / squared_lever_m2(which);
+        which.hands = hand_family(21);
+        which.wall.stiffness_N_per_m = 0.98 * passive;
+        EXPECT_TRUE(is_stable(which)) << b;
+        // A pure mass as the hand comes nearest to the line.
+        which.hands = {{"mass", 100.0, 0.0, 0.0}};
+        which.wall.stiffness_N_per_m = 1.02 * passive;
+        EXPECT_FALSE(is_stable(which)) << b;
+        which.wall.stiffness_N_per_m = 0.98 * passive;
+        EXPECT_TRUE(is_stable(which)) << b;
+    }
+}
+
+/// Delay lowers it: for a heavy mass, where the phase of wall and damper meet at low frequency,
+/// K (T/2 + dT) < b.
+TEST(FailureLines, ADelayedWallFailsEarlier) {
+    for (const int delay : {0, 1, 2, 4}) {
+        StabilityCase which = wall_of_current_drive(2e-6, 1e-2);
+        which.hands = {{"mass", 300.0, 0.0, 0.0}};
+        which.delay_samples = delay;
+        const double truth = 1e-2 / (which.period_s * (0.5 + delay)) / squared_lever_m2(which);
+        const StabilityLimit limit = only_limit(which, "wall-stiffness", 1.0, 1e6);
+        EXPECT_NEAR(limit.predicted, truth, 2e-3 * truth) << delay;
+    }
+}
+
+} // namespace
+} // namespace springdrive
