@@ -106,6 +106,7 @@ Session::Session(const SessionOptions &options)
     simulation.servo_period_s = servo_period_s(options.servo_hz);
     simulation.delay_samples = options.delay_samples;
     simulation.effects = options.effects;
+    choose_model(description, simulation);
     hand_target_m_ = start_above(description, lower_m, upper_m);
     if (!options.path.empty()) {
         simulation.path = HandPath::read_csv(options.path);
@@ -147,6 +148,9 @@ void Session::advance(double frame_s) {
     take_in_samples();
     if (std::unique_ptr<LoadedScene> scene = loader_.take()) {
         show(std::move(scene));
+    }
+    if (std::optional<ModelChoice> choice = model_measurement_.take()) {
+        model_choice_ = std::move(choice);
     }
 }
 
@@ -256,6 +260,8 @@ void Session::move_hand_to(const Vector3 &target_m) {
 
 void Session::show(std::unique_ptr<LoadedScene> scene) {
     retired_.push_back(std::exchange(scene_, std::move(scene)));
+    model_choice_.reset();
+    model_measurement_.forget();
     inputs_.surface = &scene_->surface;
     ++inputs_.scene_id;
     publish();

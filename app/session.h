@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/history.h"
+#include "app/model_choices.h"
 #include "app/scene_loader.h"
 #include "app/session_options.h"
 #include "device/simulated/simulated_phantom.h"
@@ -46,6 +47,16 @@ public:
     /// Loads in the background; on failure the old scene stays and `scene_error` tells why.
     void request_scene(const std::filesystem::path &file) { loader_.request(file); }
 
+    /// Measures in the background which model the scene would get, for `model_choice` to tell.
+    void measure_model();
+    [[nodiscard]] const ModelMeasurement &model_measurement() const { return model_measurement_; }
+
+    /// What the scene would get, once somebody measured it; see `runs_choice`.
+    [[nodiscard]] const std::optional<ModelChoice> &model_choice() const { return model_choice_; }
+
+    /// Whether plant, surface and law are those of `model_choice`, but for what was set by option.
+    [[nodiscard]] bool runs_choice() const { return model_scene_id_ == inputs_.scene_id; }
+
     /// Records every tick from now on. @throw InputError for a file that cannot be made.
     void start_recording(const std::filesystem::path &file);
     void stop_recording();
@@ -75,6 +86,8 @@ public:
 private:
     void publish() { servo_->publish(inputs_); }
     void show(std::unique_ptr<LoadedScene> scene);
+    void choose_model(const DeviceDescription &description, SimulationOptions &simulation);
+    [[nodiscard]] ModelQuestion model_question(const DeviceDescription &description) const;
     void release_retired();
     void take_in_samples();
     [[nodiscard]] PlotSample plot_sample(const ServoSample &sample);
@@ -91,6 +104,9 @@ private:
     std::unique_ptr<Recorder> recorder_; ///< on the servo's ring, so it goes first
     std::filesystem::path record_file_;
     ServoInputs inputs_;
+    std::optional<ModelChoice> model_choice_; ///< of the scene that is shown
+    ModelMeasurement model_measurement_;
+    std::uint32_t model_scene_id_ = 0; ///< of the scene that the model was chosen for; 0: none
     Vector3 hand_target_m_{Vector3::Zero()};
     std::optional<HandPath> hand_path_; ///< the one that the device follows, to show where it is
     double lockstep_debt_ticks_ = 0.0;

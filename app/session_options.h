@@ -1,6 +1,7 @@
 // What a session is to run on, as plain values: with a window or without.
 #pragma once
 
+#include "app/model_options.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 
@@ -15,7 +16,8 @@ struct SessionOptions {
     Tuning tuning;
     double servo_hz = 1000.0;
     int delay_samples = 0;
-    PlantEffects effects;            ///< of the simulated device
+    PlantEffects effects; ///< of the simulated device
+    ModelOptions model;
     std::filesystem::path path;      ///< of the hand; empty: see `plays_script`
     bool plays_script = false;       ///< without a path: the scripted touch, not `move_hand_to`
     bool lockstep = false;           ///< the servo goes by `Session::advance`, not by a clock

@@ -3,6 +3,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
 #include "app/load_lines.h"
+#include "app/model_choices.h"
 #include "device/device_file.h"
 #include "engine/scenario/touch_scene.h"
 
@@ -10,7 +11,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -22,10 +26,20 @@ struct Typed {
     std::string scene;
     std::filesystem::path device_file;
     std::string json; ///< empty: text for people
+    bool no_model = false;
+    bool fresh = false;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// With the default tuning at 1 kHz, as `springdrive demo` begins.
+ModelChoice model_of_scene(const Typed &typed, const Scene &scene,
+                           const DeviceDescription &device) {
+    std::ifstream stream(typed.device_file, std::ios::binary);
+    const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
+    return choice_with_progress({&scene, device, {}, 1e-3, 0}, device_text, typed.fresh);
 }
 
 void run(const Typed &typed) {
@@ -43,6 +57,11 @@ void run(const Typed &typed) {
     std::error_code not_a_file;
     const std::uintmax_t bytes = std::filesystem::file_size(typed.scene, not_a_file);
     report.file_bytes = not_a_file ? 0 : bytes;
+    std::optional<ModelChoice> model;
+    if (!typed.no_model) {
+        model = model_of_scene(typed, scene, device);
+        report.model = &*model;
+    }
     write_output(typed.json.empty() ? "-" : typed.json, [&](std::ostream &out) {
         if (typed.json.empty()) {
             write_inspect_table(out, report);
@@ -56,7 +75,8 @@ void run(const Typed &typed) {
 
 void add_inspect_command(CLI::App &app) {
     CLI::App &inspect =
-        *app.add_subcommand("inspect", "what a scene holds, and what of it can be touched");
+        *app.add_subcommand("inspect", "what a scene holds, what of it can be touched, and "
+                                       "which model it would get");
     const auto typed = std::make_shared<Typed>();
     inspect
         .add_option("scene", typed->scene,
@@ -66,6 +86,10 @@ void add_inspect_command(CLI::App &app) {
     add_device_file_option(inspect, typed->device_file);
     inspect.add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
         ->type_name("FILE|-");
+    inspect.add_flag("--no-model", typed->no_model,
+                     "do not measure which model the scene would get, which takes seconds");
+    inspect.add_flag("--fresh", typed->fresh,
+                     "measure that anew, even if it is remembered from before");
     inspect.callback([typed] { run(*typed); });
 }
 

@@ -1,4 +1,4 @@
-// `springdrive inspect`: what a scene holds, and what of it can be touched.
+// `springdrive inspect`: what a scene holds, what of it can be touched, and which model it gets.
 #pragma once
 
 namespace CLI {

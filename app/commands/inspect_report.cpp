@@ -1,7 +1,9 @@
 #include "app/commands/inspect_report.h"
 
+#include "app/commands/model_table.h"
 #include "base/print.h"
 #include "engine/contact/preparation/mesh_remarks.h"
+#include "engine/model_choice/choice_json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -153,6 +155,10 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
     json["preparation_s"] = report.preparation_s;
     json["bytes"] = surface.bytes();
     json["bytes_per_triangle"] = bytes_per_triangle(surface);
+    json["planar"] = scene.planar;
+    if (report.model != nullptr) {
+        json["model"] = json_of(*report.model);
+    }
     json["remarks"] = remarks_of(report);
     out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
@@ -172,6 +178,9 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
           1e-6 * static_cast<double>(surface.bytes()), bytes_per_triangle(surface));
     for (const std::string &remark : remarks_of(report)) {
         out << "remark: " << remark << '\n';
+    }
+    if (report.model != nullptr) {
+        write_model_table(out, *report.model);
     }
 }
 

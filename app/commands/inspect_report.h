@@ -1,6 +1,7 @@
 // What `springdrive inspect` tells of a scene, as JSON or for people.
 #pragma once
 
+#include "engine/model_choice/model_choice.h"
 #include "engine/scene/scene.h"
 
 #include <cstddef>
@@ -25,6 +26,7 @@ struct InspectReport {
     const HapticSurface *surface = nullptr;
     double load_s = 0.0;
     double preparation_s = 0.0;
+    const ModelChoice *model = nullptr; ///< that the scene would get; null: not asked for
 };
 
 /// In the order of the scene's materials.

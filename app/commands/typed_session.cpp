@@ -6,7 +6,54 @@
 
 #include <CLI/CLI.hpp>
 
+#include <set>
+
 namespace springdrive {
+
+void ModelTyped::add_to(CLI::App &command) {
+    std::set<std::string> plants;
+    for (const PlantModel &plant_model : kPlantModels) {
+        plants.emplace(plant_model.name);
+    }
+    command
+        .add_option("--model", use,
+                    "full: as the other options say; auto: the cheapest that meets the scene's "
+                    "tolerance, measured first if need be [full]")
+        ->check(CLI::IsMember({"full", "auto"}));
+    command.add_option("--plant-model", plant, "how much of the device is simulated")
+        ->check(CLI::IsMember(plants));
+    command
+        .add_option("--step-us", step_us,
+                    "the simulated device's longest sub-step, 1 to 4000 [100]")
+        ->type_name("US");
+    command
+        .add_option("--contact-shape", surface,
+                    "what is touched: given, flat, primitives or simplified_N, a triangle of N "
+                    "left; springdrive inspect lists what a scene has")
+        ->type_name("NAME");
+}
+
+ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
+    ModelOptions options;
+    options.automatic = use == "auto";
+    options.takes_controller =
+        tuning.file.empty() && tuning.map.empty() && tuning.alpha_mode.empty();
+    if (!plant.empty()) {
+        options.plant = *plant_model_named(plant);
+    }
+    if (step_us) {
+        check_range("--step-us", *step_us, 1.0, 4000.0);
+        options.longest_step_s = 1e-6 * *step_us;
+    }
+    if (!surface.empty()) {
+        options.surface = contact_shape_named(surface);
+        if (!options.surface) {
+            throw InputError("--contact-shape " + surface +
+                             ": must be given, flat, primitives or simplified_N with N from 2");
+        }
+    }
+    return options;
+}
 
 void TypedSession::add_to(CLI::App &command) {
     options.scene = asset_folder() / "scenes" / "organic.gltf";
@@ -19,6 +66,7 @@ void TypedSession::add_to(CLI::App &command) {
     add_device_file_option(command, options.device_file);
     tuning.add_to(command);
     effects.add_to(command);
+    model.add_to(command);
     command.add_option("--servo-hz", options.servo_hz, "servo rate, 250 to 10000 [1000]")
         ->type_name("HZ");
     command
@@ -48,7 +96,14 @@ SessionOptions TypedSession::session() const {
     static_cast<void>(servo_period_s(options.servo_hz));
     SessionOptions session = options;
     session.tuning = tuning.tuning();
+    remark_on_margins(tuning.file, options.servo_hz, options.delay_samples);
     session.effects = effects.effects();
+    session.model = model.options(tuning);
+    const bool chooses_plant = session.model.automatic || session.model.plant;
+    if (chooses_plant && !(effects.without.empty() && effects.with.empty())) {
+        throw InputError("--without and --with say what is simulated, and so do --model auto and "
+                         "--plant-model; give one or the other");
+    }
     return session;
 }
 

@@ -4,6 +4,7 @@
 #include "app/commands/common_options.h"
 #include "app/session_options.h"
 
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -12,11 +13,25 @@ class App;
 
 namespace springdrive {
 
+/// `--model` and what overrides it, part by part.
+struct ModelTyped {
+    std::string use = "full";
+    std::string plant;
+    std::optional<double> step_us;
+    std::string surface;
+
+    void add_to(CLI::App &command);
+
+    /// @throw InputError for a part that is not known.
+    [[nodiscard]] ModelOptions options(const TuningOptions &tuning) const;
+};
+
 /// The options hold references to this: it must stay where it is until the parse is over.
 struct TypedSession {
     SessionOptions options;
     TuningOptions tuning;
     EffectOptions effects;
+    ModelTyped model;
     std::string device = "sim";
 
     void add_to(CLI::App &command);

@@ -45,6 +45,9 @@ struct ScenePanelState {
 };
 void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place);
 
+/// Within the scene panel: which model the scene would get by its tolerance, and what runs.
+void draw_model_tab(Session &session);
+
 /// Over the scene: how to use the mouse, and a banner after a safety trip.
 void draw_scene_overlay(Session &session, const Rectangle &view, float scale);
 

@@ -5,8 +5,9 @@
 
 namespace springdrive {
 
-void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place) {
-    begin_panel("Scene", place);
+namespace {
+
+void draw_scene_tab(Session &session, ScenePanelState &state) {
     const LoadedScene &shown = session.scene();
     ImGui::SetNextItemWidth(-1.0F);
     if (ImGui::BeginCombo("##files", shown.scene.file.filename().c_str())) {
@@ -44,6 +45,23 @@ void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle 
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("%s", remark.c_str());
         ImGui::PopStyleColor();
+    }
+}
+
+} // namespace
+
+void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place) {
+    begin_panel("Scene", place);
+    if (ImGui::BeginTabBar("##tabs")) {
+        if (ImGui::BeginTabItem("What it is")) {
+            draw_scene_tab(session, state);
+            ImGui::EndTabItem();
+        }
+        if (ImGui::BeginTabItem("Model")) {
+            draw_model_tab(session);
+            ImGui::EndTabItem();
+        }
+        ImGui::EndTabBar();
     }
     ImGui::End();
 }

@@ -68,12 +68,11 @@ public:
         for (int node = 0; node < nodes_.count; ++node) {
             root_nodes += (node == 0 ? "" : ", ") + number(node);
         }
-        const std::string extras = scene.in_metres ? R"(, "extras": {"units": "m"})" : "";
         return "{\n"
                R"(  "asset": {"version": "2.0", "generator": "springdrive generate_scenes"},)"
                "\n  \"scene\": 0,\n"
                R"(  "scenes": [{"name": ")" +
-               scene.name + R"(", "nodes": [)" + root_nodes + "]" + extras + "}],\n" +
+               scene.name + R"(", "nodes": [)" + root_nodes + "], " + extras_of(scene) + "}],\n" +
                nodes_.member("nodes") + meshes_.member("meshes") + materials_.member("materials") +
                accessors_.member("accessors") + views_.member("bufferViews") +
                R"(  "buffers": [{"byteLength": )" + number(bytes_.size()) +
@@ -81,6 +80,15 @@ public:
     }
 
 private:
+    static std::string extras_of(const SceneDescription &scene) {
+        const Tolerance &tolerance = scene.tolerance;
+        return R"("extras": {)" + std::string(scene.in_metres ? R"("units": "m", )" : "") +
+               (scene.planar ? R"("planar": true, )" : "") + R"("tolerance": {"force_N": )" +
+               number(tolerance.force_N) + R"(, "direction_deg": )" +
+               number(tolerance.direction_deg) + R"(, "bandwidth_hz": )" +
+               number(tolerance.bandwidth_hz) + "}}";
+    }
+
     void add_part(const Part &part) {
         // One statement each: within one expression the compiler might write either first.
         const int positions = add_positions(part);

@@ -14,10 +14,20 @@ Part named(Part part, std::string name, const std::array<double, 3> &base_colour
     return part;
 }
 
+// Tolerances, each for what its scene shows. A hand tells forces that differ by about a tenth, and
+// presses with some 1 to 3 N here; directions are noticed from 25° on (the paper, section V).
+
+constexpr Tolerance kToFeelAWall = {0.30, 12.0, 100.0};     // there is one, and it is flat
+constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};  // by how the force turns
+constexpr Tolerance kToFeelEdges = {0.05, 3.0, 300.0};      // sudden and sharp
+constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};     // with the eye upon it, too
+constexpr Tolerance kToTellStiffness = {0.30, 5.0, 30.0};   // held, not struck
+constexpr Tolerance kToFollowAProfile = {0.10, 4.0, 100.0}; // slopes, told by direction
+
 /// 120 × 10 × 80 mm, its top 5 mm below the origin.
 SceneDescription plate() {
     Part slab = box(Vector3(-0.060, -0.015, -0.055), Vector3(0.060, -0.005, 0.025));
-    return {"plate", true, {named(std::move(slab), "plate", {0.10, 0.27, 0.42})}};
+    return {"plate", true, {named(std::move(slab), "plate", {0.10, 0.27, 0.42})}, kToFeelAWall};
 }
 
 SceneDescription sphere() {
@@ -25,7 +35,8 @@ SceneDescription sphere() {
     for (Vector3 &position : ball.positions_m) {
         position = Vector3(0.0, 0.050, -0.015) + kSphereRadius_m * position;
     }
-    return {"sphere", true, {named(std::move(ball), "sphere", {0.72, 0.28, 0.10})}};
+    return {
+        "sphere", true, {named(std::move(ball), "sphere", {0.72, 0.28, 0.10})}, kToFeelRoundness};
 }
 
 /// Three steps rising to the right. The middle one has a blind pocket, the highest an open groove:
@@ -40,19 +51,22 @@ SceneDescription stepped_block() {
         const bool in_groove = i == 4 && j == 4 && k == 2;
         return j < kLayers[static_cast<std::size_t>(i)] && !in_pocket && !in_groove;
     });
-    return {"stepped_block", true, {named(std::move(block), "stepped block", {0.33, 0.42, 0.20})}};
+    return {"stepped_block",
+            true,
+            {named(std::move(block), "stepped block", {0.33, 0.42, 0.20})},
+            kToFeelEdges};
 }
 
 /// Lumps on a body, like a coral or a potato; fitted to whatever workspace it meets.
 SceneDescription organic() {
     constexpr int kFrequency = 39; // 30,420 triangles
     Part coral = blob_union(organic_shape(), kFrequency);
-    return {"organic", false, {named(std::move(coral), "coral", {1.0, 1.0, 1.0})}};
+    return {"organic", false, {named(std::move(coral), "coral", {1.0, 1.0, 1.0})}, kToFeelAShape};
 }
 
 /// Three pads of 36 × 15 × 60 mm side by side, from rigid to soft.
 SceneDescription compliance() {
-    SceneDescription scene{"compliance", true, {}};
+    SceneDescription scene{"compliance", true, {}, kToTellStiffness};
     const auto add_pad = [&](double centre_x_m, double eta, std::string name,
                              const std::array<double, 3> &colour) {
         Part pad = named(box(Vector3(centre_x_m - 0.018, -0.020, -0.045),
@@ -67,10 +81,31 @@ SceneDescription compliance() {
     return scene;
 }
 
+/// A rail across the workspace, for the hand to follow in the linkage's plane: flat, a slope up, a
+/// ridge, a slope down, a step and a groove. 60 × 25 × 80 mm.
+SceneDescription profile() {
+    Part rail = extrusion({{-0.055, -0.015},
+                           {-0.045, -0.015},
+                           {-0.030, -0.005},
+                           {-0.022, -0.008},
+                           {-0.008, -0.008},
+                           {-0.006, -0.014},
+                           {0.004, -0.014},
+                           {0.008, -0.018},
+                           {0.012, -0.014},
+                           {0.025, -0.014}},
+                          -0.030, 0.030);
+    return {"profile",
+            true,
+            {named(std::move(rail), "rail", {0.30, 0.24, 0.45})},
+            kToFollowAProfile,
+            true};
+}
+
 } // namespace
 
 std::vector<SceneDescription> all_scenes() {
-    return {plate(), sphere(), stepped_block(), organic(), compliance()};
+    return {plate(), sphere(), stepped_block(), organic(), compliance(), profile()};
 }
 
 } // namespace springdrive::scenes

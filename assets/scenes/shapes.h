@@ -41,6 +41,17 @@ struct CellGrid {
 /// A box with flat faces, 12 triangles.
 [[nodiscard]] Part box(const Vector3 &lower_m, const Vector3 &upper_m);
 
+/// A point of a profile, seen along x.
+struct ProfilePoint {
+    double z_m;
+    double y_m;
+};
+
+/// The solid between a profile, whose z rises from point to point, and a floor below all of it,
+/// `half_width_m` to either side of x = 0. Flat faces.
+[[nodiscard]] Part extrusion(const std::vector<ProfilePoint> &profile, double floor_y_m,
+                             double half_width_m);
+
 /// Directions over the unit sphere: an icosahedron with each edge cut into `frequency` pieces,
 /// pushed out to the sphere. 20 f² triangles over 10 f² + 2 vertices; `normals` equal the
 /// positions.
@@ -50,11 +61,20 @@ struct CellGrid {
 /// smooth normals, coloured by distance from the origin.
 [[nodiscard]] Part blob_union(const BlobShape &shape, int frequency);
 
+/// What a cheaper model of a scene may be off the fullest; see docs/models.md.
+struct Tolerance {
+    double force_N;
+    double direction_deg;
+    double bandwidth_hz;
+};
+
 /// A scene file of the project.
 struct SceneDescription {
     std::string name;
     bool in_metres = false; ///< else it is fitted to the device's workspace when loaded
     std::vector<Part> parts;
+    Tolerance tolerance;
+    bool planar = false; ///< the hand stays in the plane x = 0
 };
 
 /// Every scene, in the frame of the device: x right, y up, z towards the user.

@@ -8,6 +8,7 @@
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_nodes.h"
 #include "engine/scene/gltf_text.h"
+#include "engine/scene/scene_extras.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
 
@@ -102,6 +103,33 @@ void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const 
     }
 }
 
+bool has_smooth(const std::vector<PlacedPrimitive> &primitives) {
+    return std::ranges::any_of(
+        primitives, [](const PlacedPrimitive &primitive) { return primitive.node->touch.smooth; });
+}
+
+/// The triangles of unbent primitives, with the materials of those that are touched.
+TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const Fit &fit,
+                        const TriangleSoup &bent) {
+    TriangleSoup flat;
+    flat.materials = bent.materials;
+    std::uint16_t material = 0;
+    for (std::span rest(primitives); !rest.empty(); ++material) {
+        const std::span node = rest.first(first_node_size(rest));
+        rest = rest.subspan(node.size());
+        for (PlacedPrimitive &primitive : node) {
+            if (primitive.node->touch.shape) {
+                continue;
+            }
+            for (Vector3 &position : primitive.positions) {
+                position = fit(position);
+            }
+            add_surface(primitive, material, flat);
+        }
+    }
+    return flat;
+}
+
 /// Lets go of the primitives one by one, so that not all is there twice.
 void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const Fit &fit,
                   const tinygltf::Model &model, LoadProgress &progress) {
@@ -126,7 +154,10 @@ Scene load(const std::filesystem::path &file, const Workspace &workspace, LoadPr
     const tinygltf::Model model = read_model(file);
     Scene scene;
     scene.file = file;
-    scene.in_metres = is_in_metres(model);
+    const SceneExtras said = read_scene_extras(model);
+    scene.in_metres = said.in_metres;
+    scene.planar = said.planar;
+    scene.tolerance = said.tolerance;
     scene.remarks = left_out_of(model);
     const std::vector<PlacedMesh> nodes = place_meshes(model);
     progress.begin(Stage::gathering, true);
@@ -136,10 +167,17 @@ Scene load(const std::filesystem::path &file, const Workspace &workspace, LoadPr
                          (scene.remarks.empty() ? "" : " (" + scene.remarks.front() + ")"));
     }
     progress.begin(Stage::bending, false);
+    std::vector<PlacedPrimitive> flat;
+    if (has_smooth(primitives)) {
+        flat = primitives;
+    }
     bend_smooth_nodes(primitives, scene.remarks);
     progress.begin(Stage::placing, true);
     const Fit fit = fit_scene(scene, primitives, workspace);
     build_meshes(scene, std::move(primitives), fit, model, progress);
+    if (!flat.empty()) {
+        scene.flat_surface = flat_touch(std::move(flat), fit, scene.surface);
+    }
     return scene;
 }
 

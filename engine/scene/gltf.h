@@ -27,6 +27,13 @@ namespace springdrive {
 /// - `"shape"`: "plate", "sphere", "box", "cylinder" or "capsule" to be touched exactly as that,
 ///   fitted to the box around the mesh, which is drawn as it is. See `gltf::fit_shape`.
 ///
+/// Of the scene or the asset as a whole:
+/// - `"tolerance"`: what a cheaper model of plant, surface and control may be off the fullest, as
+///   `{"force_N": 0.05, "direction_deg": 5, "bandwidth_hz": 200}` with any of the three left out;
+///   these are the defaults. See docs/models.md.
+/// - `"planar"`: true where the hand stays in the linkage's plane, x = const: then the base joint
+///   need not be simulated.
+///
 /// @throw InputError with one line that names the file, what is wrong in it and where: for a file
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds
 ///        coordinates that are not finite, needs an extension that we lack, has no triangle, or

@@ -62,8 +62,34 @@ std::optional<std::size_t> Extras::word(const char *key, std::span<const std::st
     return static_cast<std::size_t>(found - words.begin());
 }
 
+std::optional<Extras> Extras::object(const char *key, const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    if (!values_[key].is_object()) {
+        refuse(key, meaning);
+    }
+    Extras inner("", owner_);
+    inner.values_ = values_[key];
+    inner.path_ = path_ + key + ".";
+    return inner;
+}
+
+void Extras::refuse_all_but(std::span<const std::string_view> keys) const {
+    for (const auto &[key, value] : values_.items()) {
+        if (std::ranges::find(keys, key) == keys.end()) {
+            std::string known;
+            for (const std::string_view name : keys) {
+                known += (known.empty() ? "" : ", ") + std::string(name);
+            }
+            throw InputError(owner_ + ": " + path_ + one_line(key, 40) +
+                             " is not known; what may stand there is " + known);
+        }
+    }
+}
+
 void Extras::refuse(const char *key, const std::string &meaning) const {
-    throw InputError(owner_ + ": extras." + key + " is " + shown(values_[key]) + "; it must be " +
+    throw InputError(owner_ + ": " + path_ + key + " is " + shown(values_[key]) + "; it must be " +
                      meaning);
 }
 

@@ -35,12 +35,21 @@ public:
                                                   std::span<const std::string_view> words,
                                                   const std::string &meaning) const;
 
+    /// The extras within the extras, if they are there. Their keys are shown as `key.inner`.
+    /// @throw InputError with `meaning` unless it is an object.
+    [[nodiscard]] std::optional<Extras> object(const char *key, const std::string &meaning) const;
+
+    /// @throw InputError for a key that is none of `keys`: where all keys are ours, another is a
+    ///        slip of the pen.
+    void refuse_all_but(std::span<const std::string_view> keys) const;
+
     /// @throw InputError always: "<owner>: extras.<key> is <value>; it must be <meaning>".
     [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
 
 private:
     nlohmann::json values_;
     std::string owner_;
+    std::string path_ = "extras."; ///< before keys, in messages
 };
 
 } // namespace springdrive::gltf

@@ -1,15 +1,12 @@
 #include "engine/scene/gltf_nodes.h"
 
 #include "base/input_error.h"
-#include "engine/scene/gltf_extras.h"
 #include "engine/scene/gltf_text.h"
 
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
 
 namespace springdrive::gltf {
 
@@ -160,22 +157,6 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
         push_all(stack, node.children, to_world, touch);
     }
     return placed;
-}
-
-bool is_in_metres(const tinygltf::Model &model) {
-    bool in_metres = false;
-    const auto check = [&](const std::string &extras_json, const std::string &owner) {
-        constexpr std::array<std::string_view, 1> kUnits = {"m"};
-        const Extras extras(extras_json, owner);
-        in_metres |=
-            extras.word("units", kUnits, "'m' (metres), or left out to fit the scene").has_value();
-    };
-    check(model.asset.extras_json_string, "asset");
-    const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
-    if (scene < model.scenes.size()) {
-        check(model.scenes[scene].extras_json_string, "scene");
-    }
-    return in_metres;
 }
 
 } // namespace springdrive::gltf

@@ -31,8 +31,4 @@ struct PlacedMesh {
 ///        quaternions, and extras as `read_touch` refuses them.
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
 
-/// Whether the scene that `place_meshes` takes, or the asset, is in metres.
-/// @throw InputError for `extras.units` other than "m".
-[[nodiscard]] bool is_in_metres(const tinygltf::Model &model);
-
 } // namespace springdrive::gltf

@@ -5,6 +5,7 @@
 #include "device/device_file.h"
 #include "engine/contact/analytic_shape.h"
 #include "engine/contact/haptic_surface.h"
+#include "engine/scene/model_tolerance.h"
 
 #include <array>
 #include <cstdint>
@@ -48,10 +49,14 @@ struct Scene {
     std::vector<Texture> textures;
     TriangleSoup surface;              ///< the triangles that can be touched
     std::vector<AnalyticShape> shapes; ///< touched too; their materials are those of `surface`
-    Vector3 lower_m{Vector3::Zero()};  ///< bounding box, device frame
+    /// `surface` with the file's own flat triangles where nodes are smooth; empty where none is.
+    TriangleSoup flat_surface;
+    Vector3 lower_m{Vector3::Zero()}; ///< bounding box, device frame
     Vector3 upper_m{Vector3::Zero()};
     double metres_per_unit = 1.0;     ///< how the file's units were scaled
     bool in_metres = false;           ///< the file asked for metres, so nothing was fitted
+    bool planar = false;              ///< the hand stays in the linkage's plane
+    ModelTolerance tolerance;         ///< what a cheaper model may be off
     std::vector<std::string> remarks; ///< what of the file cannot be touched or drawn, by name
 };
 

@@ -1,10 +1,12 @@
 // Covers app/commands/inspect_command.cpp and inspect_report.cpp, from outside.
+#include "tests/support/files.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,8 +18,10 @@ using nlohmann::json;
 
 const std::string kScenes = SPRINGDRIVE_ASSET_DIR "/scenes/";
 
+/// Without the model, which takes seconds to be measured.
 Ending inspect(std::vector<std::string> options) {
     options.insert(options.begin(), "inspect");
+    options.emplace_back("--no-model");
     return run_program(options);
 }
 
@@ -76,6 +80,34 @@ TEST(InspectCommand, PrintsATableWithMeanings) {
         EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
     }
     EXPECT_EQ(ending.out.find("remark"), std::string::npos) << ending.out;
+}
+
+TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
+    const std::filesystem::path cache = fresh_folder("inspect_cache");
+    setenv("XDG_CACHE_HOME", cache.c_str(), 1);
+    const std::vector<std::string> options{"inspect", kScenes + "profile.gltf", "--json", "-"};
+    const Ending first = run_program(options);
+    ASSERT_EQ(first.exit_status, 0) << first.error;
+    EXPECT_EQ(first.error, ""); // progress is for terminals
+    const json model = json::parse(first.out)["model"];
+    ASSERT_EQ(model["axes"].size(), 5U);
+    for (const json &axis : model["axes"]) {
+        EXPECT_EQ(axis["candidates"].back()["verdict"], "meets"); // the fullest
+    }
+    EXPECT_EQ(model["axes"][2]["name"], "joints");
+    EXPECT_EQ(model["axes"][2]["chosen"], "2");
+
+    const Ending again = run_program(options); // times would differ, were it measured again
+    EXPECT_EQ(json::parse(again.out)["model"], model);
+    const Ending text = run_program({"inspect", kScenes + "profile.gltf"});
+    for (const char *said : {"model: force to 0.1 N", "<- chosen", "transpose_on_the_fly",
+                             "off the fullest", "a tick instead of"}) {
+        EXPECT_NE(text.out.find(said), std::string::npos) << said << " in\n" << text.out;
+    }
+    auto measured_anew = options;
+    measured_anew.emplace_back("--fresh");
+    EXPECT_NE(json::parse(run_program(measured_anew).out)["model"], model);
+    unsetenv("XDG_CACHE_HOME");
 }
 
 TEST(InspectCommand, SaysWhatIsWrongInOneLine) {

@@ -198,8 +198,31 @@ TEST(OwnScenes, CompliancePadsAreAsSoftAsTheySay) {
     EXPECT_EQ(scene.surface.materials[2].eta, 0.75);
 }
 
+TEST(OwnScenes, ProfileIsARailInTheLinkagesPlane) {
+    const Scene scene = load_own("profile");
+    EXPECT_TRUE(scene.planar);
+    EXPECT_NEAR(scene.lower_m.x(), -0.030, kSinglePrecision);
+    EXPECT_NEAR(scene.upper_m.x(), 0.030, kSinglePrecision);
+    // The area between profile and floor by hand, trapezium by trapezium [mm²].
+    const double area_mm2 = 10 * 15.0 + 15 * 20.0 + 8 * 23.5 + 14 * 22.0 + 2 * 19.0 + 10 * 16.0 +
+                            4 * 14.0 + 4 * 14.0 + 13 * 16.0;
+    const double expected_m3 = 60.0 * area_mm2 * 1e-9;
+    EXPECT_NEAR(volume_of(scene.surface), expected_m3, 10 * kSinglePrecision * expected_m3);
+}
+
+TEST(OwnScenes, EachSaysWhatACheaperModelMayBeOff) {
+    for (const scenes::SceneDescription &description : scenes::all_scenes()) {
+        const Scene scene = load_own(description.name);
+        EXPECT_EQ(scene.tolerance.force_N, description.tolerance.force_N);
+        EXPECT_NEAR(scene.tolerance.direction_rad,
+                    description.tolerance.direction_deg * M_PI / 180.0, 1e-15);
+        EXPECT_EQ(scene.tolerance.bandwidth_hz, description.tolerance.bandwidth_hz);
+        EXPECT_EQ(scene.planar, description.planar);
+    }
+}
+
 TEST(OwnScenes, TheZeroPoseStartsOutsideWhatIsInMetres) {
-    for (const std::string name : {"plate", "sphere", "stepped_block", "compliance"}) {
+    for (const std::string name : {"plate", "sphere", "stepped_block", "compliance", "profile"}) {
         // The solid angle of a closed surface around the origin is 0 from outside, 4π from inside.
         double solid_angle = 0.0;
         for (const auto &[a, b, c] : corners_of(load_own(name).surface)) {

@@ -1,0 +1,58 @@
+#include "app/commands/model_table.h"
+
+#include "base/print.h"
+
+#include <numbers>
+#include <string>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// What else is known of a candidate: that it is the one, or how it did with the others as chosen.
+std::string further(const ModelAxis &axis, std::size_t candidate, const ModelTolerance &tolerance) {
+    if (candidate == axis.chosen) {
+        return "  <- chosen";
+    }
+    for (const CheaperTrial &trial : axis.cheaper) {
+        if (trial.candidate == candidate) {
+            return "; with the rest as chosen: " + verdict(trial.error, tolerance);
+        }
+    }
+    return "";
+}
+
+void write_axis(std::ostream &out, const ModelAxis &axis, const ModelTolerance &tolerance) {
+    for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
+        const Candidate &candidate = axis.candidates[i];
+        print(out, "%-11s%-21s%9.0f", i == 0 ? axis.name.c_str() : "", candidate.name.c_str(),
+              candidate.cost.least_ns);
+        print(out, "%10.3f%11.2f  ", candidate.error.force_N,
+              candidate.error.direction_rad * kDegreesPerRadian);
+        print(out, "%s%s\n", verdict(candidate.error, tolerance).c_str(),
+              further(axis, i, tolerance).c_str());
+    }
+}
+
+} // namespace
+
+void write_model_table(std::ostream &out, const ModelChoice &choice) {
+    const ModelTolerance &tolerance = choice.tolerance;
+    print(out, "\nmodel: force to %.3g N, direction to %.3g°, below %.3g Hz\n", tolerance.force_N,
+          tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);
+    out << "           candidate             cost [ns] force [N] direction [°]\n";
+    for (const ModelAxis &axis : choice.axes) {
+        write_axis(out, axis, tolerance);
+    }
+    print(out, "chosen: %.3f N and %.2f° off the fullest, ", choice.error.force_N,
+          choice.error.direction_rad * kDegreesPerRadian);
+    print(out, "at %.2f µs a tick instead of %.2f µs\n", 1e-3 * choice.cost_ns,
+          1e-3 * choice.fullest_cost_ns);
+    for (const std::string &remark : choice.remarks) {
+        out << "remark: " << remark << '\n';
+    }
+}
+
+} // namespace springdrive

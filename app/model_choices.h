@@ -1,0 +1,60 @@
+// The model that a scene gets: remembered from earlier, or measured, at once or in the background.
+#pragma once
+
+#include "engine/model_choice/scene_model.h"
+
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace springdrive {
+
+/// A scene without what is only drawn: all that a choice needs, and light enough to be copied.
+[[nodiscard]] Scene without_looks(const Scene &scene);
+
+/// What was measured before on this machine, by this program, for just this.
+/// @param device_text  of the device's file
+[[nodiscard]] std::optional<ModelChoice> remembered_choice(const ModelQuestion &question,
+                                                           const std::string &device_text);
+
+/// Measures now, whatever is remembered, and remembers that.
+[[nodiscard]] ModelChoice measured_choice(const ModelQuestion &question,
+                                          const std::string &device_text,
+                                          const ModelProgress &progress = {});
+
+/// Remembered or else measured, with a line of progress on standard error if that is a terminal.
+[[nodiscard]] ModelChoice choice_with_progress(const ModelQuestion &question,
+                                               const std::string &device_text, bool fresh);
+
+/// Measures in the background, one scene at a time. Of one thread.
+class ModelMeasurement {
+public:
+    /// What is still being measured is let go of.
+    void begin(const ModelQuestion &question, const std::string &device_text);
+
+    [[nodiscard]] bool is_running() const { return measuring_.valid(); }
+
+    /// For people: "plant full, 40 %".
+    [[nodiscard]] std::string progress() const;
+
+    /// The choice, once, when it is ready. Where it failed, `error` tells why from then on.
+    [[nodiscard]] std::optional<ModelChoice> take();
+    [[nodiscard]] const std::string &error() const { return error_; }
+
+    /// Of another scene: what is being measured is not wanted any more.
+    void forget() { measuring_ = {}; }
+
+private:
+    struct Progress {
+        std::mutex mutex;
+        std::string text;
+    };
+
+    std::future<ModelChoice> measuring_;
+    std::shared_ptr<Progress> progress_;
+    std::string error_;
+};
+
+} // namespace springdrive

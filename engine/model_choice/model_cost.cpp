@@ -1,0 +1,145 @@
+#include "engine/model_choice/model_cost.h"
+
+#include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/work_precision/timing.h"
+#include "engine/contact/proxy.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr int kRepeats = 7;
+constexpr std::size_t kPlantTicks = 500; // enough of the path for a touch and a letting go
+constexpr std::size_t kPieceTicks = 25;  // timed at once
+
+/// What a tick costs where each repeat does the same. Every piece of it counts with the least of
+/// its times, so that what else the machine does in between is left out.
+class TickClock {
+public:
+    explicit TickClock(std::size_t ticks) : least_ns_(ticks / kPieceTicks, kNever) {}
+
+    /// Runs and times `tick(i)` for each i.
+    template <typename Tick> void repeat(const Tick &tick) {
+        double sum_ns = 0.0;
+        for (std::size_t piece = 0; piece < least_ns_.size(); ++piece) {
+            const auto start = std::chrono::steady_clock::now();
+            for (std::size_t i = 0; i < kPieceTicks; ++i) {
+                tick(piece * kPieceTicks + i);
+            }
+            const auto end = std::chrono::steady_clock::now();
+            const double time_ns = std::chrono::duration<double, std::nano>(end - start).count();
+            least_ns_[piece] = std::min(least_ns_[piece], time_ns);
+            sum_ns += time_ns;
+        }
+        sums_ns_.push_back(sum_ns);
+    }
+
+    [[nodiscard]] Cost cost() const {
+        const auto timed = static_cast<double>(least_ns_.size() * kPieceTicks);
+        Cost cost = cost_of_times(sums_ns_);
+        cost.least_ns = std::accumulate(least_ns_.begin(), least_ns_.end(), 0.0) / timed;
+        cost.median_ns /= timed;
+        cost.greatest_ns /= timed;
+        return cost;
+    }
+
+private:
+    static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+    std::vector<double> least_ns_; ///< of each piece
+    std::vector<double> sums_ns_;  ///< of each repeat
+};
+
+/// What the law does with one map alone.
+class OneMap {
+public:
+    OneMap(const ModelSetting &setting, const MotionController &controller)
+        : geometry_(setting.device.geometry),
+          relative_stiffness_(relative_stiffness(setting.device)),
+          k_T_(torque_constants(setting.device)), tuning_(setting.tuning), controller_(controller),
+          global_alpha_(setting.global_alpha_rad2_per_m2) {}
+
+    [[nodiscard]] Vector3 e_W_V(const Configuration &now, const Contact &contact) const {
+        const TipSetPoint target = contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact,
+                                                     combined_eta(contact.eta, tuning_.eta));
+        return drift_compensation_V(k_T_, tuning_, now, set_point(now, target));
+    }
+
+private:
+    [[nodiscard]] MotorSetPoint set_point(const Configuration &now,
+                                          const TipSetPoint &target) const {
+        if (controller_.map == MotionMap::inverse) {
+            return inverse_map(geometry_, now, target).value_or(no_force(now));
+        }
+        const double alpha = controller_.alpha_mode == AlphaMode::global
+                                 ? global_alpha_
+                                 : alpha_bound(now.J, relative_stiffness_);
+        return transpose_map(now, target, alpha, relative_stiffness_);
+    }
+
+    PhantomGeometry geometry_;
+    Vector3 relative_stiffness_;
+    Vector3 k_T_;
+    Tuning tuning_;
+    MotionController controller_;
+    double global_alpha_;
+};
+
+/// Lets `run(candidate, clock)` run once with each candidate, over and over again.
+template <typename Run>
+std::vector<Cost> costs_of(std::size_t candidates, std::size_t ticks, const Run &run) {
+    std::vector<TickClock> clocks(candidates, TickClock(ticks));
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        for (std::size_t i = 0; i < candidates; ++i) {
+            run(i, clocks[i]);
+        }
+    }
+    std::vector<Cost> costs;
+    for (const TickClock &clock : clocks) {
+        costs.push_back(clock.cost());
+    }
+    return costs;
+}
+
+} // namespace
+
+std::vector<Cost> plant_costs(const ModelSetting &setting, const std::vector<Model> &models,
+                              const ModelRun &run) {
+    const std::size_t ticks = std::min(kPlantTicks, run.commands.size());
+    return costs_of(models.size(), ticks, [&](std::size_t model, TickClock &clock) {
+        const std::unique_ptr<SimulatedPhantom> device = simulated_device(setting, models[model]);
+        clock.repeat([&](std::size_t i) { keep(device->exchange(run.commands[i])); });
+    });
+}
+
+std::vector<Cost> contact_costs(const std::vector<const HapticSurface *> &surfaces,
+                                const ModelRun &run) {
+    return costs_of(surfaces.size(), run.configurations.size(),
+                    [&](std::size_t surface, TickClock &clock) {
+                        Proxy proxy;
+                        proxy.reset(run.configurations.front().tip_m);
+                        clock.repeat([&](std::size_t i) {
+                            keep(proxy.update(*surfaces[surface], run.configurations[i].tip_m));
+                        });
+                    });
+}
+
+std::vector<Cost> control_costs(const ModelSetting &setting,
+                                const std::vector<MotionController> &controllers,
+                                const ModelRun &run) {
+    return costs_of(controllers.size(), run.configurations.size(),
+                    [&](std::size_t controller, TickClock &clock) {
+                        const OneMap map(setting, controllers[controller]);
+                        clock.repeat([&](std::size_t i) {
+                            keep(map.e_W_V(run.configurations[i], run.contacts[i]));
+                        });
+                    });
+}
+
+} // namespace springdrive

@@ -1,0 +1,156 @@
+// Covers app/session_model.cpp, app/model_choices.cpp and the models of app/commands/
+// typed_session.cpp. Measures models of several scenes: some seconds each.
+#include "app/session.h"
+
+#include "base/input_error.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+namespace springdrive {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 60.0;
+
+/// Every test has a cache of its own, so that none finds what another remembered.
+class SessionModel : public ::testing::Test {
+protected:
+    SessionModel() : cache_(testing::fresh_folder("session_model_cache")) {
+        setenv("XDG_CACHE_HOME", cache_.c_str(), 1);
+    }
+    ~SessionModel() override { unsetenv("XDG_CACHE_HOME"); }
+
+    [[nodiscard]] bool is_empty() const { return std::filesystem::is_empty(cache_); }
+
+    [[nodiscard]] static SessionOptions headless(const std::string &scene) {
+        SessionOptions options;
+        options.scene = testing::assets() / "scenes" / scene;
+        options.device_file = testing::assets() / "devices/phantom_1_0.toml";
+        options.lockstep = true;
+        options.plays_script = true;
+        return options;
+    }
+
+private:
+    std::filesystem::path cache_;
+};
+
+/// How many of the sixty frames after the first 2.7 s of the scripted touch end in contact.
+int frames_in_contact(Session &session) {
+    session.start();
+    int touching = 0;
+    for (int frame = 0; frame < static_cast<int>(std::round(3.7 / kFrame_s)); ++frame) {
+        session.advance(kFrame_s);
+        touching += frame * kFrame_s > 2.7 && session.latest().contact.touching ? 1 : 0;
+    }
+    return touching;
+}
+
+TEST_F(SessionModel, ByDefaultIsTheFullestAndNothingIsMeasured) {
+    const Session session(headless("sphere.gltf"));
+    EXPECT_FALSE(session.model_choice());
+    EXPECT_FALSE(session.runs_choice());
+    EXPECT_EQ(session.scene().surface.report().triangles_given, 20'480U);
+    EXPECT_TRUE(is_empty());
+}
+
+TEST_F(SessionModel, AutomaticOnesTouchAndDoNotTrip) {
+    for (const char *name : {"plate.gltf", "profile.gltf"}) {
+        SessionOptions options = headless(name);
+        options.model.automatic = true;
+        Session session(options);
+        ASSERT_TRUE(session.model_choice()) << name;
+        EXPECT_TRUE(session.runs_choice());
+        const Model model = model_of(*session.model_choice());
+        EXPECT_EQ(session.tuning().map, model.controller.map);
+        EXPECT_EQ(session.tuning().alpha_mode, model.controller.alpha_mode);
+        EXPECT_GT(frames_in_contact(session), 50) << name;
+        EXPECT_EQ(session.latest().safety.state, SafetyState::running)
+            << name << ": " << description(session.latest().safety);
+    }
+    EXPECT_FALSE(is_empty());
+}
+
+TEST_F(SessionModel, WhatWasMeasuredOnceIsNotMeasuredAgain) {
+    SessionOptions options = headless("plate.gltf");
+    options.model.automatic = true;
+    const Session once(options);
+    const Session again(options);
+    EXPECT_EQ(again.model_choice()->cost_ns, once.model_choice()->cost_ns); // to the last bit
+}
+
+TEST_F(SessionModel, ATunedControllerStays) {
+    SessionOptions options = headless("plate.gltf");
+    options.tuning.map = MotionMap::inverse;
+    options.model.automatic = true;
+    options.model.takes_controller = false;
+    const Session session(options);
+    EXPECT_EQ(session.tuning().map, MotionMap::inverse);
+}
+
+TEST_F(SessionModel, EachPartCanBeSetByItself) {
+    SessionOptions options = headless("sphere.gltf");
+    options.model.surface = ContactShape{ContactShape::Kind::simplified, 16};
+    options.model.plant = *plant_model_named("rigid_tip");
+    options.model.longest_step_s = 1e-3;
+    Session session(options);
+    EXPECT_LE(session.scene().surface.report().triangles_given, 20'480U / 16);
+    EXPECT_EQ(session.scene().scene.surface.triangles.size(), 20'480U); // what is drawn is not
+    EXPECT_GT(frames_in_contact(session), 50);
+    EXPECT_FALSE(session.runs_choice());
+    EXPECT_TRUE(is_empty());
+
+    SessionOptions impossible = headless("stepped_block.gltf");
+    impossible.model.surface = ContactShape{ContactShape::Kind::primitives, 1};
+    EXPECT_THROW(Session{impossible}, InputError);
+}
+
+TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
+    Session session(headless("plate.gltf"));
+    session.start();
+    session.measure_model();
+    EXPECT_TRUE(session.model_measurement().is_running());
+    while (session.model_measurement().is_running()) {
+        session.advance(kFrame_s);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ASSERT_TRUE(session.model_choice()) << session.model_measurement().error();
+    EXPECT_FALSE(session.runs_choice());
+    EXPECT_FALSE(is_empty());
+
+    Session later(headless("plate.gltf")); // finds it remembered
+    later.measure_model();
+    EXPECT_FALSE(later.model_measurement().is_running());
+    EXPECT_TRUE(later.model_choice());
+}
+
+TEST_F(SessionModel, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
+    const auto expect_refused = [](std::vector<std::string> options, const std::string &names) {
+        const std::string file = testing::fresh_folder("refused") / "touch.rec";
+        options.insert(options.begin(), {"record", file, "--lockstep", "--seconds", "0.01"});
+        const testing::Ending ending = testing::run_program(options);
+        EXPECT_GT(ending.exit_status, 0) << names;
+        EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+        EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    };
+    expect_refused({"--model", "auto", "--without", "gravity"}, "give one or the other");
+    expect_refused({"--plant-model", "full", "--with", "gravity"}, "give one or the other");
+    expect_refused({"--plant-model", "fullest"}, "--plant-model");
+    expect_refused({"--step-us", "0.5"}, "--step-us is 0.5; it must be from 1 to 4000");
+    expect_refused({"--contact-shape", "simplified_1"}, "--contact-shape simplified_1");
+    expect_refused({"--contact-shape", "primitives", "--scene",
+                    testing::assets() / "scenes/stepped_block.gltf"},
+                   "cannot be touched as 'primitives'");
+    EXPECT_TRUE(is_empty());
+}
+
+} // namespace
+} // namespace springdrive

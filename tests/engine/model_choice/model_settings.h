@@ -1,0 +1,52 @@
+// Surfaces and settings that tests of model choice share.
+#pragma once
+
+#include "engine/contact/haptic_surface.h"
+#include "engine/model_choice/feeling_hand.h"
+#include "engine/model_choice/model_run.h"
+#include "engine/scenario/scripted_touch.h"
+#include "engine/scenario/test_surfaces.h"
+#include "engine/scene/gltf.h"
+#include "tests/support/devices.h"
+
+#include <string>
+
+namespace springdrive::testing {
+
+inline Scene own_scene(const std::string &name) {
+    return load_gltf(assets() / "scenes" / (name + ".gltf"), phantom_1_0().workspace);
+}
+
+/// A sphere of 45 mm within reach, of so many divisions; see `icosphere`.
+inline TriangleSoup ball(int divisions) {
+    TriangleSoup soup = icosphere(divisions, 0.045);
+    for (Vector3 &vertex_m : soup.vertices_m) {
+        vertex_m += Vector3(0.0, 0.05, -0.015);
+    }
+    return soup;
+}
+
+/// A hand that feels all over a surface within `box`.
+inline ModelSetting feeling(const HapticSurface &surface, const Eigen::AlignedBox3d &box,
+                            const FeelingHand &how = {}) {
+    const DeviceDescription device = phantom_1_0();
+    const Vector3 start_m = start_above(device, box.min(), box.max());
+    return {device,
+            {},
+            1e-3,
+            0,
+            feeling_hand(device, surface, box, start_m, how),
+            global_alpha_bound(device)};
+}
+
+inline Eigen::AlignedBox3d box_of(const Scene &scene) { return {scene.lower_m, scene.upper_m}; }
+
+inline Eigen::AlignedBox3d box_of(const TriangleSoup &soup) {
+    Eigen::AlignedBox3d box;
+    for (const Vector3 &vertex_m : soup.vertices_m) {
+        box.extend(vertex_m);
+    }
+    return box;
+}
+
+} // namespace springdrive::testing
