@@ -16,6 +16,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace springdrive {
@@ -27,7 +28,8 @@ std::string complaint(const std::string &from, const std::string &to) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    const auto file = std::filesystem::path(::testing::TempDir()) / "tuning_file_test.toml";
+    const auto file = std::filesystem::path(::testing::TempDir()) /
+                      ("tuning_file_test_" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << text;
     try {
         static_cast<void>(read_tuning_file(file));
@@ -66,7 +68,8 @@ TEST(TuningFile, RefusesWhatItDoesNotKnowOrCannotBe) {
 }
 
 TuningFile written_and_read(const TuningFile &file) {
-    const auto path = std::filesystem::path(::testing::TempDir()) / "written_tuning.toml";
+    const auto path = std::filesystem::path(::testing::TempDir()) /
+                      ("written_tuning_" + std::to_string(getpid()) + ".toml");
     std::ofstream out(path);
     write_tuning_file(out, file);
     out.close();
