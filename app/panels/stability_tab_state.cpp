@@ -61,7 +61,6 @@ std::string name_of_new_tuning() {
 StabilityCase stability_case_of(const Session &session) {
     StabilityCase which;
     which.device = session.device();
-    // What the encoders of a simulation count beyond the device's own is no concern of stability.
     which.tuning = session.tuning();
     which.period_s = 1.0 / session.servo_hz();
     which.delay_samples = session.delay_samples();

@@ -165,16 +165,18 @@ double largest_eigenvalue(const StabilityCase &which, const LoopMember &member) 
                               load.stiffness_Nm_per_rad);
 }
 
-WorstMember worst_member(const StabilityCase &which) {
-    WorstMember worst;
+std::vector<WorstMember> ranked_members(const StabilityCase &which) {
+    std::vector<WorstMember> ranked;
     for (const LoopMember &member : members(which)) {
-        const double eigenvalue = largest_eigenvalue(which, member);
-        if (eigenvalue > worst.eigenvalue) {
-            worst = {member, eigenvalue};
-        }
+        ranked.push_back({member, largest_eigenvalue(which, member)});
     }
-    return worst;
+    std::stable_sort(ranked.begin(), ranked.end(), [](const WorstMember &a, const WorstMember &b) {
+        return a.eigenvalue > b.eigenvalue;
+    });
+    return ranked;
 }
+
+WorstMember worst_member(const StabilityCase &which) { return ranked_members(which).front(); }
 
 bool is_stable(const StabilityCase &which) { return worst_member(which).is_stable(); }
 

@@ -81,6 +81,9 @@ struct WorstMember {
     [[nodiscard]] bool is_stable() const { return eigenvalue < 1.0 - kEigenvalueRoundOff; }
 };
 
+/// All of them, the most critical first.
+[[nodiscard]] std::vector<WorstMember> ranked_members(const StabilityCase &which);
+
 [[nodiscard]] WorstMember worst_member(const StabilityCase &which);
 
 /// Whether every motion of every member dies out, by the eigenvalues.

@@ -47,25 +47,6 @@ double last_stable(double stable, double unstable, double share, bool whole,
     return stable;
 }
 
-/// Members in the order in which they are predicted to fail, so that trials end early.
-std::vector<LoopMember> most_critical_first(const StabilityCase &which) {
-    struct Ranked {
-        LoopMember member;
-        double eigenvalue;
-    };
-    std::vector<Ranked> ranked;
-    for (const LoopMember &member : members(which)) {
-        ranked.push_back({member, largest_eigenvalue(which, member)});
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const Ranked &a, const Ranked &b) { return a.eigenvalue > b.eigenvalue; });
-    std::vector<LoopMember> order;
-    for (const Ranked &each : ranked) {
-        order.push_back(each.member);
-    }
-    return order;
-}
-
 /// A bracket of one trial that is stable and one that is not.
 struct Bracket {
     double stable = 0.0;
@@ -148,12 +129,13 @@ std::optional<double> simulated_limit(const StabilityCase &which,
                                       const StabilityParameter &parameter,
                                       const StabilityLimit &predicted,
                                       const TrialOptions &options) {
-    const std::vector<LoopMember> order =
-        most_critical_first(with(which, parameter, predicted.predicted));
+    // The most critical first, so that trials end early.
+    const std::vector<WorstMember> order =
+        ranked_members(with(which, parameter, predicted.predicted));
     const auto holds = [&](double value) {
         const StabilityCase there = with(which, parameter, value);
-        return std::all_of(order.begin(), order.end(), [&](const LoopMember &member) {
-            LoopMember same = member;
+        return std::all_of(order.begin(), order.end(), [&](const WorstMember &ranked) {
+            LoopMember same = ranked.member;
             if (there.hands.size() == 1) { // its properties may be what is varied
                 same.hand = there.hands.front();
             }

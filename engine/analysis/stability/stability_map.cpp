@@ -25,16 +25,7 @@ double lever_m(const StabilityCase &which, const LoopMember &member) {
 }
 
 void fill(MapCell &cell, const StabilityCase &there) {
-    struct Ranked {
-        LoopMember member;
-        double eigenvalue;
-    };
-    std::vector<Ranked> ranked;
-    for (const LoopMember &member : members(there)) {
-        ranked.push_back({member, largest_eigenvalue(there, member)});
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const Ranked &a, const Ranked &b) { return a.eigenvalue > b.eigenvalue; });
+    const std::vector<WorstMember> ranked = ranked_members(there);
     cell.eigenvalue = ranked.front().eigenvalue;
     TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     options.longest_s = 1.0;
