@@ -34,6 +34,25 @@ struct Place {
     }
 };
 
+constexpr int kGrid = 17;                        // places along K_D, and along λ
+constexpr double kFirstStep = 0.5 / (kGrid - 1); // between them
+
+/// Looks at ever smaller grids about the best place so far, which `best` tells.
+template <typename Look, typename Best>
+void closer_and_closer(double step, const Look &look_at, const Best &best) {
+    constexpr int kAround = 2; // to each side
+    constexpr int kRounds = 7;
+    for (int round = 0; round < kRounds; ++round, step *= 0.5) {
+        const Place centre = best();
+        for (int i = -kAround; i <= kAround; ++i) {
+            for (int j = -kAround; j <= kAround; ++j) {
+                look_at(Place{std::clamp(centre.K_D + i * step, 0.0, 1.0),
+                              std::clamp(centre.lambda + j * step, 0.0, 1.0)});
+            }
+        }
+    }
+}
+
 /// The largest K_P of each place, for loops that grow as failures are found.
 class Search {
 public:
@@ -66,6 +85,30 @@ public:
     }
 
     [[nodiscard]] const Best &best() const { return best_; }
+
+    /// Whether every loop is stable there, with the margin and without.
+    [[nodiscard]] bool all_stable(const Place &place, double K_P) {
+        return loops_.first_unstable(with_margin(place, K_P)) == loops_.count() &&
+               loops_.first_unstable(place.gains(K_P)) == loops_.count();
+    }
+
+    /// For a K_P below the best, the place near the best at which the slowest of the critical
+    /// motions dies out soonest: what counts stir up lasts least there.
+    [[nodiscard]] Place calmest(double K_P) const {
+        Place calmest = best_.place;
+        double least = slowest(calmest, K_P);
+        closer_and_closer(
+            kFirstStep,
+            [&](const Place &place) {
+                const double eigenvalue = slowest(place, K_P);
+                if (eigenvalue < least) {
+                    calmest = place;
+                    least = eigenvalue;
+                }
+            },
+            [&] { return calmest; });
+        return calmest;
+    }
 
 private:
     /// Stiffer counts; of the equally stiff, which the range of K_P leaves, the one whose slowest
@@ -119,34 +162,32 @@ private:
     Best best_;
 };
 
+using Progress = std::function<bool(double)>;
+
+constexpr double kShareOfGrid = 0.6;   // of the time
+constexpr double kShareOfSearch = 0.8; // grid and what follows it
+
+void tell(const Progress &progress, double share) {
+    if (!progress(share)) {
+        throw InputError("tuning was given up");
+    }
+}
+
 /// A grid over all pairs, then smaller and smaller grids about the best so far.
-void search(Search &search, const std::function<bool(double)> &progress) {
-    constexpr int kGrid = 17;
-    constexpr int kAround = 2; // to each side
-    constexpr int kRounds = 7;
-    const auto tell = [&](double share) {
-        if (!progress(share)) {
-            throw InputError("tuning was given up");
-        }
-    };
+void search(Search &places, const Progress &progress) {
     for (int i = 0; i < kGrid; ++i) {
         for (int j = 0; j < kGrid; ++j) {
-            search.look_at(
+            places.look_at(
                 {static_cast<double>(i) / (kGrid - 1), static_cast<double>(j) / (kGrid - 1)});
         }
-        tell(0.6 * (i + 1) / kGrid);
+        tell(progress, kShareOfGrid * (i + 1) / kGrid);
     }
-    double step = 0.5 / (kGrid - 1);
-    for (int round = 0; round < kRounds; ++round, step *= 0.5) {
-        const Place centre = search.best().place;
-        for (int i = -kAround; i <= kAround; ++i) {
-            for (int j = -kAround; j <= kAround; ++j) {
-                search.look_at({std::clamp(centre.K_D + i * step, 0.0, 1.0),
-                                std::clamp(centre.lambda + j * step, 0.0, 1.0)});
-            }
-        }
-        tell(0.6 + 0.3 * (round + 1) / kRounds);
-    }
+    closer_and_closer(
+        kFirstStep, [&](const Place &place) { places.look_at(place); },
+        [&] {
+            tell(progress, kShareOfGrid);
+            return places.best().place;
+        });
 }
 
 LoopGains scaled(const Tuning &tuning, double factor) {
@@ -222,16 +263,28 @@ bool rests(StabilityCase which) {
     return which.rotor || is_stable_simulated(which, options);
 }
 
-/// Lowers K_P by twentieths until trials come to rest. Returns by which share. @throw InputError
-/// where none does.
-double take_back(StabilityCase which, Tuning &tuning) {
-    constexpr int kTwentieths = 20;
-    const double found = tuning.K_P_V_per_rad;
-    for (int less = 0; less < kTwentieths; ++less) {
-        const double share = static_cast<double>(less) / kTwentieths;
-        tuning.K_P_V_per_rad = which.tuning.K_P_V_per_rad = (1.0 - share) * found;
-        if (rests(which)) {
-            return share;
+Tuning with_gains(Tuning tuning, const LoopGains &gains) {
+    tuning.K_P_V_per_rad = gains.K_P_V_per_rad;
+    tuning.K_D_Vs_per_rad = gains.K_D_Vs_per_rad;
+    tuning.lambda_rad_per_s = gains.lambda_rad_per_s;
+    tuning.eta = 0.0;
+    return tuning;
+}
+
+/// The stiffest at which trials come to rest: K_P is lowered by hundredths, at the best place and
+/// at the calmest, until they do. Writes the tuning and returns the share of K_P taken back.
+/// @throw InputError where none does
+double take_back(Search &places, const StabilityCase &which, Tuning &tuning,
+                 const Progress &progress) {
+    const auto holds = [&](const Place &place, double K_P) {
+        tuning = with_gains(which.tuning, place.gains(K_P));
+        return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
+    };
+    for (int percent = 0; percent < 100; percent += percent < 10 ? 1 : 5) {
+        tell(progress, kShareOfSearch);
+        const double K_P = (1.0 - 0.01 * percent) * places.best().K_P;
+        if (holds(places.best().place, K_P) || (percent > 0 && holds(places.calmest(K_P), K_P))) {
+            return 0.01 * percent;
         }
     }
     throw InputError(
@@ -241,7 +294,7 @@ double take_back(StabilityCase which, Tuning &tuning) {
 
 } // namespace
 
-AutoTuned auto_tune(const AutoTuneRequest &request, const std::function<bool(double)> &progress) {
+AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
     if (!(request.margin >= 1.0 && request.margin <= kGreatestMargin)) {
         throw InputError("the margin must be from 1 to 10: the factor by which the gains might "
                          "be larger yet");
@@ -249,19 +302,12 @@ AutoTuned auto_tune(const AutoTuneRequest &request, const std::function<bool(dou
     HeldLoops loops(request.which);
     Search places(loops, request);
     search(places, progress);
-    const Search::Best &best = places.best();
-    if (best.K_P <= 0.0) {
+    if (places.best().K_P <= 0.0) {
         throw InputError("no tuning is stable with this servo rate, delay, dR and margin; raise "
                          "dR or the servo rate, or lower the delay or the margin");
     }
     AutoTuned found;
-    found.tuning = request.which.tuning;
-    const LoopGains gains = best.place.gains(best.K_P);
-    found.tuning.K_P_V_per_rad = gains.K_P_V_per_rad;
-    found.tuning.K_D_Vs_per_rad = gains.K_D_Vs_per_rad;
-    found.tuning.lambda_rad_per_s = gains.lambda_rad_per_s;
-    found.tuning.eta = 0.0;
-    found.taken_back = take_back(tuned(request.which, found.tuning), found.tuning);
+    found.taken_back = take_back(places, request.which, found.tuning, progress);
     found.margins = margins_of(loops, tuned(request.which, found.tuning));
     found.loops = loops.count();
     progress(1.0);

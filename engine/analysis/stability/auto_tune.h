@@ -3,7 +3,8 @@
 // Given device, servo rate, delay and dR, K_DC (13) goes with K_P alone. So: the largest K_P, over
 // all K_D and λ, for which every loop of `HeldLoops` is stable even with K_P and K_D a margin
 // larger. Each pair of K_D and λ has a largest K_P, by bisection; a grid of pairs, then ever closer
-// ones about the best, find the top.
+// ones about the best, find the top. Where encoder counts keep that one rattling, K_P is taken
+// back.
 #pragma once
 
 #include "engine/analysis/stability/held_loops.h"

@@ -96,13 +96,22 @@ public:
             for (int j = 0; j < kGrid; ++j) {
                 const LoopGains pair{0.0, 0.1 * share * share,
                                      100.0 * std::pow(50.0, static_cast<double>(j) / (kGrid - 1))};
+                const auto holds = [&](double K_P) {
+                    return all_stable({K_P, pair.K_D_Vs_per_rad, pair.lambda_rad_per_s});
+                };
                 double K_P = 20.0;
-                while (K_P > std::max(best, 0.01)) {
-                    if (all_stable({K_P, pair.K_D_Vs_per_rad, pair.lambda_rad_per_s})) {
-                        best = K_P;
-                    }
+                while (K_P > std::max(best, 0.01) && !holds(K_P)) {
                     K_P /= kStep;
                 }
+                if (K_P <= best) {
+                    continue;
+                }
+                double fails = K_P * kStep;
+                for (int halving = 0; halving < 4 && K_P < 20.0; ++halving) {
+                    const double middle = 0.5 * (K_P + fails);
+                    (holds(middle) ? K_P : fails) = middle;
+                }
+                best = K_P;
             }
         }
         return best;
