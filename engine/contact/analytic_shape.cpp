@@ -101,6 +101,60 @@ constexpr double kLeastSquare_m2 = 1e-280;
     return nearest_on(*std::get_if<Capsule>(&size), p);
 }
 
+/// Whether, with places as seen from a centre, the plane square to the way to `from_m` and
+/// `least_m` along it has both in front of it. Without a root or a division: asked all the time.
+[[nodiscard]] bool are_beyond(double least_m, const Vector3 &from_m, const Vector3 &to_m) noexcept {
+    const double from_m2 = from_m.squaredNorm();
+    const double along_m2 = from_m.dot(to_m);
+    const double least_m2 = least_m * least_m;
+    return from_m2 >= least_m2 && along_m2 >= 0.0 && along_m2 * along_m2 >= least_m2 * from_m2;
+}
+
+[[nodiscard]] bool is_parted(const Box &box, const Vector3 &from_m, const Vector3 &to_m,
+                             double clear_m) noexcept {
+    const Vector3 on_m = from_m.cwiseMax(-box.half_size_m).cwiseMin(box.half_size_m);
+    return are_beyond(clear_m, from_m - on_m, to_m - on_m);
+}
+
+[[nodiscard]] bool is_parted(const Sphere &sphere, const Vector3 &from_m, const Vector3 &to_m,
+                             double clear_m) noexcept {
+    return are_beyond(sphere.radius_m + clear_m, from_m, to_m);
+}
+
+[[nodiscard]] bool is_parted(const Cylinder &cylinder, const Vector3 &from_m, const Vector3 &to_m,
+                             double clear_m) noexcept {
+    const Vector3 across(1.0, 0.0, 1.0);
+    const double least_m = cylinder.half_height_m + clear_m;
+    return std::min(from_m.y(), to_m.y()) >= least_m ||
+           std::max(from_m.y(), to_m.y()) <= -least_m ||
+           are_beyond(cylinder.radius_m + clear_m, from_m.cwiseProduct(across),
+                      to_m.cwiseProduct(across));
+}
+
+[[nodiscard]] bool is_parted(const Capsule &capsule, const Vector3 &from_m, const Vector3 &to_m,
+                             double clear_m) noexcept {
+    const Vector3 axis_m(0.0, std::clamp(from_m.y(), -capsule.half_axis_m, capsule.half_axis_m),
+                         0.0);
+    return are_beyond(capsule.radius_m + clear_m, from_m - axis_m, to_m - axis_m);
+}
+
+[[nodiscard]] bool is_parted(const AnalyticShape::Size &size, const Vector3 &from_m,
+                             const Vector3 &to_m, double clear_m) noexcept {
+    if (const auto *box = std::get_if<Box>(&size)) {
+        return is_parted(*box, from_m, to_m, clear_m);
+    }
+    if (const auto *plate = std::get_if<Plate>(&size)) {
+        return is_parted(Box{{plate->half_x_m, 0.0, plate->half_z_m}}, from_m, to_m, clear_m);
+    }
+    if (const auto *cylinder = std::get_if<Cylinder>(&size)) {
+        return is_parted(*cylinder, from_m, to_m, clear_m);
+    }
+    if (const auto *capsule = std::get_if<Capsule>(&size)) {
+        return is_parted(*capsule, from_m, to_m, clear_m);
+    }
+    return is_parted(*std::get_if<Sphere>(&size), from_m, to_m, clear_m);
+}
+
 /// Half the extents of a shape that `R` has turned.
 [[nodiscard]] Vector3 half_extent_m(const Plate &plate, const Matrix3 &R) {
     return R.cwiseAbs() * Vector3(plate.half_x_m, 0.0, plate.half_z_m);
@@ -150,9 +204,16 @@ AnalyticShape::AnalyticShape(const Size &size, const Eigen::Isometry3d &placemen
 }
 
 NearestOnShape AnalyticShape::nearest(const Vector3 &point_m) const noexcept {
-    const Vector3 local_m = rotation_.transpose() * (point_m - centre_m_);
-    const NearestOnShape local = nearest_on(size_, local_m);
+    const NearestOnShape local = nearest_on(size_, to_own_frame_m(point_m));
     return {centre_m_ + rotation_ * local.point_m, rotation_ * local.normal, local.distance_m};
+}
+
+bool AnalyticShape::is_parted_from(const Vector3 &from_m, const Vector3 &to_m,
+                                   double clear_m) const noexcept {
+    if (const auto *sphere = std::get_if<Sphere>(&size_)) { // which no turning changes
+        return is_parted(*sphere, from_m - centre_m_, to_m - centre_m_, clear_m);
+    }
+    return is_parted(size_, to_own_frame_m(from_m), to_own_frame_m(to_m), clear_m);
 }
 
 Eigen::AlignedBox3d AnalyticShape::bounds() const {

@@ -62,6 +62,11 @@ public:
     /// sphere, always the same one. RT-safe. @pre `point_m` is finite
     [[nodiscard]] NearestOnShape nearest(const Vector3 &point_m) const noexcept;
 
+    /// Whether a plane parts the shape from a motion that stays `clear_m` off it, as far as a quick
+    /// look tells: true is certain but for round-off. RT-safe.
+    [[nodiscard]] bool is_parted_from(const Vector3 &from_m, const Vector3 &to_m,
+                                      double clear_m) const noexcept;
+
     /// The smallest box, along the device's axes, that holds the shape.
     [[nodiscard]] Eigen::AlignedBox3d bounds() const;
 
@@ -71,6 +76,16 @@ public:
     [[nodiscard]] bool is_solid() const noexcept { return !std::holds_alternative<Plate>(size_); }
 
     [[nodiscard]] const Size &size() const noexcept { return size_; }
+
+    /// A point of the device's frame, as seen from the shape. RT-safe.
+    [[nodiscard]] Vector3 to_own_frame_m(const Vector3 &point_m) const noexcept {
+        return rotation_.transpose() * (point_m - centre_m_);
+    }
+
+    [[nodiscard]] const Vector3 &centre_m() const noexcept { return centre_m_; }
+
+    /// Turns directions of the shape's own frame to the device's.
+    [[nodiscard]] const Matrix3 &rotation() const noexcept { return rotation_; }
 
 private:
     Size size_;

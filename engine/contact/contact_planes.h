@@ -34,6 +34,12 @@ public:
         }
     }
 
+    /// Makes it a list of one.
+    void keep_only(const ContactPlane &plane) noexcept {
+        planes_[0] = plane;
+        size_ = 1;
+    }
+
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] const ContactPlane &operator[](std::size_t i) const noexcept {
         return planes_[i];

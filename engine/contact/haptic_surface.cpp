@@ -1,9 +1,9 @@
 #include "engine/contact/haptic_surface.h"
 
 #include "base/parallel.h"
+#include "engine/contact/near_list.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -42,56 +42,6 @@ public:
 
 private:
     std::optional<SurfaceStop> first_;
-};
-
-/// Facets found near a place, before anything of them is read. Where they are too many the ball
-/// gets smaller.
-class NearList {
-public:
-    NearList(double radius_m, std::size_t capacity) noexcept
-        : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
-
-    void add(std::uint32_t index, double squared_distance_m2) noexcept {
-        while (size_ == capacity_ && squared_distance_m2 <= squared_radius_m2_ && is_useful()) {
-            squared_radius_m2_ *= 0.5;
-            shrink();
-        }
-        if (squared_distance_m2 <= squared_radius_m2_ && size_ < capacity_) {
-            found_[size_++] = {index, squared_distance_m2};
-        }
-    }
-
-    [[nodiscard]] double squared_radius_m2() const noexcept { return squared_radius_m2_; }
-
-    /// Whether the ball is of a size to be of use: far larger than what is kept from surfaces.
-    [[nodiscard]] bool is_useful() const noexcept { return squared_radius_m2_ > 1e-12; }
-
-    template <typename Visit> void for_each(const Visit &visit) const noexcept {
-        for (std::size_t i = 0; i < size_; ++i) {
-            visit(found_[i].index);
-        }
-    }
-
-private:
-    struct Found {
-        std::uint32_t index;
-        double squared_distance_m2;
-    };
-
-    void shrink() noexcept {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < size_; ++i) {
-            if (found_[i].squared_distance_m2 <= squared_radius_m2_) {
-                found_[kept++] = found_[i];
-            }
-        }
-        size_ = kept;
-    }
-
-    double squared_radius_m2_;
-    std::size_t capacity_;
-    std::size_t size_ = 0;
-    std::array<Found, Neighbourhood::kCapacity> found_;
 };
 
 template <typename Visit> void for_each(ShapeSet shapes, const Visit &visit) {
@@ -159,6 +109,39 @@ std::optional<SurfaceStop> HapticSurface::first_stop(const Neighbourhood &near,
     return first.get();
 }
 
+std::optional<ShapeSlide> HapticSurface::slide_over(std::uint32_t obstacle,
+                                                    const Neighbourhood &near,
+                                                    const Vector3 &from_m, const Vector3 &tip_m,
+                                                    double reach_m) const noexcept {
+    if (obstacle < facets_.size()) {
+        return std::nullopt;
+    }
+    const ShapeSet own = ShapeSet{1} << (obstacle - facets_.size());
+    std::optional<ShapeSlide> slide = slide_over_face(*shape(obstacle), from_m, tip_m, reach_m);
+    if (!slide || (near.has_only(own) && near.covers(slide->over_m, reach_m) &&
+                   near.covers(slide->rest_m, reach_m))) {
+        return slide;
+    }
+    const ShapeSet others = near.shapes() & ~own;
+    if (near.has_shallower(tip_m, slide->depth_m) ||
+        !is_clear_of(others, near, from_m, slide->over_m, reach_m) ||
+        (!slide->is_flat && !is_clear_of(others, near, slide->over_m, slide->rest_m, reach_m))) {
+        slide.reset();
+    }
+    return slide;
+}
+
+bool HapticSurface::is_clear_of(ShapeSet shapes, const Neighbourhood &near, const Vector3 &from_m,
+                                const Vector3 &to_m, double reach_m) const noexcept {
+    bool is_clear = near.covers(to_m, reach_m);
+    near.for_each_in_the_way(from_m, to_m, reach_m,
+                             [&](std::uint32_t) noexcept { is_clear = false; });
+    for_each(shapes, [&](std::size_t i) {
+        is_clear = is_clear && shapes_[i].is_parted_from(from_m, to_m, reach_m - kSlack_m);
+    });
+    return is_clear;
+}
+
 void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
                               Neighbourhood &near) const noexcept {
     NearList found(radius_m,
@@ -192,6 +175,9 @@ std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector
     if (start.distance_m < 0.0) {
         return std::nullopt; // starts inside, and may leave
     }
+    if (start.distance_m >= reach_m && start.normal.dot(to_m - start.point_m) >= reach_m) {
+        return std::nullopt; // the plane between them parts it from all of the motion
+    }
     return advance_to_touch(from_m, to_m, 0.0, start.point_m, reach_m, [&](const Vector3 &point_m) {
         return shapes_[shape].nearest(point_m).point_m;
     });
@@ -210,19 +196,26 @@ std::optional<Stop> HapticSurface::touch(std::uint32_t obstacle, const Vector3 &
                 nearest.normal.dot(nearest.point_m) + kept_distance_m(nearest.distance_m, reach_m)};
 }
 
-SurfacePoint HapticSurface::nearest(std::uint32_t obstacle, const Vector3 &point_m) const noexcept {
+SurfacePoint HapticSurface::point_on_shape(std::uint32_t obstacle,
+                                           const Vector3 &point_m) const noexcept {
+    const std::size_t shape = obstacle - facets_.size();
     SurfacePoint found;
-    found.material = material_index(obstacle);
-    if (obstacle < facets_.size()) {
-        const TrianglePoint nearest = facets_[obstacle].nearest(point_m);
-        found.point_m = nearest.point_m;
-        found.barycentric = nearest.weights;
-        found.triangle = facets_[obstacle].triangle();
-    } else {
-        const std::size_t shape = obstacle - facets_.size();
-        found.point_m = shapes_[shape].nearest(point_m).point_m;
-        found.triangle = static_cast<std::uint32_t>(report_.triangles_given + shape);
+    found.point_m = point_m;
+    found.triangle = static_cast<std::uint32_t>(report_.triangles_given + shape);
+    found.material = shapes_[shape].material();
+    return found;
+}
+
+SurfacePoint HapticSurface::nearest(std::uint32_t obstacle, const Vector3 &point_m) const noexcept {
+    if (obstacle >= facets_.size()) {
+        return point_on_shape(obstacle, shape(obstacle)->nearest(point_m).point_m);
     }
+    SurfacePoint found;
+    found.material = facets_[obstacle].material();
+    const TrianglePoint nearest = facets_[obstacle].nearest(point_m);
+    found.point_m = nearest.point_m;
+    found.barycentric = nearest.weights;
+    found.triangle = facets_[obstacle].triangle();
     return found;
 }
 

@@ -8,6 +8,7 @@
 #include "engine/contact/neighbourhood.h"
 #include "engine/contact/preparation/mesh_preparation.h"
 #include "engine/contact/search/box_tree.h"
+#include "engine/contact/shape_slide.h"
 #include "engine/contact/triangle_soup.h"
 
 #include <cstddef>
@@ -57,6 +58,21 @@ public:
                                                         const Vector3 &from_m, const Vector3 &to_m,
                                                         double reach_m) const noexcept;
 
+    /// Whether a motion from a place that a neighbourhood covers stays in it and is clear of the
+    /// facets and those of the shapes in it, as far as a quick look tells: true is certain.
+    /// RT-safe.
+    [[nodiscard]] bool is_clear_of(ShapeSet shapes, const Neighbourhood &near,
+                                   const Vector3 &from_m, const Vector3 &to_m,
+                                   double reach_m) const noexcept;
+
+    /// How a proxy slides that rests in `from_m` over a shape's face, where that face is all that
+    /// is in play for sure: other obstacles neither stop it nor lie nearer to the tip. Nothing
+    /// where that takes more than a quick look to tell. RT-safe. @pre `near` covers `from_m`
+    [[nodiscard]] std::optional<ShapeSlide> slide_over(std::uint32_t obstacle,
+                                                       const Neighbourhood &near,
+                                                       const Vector3 &from_m, const Vector3 &tip_m,
+                                                       double reach_m) const noexcept;
+
     /// Lists what lies within a ball, or a smaller one where that is too much for the list. A list
     /// that covers nothing is left where even that does not help, or the budget ran out. RT-safe.
     void find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
@@ -65,6 +81,10 @@ public:
     /// The plane in which a proxy touches an obstacle, if it is within `within_m` of doing so.
     [[nodiscard]] std::optional<Stop> touch(std::uint32_t obstacle, const Vector3 &point_m,
                                             double reach_m, double within_m) const noexcept;
+
+    /// What `nearest` says of a shape whose nearest point is known. RT-safe.
+    [[nodiscard]] SurfacePoint point_on_shape(std::uint32_t obstacle,
+                                              const Vector3 &point_m) const noexcept;
 
     /// The point of an obstacle nearest to `point_m`. RT-safe.
     [[nodiscard]] SurfacePoint nearest(std::uint32_t obstacle,

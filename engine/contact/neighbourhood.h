@@ -51,6 +51,11 @@ public:
     [[nodiscard]] int size() const noexcept { return size_; }
     [[nodiscard]] ShapeSet shapes() const noexcept { return shapes_; }
 
+    /// Whether nothing is listed but these shapes.
+    [[nodiscard]] bool has_only(ShapeSet shapes) const noexcept {
+        return size_ == 0 && shapes_ == shapes;
+    }
+
     /// Whether everything within `margin_m` of a point is listed.
     [[nodiscard]] bool covers(const Vector3 &point_m, double margin_m) const noexcept {
         const double left_m = radius_m_ - margin_m;
@@ -90,6 +95,13 @@ public:
                       depths_m[i]);
             });
         }
+    }
+
+    /// Whether there is any such facet.
+    [[nodiscard]] bool has_shallower(const Vector3 &tip_m, double least_depth_m) const noexcept {
+        bool has = false;
+        for_each_shallower(tip_m, least_depth_m, [&](std::uint32_t, double) { has = true; });
+        return has;
     }
 
 private:

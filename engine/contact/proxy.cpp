@@ -1,6 +1,7 @@
 #include "engine/contact/proxy.h"
 
 #include "engine/contact/friction.h"
+#include "engine/contact/resting_contact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,35 +38,6 @@ constexpr double kFarthestSight_m = 0.5;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
     return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
-}
-
-[[nodiscard]] Contact free_at(const Vector3 &point_m) noexcept {
-    Contact contact;
-    contact.x0_m = point_m;
-    return contact;
-}
-
-[[nodiscard]] Contact contact_of(const HapticSurface &surface, const Vector3 &tip_m,
-                                 const Rest &rest) noexcept {
-    const AllowedMotion motion = allowed_motion(rest.held_by);
-    const ContactPlane &first = rest.held_by[0];
-    const Vector3 gap = rest.point_m - tip_m;
-    const double gap_m = gap.norm();
-    Contact contact;
-    contact.touching = true;
-    contact.x0_m = rest.point_m;
-    contact.allowed_motion = motion.projector;
-    contact.normal = gap_m > kLostByRoundOff_m ? Vector3(gap / gap_m) : first.normal;
-    contact.active_constraints = motion.blocked_directions;
-    for (const ContactPlane &plane : rest.held_by) {
-        contact.eta = std::min(contact.eta, surface.material(plane.obstacle).eta);
-    }
-    const SurfacePoint touched = surface.nearest(first.obstacle, rest.point_m);
-    contact.surface_m = touched.point_m;
-    contact.barycentric = touched.barycentric;
-    contact.triangle = touched.triangle;
-    contact.material = touched.material;
-    return contact;
 }
 
 } // namespace
@@ -118,9 +90,35 @@ void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
 }
 
 bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) const noexcept {
-    return !rest_.is_touching() && near_.covers(rest_.point_m, reach_m_) &&
-           near_.covers(tip_m, reach_m_) &&
-           !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
+    if (rest_.is_touching() || !near_.covers(rest_.point_m, reach_m_) ||
+        !near_.covers(tip_m, reach_m_)) {
+        return false;
+    }
+    const bool is_far_from_shapes =
+        near_.size() == 0 &&
+        surface.is_clear_of(near_.shapes(), near_, rest_.point_m, tip_m, reach_m_);
+    return is_far_from_shapes || !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
+}
+
+/// What `descend` would do, in closed form, where only one face of one shape is in play.
+std::optional<ShapeSlide> Proxy::free_slide(const HapticSurface &surface,
+                                            const Vector3 &tip_m) const noexcept {
+    if (rest_.held_by.size() != 1 || !near_.covers(rest_.point_m, reach_m_)) {
+        return std::nullopt;
+    }
+    return surface.slide_over(rest_.held_by[0].obstacle, near_, rest_.point_m, tip_m, reach_m_);
+}
+
+void Proxy::follow(const ShapeSlide &slide) noexcept {
+    if (slide.rest_m != rest_.point_m) {
+        if (!slide.is_flat) {
+            path_.add(slide.over_m);
+        }
+        path_.add(slide.rest_m);
+    }
+    rest_.point_m = slide.rest_m;
+    rest_.held_by.keep_only(
+        {slide.normal, slide.normal.dot(slide.rest_m), rest_.held_by[0].obstacle});
 }
 
 bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
@@ -201,7 +199,7 @@ void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMateria
 Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexcept {
     path_.restart(rest_.point_m);
     if (!is_usable(tip_m)) {
-        return free_at(rest_.point_m);
+        return free_contact(rest_.point_m);
     }
     if (surface.serial() != surface_serial_) {
         surface_serial_ = surface.serial();
@@ -214,15 +212,25 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     if (moves_freely(surface, tip_m)) {
         rest_.point_m = tip_m;
         path_.add(tip_m);
-        return free_at(tip_m);
+        return free_contact(tip_m);
     }
-    const Descent descent(surface, near_, reach_m_, effort, path_);
+    const std::optional<ShapeSlide> slide = free_slide(surface, tip_m);
+    if (slide && !(surface.material(rest_.held_by[0].obstacle).static_friction > 0.0)) {
+        follow(*slide);
+        return resting_contact(surface, rest_.held_by[0].obstacle, *slide, reach_m_);
+    }
     const Rest before = rest_;
-    const bool has_settled = descend(descent, surface, tip_m, effort);
+    bool has_settled = true;
+    const Descent descent(surface, near_, reach_m_, effort, path_);
+    if (slide) {
+        follow(*slide);
+    } else {
+        has_settled = descend(descent, surface, tip_m, effort);
+    }
     if (!rest_.is_touching()) {
         // What ended in mid-air for want of effort pushes nobody either.
         sticks_ = slides_ = false;
-        Contact contact = free_at(rest_.point_m);
+        Contact contact = free_contact(rest_.point_m);
         contact.settled = has_settled;
         return contact;
     }
@@ -230,7 +238,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     if (material.static_friction > 0.0) {
         rub(descent, before, material, tip_m);
     }
-    Contact contact = contact_of(surface, tip_m, rest_);
+    Contact contact = resting_contact(surface, tip_m, rest_);
     contact.settled = has_settled;
     if (sticks_ && material.static_friction > 0.0) {
         contact.sticking = true;

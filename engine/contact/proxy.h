@@ -13,8 +13,10 @@
 #include "engine/contact/haptic_surface.h"
 #include "engine/contact/neighbourhood.h"
 #include "engine/contact/proxy_path.h"
+#include "engine/contact/shape_slide.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace springdrive {
 
@@ -43,6 +45,9 @@ private:
                      Effort &effort) noexcept;
     [[nodiscard]] bool moves_freely(const HapticSurface &surface,
                                     const Vector3 &tip_m) const noexcept;
+    [[nodiscard]] std::optional<ShapeSlide> free_slide(const HapticSurface &surface,
+                                                       const Vector3 &tip_m) const noexcept;
+    void follow(const ShapeSlide &slide) noexcept;
     [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
                                const Vector3 &tip_m, Effort &effort) noexcept;
     [[nodiscard]] bool hop(const Descent &descent, const HapticSurface &surface,

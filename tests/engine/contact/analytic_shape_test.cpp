@@ -214,6 +214,36 @@ TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces
     }
 }
 
+TEST_P(AnalyticShapes, AMotionThatIsPartedFromTheShapeStaysThatFarOff) {
+    int parted = 0;
+    int far_off = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Case c = random_case();
+        const auto place_m = [&] {
+            return Vector3(c.placement.translation() + dice_.within(Vector3::Constant(0.2)));
+        };
+        const Vector3 from_m = place_m();
+        const Vector3 to_m =
+            from_m + std::pow(10.0, dice_.between(-5.0, 0.0)) * (place_m() - from_m);
+        const double clear_m = std::pow(10.0, dice_.between(-8.0, -2.0));
+        const bool is_parted = c.shape.is_parted_from(from_m, to_m, clear_m);
+        for (int j = 0; is_parted && j <= 20; ++j) {
+            const Vector3 point_m = from_m + j / 20.0 * (to_m - from_m);
+            EXPECT_GT(c.shape.nearest(point_m).distance_m, clear_m - kRounding_m) << i;
+        }
+        parted += is_parted ? 1 : 0;
+        // Off all but the rims of a cylinder, what moves less than there is room for is parted.
+        const double room_m = c.shape.nearest(from_m).distance_m - clear_m - (to_m - from_m).norm();
+        if (room_m > 0.0 && !std::holds_alternative<Cylinder>(c.size)) {
+            ++far_off;
+            EXPECT_TRUE(is_parted) << i;
+        }
+        EXPECT_FALSE(c.holds(from_m) && is_parted) << i;
+    }
+    EXPECT_GT(parted, 1000);
+    EXPECT_TRUE(far_off > 1000 || GetParam() == 3);
+}
+
 TEST_P(AnalyticShapes, BoundsTouchTheFarthestPointsAlongTheAxes) {
     for (int i = 0; i < 500; ++i) {
         const Case c = random_case();

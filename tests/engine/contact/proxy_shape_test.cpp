@@ -66,22 +66,73 @@ TEST(ProxyOnShapes, IsTheNearestPointOfASphere) {
     }
 }
 
-TEST(ProxyOnShapes, DoesOnABoxWhatItDoesOnOneOfTriangles) {
-    const Vector3 half(0.02, 0.01, 0.015);
-    const HapticSurface exact = shape(Box{half});
-    const HapticSurface mesh(testing::box_soup(-half, half));
-    Proxy on_shape;
+/// Boxes and their triangles, of one material.
+struct Boxes {
+    TriangleSoup soup;
+    std::vector<AnalyticShape> shapes;
+
+    explicit Boxes(const SurfaceMaterial &material) { soup.materials = {material}; }
+
+    void add(const Vector3 &lower_m, const Vector3 &upper_m) {
+        Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+        placement.translation() = 0.5 * (lower_m + upper_m);
+        shapes.emplace_back(Box{0.5 * (upper_m - lower_m)}, placement, 0);
+        const TriangleSoup one = testing::box_soup(lower_m, upper_m);
+        const auto first = static_cast<std::uint32_t>(soup.vertices_m.size());
+        soup.vertices_m.insert(soup.vertices_m.end(), one.vertices_m.begin(), one.vertices_m.end());
+        for (const auto &[a, b, c] : one.triangles) {
+            soup.triangles.push_back({first + a, first + b, first + c});
+            soup.material_of_triangle.push_back(0);
+        }
+    }
+};
+
+/// How often contact was made while proxies on boxes and on their triangles did the same.
+int touches_alike(const Boxes &boxes, std::uint64_t seed) {
+    TriangleSoup none;
+    none.materials = boxes.soup.materials;
+    const HapticSurface exact(none, boxes.shapes);
+    const HapticSurface mesh(boxes.soup);
+    Proxy on_shapes;
     Proxy on_mesh;
-    on_shape.reset({0.031, 0.031, 0.031});
+    on_shapes.reset({0.031, 0.031, 0.031});
     on_mesh.reset({0.031, 0.031, 0.031});
     int touching = 0;
-    wander(2, [&](const Vector3 &tip, int i) {
+    wander(seed, [&](const Vector3 &tip, int i) {
         const Contact expected = on_mesh.update(mesh, tip);
-        const Contact contact = on_shape.update(exact, tip);
+        const Contact contact = on_shapes.update(exact, tip);
         EXPECT_LT((contact.x0_m - expected.x0_m).norm(), kPlace_m) << i;
+        EXPECT_EQ(contact.touching, expected.touching) << i;
+        EXPECT_EQ(contact.sticking, expected.sticking) << i;
+        EXPECT_EQ(contact.eta, expected.eta) << i;
+        if (contact.touching) {
+            EXPECT_LT((contact.normal - expected.normal).norm(), 1e-6) << i;
+            EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kPlace_m) << i;
+            EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), 1e-6) << i;
+        }
         touching += contact.touching ? 1 : 0;
     });
-    EXPECT_GT(touching, 1000);
+    return touching;
+}
+
+TEST(ProxyOnShapes, DoesOnABoxWhatItDoesOnOneOfTriangles) {
+    Boxes boxes({"smooth", 0.25});
+    boxes.add({-0.02, -0.01, -0.015}, {0.02, 0.01, 0.015});
+    EXPECT_GT(touches_alike(boxes, 2), 1000);
+}
+
+TEST(ProxyOnShapes, DoesWithFrictionWhatItDoesOnTriangles) {
+    Boxes boxes({"rough", 0.25, 0.5, 0.3});
+    // No edges: one on triangles also hops over such as are hardly higher than where it is held.
+    boxes.add({-0.1, -0.02, -0.1}, {0.1, 0.005, 0.1});
+    EXPECT_GT(touches_alike(boxes, 5), 1000);
+}
+
+TEST(ProxyOnShapes, DoesBetweenBoxesWhatItDoesOnTriangles) {
+    Boxes boxes({"smooth", 0.25}); // a gap of 4 mm, and steps on its far side
+    boxes.add({-0.025, -0.01, -0.02}, {-0.002, 0.01, 0.02});
+    boxes.add({0.002, -0.01, -0.02}, {0.025, 0.005, 0.02});
+    EXPECT_GT(touches_alike(boxes, 6), 1000);
 }
 
 TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
@@ -107,6 +158,58 @@ TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
             }
         });
         EXPECT_GT(touching, 500);
+    }
+}
+
+TEST(ProxyOnShapes, IsNotLeaptThroughHoweverFastTheTip) {
+    std::mt19937_64 random(8);
+    for (const AnalyticShape::Size &size :
+         {AnalyticShape::Size(Plate{0.02, 0.015}), AnalyticShape::Size(Sphere{0.015}),
+          AnalyticShape::Size(Box{{0.02, 0.0005, 0.02}}),
+          AnalyticShape::Size(Cylinder{0.015, 0.01}), AnalyticShape::Size(Capsule{0.01, 0.01})}) {
+        const HapticSurface surface = shape(size);
+        Proxy proxy;
+        proxy.reset({0.031, 0.031, 0.031});
+        Vector3 tip(0.02, 0.02, 0.02);
+        int touching = 0;
+        for (int i = 0; i < 3000; ++i) {
+            // Leaps of all sizes: fast ones leave one face for another or the shape behind.
+            const double leap_m = std::pow(10.0, -1.5 - 3.0 * (i % 7) / 6.0);
+            tip += random_vector(random, leap_m);
+            tip = tip.cwiseMax(-0.02).cwiseMin(0.02);
+            const Contact contact = proxy.update(surface, tip);
+            touching += contact.touching ? 1 : 0;
+            const ProxyPath &path = proxy.path();
+            for (std::size_t piece = 0; piece + 1 < path.size(); ++piece) {
+                for (int part = 0; part <= 20; ++part) {
+                    const Vector3 point_m =
+                        path[piece] + part / 20.0 * (path[piece + 1] - path[piece]);
+                    ASSERT_GT(surface.shapes()[0].nearest(point_m).distance_m, kClearance_m - 2e-12)
+                        << i;
+                }
+            }
+        }
+        EXPECT_GT(touching, 100);
+    }
+}
+
+TEST(ProxyOnShapes, ChangesTheSurfaceInContact) {
+    // The shape that it touched stands elsewhere, or is none, in the next.
+    Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+    aside.translate(Vector3(0.0, -2e-3, 0.0));
+    const HapticSurface ball = shape(Sphere{0.02});
+    const HapticSurface lower = shape(Sphere{0.02}, aside);
+    const HapticSurface floor(testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.019, 0.1}));
+    Proxy proxy;
+    proxy.reset({0.0, 0.03, 0.0});
+    const Vector3 tip(0.0, 0.015, 0.0);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(proxy.update(ball, tip).x0_m.y(), 0.02 + kClearance_m, kPlace_m);
+        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kPlace_m);
+        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kPlace_m);
+        proxy.reset({0.0, 0.03, 0.0});
+        EXPECT_NEAR(proxy.update(floor, tip).x0_m.y(), 0.019 + kClearance_m, kPlace_m);
+        proxy.reset({0.0, 0.03, 0.0});
     }
 }
 
@@ -165,6 +268,32 @@ TEST(ProxyOnShapes, StartsFreeInsideASolidAndFindsItFromOutside) {
     const Contact contact = proxy.update(ball, {0.01, 0.0, 0.0});
     EXPECT_TRUE(contact.touching);
     EXPECT_NEAR(contact.x0_m.x(), 0.02 + kClearance_m, kPlace_m);
+}
+
+TEST(ProxyOnShapes, AreSlidOverAtOnceOnlyWhereNothingElseIsInPlay) {
+    // A ball half sunk into a floor, and another 1 mm beside it.
+    TriangleSoup soup = testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.0, 0.1});
+    Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+    aside.translate(Vector3(0.041, 0.0, 0.0));
+    const HapticSurface surface(soup,
+                                {AnalyticShape(Sphere{0.02}, Eigen::Isometry3d::Identity(), 0),
+                                 AnalyticShape(Sphere{0.02}, aside, 0)});
+    const auto slides = [&](const Vector3 &from, const Vector3 &to) {
+        const Vector3 from_m = (0.02 + kClearance_m) * from.normalized();
+        Neighbourhood near;
+        SearchBudget budget{1000};
+        surface.find_near(from_m, 0.05, budget, near);
+        return surface.slide_over(12, near, from_m, 0.018 * to.normalized(), kClearance_m)
+            .has_value();
+    };
+    EXPECT_TRUE(slides({0.0, 1.0, 0.0}, {0.1, 1.0, 0.0}));
+    EXPECT_TRUE(slides({-1.0, 0.3, 0.0}, {-1.0, 0.2, 0.0}));
+    EXPECT_FALSE(slides({-1.0, 0.1, 0.0}, {-1.0, -0.1, 0.0})); // under the floor
+    EXPECT_FALSE(slides({-1.0, 0.1, 0.0}, {-1.0, -0.001, 0.0}));
+    EXPECT_TRUE(slides({1.0, 0.6, 0.0}, {1.0, 0.55, 0.0}));
+    EXPECT_FALSE(slides({1.0, 0.3, 0.0}, {1.0, 0.0, 0.0})); // into the gap
+    const Vector3 top_m(0.0, 0.02 + kClearance_m, 0.0);
+    EXPECT_FALSE(surface.slide_over(12, Neighbourhood(), top_m, {0.0, 0.018, 0.0}, kClearance_m));
 }
 
 TEST(ProxyOnShapes, FindsTheCreaseBetweenAShapeAndAMesh) {
