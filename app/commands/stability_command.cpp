@@ -6,7 +6,7 @@
 #include "app/commands/stability_options.h"
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
-#include "engine/analysis/failure_lines.h"
+#include "engine/analysis/failure_lines/failure_lines.h"
 
 #include <CLI/CLI.hpp>
 

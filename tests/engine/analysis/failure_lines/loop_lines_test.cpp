@@ -1,5 +1,5 @@
-// Covers engine/analysis/stability: each line of DESIGN section 6 that a loop can cross, from both
-// sides, predicted and tried.
+// Covers engine/analysis/failure_lines/loop_lines.cpp: each line of DESIGN section 6 that a loop
+// can cross, from both sides, predicted and tried.
 #include "engine/analysis/stability/stability_limits.h"
 
 #include "device/phantom/kinematics.h"
@@ -58,7 +58,7 @@ StabilityLimit only_limit(const StabilityCase &which, std::string_view name, dou
     return limits.empty() ? StabilityLimit{} : limits.front();
 }
 
-TEST(FailureLines, DriftCompensationGains) {
+TEST(LoopLines, DriftCompensationGains) {
     for (const auto &[name, to] : {std::pair{"kp", 200.0}, std::pair{"kd", 1.0}}) {
         const StabilityLimit limit = only_limit(firm(), name, 1e-3, to);
         EXPECT_TRUE(limit.stable_below);
@@ -66,13 +66,13 @@ TEST(FailureLines, DriftCompensationGains) {
     }
 }
 
-TEST(FailureLines, AServoThatIsTooSlow) {
+TEST(LoopLines, AServoThatIsTooSlow) {
     const StabilityLimit limit = only_limit(firm(), "T", 1e-4, 0.02);
     EXPECT_TRUE(limit.stable_below);
     expect_crossing(firm(), "T", limit.predicted);
 }
 
-TEST(FailureLines, AFilterThatIsTooSlow) {
+TEST(LoopLines, AFilterThatIsTooSlow) {
     // Where K_D is what keeps the loop stable, its lag matters.
     StabilityCase which = firm();
     which.tuning.K_P_V_per_rad = 25.0;
@@ -81,7 +81,7 @@ TEST(FailureLines, AFilterThatIsTooSlow) {
     expect_crossing(which, "lambda", limit.predicted, false);
 }
 
-TEST(FailureLines, ADelayThatIsTooLong) {
+TEST(LoopLines, ADelayThatIsTooLong) {
     const StabilityLimit limit = only_limit(firm(), "d", 0.0, 8.0);
     const int last = static_cast<int>(limit.predicted);
     StabilityCase which = firm();
@@ -96,7 +96,7 @@ TEST(FailureLines, ADelayThatIsTooLong) {
     expect_crossing(which, "kp", only_limit(which, "kp", 0.01, 200.0).predicted);
 }
 
-TEST(FailureLines, AResidualThatIsTooSmallForTheGains) {
+TEST(LoopLines, AResidualThatIsTooSmallForTheGains) {
     const StabilityLimit limit = only_limit(firm(), "dR", 0.02, 2.18);
     EXPECT_FALSE(limit.stable_below);
     expect_crossing(firm(), "dR", limit.predicted, false);
@@ -104,7 +104,7 @@ TEST(FailureLines, AResidualThatIsTooSmallForTheGains) {
 
 /// Resistance cancellation (6) fails at dR = 0: held fast, without gains, the current decays by
 /// dR/L or grows by it.
-TEST(FailureLines, AnOverCancelledWindingThatIsHeld) {
+TEST(LoopLines, AnOverCancelledWindingThatIsHeld) {
     StabilityCase which = firm();
     which.rotor = RotorLoad{1e-3, 6.3, 1e4}; // a vice
     which.hands = {no_hand()};
@@ -124,7 +124,7 @@ TEST(FailureLines, AnOverCancelledWindingThatIsHeld) {
 
 /// (29) and what it promises: at the bound the largest mode is the inverse map's, and α may exceed
 /// the bound only by what one motor's gains have in hand.
-TEST(FailureLines, AlphaAboveItsBound) {
+TEST(LoopLines, AlphaAboveItsBound) {
     StabilityCase three = firm();
     three.freedom = Freedom::three_motors;
     three.q_rad = {0.0, 0.1, 0.1}; // square, so that each mode is a motor of its own
@@ -167,7 +167,7 @@ TEST(FailureLines, AlphaAboveItsBound) {
 
 /// What (29) is for: with K_P within what the inverse map bears, a motor's own limit of α is the
 /// bound times its margin.
-TEST(FailureLines, AlphaOfOneMotorHasItsGainsMargin) {
+TEST(LoopLines, AlphaOfOneMotorHasItsGainsMargin) {
     StabilityCase which = firm();
     which.hands = {no_hand()};
     which.tuning.K_D_Vs_per_rad = 0.0;
@@ -200,7 +200,7 @@ double squared_lever_m2(const StabilityCase &which) {
     return motor_jacobian(which.device.geometry, which.q_rad).col(1).squaredNorm();
 }
 
-TEST(FailureLines, TheWallOfACurrentDrive) {
+TEST(LoopLines, TheWallOfACurrentDrive) {
     for (const auto &[J, b] :
          {std::pair{1e-4, 1e-2}, std::pair{1e-5, 1e-3}, std::pair{1e-5, 5e-3}}) {
         const StabilityCase which = wall_of_current_drive(J, b);
@@ -214,7 +214,7 @@ TEST(FailureLines, TheWallOfACurrentDrive) {
 
 /// Colgate and Schenkel: a wall below 2b/T is passive, so that no hand shakes it; well above, one
 /// that is heavy enough does.
-TEST(FailureLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
+TEST(LoopLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
     for (const double b : {1e-4, 1e-3, 1e-2}) {
         StabilityCase which = wall_of_current_drive(2e-6, b);
         const double passive = 2.0 * b / which.period_s / squared_lever_m2(which);
@@ -232,7 +232,7 @@ TEST(FailureLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
 
 /// Delay lowers it: for a heavy mass, where the phase of wall and damper meet at low frequency,
 /// K (T/2 + dT) < b.
-TEST(FailureLines, ADelayedWallFailsEarlier) {
+TEST(LoopLines, ADelayedWallFailsEarlier) {
     for (const int delay : {0, 1, 2, 4}) {
         StabilityCase which = wall_of_current_drive(2e-6, 1e-2);
         which.hands = {{"mass", 300.0, 0.0, 0.0}};

@@ -1,0 +1,138 @@
+#include "engine/analysis/failure_lines/cancellation_lines.h"
+
+#include "device/motor/amplifier.h"
+#include "device/motor/winding_temperature.h"
+#include "engine/servo/winding_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive {
+
+namespace {
+
+constexpr const char *kMethod = "resistance cancellation (6)";
+constexpr double kSmall_A = 1e-3;
+
+/// What becomes of a small current in a winding of that resistance, behind the real amplifier.
+double current_after_A(const MotorParameters &motor, double resistance_Ohm, double R_hat_Ohm,
+                       double time_s) {
+    constexpr int kSteps = 1000;
+    DriveState now{resistance_Ohm, kSmall_A, 0.0, true};
+    for (int i = 0; i < kSteps; ++i) {
+        now.current_A = spring_drive_step(motor, now, 0.0, R_hat_Ohm, time_s / kSteps).end_at(0.0);
+    }
+    return now.current_A;
+}
+
+bool dies_out(const MotorParameters &motor, double resistance_Ohm, double R_hat_Ohm) {
+    constexpr double kWatched_s = 0.1;
+    return current_after_A(motor, resistance_Ohm, R_hat_Ohm, kWatched_s) < kSmall_A;
+}
+
+/// Where R(T, θ) is least.
+double worst_angle_rad(const MotorParameters &motor) {
+    return std::numbers::pi / motor.commutator_segments;
+}
+
+TriedLine cold_winding(MotorParameters motor) {
+    constexpr double kdR_Ohm = 0.1;
+    motor.commutation_ripple = 0.0;
+    const double R_hat_Ohm = motor.resistance_Ohm - kdR_Ohm;
+    return {
+        {kMethod,
+         "winding cooler than",
+         "°C",
+         "R̂ tuned for dR " + with_unit(kdR_Ohm, "Ω") + " at 25 °C, rotor held",
+         kReferenceTemperature_C - kdR_Ohm / (motor.resistance_rise_per_K * motor.resistance_Ohm),
+         {},
+         {}},
+        kReferenceTemperature_C,
+        -40.0,
+        false,
+        [=](double winding_C) {
+            return dies_out(motor, winding_resistance_Ohm(motor, winding_C, 0.0), R_hat_Ohm);
+        }};
+}
+
+/// R̂ tuned where the commutator's ripple is in the middle; then the rotor turns.
+TriedLine commutator(const MotorParameters &motor) {
+    constexpr int kAngles = 64; // of one ripple
+    return {{kMethod,
+             "dR tuned below",
+             "Ω",
+             "at 25 °C, the worst of " + with_unit(kAngles, "angles of the commutator"),
+             motor.commutation_ripple * motor.resistance_Ohm,
+             {},
+             {}},
+            motor.resistance_Ohm,
+            1e-3,
+            false,
+            [=](double dR_Ohm) {
+                for (int i = 0; i < kAngles; ++i) {
+                    const double theta_rad = 2.0 * i * worst_angle_rad(motor) / kAngles;
+                    if (!dies_out(motor,
+                                  winding_resistance_Ohm(motor, kReferenceTemperature_C, theta_rad),
+                                  motor.resistance_Ohm - dR_Ohm)) {
+                        return false;
+                    }
+                }
+                return true;
+            }};
+}
+
+/// e^(|dR|t/L).
+TriedLine growth(const MotorParameters &motor) {
+    constexpr double kTooMuch_Ohm = 0.1;
+    constexpr double kTime_s = 5e-3;
+    TriedLine tried;
+    tried.line = {kMethod,
+                  "current grows e-fold in",
+                  "ms",
+                  "R̂ " + with_unit(kTooMuch_Ohm, "Ω") + " above R, rotor held",
+                  1e3 * motor.inductance_H / kTooMuch_Ohm,
+                  {},
+                  {}};
+    tried.reading = [=] {
+        const double end_A = current_after_A(motor, motor.resistance_Ohm,
+                                             motor.resistance_Ohm + kTooMuch_Ohm, kTime_s);
+        return std::optional(1e3 * kTime_s / std::log(end_A / kSmall_A));
+    };
+    return tried;
+}
+
+/// Asked for all of R, the guard gives what a winding in the coldest air bears, less a reserve.
+TriedLine guarded(const DeviceDescription &device) {
+    const MotorParameters &motor = device.motor[1];
+    const double rise_per_K = motor.resistance_rise_per_K;
+    const double coldest =
+        1.0 + rise_per_K * (kColdestAir_C - kReferenceTemperature_C); // of R at 25 °C
+    const double R_hat_Ohm =
+        WindingGuard(motor, device.amplifier.greatest_cancelled_Ohm, 1.0).greatest_cancelled_Ohm();
+    return {{std::string(kMethod) + ", guarded",
+             "winding cooler than",
+             "°C",
+             "dR 0 asked for, worst angle; the guard counts on air of " +
+                 with_unit(kColdestAir_C, "°C") + " or more",
+             kReferenceTemperature_C + ((1.0 - kLeastResidualShare) * coldest - 1.0) / rise_per_K,
+             {},
+             {}},
+            kReferenceTemperature_C,
+            -40.0,
+            false,
+            [=](double winding_C) {
+                return dies_out(motor,
+                                winding_resistance_Ohm(motor, winding_C, worst_angle_rad(motor)),
+                                std::min(motor.resistance_Ohm, R_hat_Ohm));
+            }};
+}
+
+} // namespace
+
+std::vector<TriedLine> cancellation_lines(const DeviceDescription &device) {
+    const MotorParameters &motor = device.motor[1];
+    return {cold_winding(motor), commutator(motor), growth(motor), guarded(device)};
+}
+
+} // namespace springdrive

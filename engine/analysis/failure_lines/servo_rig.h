@@ -1,0 +1,85 @@
+// A servo loop on a simulated device, ticked by hand: in a corner of three walls, which holds the
+// tip at a point, or in free space.
+#pragma once
+
+#include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/stability/stability_case.h"
+#include "engine/contact/haptic_surface.h"
+#include "engine/servo/servo_loop.h"
+
+#include <optional>
+
+namespace springdrive {
+
+/// Passes everything on to a simulated device, until it is told to fail.
+class FailingDevice final : public HapticDevice {
+public:
+    FailingDevice(const DeviceDescription &device, const SimulationOptions &options,
+                  const Vector3 &start_tip_m)
+        : device_(device), options_(options), plant_(std::in_place, device, options, start_tip_m) {}
+
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return plant_->description();
+    }
+    [[nodiscard]] int delay_samples() const override { return plant_->delay_samples(); }
+    DeviceState exchange(const DeviceCommand &command) noexcept override;
+
+    /// A period in which the servo does not come: the amplifiers hold what they have.
+    void pass_by() noexcept { static_cast<void>(plant_->exchange(heard_)); }
+    /// No answer in so many exchanges.
+    void stay_silent(int exchanges) { silent_ = exchanges; }
+    /// The hand is gone with its mass, wherever the tip is and whatever the currents are.
+    void let_go();
+
+    void set_hand_target(const Vector3 &target_m) noexcept { plant_->set_hand_target(target_m); }
+    [[nodiscard]] const SimulatedPhantom::Truth &truth() const { return plant_->truth(); }
+    /// What the device last heard.
+    [[nodiscard]] const DeviceCommand &heard() const { return heard_; }
+
+private:
+    DeviceDescription device_;
+    SimulationOptions options_;
+    std::optional<SimulatedPhantom> plant_;
+    DeviceCommand heard_;
+    DeviceState answer_;
+    int silent_ = 0;
+};
+
+/// What the servo is to hold, and who the device.
+struct ServoRigOptions {
+    StabilityCase which;        ///< device, tuning, period, delay and configuration; hands[0] holds
+    double hand_force_N = 20.0; ///< the most that it presses with
+};
+
+class ServoRig {
+public:
+    /// The servo runs, and the tip is at rest in free space a little off the corner.
+    explicit ServoRig(const ServoRigOptions &options);
+
+    /// @param missed  deadlines before it
+    ServoSample tick(int missed = 0);
+
+    /// Until the tip rests in the corner, pressed against all three walls.
+    /// @param force_N  by which the hand's spring is stretched
+    void press(double force_N);
+    /// The hand wants to be a little elsewhere, from the next tick on.
+    void nudge();
+
+    [[nodiscard]] bool has_tripped() const { return last.safety.state == SafetyState::tripped; }
+
+    FailingDevice device;
+    ServoInputs inputs;
+    ServoSample last;
+
+private:
+    void run(double seconds);
+
+    double hand_N_per_m_;
+    Vector3 corner_m_;
+    Vector3 target_m_;
+    HapticSurface walls_;
+    ServoLoop loop_;
+    int in_a_row_ = 0;
+};
+
+} // namespace springdrive

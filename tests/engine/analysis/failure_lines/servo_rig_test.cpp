@@ -1,0 +1,86 @@
+// Covers engine/analysis/failure_lines/servo_rig.cpp.
+#include "engine/analysis/failure_lines/servo_rig.h"
+
+#include "device/phantom/kinematics.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive {
+namespace {
+
+StabilityCase held_by_a_hand() {
+    StabilityCase which;
+    which.device = testing::phantom_1_0();
+    which.hands = {hand_of_firmness(0.5)};
+    return which;
+}
+
+TEST(FailingDevice, IsTheSimulatedOneUntilItFails) {
+    const DeviceDescription description = testing::phantom_1_0();
+    const Vector3 start_m(0.0, 0.02, 0.0);
+    SimulatedPhantom truth(description, {}, start_m);
+    FailingDevice device(description, {}, start_m);
+    DeviceCommand command;
+    command.e_W_V = Vector3(0.3, -0.2, 0.1);
+    DeviceState answer;
+    for (int i = 0; i < 50; ++i) {
+        const DeviceState expected = truth.exchange(command);
+        answer = device.exchange(command);
+        EXPECT_EQ(answer.counts, expected.counts);
+        EXPECT_EQ(answer.current_A, expected.current_A);
+        EXPECT_EQ(answer.health, DeviceHealth::ok);
+    }
+    device.pass_by(); // as if the same had been said again
+    static_cast<void>(truth.exchange(command));
+    EXPECT_EQ(device.truth().tip_m, truth.truth().tip_m);
+    device.stay_silent(2);
+    for (const DeviceHealth health : {DeviceHealth::lost, DeviceHealth::lost, DeviceHealth::ok}) {
+        const DeviceState last = answer;
+        answer = device.exchange(DeviceCommand::braking());
+        EXPECT_EQ(answer.health, health);
+        EXPECT_EQ(answer.counts == last.counts, health == DeviceHealth::lost);
+        EXPECT_TRUE(device.heard().e_W_V.isZero(0.0));
+    }
+}
+
+TEST(FailingDevice, StaysWhereItIsWhenTheHandLetsGo) {
+    ServoRig rig({held_by_a_hand()});
+    rig.press(2.0);
+    const SimulatedPhantom::Truth before = rig.device.truth();
+    rig.device.let_go();
+    EXPECT_LT((rig.device.truth().theta_rad - before.theta_rad).norm(), 1e-12);
+    EXPECT_EQ(rig.device.truth().current_A, before.current_A);
+    static_cast<void>(rig.tick());
+    EXPECT_TRUE(rig.device.truth().hand_force_N.isZero(0.0));
+}
+
+TEST(ServoRig, PressesIntoACornerUntilForcesBalance) {
+    ServoRig rig({held_by_a_hand()});
+    EXPECT_FALSE(rig.last.contact.touching);
+    EXPECT_EQ(rig.last.safety.state, SafetyState::running);
+    rig.press(2.0);
+    EXPECT_EQ(rig.last.contact.active_constraints, 3);
+    // At rest, without weight and friction, the hand holds what the motors render.
+    EXPECT_LT((rig.last.tip_force_N + rig.device.truth().hand_force_N).norm(), 1e-3);
+    EXPECT_GT(rig.last.tip_force_N.norm(), 1.0);
+    const Vector3 before_m = rig.last.tip_m;
+    rig.nudge();
+    for (int i = 0; i < 500; ++i) {
+        static_cast<void>(rig.tick());
+    }
+    EXPECT_GT((rig.last.tip_m - before_m).norm(), 1e-6);
+    EXPECT_FALSE(rig.has_tripped());
+}
+
+TEST(ServoRig, TellsTheServoOfMissedDeadlines) {
+    ServoRig rig({held_by_a_hand()});
+    EXPECT_EQ(rig.tick(3).missed_deadlines, 3U);
+    EXPECT_EQ(rig.tick(2).missed_in_a_row, 5U);
+    EXPECT_EQ(rig.tick().missed_in_a_row, 0U);
+    EXPECT_EQ(rig.tick(50).safety.cause, TripCause::none);
+    EXPECT_EQ(rig.tick(1).safety.cause, TripCause::missed_deadlines);
+}
+
+} // namespace
+} // namespace springdrive
