@@ -16,7 +16,10 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <iostream>
+#include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -38,12 +41,30 @@ std::vector<std::string> arguments(int argc, char **argv) {
     return typed;
 }
 
+/// Counts letters, not bytes, so that units such as Ω do not shift what stands beside them.
+class LetterFormatter : public CLI::Formatter {
+public:
+    std::string make_option(const CLI::Option *option, bool is_positional) const override {
+        const std::string name = make_option_name(option, is_positional) + make_option_opts(option);
+        const auto letters = static_cast<std::size_t>(
+            std::count_if(name.begin(), name.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+        constexpr std::size_t kIndent = 2;
+        const bool fits = name.size() + kIndent < column_width_;
+        std::ostringstream line;
+        CLI::detail::format_help(line, name, make_option_desc(option),
+                                 column_width_ + (fits ? name.size() - letters : 0));
+        return line.str();
+    }
+};
+
 } // namespace
 
 int run_command_line(int argc, char **argv) {
     CLI::App app("Touch glTF meshes with a PHANTOM, simulated or real, through spring-drive "
                  "control.",
                  "springdrive");
+    app.formatter(
+        std::make_shared<LetterFormatter>()); // before the subcommands, which take it over
     app.set_version_flag("--version", SPRINGDRIVE_VERSION);
     app.require_subcommand(0, 1); // none: a mistake that is reported by the word that is wrong
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"

@@ -1,5 +1,6 @@
 #include "app/model_choices.h"
 
+#include "base/input_error.h"
 #include "engine/model_choice/choice_cache.h"
 
 #include <unistd.h>
@@ -82,6 +83,7 @@ ModelChoice choice_with_progress(const ModelQuestion &question, const std::strin
 }
 
 void ModelMeasurement::begin(const ModelQuestion &question, const std::string &device_text) {
+    forget();
     error_.clear();
     progress_ = std::make_shared<Progress>();
     std::packaged_task<ModelChoice()> measure(
@@ -89,6 +91,9 @@ void ModelMeasurement::begin(const ModelQuestion &question, const std::string &d
             ModelQuestion own = question;
             own.scene = &scene;
             return measured_choice(own, device_text, [&](const std::string &what, double share) {
+                if (!progress->is_wanted) {
+                    throw InputError("measuring was given up"); // which nobody will hear
+                }
                 const std::lock_guard lock(progress->mutex);
                 progress->text = text_of(what, share);
             });
@@ -96,6 +101,13 @@ void ModelMeasurement::begin(const ModelQuestion &question, const std::string &d
     measuring_ = measure.get_future();
     // Detached, so that whoever closes the window need not wait for it.
     std::thread(std::move(measure)).detach();
+}
+
+void ModelMeasurement::forget() {
+    if (progress_) {
+        progress_->is_wanted = false;
+    }
+    measuring_ = {};
 }
 
 std::string ModelMeasurement::progress() const {

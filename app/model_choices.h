@@ -3,6 +3,7 @@
 
 #include "engine/model_choice/scene_model.h"
 
+#include <atomic>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -44,12 +45,13 @@ public:
     [[nodiscard]] const std::string &error() const { return error_; }
 
     /// Of another scene: what is being measured is not wanted any more.
-    void forget() { measuring_ = {}; }
+    void forget();
 
 private:
     struct Progress {
         std::mutex mutex;
         std::string text;
+        std::atomic<bool> is_wanted{true};
     };
 
     std::future<ModelChoice> measuring_;

@@ -48,7 +48,9 @@ public:
     void request_scene(const std::filesystem::path &file) { loader_.request(file); }
 
     /// Measures in the background which model the scene would get, for `model_choice` to tell.
-    void measure_model();
+    /// @param fresh  even if it is remembered from before
+    void measure_model(bool fresh = false);
+    void give_up_measuring() { model_measurement_.forget(); }
     [[nodiscard]] const ModelMeasurement &model_measurement() const { return model_measurement_; }
 
     /// What the scene would get, once somebody measured it; see `runs_choice`.

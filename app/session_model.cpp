@@ -3,6 +3,7 @@
 #include "engine/model_choice/contact_shapes.h"
 
 #include <optional>
+#include <utility>
 
 namespace springdrive {
 
@@ -35,10 +36,15 @@ void Session::choose_model(const DeviceDescription &description, SimulationOptio
     }
 }
 
-void Session::measure_model() {
+void Session::measure_model(bool fresh) {
     const ModelQuestion question = model_question(device());
-    model_choice_ = remembered_choice(question, device_text_);
-    if (!model_choice_) {
+    std::optional<ModelChoice> remembered;
+    if (!fresh) {
+        remembered = remembered_choice(question, device_text_);
+    }
+    if (remembered) {
+        model_choice_ = std::move(remembered);
+    } else {
         model_measurement_.begin(question, device_text_);
     }
 }

@@ -49,7 +49,7 @@ bool is_asked_for(const Typed &typed, std::string_view name) {
 
 std::string footnote(const ChartSetting &setting, const std::string &machine) {
     return machine + "; points: least of " + std::to_string(setting.repeats) +
-           " repetitions, bars: to the greatest, crosses: where it fails";
+           " repetitions; bars: to the greatest";
 }
 
 /// All numbers first, so that they are there even where nothing can be drawn.
@@ -89,8 +89,8 @@ std::vector<std::string> chart_names() {
 
 void add_chart_command(CLI::App &app) {
     CLI::App *chart = app.add_subcommand(
-        "chart", "speed against accuracy of motion control, proxies and servo rates: each "
-                 "method's cost beside its error, as SVG and CSV");
+        "chart", "speed against accuracy of integrators, plant models, motion control, proxies "
+                 "and servo rates: each method's cost beside its error, as SVG and CSV");
     const auto typed = std::make_shared<Typed>();
     chart->add_option("--out", typed->out, "the folder to write to; made where missing")
         ->type_name("DIR")

@@ -47,7 +47,7 @@ StabilityReport report_of(const Typed &typed) {
         check_that_it_counts("--vary", *report.varied, report.which);
         report.range = {typed.from.value_or(report.varied->from),
                         typed.to.value_or(report.varied->to)};
-        check_parameter_range(*report.varied, report.range.from, report.range.to);
+        check_parameter_range("--vary", *report.varied, report.range.from, report.range.to);
         report.limits = stability_limits(report.which, *report.varied, report.range);
     }
     return report;
@@ -82,19 +82,46 @@ MapAxis axis_of(const std::string &text, int steps) {
             throw InputError("--map " + text + ": a range is written as NAME=FROM:TO");
         }
     }
-    check_parameter_range(*axis.parameter, axis.range.from, axis.range.to);
+    check_parameter_range("--map", *axis.parameter, axis.range.from, axis.range.to);
     return axis;
 }
 
+/// Whose hands: those of the family, or a single one where a property of the hand varies.
+std::string hands_text(const StabilityCase &which, bool is_one) {
+    const std::size_t nobody = which.hands.front().mass_kg == 0.0 ? 1 : 0;
+    const std::size_t hands = which.hands.size() - nobody;
+    if (is_one || hands == 1) {
+        return "one hand";
+    }
+    return hands == 0 ? "no hand" : "no hand and " + std::to_string(hands) + " hands";
+}
+
+std::string loop_text(const StabilityCase &which, bool alpha_varies, bool is_one_hand) {
+    const bool transpose = which.tuning.map == MotionMap::transpose || alpha_varies;
+    std::string text = which.drive == AmplifierKind::current_drive ? "current drive"
+                       : transpose                                 ? "spring drive, transpose (23)"
+                                                                   : "spring drive, inverse (18)";
+    text += which.freedom == Freedom::one_motor ? ", each motor by itself" : ", all motors at once";
+    return text + ", " + hands_text(which, is_one_hand);
+}
+
 /// What does not vary over the map.
-std::string setting_text(const StabilityCase &which, const MapAxis &x, const MapAxis &y) {
+MapSetting setting_of(const StabilityCase &which, const MapAxis &x, const MapAxis &y) {
+    const auto varies = [&](std::string_view start) {
+        return x.parameter->name.starts_with(start) || y.parameter->name.starts_with(start);
+    };
     std::ostringstream text;
     text << which.device.name;
     const bool spring = which.drive == AmplifierKind::spring_drive;
-    const std::vector<std::string_view> told =
+    std::vector<std::string_view> told =
         spring ? std::vector<std::string_view>{"T", "d", "dR", "kp", "kd", "lambda", "eta"}
                : std::vector<std::string_view>{"T",      "d",  "wall-stiffness", "wall-damping",
                                                "lambda", "eta"};
+    if (varies("hand")) {
+        for (const std::string_view name : {"hand-mass", "hand-damping", "hand-stiffness"}) {
+            told.push_back(name);
+        }
+    }
     for (const std::string_view name : told) {
         const StabilityParameter &parameter = *stability_parameter_named(name);
         if (&parameter != x.parameter && &parameter != y.parameter) {
@@ -103,10 +130,7 @@ std::string setting_text(const StabilityCase &which, const MapAxis &x, const Map
                  << (parameter.unit == "–" ? "" : parameter.unit);
         }
     }
-    text << (spring ? "; spring drive" : "; current drive")
-         << (which.freedom == Freedom::one_motor ? ", each motor" : ", all motors at once") << ", "
-         << which.hands.size() << (which.hands.size() == 1 ? " hand" : " hands");
-    return text.str();
+    return {text.str(), loop_text(which, varies("alpha"), varies("hand"))};
 }
 
 void draw_map(const Typed &typed) {
@@ -129,7 +153,7 @@ void draw_map(const Typed &typed) {
         ProgressLine line;
         cells = stability_map(which, x, y, [&](double share) { line.show("map", share); });
     }
-    draw_stability_map(typed.out, setting_text(which, x, y), x, y, cells);
+    draw_stability_map(typed.out, setting_of(which, x, y), x, y, cells);
 }
 
 void write_table(const Typed &typed) {
@@ -163,14 +187,19 @@ void add_stability_command(CLI::App &app) {
                             .add_option("--vary", typed->vary,
                                         "find its limits: " + names_of_stability_parameters())
                             ->type_name("NAME");
-    stability.add_option("--from", typed->from, "lowest value to look at")->needs(vary);
-    stability.add_option("--to", typed->to, "highest value to look at")->needs(vary);
+    stability.add_option("--from", typed->from, "lowest value to look at")
+        ->type_name("VALUE")
+        ->needs(vary);
+    stability.add_option("--to", typed->to, "highest value to look at")
+        ->type_name("VALUE")
+        ->needs(vary);
     CLI::Option *out =
         stability.add_option("--out", typed->out, "the map's picture; its numbers go beside it")
             ->type_name("FILE.svg");
     CLI::Option *map =
         stability
-            .add_option("--map", typed->map, "a map over two of these, each NAME or NAME=FROM:TO")
+            .add_option("--map", typed->map,
+                        "a map over two of what --vary knows, each NAME or NAME=FROM:TO")
             ->type_name("A,B")
             ->delimiter(',')
             ->expected(2)
@@ -190,7 +219,11 @@ void add_stability_command(CLI::App &app) {
         ->type_name("FILE|-")
         ->excludes(map)
         ->excludes("--table");
-    stability.footer("Exit status: 0 stable, 3 not, 1 or 2 for what cannot be.");
+    stability.footer(
+        "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"
+        "Where that ends:       springdrive stability --vary kp\n"
+        "A picture of it:       springdrive stability --map kp=1:100,dR --out map.svg\n"
+        "Exit status: 0 stable, 3 not, 1 or 2 for what cannot be.");
     stability.callback([typed] { run(*typed); });
 }
 

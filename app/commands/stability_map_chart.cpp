@@ -5,22 +5,27 @@
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <sstream>
 
 namespace springdrive {
 
 namespace {
 
+/// For gnuplot, which takes what follows an underscore for an index.
+std::string symbol_of(const StabilityParameter &parameter) {
+    const std::string symbol(parameter.symbol);
+    const std::size_t line = symbol.find('_');
+    return line == std::string::npos
+               ? symbol
+               : symbol.substr(0, line) + "_{" + symbol.substr(line + 1) + "}";
+}
+
 std::string axis_label(const StabilityParameter &parameter) {
-    std::string label(parameter.symbol);
-    if (const std::size_t line = label.find('_'); line != std::string::npos) {
-        label = label.substr(0, line) + "_{" + label.substr(line + 1) + "}"; // for gnuplot
-    }
-    if (parameter.unit != "–") {
-        label += "  (" + std::string(parameter.unit) + ")";
-    }
-    return label;
+    return symbol_of(parameter) +
+           (parameter.unit == "–" ? "" : "  (" + std::string(parameter.unit) + ")");
 }
 
 /// Half a cell, by which a picture reaches beyond the values at its sides.
@@ -32,8 +37,16 @@ void add_axis(ChartMarks &marks, const std::string &name, const MapAxis &axis) {
     const double half = 0.5 * (last - first) / static_cast<double>(values.size() - 1);
     marks.add(name + "_label", axis_label(*axis.parameter));
     marks.add(name + "_by_ratio", by_ratio ? 1.0 : 0.0);
+    marks.add(name + "_whole", axis.parameter->whole ? 1.0 : 0.0);
     marks.add(name + "_first", first - half);
     marks.add(name + "_last", last + half);
+}
+
+/// What is said where a line is missing, since all cells are on one side of it.
+std::string instead_of_a_line(const std::string &line, std::size_t stable, std::size_t all) {
+    return stable == all ? line + ": stable everywhere"
+           : stable == 0 ? line + ": stable nowhere"
+                         : "";
 }
 
 } // namespace
@@ -56,7 +69,7 @@ std::string stability_map_csv(const MapAxis &x, const MapAxis &y,
     return csv.str();
 }
 
-void draw_stability_map(const std::filesystem::path &svg, const std::string &setting,
+void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
                         const MapAxis &x, const MapAxis &y, const std::vector<MapCell> &cells) {
     std::filesystem::path csv = svg;
     csv.replace_extension(".csv");
@@ -64,9 +77,15 @@ void draw_stability_map(const std::filesystem::path &svg, const std::string &set
     ChartMarks marks;
     marks.add("heading", "Stability over " + std::string(x.parameter->symbol) + " and " +
                              std::string(y.parameter->symbol));
-    marks.add("setting", setting);
+    marks.add("setting", setting.values);
+    marks.add("loop", setting.loop);
     add_axis(marks, "x", x);
     add_axis(marks, "y", y);
+    const auto predicted = static_cast<std::size_t>(
+        std::ranges::count_if(cells, [](const MapCell &cell) { return cell.eigenvalue < 1.0; }));
+    const auto by_trial = static_cast<std::size_t>(std::ranges::count_if(cells, &MapCell::stable));
+    marks.add("no_predicted_line", instead_of_a_line("predicted", predicted, cells.size()));
+    marks.add("no_trial_line", instead_of_a_line("by trial", by_trial, cells.size()));
     const std::filesystem::path folder =
         svg.parent_path().empty() ? std::filesystem::path(".") : svg.parent_path();
     draw({asset_folder() / "figures" / "stability_map.gnuplot", marks.assignments(), folder,

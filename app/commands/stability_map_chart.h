@@ -13,10 +13,15 @@ namespace springdrive {
 [[nodiscard]] std::string stability_map_csv(const MapAxis &x, const MapAxis &y,
                                             const std::vector<MapCell> &cells);
 
+/// What a map was made with, for the lines below its title.
+struct MapSetting {
+    std::string values; ///< the device, and what was held
+    std::string loop;   ///< what drives and holds it
+};
+
 /// Writes `svg`, and the numbers beside it with the ending .csv, these first.
-/// @param setting  what was held, for the line below the title
 /// @throw InputError for what cannot be written or drawn.
-void draw_stability_map(const std::filesystem::path &svg, const std::string &setting,
+void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
                         const MapAxis &x, const MapAxis &y, const std::vector<MapCell> &cells);
 
 } // namespace springdrive

@@ -61,7 +61,8 @@ void StabilityOptions::add_to(CLI::App &command) {
         ->delimiter(',')
         ->expected(3);
     command.add_flag("--no-hand", no_hand,
-                     "nobody holds the device [no hand, and five from light to firm]");
+                     "nobody holds the device [all must be stable: no hand, and five from light to "
+                     "firm]");
 }
 
 StabilityCase StabilityOptions::stability_case() const {
@@ -137,13 +138,14 @@ const StabilityParameter &typed_parameter(const std::string &option, const std::
     return *parameter;
 }
 
-void check_parameter_range(const StabilityParameter &parameter, double from, double to) {
+void check_parameter_range(const std::string &option, const StabilityParameter &parameter,
+                           double from, double to) {
     for (const double value : {from, to}) {
-        check("the range", parameter, value);
+        check(option + ", from or to", parameter, value);
     }
     if (!(from < to)) {
         std::ostringstream message;
-        message << parameter.name << " from " << from << " to " << to
+        message << option << ": " << parameter.name << " from " << from << " to " << to
                 << ": the first must be below the second, both from " << parameter.lowest << " to "
                 << parameter.highest;
         throw InputError(message.str());

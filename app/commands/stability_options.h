@@ -41,6 +41,7 @@ void check_that_it_counts(const std::string &option, const StabilityParameter &p
                           const StabilityCase &which);
 
 /// A range of it. @throw InputError where it is outside of what the parameter can be, or empty.
-void check_parameter_range(const StabilityParameter &parameter, double from, double to);
+void check_parameter_range(const std::string &option, const StabilityParameter &parameter,
+                           double from, double to);
 
 } // namespace springdrive

@@ -19,11 +19,11 @@ using Json = nlohmann::ordered_json;
 
 std::string who(const StabilityCase &which, const LoopMember &member) {
     if (which.rotor) {
-        return "the motor given, " + member.hand.name;
+        return "the motor given, " + hand_text(member.hand.name);
     }
     return which.freedom == Freedom::three_motors
-               ? "all motors, " + member.hand.name
-               : "motor " + std::to_string(member.motor + 1) + ", " + member.hand.name;
+               ? "all motors, " + hand_text(member.hand.name)
+               : "motor " + std::to_string(member.motor + 1) + ", " + hand_text(member.hand.name);
 }
 
 void write_setting(std::ostream &out, const StabilityReport &report) {

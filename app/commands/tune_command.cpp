@@ -62,8 +62,8 @@ void tell(std::ostream &out, const AutoTuned &found) {
           found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
           margins.K_DC_Nm_per_rad);
     print(out, "stable on %zu loops: every hand, configuration and η\n", found.loops);
-    print(out, "margins: K_P and K_D × %.3g (then %s, η %.2g, fails)", margins.gain,
-          margins.worst_hand.c_str(), margins.worst_eta);
+    print(out, "margins: K_P and K_D × %.3g (then it fails with %s at η %.2g)", margins.gain,
+          hand_text(margins.worst_hand).c_str(), margins.worst_eta);
     print(out, ", %d more samples of delay, dR down to %.3g Ω\n", margins.more_delay_samples,
           margins.least_dR_Ohm);
     if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
@@ -101,7 +101,7 @@ void add_tune_command(CLI::App &app) {
         "tune", "the stiffest tuning that every hand finds stable, as a tuning file");
     const auto typed = std::make_shared<Typed>();
     add_device_file_option(tune, typed->device_file);
-    tune.add_option("--dR", typed->dR_Ohm, "residual resistance, as it will be tuned [0.5]")
+    tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), which the search keeps [0.5]")
         ->type_name("Ω");
     tune.add_option("--servo-hz", typed->servo_hz, "servo rate, 250 to 10000 [1000]")
         ->type_name("HZ");
@@ -115,6 +115,8 @@ void add_tune_command(CLI::App &app) {
         ->check(CLI::IsMember({"inverse", "transpose"}));
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         ->type_name("FILE.toml");
+    tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "
+                "mine.toml");
     tune.callback([typed] { run(*typed); });
 }
 

@@ -1,8 +1,13 @@
 #include "app/figures/work_precision_marks.h"
 
+#include "app/figures/name_places.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 namespace springdrive {
@@ -36,29 +41,75 @@ private:
     double greatest_ = -std::numeric_limits<double>::infinity();
 };
 
-/// What both axes hold. Names stand to the right of their points.
+/// An error so many decades below the next is what arithmetic rounds off, not one of the method.
+constexpr double kRoundOffGap_decades = 6.0;
+
+/// The greatest error that is round-off; 0 where none is, but for errors of 0.
+double round_off_of(const WorkPrecisionChart &chart) {
+    std::vector<double> decades;
+    for (const WorkPoint &point : chart.points) {
+        if (point.error > 0.0 && std::isfinite(point.error)) {
+            decades.push_back(std::log10(point.error));
+        }
+    }
+    std::ranges::sort(decades);
+    for (std::size_t i = decades.size(); i-- > 1;) {
+        if (decades[i] - decades[i - 1] > kRoundOffGap_decades) {
+            return 1.01 * std::pow(10.0, decades[i - 1]); // as rounded in the file
+        }
+    }
+    return 0.0;
+}
+
+/// What both axes hold.
 struct Frame {
     double cost_low_ns;
     double cost_high_ns;
     double error_low;
     double error_high;
-    double error_of_zero; ///< where an error of 0 stands; 0 if there is none
+    double round_off;     ///< the greatest error that stands at `error_of_zero`
+    double error_of_zero; ///< where errors of 0 and round-off stand; 0 if there are none
+    double error_of_none; ///< where failures without an error to tell stand
+
+    /// Where a point stands, in shares of the frame.
+    [[nodiscard]] Spot spot(double cost_ns, double error) const {
+        const double shown = !std::isfinite(error) ? error_of_none
+                             : error <= round_off  ? error_of_zero
+                                                   : error;
+        return {std::log10(cost_ns / cost_low_ns) / std::log10(cost_high_ns / cost_low_ns),
+                std::log10(shown / error_low) / std::log10(error_high / error_low)};
+    }
 };
 
 Frame frame_of(const WorkPrecisionChart &chart) {
     LogRange cost_ns;
     LogRange error;
+    const double round_off = round_off_of(chart);
     bool has_zero = false;
+    bool has_none = false;
     for (const WorkPoint &point : chart.points) {
         cost_ns.include(point.cost.least_ns);
         cost_ns.include(point.cost.greatest_ns);
-        error.include(point.error);
-        has_zero |= point.error == 0.0;
+        has_zero |= point.error <= round_off;
+        has_none |= !std::isfinite(point.error);
+        if (point.error > round_off) {
+            error.include(point.error);
+        }
     }
-    Frame frame{cost_ns.low(0.1), cost_ns.high(0.2), error.low(0.1), error.high(0.15), 0.0};
+    Frame frame{};
+    frame.cost_low_ns = cost_ns.low(0.05);
+    frame.cost_high_ns = cost_ns.high(0.15);
+    frame.error_low = error.low(0.1);
+    frame.error_high = error.high(0.1);
+    frame.round_off = round_off;
     if (has_zero) {
         frame.error_of_zero = 0.1 * frame.error_low;
         frame.error_low *= 0.05;
+    }
+    if (has_none) { // above all others, with room for its name
+        const double room = std::pow(frame.error_high / frame.error_low, 0.08);
+        frame.error_of_none = frame.error_high;
+        frame.error_high *= room;
     }
     return frame;
 }
@@ -94,30 +145,53 @@ std::string method_of_rows(const WorkPrecisionChart &chart,
     return numbers;
 }
 
-/// The first and the last point of each method, as numbers of rows between spaces, but for those
-/// whose names would cover another.
-std::string named_rows(const WorkPrecisionChart &chart, const Frame &frame) {
-    const double width = std::log10(frame.cost_high_ns / frame.cost_low_ns);
-    const double height = std::log10(frame.error_high / frame.error_low);
-    const auto cover = [&](const WorkPoint &a, const WorkPoint &b) {
-        const double dx = std::log10(a.cost.least_ns / b.cost.least_ns) / width;
-        const double dy = std::log10(a.error / b.error) / height;
-        return std::abs(dx) < 0.16 && !(std::abs(dy) >= 0.03); // both may be 0
-    };
-    std::string rows = " ";
-    std::vector<std::size_t> named;
+/// All that names had better not cross: the lines between points, and the bars of their times.
+std::vector<Stroke> strokes_of(const WorkPrecisionChart &chart, const Frame &frame) {
+    std::vector<Stroke> strokes;
+    const WorkPoint *before = nullptr; // of the same line
+    for (const WorkPoint &point : chart.points) {
+        if (!point.stable) {
+            continue;
+        }
+        const Spot here = frame.spot(point.cost.least_ns, point.error);
+        strokes.push_back({here, frame.spot(point.cost.greatest_ns, point.error)});
+        if (before != nullptr && before->method == point.method) {
+            strokes.push_back({frame.spot(before->cost.least_ns, before->error), here});
+        }
+        before = &point;
+    }
+    return strokes;
+}
+
+std::size_t letters_in(const std::string &text) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+/// For each corner, in their order, the rows whose names stand there, as numbers between spaces:
+/// the first and the last point of each method, but for those that have no room.
+std::array<std::string, 4> named_rows(const WorkPrecisionChart &chart, const Frame &frame) {
     const auto &points = chart.points;
+    std::vector<std::size_t> rows;
+    std::vector<PointName> names;
+    std::vector<Spot> spots;
     for (std::size_t i = 0; i < points.size(); ++i) {
+        spots.push_back(frame.spot(points[i].cost.least_ns, points[i].error));
         const bool is_first = i == 0 || points[i - 1].method != points[i].method;
         const bool is_last = i + 1 == points.size() || points[i + 1].method != points[i].method;
-        const bool is_covered = std::ranges::any_of(
-            named, [&](std::size_t other) { return cover(points[other], points[i]); });
-        if ((is_first || is_last) && !is_covered) {
-            named.push_back(i);
-            rows += std::to_string(i) + ' ';
+        if (is_first || is_last) {
+            rows.push_back(i);
+            names.push_back({spots.back(), letters_in(points[i].setting)});
         }
     }
-    return rows;
+    const auto corners = name_corners(names, spots, strokes_of(chart, frame));
+    std::array<std::string, 4> text{" ", " ", " ", " "};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (corners[i]) {
+            text[static_cast<std::size_t>(*corners[i])] += std::to_string(rows[i]) + ' ';
+        }
+    }
+    return text;
 }
 
 } // namespace
@@ -132,12 +206,21 @@ ChartMarks work_precision_marks(const WorkPrecisionChart &chart, const std::stri
     marks.add("error_label", chart.error_label);
     marks.add("methods", words_of(methods));
     marks.add("method_of_rows", method_of_rows(chart, methods));
-    marks.add("named_rows", named_rows(chart, frame));
+    constexpr std::array<std::string_view, 4> kCorners{"right_above", "right_below", "left_above",
+                                                       "left_below"};
+    const std::array<std::string, 4> rows = named_rows(chart, frame);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        marks.add("named_" + std::string(kCorners[i]), rows[i]);
+    }
+    const bool fails = std::ranges::any_of(chart.points, std::logical_not<>(), &WorkPoint::stable);
+    marks.add("has_failures", fails ? 1.0 : 0.0);
     marks.add("cost_low_s", 1e-9 * frame.cost_low_ns);
     marks.add("cost_high_s", 1e-9 * frame.cost_high_ns);
     marks.add("error_low", frame.error_low);
     marks.add("error_high", frame.error_high);
+    marks.add("round_off", frame.round_off);
     marks.add("error_of_zero", frame.error_of_zero);
+    marks.add("error_of_none", frame.error_of_none);
     return marks;
 }
 

@@ -1,6 +1,7 @@
 #include "app/panels/look.h"
 #include "app/panels/panels.h"
 
+#include <cstddef>
 #include <numbers>
 #include <string>
 
@@ -10,14 +11,46 @@ namespace {
 
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
+void explain(const char *text) {
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s", text);
+    }
+}
+
+/// What is decided, for those who do not know the words.
+const char *meaning_of(const std::string &axis) {
+    return axis == "plant"        ? "how much of the device is simulated"
+           : axis == "steps"      ? "into how many steps a servo tick of the plant is divided"
+           : axis == "joints"     ? "how many of the three joints move"
+           : axis == "surface"    ? "what is touched: the triangles given, fewer, or exact shapes"
+           : axis == "controller" ? "how the tip's set-point becomes the motors': (18), (23)"
+                                  : "an aspect that can be modelled in several ways";
+}
+
+/// Why a candidate was chosen, or not.
+std::string reason_of(const ModelAxis &axis, std::size_t index, const ModelTolerance &tolerance) {
+    const Candidate &candidate = axis.candidates[index];
+    if (index == axis.chosen) {
+        return "chosen: the cheapest with which the whole meets the scene's tolerance";
+    }
+    std::string reason = "by itself: " + verdict(candidate.error, tolerance);
+    for (const CheaperTrial &trial : axis.cheaper) {
+        if (trial.candidate == index) {
+            reason += "\nwith the rest as chosen: " + verdict(trial.error, tolerance);
+        }
+    }
+    return reason;
+}
+
 /// A candidate's line: what it costs and how far it is off by itself.
 void draw_candidate(const ModelAxis &axis, std::size_t index, const ModelTolerance &tolerance) {
     const Candidate &candidate = axis.candidates[index];
     const bool is_chosen = index == axis.chosen;
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(is_chosen ? kInk : kFaintInk, "%s %s", is_chosen ? ">" : " ",
-                       candidate.name.c_str());
+    ImGui::TextColored(is_chosen ? kGood : kFaintInk, "%s%s", candidate.name.c_str(),
+                       is_chosen ? ", chosen" : "");
+    explain(reason_of(axis, index, tolerance).c_str());
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.least_ns);
     ImGui::TableNextColumn();
@@ -25,13 +58,24 @@ void draw_candidate(const ModelAxis &axis, std::size_t index, const ModelToleran
                        candidate.error.force_N, candidate.error.direction_rad * kDegreesPerRadian);
 }
 
+void draw_headings() {
+    for (const char *heading : {"candidate", "cost of a tick", "error by itself"}) {
+        ImGui::TableNextColumn();
+        ImGui::TextColored(kFaintInk, "%s", heading);
+        explain("cost: the least of repeated timings on this machine; error: against the fullest "
+                "of\nthis aspect, all others at their fullest; orange is beyond the tolerance");
+    }
+}
+
 void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
     const bool is_open = ImGui::TreeNode(axis.name.c_str(), "%s: %s", axis.name.c_str(),
                                          axis.candidates[axis.chosen].name.c_str());
+    explain(meaning_of(axis.name));
     if (!is_open) {
         return;
     }
     if (ImGui::BeginTable("##candidates", 3, ImGuiTableFlags_SizingStretchProp)) {
+        draw_headings();
         for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
             draw_candidate(axis, i, tolerance);
         }
@@ -42,13 +86,17 @@ void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
 
 void draw_choice(const ModelChoice &choice, bool runs) {
     const ModelTolerance &tolerance = choice.tolerance;
-    ImGui::TextColored(runs ? kInk : kFaintInk, "%s",
-                       runs ? "this model runs" : "would run with --model auto");
-    ImGui::TextColored(kFaintInk, "%.3f N and %.1f° off the fullest; it may %.3g N and %.3g°",
-                       choice.error.force_N, choice.error.direction_rad * kDegreesPerRadian,
-                       tolerance.force_N, tolerance.direction_rad * kDegreesPerRadian);
-    ImGui::TextColored(kFaintInk, "%.2f µs a tick instead of %.2f µs", 1e-3 * choice.cost_ns,
-                       1e-3 * choice.fullest_cost_ns);
+    ImGui::TextColored(runs ? kGood : kWarning, "%s",
+                       runs ? "this model runs" : "found, does not run: start with --model auto");
+    explain("plant and surface are made when the program starts, so a model that was found\n"
+            "here runs from the next start with --model auto, which remembers it");
+    ImGui::TextWrapped("%.3f N and %.1f° off, %.3g N and %.3g° allowed", choice.error.force_N,
+                       choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
+                       tolerance.direction_rad * kDegreesPerRadian);
+    explain("against the fullest model; the scene's file states what is allowed, or else the\n"
+            "usual tolerance holds");
+    ImGui::TextWrapped("%.2f µs of a processor a tick, the fullest takes %.2f µs",
+                       1e-3 * choice.cost_ns, 1e-3 * choice.fullest_cost_ns);
     for (const ModelAxis &axis : choice.axes) {
         draw_axis(axis, tolerance);
     }
@@ -63,21 +111,28 @@ void draw_choice(const ModelChoice &choice, bool runs) {
 
 void draw_model_tab(Session &session) {
     const ModelMeasurement &measurement = session.model_measurement();
-    if (session.model_choice()) {
-        draw_choice(*session.model_choice(), session.runs_choice());
-    } else if (measurement.is_running()) {
-        ImGui::TextColored(kWarning, "measuring: %s", measurement.progress().c_str());
-    } else if (!measurement.error().empty()) {
+    if (measurement.is_running()) {
+        ImGui::TextWrapped("measuring: %s", measurement.progress().c_str());
+        if (ImGui::Button("give up")) {
+            session.give_up_measuring();
+        }
+        return;
+    }
+    if (!measurement.error().empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
         ImGui::TextWrapped("%s", measurement.error().c_str());
         ImGui::PopStyleColor();
+    }
+    if (session.model_choice()) {
+        draw_choice(*session.model_choice(), session.runs_choice());
     } else {
         ImGui::TextWrapped("The cheapest model that this scene's tolerance allows is found by "
                            "measuring, which takes some seconds of one processor.");
-        if (ImGui::Button("Measure")) {
-            session.measure_model();
-        }
     }
+    if (ImGui::Button(session.model_choice() ? "Measure again" : "Measure")) {
+        session.measure_model(session.model_choice().has_value());
+    }
+    explain("in the background; what was measured before on this machine is remembered");
 }
 
 } // namespace springdrive

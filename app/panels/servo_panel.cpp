@@ -27,8 +27,10 @@ void show_state(const Session &session) {
         ImGui::TextColored(kGood, "running");
         break;
     case SafetyState::tripped:
-        ImGui::TextColored(kDanger, "stopped: %s", description(now.safety).c_str());
-        break;
+        ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
+        ImGui::TextWrapped("stopped: %s", description(now.safety).c_str());
+        ImGui::PopStyleColor();
+        return;
     }
     if (now.held_back.force || now.held_back.voltage || now.held_back.at_edge) {
         ImGui::SameLine();

@@ -3,7 +3,10 @@
 #include "app/panels/look.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 namespace springdrive {
 
@@ -12,22 +15,43 @@ namespace {
 constexpr double kLeastMargin = 1.0;
 constexpr double kGreatestMargin = 3.0;
 
+std::string short_number(double number) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.3g", number);
+    return digits.data();
+}
+
+/// Under the mouse: what a reader may ask about the item before.
+void explain(const std::string &text) {
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s", text.c_str());
+    }
+}
+
 /// One limit: what it is, where it lies, and how far that is from here.
-void show_room(const char *what, double now, const std::optional<double> &limit, const char *unit,
-               const char *none) {
+void show_room(const char *symbol, const StabilityRoom &room, const char *unit, bool stable,
+               bool upwards) {
+    const std::string way =
+        std::string(stable ? " may " : " must ") + (upwards == stable ? "rise to" : "fall to");
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(kFaintInk, "%s", what);
+    ImGui::TextColored(kFaintInk, "%s%s", symbol, way.c_str());
+    explain("by prediction, all else as it is, at the hand's present place");
     ImGui::TableNextColumn();
-    if (!limit) {
-        ImGui::TextColored(kFaintInk, "%s", none);
+    if (!room.limit) {
+        ImGui::TextColored(kFaintInk, stable ? "no limit found" : "does not help");
         ImGui::TableNextColumn();
         return;
     }
-    ImGui::Text("%.3g %s", *limit, unit);
+    ImGui::Text("%.3g %s", *room.limit, unit);
+    explain("fails first beyond: " + room.who);
     ImGui::TableNextColumn();
-    const double room = std::max(*limit, now) / std::max(1e-12, std::min(*limit, now));
-    ImGui::TextColored(room < 1.15 ? kWarning : kInk, "× %.2f", room);
+    const double factor =
+        std::max(*room.limit, room.now) / std::max(1e-12, std::min(*room.limit, room.now));
+    const ImVec4 ink = !stable ? kDanger : factor < 1.15 ? kWarning : kInk;
+    ImGui::TextColored(ink, "%s %.3g", upwards == stable ? "×" : "÷", factor);
+    explain("from where it is now, " + short_number(room.now) + " " + unit +
+            "\nfails first beyond: " + room.who);
 }
 
 void show_verdict(const StabilityOutlook &outlook) {
@@ -36,28 +60,28 @@ void show_verdict(const StabilityOutlook &outlook) {
     ImGui::SameLine();
     const double rate = std::log(outlook.worst.eigenvalue) / outlook.period_s;
     const std::string who = "motor " + std::to_string(outlook.worst.member.motor + 1) + ", " +
-                            outlook.worst.member.hand.name;
+                            hand_text(outlook.worst.member.hand.name);
     if (stable) {
-        ImGui::Text("with every hand; slowest: %.0f ms (%s)", -1000.0 / rate, who.c_str());
+        ImGui::TextUnformatted("with every hand");
+        ImGui::TextColored(kFaintInk, "slowest to rest: %.0f ms, %s", -1000.0 / rate, who.c_str());
     } else {
-        ImGui::Text("grows e-fold in %.1f ms (%s)", 1000.0 / rate, who.c_str());
+        ImGui::Text("grows e-fold in %.1f ms", 1000.0 / rate);
+        ImGui::TextColored(kFaintInk, "fastest: %s", who.c_str());
     }
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("by the largest eigenvalue of the sampled loop, %.5f,\nin rigid contact, "
-                          "each motor by itself, with no hand\nand with hands from light to firm",
-                          outlook.worst.eigenvalue);
-    }
+    std::array<char, 32> eigenvalue{};
+    std::snprintf(eigenvalue.data(), eigenvalue.size(), "%.5f", outlook.worst.eigenvalue);
+    explain("by the largest eigenvalue of the sampled loop, " + std::string(eigenvalue.data()) +
+            ", in contact,\neach motor by itself, with no hand and with five hands from light "
+            "to firm;\na motion dies out, or grows, by e = 2.7 in this time");
 }
 
-void show_outlook(const Session &session, const StabilityOutlook &outlook) {
+void show_outlook(const StabilityOutlook &outlook) {
     show_verdict(outlook);
+    const bool stable = outlook.worst.is_stable();
     if (ImGui::BeginTable("room", 3, ImGuiTableFlags_SizingStretchProp)) {
-        const Tuning &tuning = session.tuning();
-        show_room("K_P may rise to", tuning.K_P_V_per_rad, outlook.K_P_up_to, "V/rad",
-                  "no limit found");
-        show_room("K_D may rise to", tuning.K_D_Vs_per_rad, outlook.K_D_up_to, "V·s/rad",
-                  "no limit found");
-        show_room("dR may fall to", tuning.dR_Ohm, outlook.dR_down_to_Ohm, "Ω", "no limit found");
+        show_room("K_P", outlook.K_P, "V/rad", stable, true);
+        show_room("K_D", outlook.K_D, "V·s/rad", stable, true);
+        show_room("dR", outlook.dR, "Ω", stable, false);
         ImGui::EndTable();
     }
 }
@@ -67,23 +91,44 @@ void show_search(const Session &session, StabilityTabState &state) {
     ImGui::SetNextItemWidth(8.0F * font);
     ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kLeastMargin,
                         &kGreatestMargin, "× %.2f", ImGuiSliderFlags_AlwaysClamp);
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("by what factor K_P and K_D might be larger yet");
-    }
+    explain("for the search: by what factor K_P and K_D might be larger yet before a hand\n"
+            "finds them unstable; 1 is at the edge, and what differs from the model eats it up");
     ImGui::SameLine();
     if (state.is_tuning()) {
         if (ImGui::Button("give up")) {
             state.stop_tuning();
         }
-        ImGui::ProgressBar(static_cast<float>(state.tuning_share()));
+        const std::string done =
+            "looking: " + std::to_string(std::lround(100.0 * state.tuning_share())) + " %";
+        ImGui::ProgressBar(static_cast<float>(state.tuning_share()), ImVec2(-1.0F, 0.0F),
+                           done.c_str());
         return;
     }
     if (ImGui::Button("find the stiffest")) {
         state.start_tuning(session);
     }
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate\n"
-                          "and delay that every hand finds stable at any η; in force at once");
+    explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
+            "delay that every hand finds stable at any η, and wherever the tip is;\n"
+            "takes seconds, is in force at once, and can be taken back");
+}
+
+void show_margins(const AutoTuned &found) {
+    const TuningMargins &margins = found.margins;
+    ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
+    explain("static stiffness k_T K_P/dR (13) at the motor");
+    ImGui::TextWrapped("room: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
+                       margins.least_dR_Ohm, margins.more_delay_samples);
+    explain("what it would bear, one at a time, all else as it is: larger K_P and K_D, a lower\n"
+            "dR, whole samples of delay. With larger gains it fails\n"
+            "first with " +
+            hand_text(margins.worst_hand) + ". Held stable: " + std::to_string(found.loops) +
+            " loops, of all hands, places and η");
+    if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+        ImGui::TextColored(kFaintInk, "K_P is at the end of its range: more would be stable");
+    }
+    if (found.taken_back > 0.0) {
+        ImGui::TextWrapped("K_P is %.0f %% below what the loops bear: counts kept them rattling",
+                           100.0 * found.taken_back);
     }
 }
 
@@ -94,24 +139,20 @@ void show_found(Session &session, StabilityTabState &state) {
     if (!state.found()) {
         return;
     }
-    const TuningMargins &margins = state.found()->margins;
-    ImGui::Text("K_DC %.3g N·m/rad; gains × %.2f, dR to %.3g Ω", margins.K_DC_Nm_per_rad,
-                margins.gain, margins.least_dR_Ohm);
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("stable on %zu loops; %d more samples of delay would be\n"
-                          "borne; at its gain margin %s fails first",
-                          state.found()->loops, margins.more_delay_samples,
-                          margins.worst_hand.c_str());
+    const bool in_force = are_alike(session.tuning(), state.found_tuning());
+    ImGui::TextColored(in_force ? kGood : kFaintInk, in_force ? "found, in force" : "found");
+    ImGui::SameLine();
+    show_margins(*state.found());
+    if (ImGui::Button(in_force ? "back to what was" : "put in force")) {
+        session.tune(in_force ? state.before() : state.found_tuning());
     }
+    explain(in_force ? "the tuning before the search" : "the tuning that was found");
+    ImGui::SameLine();
     if (ImGui::Button("save as file")) {
         state.save();
     }
-    ImGui::SameLine();
-    if (ImGui::Button("back to what was")) {
-        if (const std::optional<Tuning> before = state.take_back()) {
-            session.tune(*before);
-        }
-    }
+    explain("a tuning with its margins, in the folder where springdrive was started;\n"
+            "load it with --tuning-file");
 }
 
 } // namespace
@@ -122,11 +163,15 @@ void draw_stability_tab(Session &session, StabilityTabState &state) {
         session.tune(*tuning);
     }
     if (state.outlook()) {
-        show_outlook(session, *state.outlook());
+        show_outlook(*state.outlook());
+    } else {
+        ImGui::TextColored(kFaintInk, "working out how stable this is …");
     }
     ImGui::Separator();
     show_search(session, state);
     show_found(session, state);
+    ImGui::Separator();
+    state.field().draw(session.tuning());
 }
 
 } // namespace springdrive

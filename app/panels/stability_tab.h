@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/background.h"
+#include "app/panels/stability_field.h"
 #include "app/session.h"
 #include "engine/analysis/stability/auto_tune.h"
 
@@ -10,13 +11,20 @@
 
 namespace springdrive {
 
+/// A limit of one parameter, all others as they are.
+struct StabilityRoom {
+    double now = 0.0;
+    std::optional<double> limit; ///< the nearest, on the side where it fails or, failing, is mended
+    std::string who;             ///< fails first beyond
+};
+
 /// How far the present tuning is from where it fails.
 struct StabilityOutlook {
     WorstMember worst;
     double period_s = 1e-3;
-    std::optional<double> K_P_up_to;
-    std::optional<double> K_D_up_to;
-    std::optional<double> dR_down_to_Ohm;
+    StabilityRoom K_P;
+    StabilityRoom K_D;
+    StabilityRoom dR;
 };
 
 class StabilityTabState {
@@ -26,7 +34,7 @@ public:
 
     /// Looks for the stiffest tuning with the dR in force and the margin set.
     void start_tuning(const Session &session);
-    void stop_tuning() { search_.give_up(); }
+    void stop_tuning();
     [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
     [[nodiscard]] double tuning_share() const { return search_.share(); }
 
@@ -35,9 +43,12 @@ public:
 
     [[nodiscard]] const std::optional<StabilityOutlook> &outlook() const { return outlook_; }
     [[nodiscard]] const std::optional<AutoTuned> &found() const { return found_; }
+    [[nodiscard]] const StabilityField &field() const { return field_; }
     [[nodiscard]] const std::string &message() const { return message_; }
-    /// What was in force before the tuning that was found; once.
-    [[nodiscard]] std::optional<Tuning> take_back();
+    /// What was in force before the tuning that was found.
+    [[nodiscard]] const Tuning &before() const { return before_; }
+    /// The tuning that was found, with the η that was in force.
+    [[nodiscard]] const Tuning &found_tuning() const { return found_tuning_; }
     /// A tuning that is to be in force now; once.
     [[nodiscard]] std::optional<Tuning> take_new_tuning();
 
@@ -48,12 +59,17 @@ private:
     std::optional<StabilityOutlook> outlook_;
     std::optional<Tuning> looked_at_;
     Vector3 looked_at_q_rad_{Vector3::Zero()};
+    StabilityField field_;
     Background<AutoTuned> search_;
     std::optional<AutoTuned> found_;
-    std::optional<Tuning> before_;
+    Tuning before_;
+    Tuning found_tuning_;
     std::optional<Tuning> new_tuning_;
     std::string message_; ///< of the last search or save
 };
+
+/// Whether both are the same to the last number.
+[[nodiscard]] bool are_alike(const Tuning &a, const Tuning &b);
 
 /// The loop as it stands: at the hand's configuration, with the tuning that is asked for.
 [[nodiscard]] StabilityCase stability_case_of(const Session &session);

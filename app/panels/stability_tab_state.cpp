@@ -18,32 +18,32 @@ namespace {
 
 constexpr double kMoved_rad = 0.03; // below that, limits stay as they are
 
-bool are_alike(const Tuning &a, const Tuning &b) {
-    return a.map == b.map && a.alpha_mode == b.alpha_mode &&
-           std::all_of(kParameters.begin(), kParameters.end(),
-                       [&](const Parameter &p) { return a.*p.value == b.*p.value; });
-}
-
-/// The nearest limit on one side of where the parameter stands, if it stands well.
-std::optional<double> limit_of(const StabilityCase &which, const char *name, bool upwards) {
+/// Where the parameter may go to, or must go back to, in the direction of its failing: upwards or
+/// not.
+StabilityRoom room_of(const StabilityCase &which, bool is_stable, const char *name, bool upwards) {
     const StabilityParameter &parameter = *stability_parameter_named(name);
-    const double now = parameter.get(which);
-    std::optional<double> nearest;
+    StabilityRoom room;
+    room.now = parameter.get(which);
+    const bool looks_up = upwards == is_stable;
     for (const StabilityLimit &limit :
          predicted_limits(which, parameter, {parameter.from, parameter.to})) {
-        if (limit.stable_below == upwards &&
-            (upwards ? limit.predicted >= now : limit.predicted <= now)) {
-            nearest = nearest ? (upwards ? std::min(*nearest, limit.predicted)
-                                         : std::max(*nearest, limit.predicted))
-                              : limit.predicted;
+        const bool is_ahead = looks_up ? limit.predicted >= room.now : limit.predicted <= room.now;
+        const bool is_nearer = !room.limit || (looks_up ? limit.predicted < *room.limit
+                                                        : limit.predicted > *room.limit);
+        if (limit.stable_below == upwards && is_ahead && is_nearer) {
+            room.limit = limit.predicted;
+            room.who = "motor " + std::to_string(limit.worst.motor + 1) + ", " +
+                       hand_text(limit.worst.hand.name);
         }
     }
-    return nearest;
+    return room;
 }
 
 StabilityOutlook outlook_of(const StabilityCase &which) {
-    return {worst_member(which), which.period_s, limit_of(which, "kp", true),
-            limit_of(which, "kd", true), limit_of(which, "dR", false)};
+    const WorstMember worst = worst_member(which);
+    const bool is_stable = worst.is_stable();
+    return {worst, which.period_s, room_of(which, is_stable, "kp", true),
+            room_of(which, is_stable, "kd", true), room_of(which, is_stable, "dR", false)};
 }
 
 /// "tuned-20240531-123456.toml".
@@ -58,6 +58,12 @@ std::string name_of_new_tuning() {
 
 } // namespace
 
+bool are_alike(const Tuning &a, const Tuning &b) {
+    return a.map == b.map && a.alpha_mode == b.alpha_mode &&
+           std::all_of(kParameters.begin(), kParameters.end(),
+                       [&](const Parameter &p) { return a.*p.value == b.*p.value; });
+}
+
 StabilityCase stability_case_of(const Session &session) {
     StabilityCase which;
     which.device = session.device();
@@ -69,13 +75,15 @@ StabilityCase stability_case_of(const Session &session) {
 }
 
 void StabilityTabState::update(const Session &session) {
-    if (std::optional<StabilityOutlook> outlook = watch_.take()) {
-        outlook_ = std::move(outlook);
-    }
     try {
+        if (std::optional<StabilityOutlook> outlook = watch_.take()) {
+            outlook_ = std::move(outlook);
+        }
         if (std::optional<AutoTuned> found = search_.take()) {
             before_ = session.tuning();
-            new_tuning_ = found->tuning;
+            found_tuning_ = found->tuning;
+            found_tuning_.eta = before_.eta; // any is stable
+            new_tuning_ = found_tuning_;
             found_ = std::move(found);
             message_.clear();
         }
@@ -83,6 +91,7 @@ void StabilityTabState::update(const Session &session) {
         message_ = error.what();
     }
     const StabilityCase now = stability_case_of(session);
+    field_.update(now);
     const bool moved = (now.q_rad - looked_at_q_rad_).cwiseAbs().maxCoeff() > kMoved_rad;
     if (!watch_.is_busy() && (!looked_at_ || moved || !are_alike(*looked_at_, now.tuning))) {
         looked_at_ = now.tuning;
@@ -103,18 +112,21 @@ void StabilityTabState::start_tuning(const Session &session) {
         });
 }
 
+void StabilityTabState::stop_tuning() {
+    search_.give_up();
+    message_ = "given up: the tuning is as it was";
+}
+
 void StabilityTabState::save() {
     if (!found_) {
         return;
     }
     const std::string name = name_of_new_tuning();
     std::ofstream file(name, std::ios::binary);
-    write_tuning_file(file, {found_->tuning, "found in the window", found_->margins});
+    write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
     message_ = file.flush() ? "saved as " + name
                             : name + ": cannot be written; is the folder yours, the disk full?";
 }
-
-std::optional<Tuning> StabilityTabState::take_back() { return std::exchange(before_, {}); }
 
 std::optional<Tuning> StabilityTabState::take_new_tuning() {
     return std::exchange(new_tuning_, {});

@@ -1,6 +1,6 @@
 # A work-precision chart: what a method costs, and how far from the truth it is. Rows of the CSV
 # file: method, setting, least, median and greatest cost [ns], error, stable.
-rows = (words(methods) + 1) / 2 # of the legend
+rows = (words(methods) + has_failures + 1) / 2 # of the legend
 row = 26.0                      # pixels
 height = 600 + row*rows
 set terminal svg size 900,height font "DejaVu Sans,14" enhanced background rgb "white"
@@ -8,12 +8,17 @@ set label 1 heading at screen 0.5, 0.965 center noenhanced font ",16"
 set label 2 footnote at screen 0.5, 0.925 center noenhanced font ",11" textcolor rgb grey
 set tmargin at screen 0.89
 set bmargin at screen (118 + row*rows)/height
-set lmargin at screen 0.13
+set lmargin at screen 0.14
 set rmargin at screen 0.97
 set logscale xy
 set xrange [cost_low_s:cost_high_s]
 set yrange [error_low:error_high]
 set xlabel cost_label noenhanced
+# A long label takes two lines, or it would reach beyond the frame.
+comma = strstrt(error_label, ", ")
+if (strlen(error_label) > 55 && comma > 0) {
+    error_label = error_label[1:comma] . "\n" . error_label[comma + 2:*]
+}
 set ylabel error_label noenhanced
 set key at screen 0.5, (34 + row*rows)/height center top maxrows rows samplen 2.5 width 2 noenhanced Left reverse
 
@@ -24,15 +29,16 @@ few(low, high) = log10(high/low) < 2.2
 if (few(cost_low_s, cost_high_s)) {
     set for [e=-12:3] for [m in "2 5"] xtics add (gprintf("%.0s %cs", m*10.0**e) m*10.0**e)
 }
-plain = error_low > 5e-5 && error_high < 5e4
+least = error_of_zero > 0 ? 10*error_of_zero : error_low # but for 0
+plain = least > 5e-5 && error_high < 5e4
 power = "10^{%T}"
 set ytics format (plain ? "%g" : power)
-if (few(error_low, error_high)) {
+if (few(least, error_high)) {
     set for [e=-20:6] for [m in "2 5"] ytics add (gprintf(plain ? "%g" : "%.0t·".power, m*10.0**e) m*10.0**e)
 }
-# An error of 0 stands below all others, on a number of its own.
+# An error of 0, or of what arithmetic rounds off, stands below all others, at a number of its own.
 if (error_of_zero > 0) {
-    set ytics ("0" error_of_zero)
+    set ytics ((round_off > 0 ? "≈ 0" : "0") error_of_zero)
     do for [e=-20:6] {
         if (10.0**e > 5*error_of_zero) { set ytics add (gprintf(plain ? "%g" : power, 10.0**e) 10.0**e) }
     }
@@ -49,10 +55,15 @@ look(i) = (i - 1) % 10 + 1
 is_of(i) = word(method_of_rows, int($0) + 1) == i
 stable(i) = is_of(i) && $7 == 1 ? 1e-9*$3 : NaN
 unstable(i) = is_of(i) && $7 == 0 ? 1e-9*$3 : NaN
-error(row) = !valid(6) ? 0.5*error_high : $6 == 0 ? error_of_zero : $6
-is_named(row) = strstrt(named_rows, sprintf(" %d ", row)) > 0
+error(row) = !valid(6) ? error_of_none : $6 <= round_off ? error_of_zero : $6
+named(rows) = strstrt(rows, sprintf(" %d ", int($0))) > 0 ? 1e-9*$3 : NaN
 
-plot for [i=1:count] csv using (stable(i)):(error($0)) skip 1 with lines linewidth 1.5 linecolor rgb colour[look(i)] notitle, \
-     for [i=1:count] csv using (stable(i)):(error($0)):(1e-9*$3):(1e-9*$5) skip 1 with xerrorbars pointtype mark[look(i)] pointsize 0.9 linewidth 1.5 linecolor rgb colour[look(i)] title word(methods, i), \
+failure = !has_failures ? "" : error_of_none > 0 ? "fails (at the top: no error to tell)" : "fails"
+plot for [i=1:count] csv using (stable(i)):(error($0)):(1e-9*$3):(1e-9*$5) skip 1 with xerrorbars pointtype 0 linewidth 0.7 linecolor rgb colour[look(i)] notitle, \
+     for [i=1:count] csv using (stable(i)):(error($0)) skip 1 with linespoints pointtype mark[look(i)] pointsize 0.9 linewidth 1.5 linecolor rgb colour[look(i)] title word(methods, i), \
      for [i=1:count] csv using (unstable(i)):(error($0)) skip 1 with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb colour[look(i)] notitle, \
-     csv using (is_named($0) ? 1e-9*$3 : NaN):(error($0)):2 skip 1 with labels offset 0.8,0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle
+     NaN with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb grey title failure, \
+     csv using (named(named_right_above)):(error($0)):2 skip 1 with labels offset 0.8,0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle, \
+     csv using (named(named_right_below)):(error($0)):2 skip 1 with labels offset 0.8,-0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle, \
+     csv using (named(named_left_above)):(error($0)):2 skip 1 with labels offset -0.8,0.6 right noenhanced font ",11" textcolor rgb "#444444" notitle, \
+     csv using (named(named_left_below)):(error($0)):2 skip 1 with labels offset -0.8,-0.6 right noenhanced font ",11" textcolor rgb "#444444" notitle

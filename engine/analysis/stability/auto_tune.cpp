@@ -179,8 +179,8 @@ void search(Search &places, const Progress &progress) {
         for (int j = 0; j < kGrid; ++j) {
             places.look_at(
                 {static_cast<double>(i) / (kGrid - 1), static_cast<double>(j) / (kGrid - 1)});
+            tell(progress, kShareOfGrid * (i * kGrid + j + 1) / (kGrid * kGrid));
         }
-        tell(progress, kShareOfGrid * (i + 1) / kGrid);
     }
     closer_and_closer(
         kFirstStep, [&](const Place &place) { places.look_at(place); },

@@ -35,6 +35,13 @@ struct Hand {
             relaxed.stiffness_N_per_m * std::pow(10.0, way)};
 }
 
+/// For people: "light hand", "hand of firmness 0.25", "no hand".
+[[nodiscard]] inline std::string hand_text(const std::string &name) {
+    return name.ends_with("hand")          ? name
+           : name.starts_with("firmness ") ? "hand of " + name
+                                           : name + " hand";
+}
+
 /// No hand, and `grips` of the family from light to firm, evenly spread. @pre at least two grips
 [[nodiscard]] inline std::vector<Hand> hand_family(int grips = 5) {
     std::vector<Hand> hands{no_hand()};

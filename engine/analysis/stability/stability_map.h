@@ -16,7 +16,10 @@ struct MapAxis {
 
     /// Evenly spread by the parameter's own scale.
     [[nodiscard]] std::vector<double> values() const;
-    [[nodiscard]] bool is_logarithmic() const { return parameter->logarithmic && range.from > 0.0; }
+    /// Ranges that are narrow, or reach down to 0, are spread by differences instead.
+    [[nodiscard]] bool is_logarithmic() const {
+        return parameter->logarithmic && range.from > 0.0 && range.to > 4.0 * range.from;
+    }
 };
 
 struct MapCell {

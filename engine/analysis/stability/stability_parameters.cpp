@@ -75,32 +75,35 @@ const std::array<StabilityParameter, 15> kList{{
     {"eta", "η", "–", 0.0, 1.0, 0.0, 1.0, false, false, get_tuning<&Tuning::eta>,
      set_tuning<&Tuning::eta>, "0 rigid, 1 free space (30)"},
     {"hand-mass", "m of the hand", "kg", 0.0, 100.0, 1e-3, 10.0, true, false,
-     get_hand<&Hand::mass_kg>, set_hand<&Hand::mass_kg>, "of one hand, on the tip"},
+     get_hand<&Hand::mass_kg>, set_hand<&Hand::mass_kg>,
+     "mass of one hand on the tip, instead of the six"},
     {"hand-damping", "b of the hand", "N·s/m", 0.0, 1e4, 0.01, 100.0, true, false,
-     get_hand<&Hand::damping_Ns_per_m>, set_hand<&Hand::damping_Ns_per_m>, "of one hand"},
+     get_hand<&Hand::damping_Ns_per_m>, set_hand<&Hand::damping_Ns_per_m>, "damping of one hand"},
     {"hand-stiffness", "k of the hand", "N/m", 0.0, 1e6, 1.0, 1e5, true, false,
-     get_hand<&Hand::stiffness_N_per_m>, set_hand<&Hand::stiffness_N_per_m>, "of one hand"},
+     get_hand<&Hand::stiffness_N_per_m>, set_hand<&Hand::stiffness_N_per_m>,
+     "stiffness of one hand"},
     {"inertia", "J", "kg·m²", 1e-12, 1e3, 1e-7, 1e-3, true, false,
      [](const Case &c) { return rotor_of(c).inertia_kg_m2; },
      [](Case &c, double value) {
          c.rotor = rotor_of(c);
          c.rotor->inertia_kg_m2 = value;
      },
-     "of one motor and all that it moves, at the motor"},
+     "inertia of one motor and all that it moves, at the motor"},
     {"damping", "b", "N·m·s/rad", 0.0, 1e3, 1e-8, 1e-2, true, false,
      [](const Case &c) { return rotor_of(c).damping_Nms_per_rad; },
      [](Case &c, double value) {
          c.rotor = rotor_of(c);
          c.rotor->damping_Nms_per_rad = value;
      },
-     "of the same"},
+     "damping of one motor and all that it moves, at the motor"},
     {"wall-stiffness", "K", "N/m", 0.0, 1e7, 1.0, 1e5, true, false,
      [](const Case &c) { return c.wall.stiffness_N_per_m; },
      [](Case &c, double value) { c.wall.stiffness_N_per_m = value; },
-     "of a current drive's virtual wall, at the tip"},
+     "stiffness of a current drive's virtual wall, at the tip"},
     {"wall-damping", "B", "N·s/m", 0.0, 1e5, 0.1, 100.0, true, false,
      [](const Case &c) { return c.wall.damping_Ns_per_m; },
-     [](Case &c, double value) { c.wall.damping_Ns_per_m = value; }, "of the same"},
+     [](Case &c, double value) { c.wall.damping_Ns_per_m = value; },
+     "damping of a current drive's virtual wall, at the tip"},
 }};
 
 } // namespace
@@ -129,10 +132,11 @@ std::string what_is_wrong_with(const StabilityParameter &parameter, double value
     if (!in_range || !whole || zero_dR) {
         message << parameter.name << " is " << value << "; it must be "
                 << (parameter.whole ? "a whole number " : "") << "from " << parameter.lowest
-                << " to " << parameter.highest << (zero_dR ? ", and not 0" : "");
+                << " to " << parameter.highest;
         if (parameter.unit != "–") {
             message << ' ' << parameter.unit;
         }
+        message << (zero_dR ? ", and not 0" : "");
     }
     return message.str();
 }

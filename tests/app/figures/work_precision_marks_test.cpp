@@ -61,11 +61,48 @@ TEST(WorkPrecisionMarks, HaveRangesWhereNothingIsFinite) {
     EXPECT_LT(number_of(marks, "error_low"), number_of(marks, "error_high"));
 }
 
-TEST(WorkPrecisionMarks, NameTheEndsOfEachLineButNotOverOneAnother) {
+TEST(WorkPrecisionMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
+    WorkPrecisionChart chart;
+    chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-6), point("exact", 10, 1.4e-17)};
+    const ChartMarks marks = work_precision_marks(chart, "");
+    EXPECT_GT(number_of(marks, "round_off"), 1.4e-17);
+    EXPECT_LT(number_of(marks, "round_off"), 2e-17);
+    EXPECT_GT(number_of(marks, "error_low"), 1e-10);
+    EXPECT_GT(number_of(marks, "error_of_zero"), number_of(marks, "error_low"));
+    // Six decades in steps, as an integrator's order makes them, are no round-off.
+    chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-8), point("a", 1000, 1e-13)};
+    EXPECT_EQ(number_of(work_precision_marks(chart, ""), "round_off"), 0.0);
+}
+
+TEST(WorkPrecisionMarks, AFailureWithoutAnErrorStandsAboveAll) {
+    WorkPrecisionChart chart;
+    chart.points = {point("a", 10, 1e-3), point("a", 100, NAN, false)};
+    const ChartMarks marks = work_precision_marks(chart, "");
+    EXPECT_EQ(number_of(marks, "has_failures"), 1.0);
+    EXPECT_GT(number_of(marks, "error_of_none"), 1e-3);
+    EXPECT_LT(number_of(marks, "error_of_none"), number_of(marks, "error_high"));
+    chart.points.pop_back();
+    const ChartMarks well = work_precision_marks(chart, "");
+    EXPECT_EQ(number_of(well, "has_failures"), 0.0);
+    EXPECT_EQ(number_of(well, "error_of_none"), 0.0);
+}
+
+TEST(WorkPrecisionMarks, NameTheEndsOfEachLineAtDifferentCorners) {
     WorkPrecisionChart chart;
     chart.points = {point("a", 10, 1.0), point("a", 100, 0.1), point("a", 1e4, 1e-3),
                     point("b", 10.1, 0.99), point("b", 1e4, 1e-5)};
-    EXPECT_EQ(value_of(work_precision_marks(chart, ""), "named_rows"), "' 0 2 4 '");
+    const ChartMarks marks = work_precision_marks(chart, "");
+    std::string all;
+    for (const char *corner : {"right_above", "right_below", "left_above", "left_below"}) {
+        const std::string rows = value_of(marks, std::string("named_") + corner);
+        EXPECT_FALSE(rows.find(" 0 ") != std::string::npos && rows.find(" 3 ") != std::string::npos)
+            << "two names at one place";
+        all += rows;
+    }
+    EXPECT_NE(all.find(" 0 "), std::string::npos);
+    EXPECT_NE(all.find(" 2 "), std::string::npos);
+    EXPECT_NE(all.find(" 4 "), std::string::npos);
+    EXPECT_EQ(all.find(" 1 "), std::string::npos); // amid its line
 }
 
 } // namespace

@@ -37,6 +37,8 @@ TEST(MapAxis, SpreadsValuesByTheParametersScale) {
     EXPECT_EQ(gains[2], 10.0);
     const std::vector<double> from_zero = axis("kp", 0.0, 10.0, 3).values();
     EXPECT_EQ(from_zero, (std::vector<double>{0.0, 5.0, 10.0})); // 0 has no logarithm
+    // A narrow range is spread evenly, for which numbers can be written beside it.
+    EXPECT_EQ(axis("kp", 10.0, 30.0, 3).values(), (std::vector<double>{10.0, 20.0, 30.0}));
     EXPECT_EQ(axis("d", 1.0, 4.0, 40).values(), (std::vector<double>{1.0, 2.0, 3.0, 4.0}));
     EXPECT_EQ(axis("eta", 0.0, 1.0, 5).values().size(), 5U);
 }

@@ -1,0 +1,57 @@
+// Covers app/panels/stability_field.cpp, but for its drawing.
+#include "app/panels/stability_field.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive {
+namespace {
+
+StabilityCase firm() {
+    StabilityCase which;
+    which.device = testing::phantom_1_0();
+    return which;
+}
+
+TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
+    EXPECT_GT(StabilityGrid::K_P_V_per_rad(0), StabilityGrid::kLeast_K_P_V_per_rad);
+    EXPECT_LT(StabilityGrid::K_P_V_per_rad(StabilityGrid::kColumns - 1),
+              StabilityGrid::kGreatest_K_P_V_per_rad);
+    const double ratio = StabilityGrid::dR_Ohm(1) / StabilityGrid::dR_Ohm(0);
+    EXPECT_NEAR(StabilityGrid::dR_Ohm(9) / StabilityGrid::dR_Ohm(8), ratio, 1e-12);
+    // Half a cell lies beyond the middles of the outermost.
+    EXPECT_NEAR(StabilityGrid::dR_Ohm(0) * StabilityGrid::dR_Ohm(StabilityGrid::kRows - 1),
+                StabilityGrid::kLeast_dR_Ohm * StabilityGrid::kGreatest_dR_Ohm, 1e-12);
+}
+
+TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
+    BackgroundTalk talk;
+    const StabilityGrid grid = stability_grid(firm(), talk);
+    ASSERT_EQ(grid.eigenvalue.size(),
+              static_cast<std::size_t>(StabilityGrid::kColumns * StabilityGrid::kRows));
+    EXPECT_EQ(talk.share, 1.0);
+    int stable = 0;
+    for (int row = 0; row < StabilityGrid::kRows; row += 3) {
+        for (int column = 0; column < StabilityGrid::kColumns; column += 5) {
+            // As typed into the tuning, where the grid sets the net resistance.
+            StabilityCase there = firm();
+            there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
+            there.tuning.dR_Ohm = StabilityGrid::dR_Ohm(row);
+            // The motors of this device are alike, so both are the same but for rounding.
+            EXPECT_NEAR(grid.at(column, row), worst_member(there).eigenvalue, 1e-9);
+            stable += grid.at(column, row) < 1.0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(stable, 5); // both sides of the line are seen
+    EXPECT_LT(stable, 43);
+}
+
+TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
+    BackgroundTalk talk;
+    talk.is_wanted = false;
+    const StabilityGrid grid = stability_grid(firm(), talk);
+    EXPECT_EQ(grid.at(3, 3), 0.0); // not worked out
+}
+
+} // namespace
+} // namespace springdrive
