@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <numbers>
 #include <string>
 
 namespace springdrive {
@@ -75,6 +76,11 @@ struct DeviceDescription {
     Workspace workspace;
     WorkspaceEdge edge;
     DeviceLimits limits;
+
+    /// One encoder count, in motor angle.
+    [[nodiscard]] double rad_per_count() const {
+        return 2.0 * std::numbers::pi / encoder_counts_per_turn;
+    }
 };
 
 /// Whether the tip can be at `tip_m`: within reach and within the joint limits. RT-safe.

@@ -4,7 +4,6 @@
 #include "engine/control/force_direction.h"
 
 #include <cstddef>
-#include <numbers>
 
 namespace springdrive {
 
@@ -26,8 +25,7 @@ double alpha_in_force(const Tuning &tuning, double bound, double global) {
 
 HapticLaw::HapticLaw(const DeviceDescription &device)
     : geometry_(device.geometry), motor_(device.motor), k_T_(torque_constants(device)),
-      relative_stiffness_(relative_stiffness(device)),
-      rad_per_count_(2.0 * std::numbers::pi / device.encoder_counts_per_turn) {}
+      relative_stiffness_(relative_stiffness(device)), rad_per_count_(device.rad_per_count()) {}
 
 Configuration HapticLaw::configuration(const Vector3 &theta_rad,
                                        const Vector3 &theta_rate_rad_per_s) const noexcept {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace springdrive {
@@ -23,8 +22,8 @@ WindingGuard guard_of(const DeviceDescription &device, std::size_t motor, double
 
 double greatest_step_m(const DeviceDescription &device, double speed_limit_m_per_s, double time_s,
                        const Matrix3 &J) {
-    const double quantum_rad = 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
-    return kJumpFactor * speed_limit_m_per_s * time_s + kJumpCounts * quantum_rad * J.norm();
+    return kJumpFactor * speed_limit_m_per_s * time_s +
+           kJumpCounts * device.rad_per_count() * J.norm();
 }
 
 } // namespace

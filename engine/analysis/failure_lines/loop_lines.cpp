@@ -30,7 +30,7 @@ void add_limits(std::vector<FailureLine> &lines, const std::string &method,
 /// What one count of an encoder makes of e_W.
 FailureLine noise_of_a_count(const StabilityCase &which) {
     const Tuning tuning;
-    const double count_rad = 2.0 * std::numbers::pi / which.device.encoder_counts_per_turn;
+    const double count_rad = which.device.rad_per_count();
     const double a = velocity_filter_pole(tuning.lambda_rad_per_s, which.period_s);
     VelocityFilter filter;
     Configuration now;

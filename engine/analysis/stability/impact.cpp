@@ -23,13 +23,12 @@ class WallServo {
 public:
     WallServo(const StabilityCase &which, const DeviceDescription &device, double height_m)
         : which_(which), law_(device), global_alpha_(global_alpha_bound(which.device)),
-          height_m_(height_m),
-          rad_per_count_(2.0 * std::numbers::pi / device.encoder_counts_per_turn) {}
+          height_m_(height_m) {}
 
     void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
 
     [[nodiscard]] DeviceCommand command(const std::array<std::int32_t, 3> &counts) {
-        const Vector3 theta_rad = rad_per_count_ * Vector3(counts[0], counts[1], counts[2]);
+        const Vector3 theta_rad = law_.theta_rad(counts);
         const Vector3 rate = filter_.update(
             theta_rad, velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s),
             which_.period_s);
@@ -72,7 +71,6 @@ private:
     HapticLaw law_;
     double global_alpha_;
     double height_m_;
-    double rad_per_count_;
     VelocityFilter filter_;
 };
 

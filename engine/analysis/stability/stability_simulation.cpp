@@ -14,10 +14,6 @@ namespace springdrive {
 
 namespace {
 
-double rad_per_count(const DeviceDescription &device) {
-    return 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
-}
-
 /// @param start_rad  how far motors are from rest at first, about
 RingdownOptions ringdown_options(const TrialOptions &options, double start_rad) {
     // Modes lie below 1e4 rad/s, or little above. Without a supply that ends, the linkage would
@@ -78,7 +74,7 @@ RotorSimulationOptions rotor_options(const StabilityCase &which, const LoopMembe
     rotor.filter_pole = law.filter_pole;
     rotor.per_velocity = law.per_velocity(0, 0);
     rotor.per_position = law.per_position(0, 0);
-    rotor.quantum_rad = options.effects.quantisation ? rad_per_count(which.device) : 0.0;
+    rotor.quantum_rad = options.effects.quantisation ? which.device.rad_per_count() : 0.0;
     rotor.amplifier_limits = options.effects.saturation;
     const double N = which.device.geometry.transmission_ratio[member.motor];
     rotor.coulomb_Nm =
@@ -195,7 +191,7 @@ Trial three_motor_trial(const StabilityCase &which, const LoopMember &member,
     TiedTip tip(which, phantom.description(), rest_m + aside);
     Vector3 theta_rad = phantom.truth().theta_rad;
     tip.rest_at(theta_rad);
-    const double per_count = rad_per_count(phantom.description());
+    const double per_count = phantom.description().rad_per_count();
     const double start_rad = options.start_m / motor_jacobian(geometry, which.q_rad).norm();
     Ringdown ringdown(ringdown_options(options, start_rad), which.period_s);
     const auto tick = [&]() -> const Vector3 & {

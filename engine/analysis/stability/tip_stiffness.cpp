@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 
 #include <cmath>
-#include <numbers>
 
 namespace springdrive {
 
@@ -74,9 +73,9 @@ double force_of_a_count_N(const StabilityCase &which) {
     const LoopMember nobody{0, no_hand()};
     const DrivenLoad load = driven_load(all, nobody);
     const SampledLaw law = sampled_law(all, nobody);
-    const double count_rad = 2.0 * std::numbers::pi / which.device.encoder_counts_per_turn;
     const Matrix3 command =
-        count_rad * ((1.0 - law.filter_pole) / law.period_s * law.per_velocity + law.per_position);
+        which.device.rad_per_count() *
+        ((1.0 - law.filter_pole) / law.period_s * law.per_velocity + law.per_position);
     const Matrix3 current_A = sampled_load(load, which.period_s).block<3, 3>(6, 9) * command;
     const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
     const Matrix3 force_N = J.transpose().inverse() * load.torque_Nm_per_A.asDiagonal() * current_A;

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 
 namespace springdrive {
@@ -20,7 +19,7 @@ public:
     ModelPlant(const DeviceDescription &description, const SimulationOptions &options,
                const Vector3 &start_m)
         : device_(description, options, start_m),
-          rad_per_count_(2.0 * std::numbers::pi / device_.description().encoder_counts_per_turn) {
+          rad_per_count_(device_.description().rad_per_count()) {
         for (std::size_t j = 0; j < 3; ++j) {
             const double theta_rad = device_.truth().theta_rad[static_cast<Eigen::Index>(j)];
             state_.counts[j] = static_cast<std::int32_t>(std::lround(theta_rad / rad_per_count_));
