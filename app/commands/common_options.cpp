@@ -46,9 +46,9 @@ void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
         return;
     }
     command.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
-        ->check(CLI::IsMember({"inverse", "transpose"}));
+        ->check(CLI::IsMember(list_of(kMotionMapNames)));
     command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
-        ->check(CLI::IsMember({"on_the_fly", "global", "by_hand"}));
+        ->check(CLI::IsMember(list_of(kAlphaModeNames)));
 }
 
 void EffectOptions::add_to(CLI::App &command) {

@@ -24,6 +24,11 @@ namespace springdrive {
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
 
+/// For CLI::IsMember.
+template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const Names &names) {
+    return {names.begin(), names.end()};
+}
+
 /// Which parameters a command can use.
 enum class TuningScope : std::uint8_t {
     coupling,   ///< dR, K_P, K_D and λ: what K_θ (12) is made of

@@ -47,7 +47,7 @@ void StabilityOptions::add_to(CLI::App &command) {
             ->type_name(parameter.unit == "–" ? "" : std::string(parameter.unit));
     }
     command.add_option("--kinematics", kinematics, "inverse (18) or transpose (23) [as tuned]")
-        ->check(CLI::IsMember({"inverse", "transpose"}));
+        ->check(CLI::IsMember(list_of(kMotionMapNames)));
     command
         .add_option("--drive", drive,
                     "spring: the paper's; current: a virtual wall as others render it [spring]")

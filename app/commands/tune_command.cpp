@@ -25,7 +25,7 @@ struct Typed {
     double servo_hz = 1000.0;
     int delay_samples = 0;
     double margin = AutoTuneRequest{}.margin;
-    std::string kinematics = "transpose";
+    std::string kinematics{name_of(MotionMap::transpose)};
     std::string out; ///< empty: standard output, after what people want to know
 };
 
@@ -112,7 +112,7 @@ void add_tune_command(CLI::App &app) {
                     "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     tune.add_option("--kinematics", typed->kinematics, "inverse (18) or transpose (23)")
-        ->check(CLI::IsMember({"inverse", "transpose"}));
+        ->check(CLI::IsMember(list_of(kMotionMapNames)));
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         ->type_name("FILE.toml");
     tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "

@@ -1,12 +1,12 @@
 // Fig. 5 of the paper.
 #include "app/figures/figure_text.h"
 #include "app/figures/locked_figures.h"
+#include "engine/control/parameters.h"
 
 #include <algorithm>
 #include <array>
 #include <numbers>
 #include <string>
-#include <utility>
 
 namespace springdrive {
 
@@ -17,19 +17,19 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
         "map,penetration_mm,measured_outward_N,measured_up_N,predicted_outward_N,predicted_up_N,"
         "correct_outward,correct_up,error_deg,predicted_error_deg\n";
     double longest_N = 0.0;
-    for (const auto &[map, name] :
-         {std::pair(MotionMap::inverse, "inverse"), std::pair(MotionMap::transpose, "transpose")}) {
+    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+        const std::string name(name_of(map));
         // Each map its own, so that friction does not swamp the softer one.
         const LockedDeviceOptions options = with_effects(setting, map);
         const LockedForce force = press_locked_device(setting.device, options, map, kDown_rad);
-        figure.csv += std::string(name) + "," +
+        figure.csv += name + "," +
                       csv_line({1e3 * options.penetration_m, force.measured_N.x(),
                                 force.measured_N.y(), force.predicted_N.x(), force.predicted_N.y(),
                                 0.0, -1.0, kDegreesPerRadian * force.error_rad,
                                 kDegreesPerRadian * force.predicted_error_rad});
-        figure.marks.add(std::string(name) + "_text",
-                         penetration_text(options) + " inside, " +
-                             number_text(kDegreesPerRadian * force.error_rad, 3) + "°");
+        figure.marks.add(name + "_text", penetration_text(options) + " inside, " +
+                                             number_text(kDegreesPerRadian * force.error_rad, 3) +
+                                             "°");
         longest_N = std::max({longest_N, force.measured_N.norm(), force.predicted_N.norm()});
         progress(map == MotionMap::inverse ? 0.5 : 1.0);
     }

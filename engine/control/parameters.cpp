@@ -5,6 +5,18 @@
 
 namespace springdrive {
 
+namespace {
+
+/// The enumerator that has that name.
+template <typename Enum, typename Names>
+std::optional<Enum> numbered(const Names &names, std::string_view name) {
+    const auto found = std::ranges::find(names, name);
+    return found == names.end() ? std::nullopt
+                                : std::optional(static_cast<Enum>(found - names.begin()));
+}
+
+} // namespace
+
 // Written so that a NaN lies in no range.
 bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept {
     const double value = tuning.*parameter.value;
@@ -29,20 +41,11 @@ std::string what_is_wrong_with(const Tuning &tuning) {
 }
 
 std::optional<MotionMap> motion_map_named(std::string_view name) {
-    if (name == "inverse") {
-        return MotionMap::inverse;
-    }
-    return name == "transpose" ? std::optional(MotionMap::transpose) : std::nullopt;
+    return numbered<MotionMap>(kMotionMapNames, name);
 }
 
 std::optional<AlphaMode> alpha_mode_named(std::string_view name) {
-    if (name == "on_the_fly") {
-        return AlphaMode::on_the_fly;
-    }
-    if (name == "global") {
-        return AlphaMode::global;
-    }
-    return name == "by_hand" ? std::optional(AlphaMode::by_hand) : std::nullopt;
+    return numbered<AlphaMode>(kAlphaModeNames, name);
 }
 
 } // namespace springdrive

@@ -5,6 +5,7 @@
 #include "engine/control/tuning.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,10 +52,22 @@ inline constexpr std::array<Parameter, 6> kParameters{{
 /// The same question without the words. RT-safe.
 [[nodiscard]] bool is_valid(const Tuning &tuning) noexcept;
 
-/// "inverse" or "transpose"; nothing for any other name.
+/// The names of the maps and of the sources of α in files, records and on the command line, by
+/// their number.
+inline constexpr std::array<std::string_view, 2> kMotionMapNames{"inverse", "transpose"};
+inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "global", "by_hand"};
+
+[[nodiscard]] constexpr std::string_view name_of(MotionMap map) {
+    return kMotionMapNames[static_cast<std::size_t>(map)];
+}
+[[nodiscard]] constexpr std::string_view name_of(AlphaMode mode) {
+    return kAlphaModeNames[static_cast<std::size_t>(mode)];
+}
+
+/// One of `kMotionMapNames`; nothing for any other name.
 [[nodiscard]] std::optional<MotionMap> motion_map_named(std::string_view name);
 
-/// "on_the_fly", "global" or "by_hand"; nothing for any other name.
+/// One of `kAlphaModeNames`; nothing for any other name.
 [[nodiscard]] std::optional<AlphaMode> alpha_mode_named(std::string_view name);
 
 } // namespace springdrive

@@ -6,17 +6,29 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace springdrive {
 
 namespace {
 
+/// "on_the_fly, global or by_hand".
+std::string any_of(std::span<const std::string_view> names) {
+    std::string list(names.front());
+    for (std::size_t i = 1; i < names.size(); ++i) {
+        list += i + 1 < names.size() ? ", " : " or ";
+        list += names[i];
+    }
+    return list;
+}
+
 MotionMap read_map(StrictTomlTable &file) {
     const std::string name = file.text("map");
     const std::optional<MotionMap> map = motion_map_named(name);
     if (!map) {
-        file.refuse("map", "is \"" + name + "\"; it must be inverse or transpose");
+        file.refuse("map", "is \"" + name + "\"; it must be " + any_of(kMotionMapNames));
     }
     return *map;
 }
@@ -25,7 +37,7 @@ AlphaMode read_alpha_mode(StrictTomlTable &file) {
     const std::string name = file.text("alpha_mode");
     const std::optional<AlphaMode> mode = alpha_mode_named(name);
     if (!mode) {
-        file.refuse("alpha_mode", "is \"" + name + "\"; it must be on_the_fly, global or by_hand");
+        file.refuse("alpha_mode", "is \"" + name + "\"; it must be " + any_of(kAlphaModeNames));
     }
     return *mode;
 }
@@ -55,27 +67,13 @@ std::string digits(double value) {
 }
 
 /// A TOML string on one line.
-std::string quoted(const std::string &text) {
+std::string toml_string(std::string_view text) {
     std::string inside;
     for (const char c : text) {
         inside += c == '"' || c == '\\' ? std::string("\\") + c
                                         : std::string(1, c < ' ' && c >= 0 ? ' ' : c);
     }
     return '"' + inside + '"';
-}
-
-std::string name_of(MotionMap map) { return map == MotionMap::inverse ? "inverse" : "transpose"; }
-
-std::string name_of(AlphaMode mode) {
-    switch (mode) {
-    case AlphaMode::global:
-        return "global";
-    case AlphaMode::by_hand:
-        return "by_hand";
-    case AlphaMode::on_the_fly:
-        break;
-    }
-    return "on_the_fly";
 }
 
 } // namespace
@@ -102,9 +100,9 @@ Tuning read_tuning_file(const std::filesystem::path &path) {
 }
 
 void write_tuning_file(std::ostream &out, const TuningFile &file) {
-    out << "description = " << quoted(file.description) << '\n';
-    out << "map = " << quoted(name_of(file.tuning.map)) << '\n';
-    out << "alpha_mode = " << quoted(name_of(file.tuning.alpha_mode)) << '\n';
+    out << "description = " << toml_string(file.description) << '\n';
+    out << "map = " << toml_string(name_of(file.tuning.map)) << '\n';
+    out << "alpha_mode = " << toml_string(name_of(file.tuning.alpha_mode)) << '\n';
     for (const Parameter &parameter : kParameters) {
         out << parameter.name << " = " << digits(file.tuning.*parameter.value) << '\n';
     }
@@ -119,7 +117,7 @@ void write_tuning_file(std::ostream &out, const TuningFile &file) {
     out << "more_delay_samples = " << margins.more_delay_samples << '\n';
     out << "least_dR_Ohm = " << digits(margins.least_dR_Ohm) << '\n';
     out << "K_DC_Nm_per_rad = " << digits(margins.K_DC_Nm_per_rad) << '\n';
-    out << "worst_hand = " << quoted(margins.worst_hand) << '\n';
+    out << "worst_hand = " << toml_string(margins.worst_hand) << '\n';
     out << "worst_eta = " << digits(margins.worst_eta) << '\n';
 }
 

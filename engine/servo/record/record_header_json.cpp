@@ -22,22 +22,6 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr std::size_t kLongestName = 63; // MATLAB's limit
 constexpr std::size_t kMostColumns = 10'000;
 
-constexpr const char *name_of(MotionMap map) {
-    return map == MotionMap::inverse ? "inverse" : "transpose";
-}
-
-constexpr const char *name_of(AlphaMode mode) {
-    switch (mode) {
-    case AlphaMode::on_the_fly:
-        return "on_the_fly";
-    case AlphaMode::global:
-        return "global";
-    case AlphaMode::by_hand:
-        break;
-    }
-    return "by_hand";
-}
-
 OrderedJson tuning_to_json(const Tuning &tuning) {
     OrderedJson object;
     for (const Parameter &parameter : kParameters) {

@@ -1,6 +1,7 @@
 #include "engine/servo/record/row_codec.h"
 
 #include "base/input_error.h"
+#include "engine/control/parameters.h"
 #include "engine/servo/record/record_format.h"
 #include "engine/servo/record/telemetry_columns.h"
 
@@ -33,9 +34,9 @@ template <typename Enum> std::vector<std::string> names_of() {
     if constexpr (std::is_same_v<Enum, DeviceHealth>) {
         return {"ok", "lost"};
     } else if constexpr (std::is_same_v<Enum, MotionMap>) {
-        return {"inverse", "transpose"};
+        return {kMotionMapNames.begin(), kMotionMapNames.end()};
     } else if constexpr (std::is_same_v<Enum, AlphaMode>) {
-        return {"on_the_fly", "global", "by_hand"};
+        return {kAlphaModeNames.begin(), kAlphaModeNames.end()};
     } else if constexpr (std::is_same_v<Enum, SafetyState>) {
         return {"waiting", "starting", "running", "tripped"};
     } else {

@@ -63,8 +63,25 @@ TEST(TuningFile, RefusesWhatItDoesNotKnowOrCannotBe) {
     EXPECT_NE(complaint("dR_Ohm = 0.5", "dR_Ohm = 0.0").find("0.02 to 2.18"), std::string::npos);
     EXPECT_NE(complaint("eta = 0.0", "eta = nan").find("eta"), std::string::npos);
     EXPECT_NE(complaint("transpose", "transposed").find("inverse or transpose"), std::string::npos);
-    EXPECT_NE(complaint("on_the_fly", "auto").find("by_hand"), std::string::npos);
+    EXPECT_NE(complaint("on_the_fly", "auto").find("on_the_fly, global or by_hand"),
+              std::string::npos);
     EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
+}
+
+TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNames) {
+    EXPECT_EQ(name_of(MotionMap::inverse), "inverse");
+    EXPECT_EQ(name_of(MotionMap::transpose), "transpose");
+    EXPECT_EQ(name_of(AlphaMode::on_the_fly), "on_the_fly");
+    EXPECT_EQ(name_of(AlphaMode::global), "global");
+    EXPECT_EQ(name_of(AlphaMode::by_hand), "by_hand");
+    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
+        EXPECT_EQ(motion_map_named(name_of(map)), map);
+    }
+    for (const AlphaMode mode : {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+        EXPECT_EQ(alpha_mode_named(name_of(mode)), mode);
+    }
+    EXPECT_FALSE(motion_map_named("Inverse"));
+    EXPECT_FALSE(alpha_mode_named(""));
 }
 
 TuningFile written_and_read(const TuningFile &file) {
