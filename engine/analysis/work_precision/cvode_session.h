@@ -1,9 +1,9 @@
-// CVODE's own objects for a plant's nine equations, given back where they go out of scope.
+// CVODE's own objects for a set of equations, given back where they go out of scope.
 #pragma once
 
-#include "engine/analysis/work_precision/cvode_solver.h"
-#include "engine/analysis/work_precision/plant_equations.h"
+#include "engine/analysis/work_precision/cvode_method.h"
 
+#include <Eigen/Core>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -51,21 +51,25 @@ inline void check(int status, const char *call) {
     }
 }
 
-inline Eigen::Map<PlantState> view(N_Vector vector) {
-    return Eigen::Map<PlantState>(N_VGetArrayPointer(vector));
+/// @tparam State  an Eigen vector of as many numbers
+template <typename State> Eigen::Map<State> view(N_Vector vector) {
+    return Eigen::Map<State>(N_VGetArrayPointer(vector), N_VGetLength(vector));
 }
 
-/// CVODE at work on one plant, from one start after another.
-class Session {
+/// CVODE at work on ẏ = f(t, y), from one start after another.
+/// @tparam State  the Eigen vector that y is
+template <typename State> class Session {
 public:
-    /// @param rates  f(t, y); it and any root function get the plant given to `restart`
-    Session(CvodeMethod method, double relative_tolerance, CVRhsFn rates)
-        : context_(new_context()), y_(N_VNew_Serial(PlantState::RowsAtCompileTime, context_.get())),
-          matrix_(SUNDenseMatrix(PlantState::RowsAtCompileTime, PlantState::RowsAtCompileTime,
-                                 context_.get())),
+    /// @param relative_tolerance  of every step; in absolute terms `kAbsoluteShare` of it
+    /// @param rates  f(t, y); it and any root function get what was given to `restart`
+    /// @param size  of y, where State does not tell
+    Session(CvodeMethod method, double relative_tolerance, CVRhsFn rates,
+            Eigen::Index size = State::RowsAtCompileTime)
+        : context_(new_context()), y_(N_VNew_Serial(size, context_.get())),
+          matrix_(SUNDenseMatrix(size, size, context_.get())),
           solver_(SUNLinSol_Dense(y_.get(), matrix_.get(), context_.get())),
           cvode_(CVodeCreate(method == CvodeMethod::adams ? CV_ADAMS : CV_BDF, context_.get())) {
-        view(y_.get()).setZero();
+        view<State>(y_.get()).setZero();
         check(CVodeInit(cvode_.get(), rates, 0.0, y_.get()), "CVodeInit");
         check(CVodeSStolerances(cvode_.get(), relative_tolerance,
                                 kAbsoluteShare * relative_tolerance),
@@ -76,10 +80,10 @@ public:
     }
 
     /// Begins anew at `start_s` and does not look beyond `end_s`.
-    void restart(double start_s, double end_s, const PlantState &y, void *plant) {
-        view(y_.get()) = y;
+    void restart(double start_s, double end_s, const State &y, void *given) {
+        view<State>(y_.get()) = y;
         check(CVodeReInit(cvode_.get(), start_s, y_.get()), "CVodeReInit");
-        check(CVodeSetUserData(cvode_.get(), plant), "CVodeSetUserData");
+        check(CVodeSetUserData(cvode_.get(), given), "CVodeSetUserData");
         check(CVodeSetStopTime(cvode_.get(), end_s), "CVodeSetStopTime");
     }
 
@@ -90,7 +94,7 @@ public:
         return status;
     }
 
-    [[nodiscard]] PlantState y() const { return view(y_.get()); }
+    [[nodiscard]] State y() const { return view<State>(y_.get()); }
     [[nodiscard]] void *get() const { return cvode_.get(); }
 
 private:

@@ -7,15 +7,15 @@ namespace springdrive {
 namespace {
 
 int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *equations) {
-    cvode::view(y_rate) =
-        static_cast<const PlantEquations *>(equations)->rates(time_s, cvode::view(y));
+    cvode::view<PlantState>(y_rate) =
+        static_cast<const PlantEquations *>(equations)->rates(time_s, cvode::view<PlantState>(y));
     return 0;
 }
 
 } // namespace
 
 struct CvodeSolver::Parts {
-    cvode::Session session;
+    cvode::Session<PlantState> session;
 };
 
 CvodeSolver::CvodeSolver(CvodeMethod method, double relative_tolerance)

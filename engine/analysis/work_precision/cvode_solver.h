@@ -1,17 +1,12 @@
 // CVODE (SUNDIALS) on the plant's equations: the reference of the integrators' chart, and a peer.
 #pragma once
 
+#include "engine/analysis/work_precision/cvode_method.h"
 #include "engine/analysis/work_precision/plant_equations.h"
 
-#include <cstdint>
 #include <memory>
 
 namespace springdrive {
-
-enum class CvodeMethod : std::uint8_t {
-    adams, ///< up to order 12, for what is not stiff
-    bdf,   ///< up to order 5, for what is stiff
-};
 
 class CvodeSolver {
 public:

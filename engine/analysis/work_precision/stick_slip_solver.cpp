@@ -25,19 +25,19 @@ struct SlidingPlant {
 
 int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *given) {
     const auto &plant = *static_cast<const SlidingPlant *>(given);
-    const PlantState now = cvode::view(y);
+    const PlantState now = cvode::view<PlantState>(y);
     PlantState rate = plant.equations.position_rates(now);
     rate.segment<3>(3) = stick_slip_motion(plant.equations.mechanics(time_s, now),
                                            plant.equations.coulomb_Nm(), plant.modes)
                              .acceleration_rad_per_s2;
-    cvode::view(y_rate) = rate;
+    cvode::view<PlantState>(y_rate) = rate;
     return 0;
 }
 
 /// A value for each joint that becomes negative where it changes.
 int call_roots(realtype time_s, N_Vector y, realtype *values, void *given) {
     const auto &plant = *static_cast<const SlidingPlant *>(given);
-    const PlantState now = cvode::view(y);
+    const PlantState now = cvode::view<PlantState>(y);
     const Vector3 &coulomb_Nm = plant.equations.coulomb_Nm();
     const Vector3 holding_Nm =
         stick_slip_motion(plant.equations.mechanics(time_s, now), coulomb_Nm, plant.modes)
@@ -122,7 +122,7 @@ StickSlipModes stick_slip_modes(const PlantMechanics &mechanics, const Vector3 &
 }
 
 struct StickSlipSolver::Parts {
-    cvode::Session session;
+    cvode::Session<PlantState> session;
 };
 
 StickSlipSolver::StickSlipSolver(CvodeMethod method, double relative_tolerance)

@@ -8,7 +8,7 @@
 // are accelerated the way that they slide.
 #pragma once
 
-#include "engine/analysis/work_precision/cvode_solver.h"
+#include "engine/analysis/work_precision/cvode_method.h"
 #include "engine/analysis/work_precision/plant_equations.h"
 
 #include <array>
