@@ -27,7 +27,7 @@ bool has_same_field(const StabilityCase &a, const StabilityCase &b) {
     Tuning same = a.tuning;
     same.K_P_V_per_rad = b.tuning.K_P_V_per_rad;
     same.dR_Ohm = b.tuning.dR_Ohm;
-    return are_alike(same, b.tuning) && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad;
+    return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad;
 }
 
 /// Green where it is stable, the darker the slower a motion dies out; red where it grows.

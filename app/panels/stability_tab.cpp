@@ -139,7 +139,7 @@ void show_found(Session &session, StabilityTabState &state) {
     if (!state.found()) {
         return;
     }
-    const bool in_force = are_alike(session.tuning(), state.found_tuning());
+    const bool in_force = session.tuning() == state.found_tuning();
     ImGui::TextColored(in_force ? kGood : kFaintInk, in_force ? "found, in force" : "found");
     ImGui::SameLine();
     show_margins(*state.found());

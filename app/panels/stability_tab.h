@@ -68,9 +68,6 @@ private:
     std::string message_; ///< of the last search or save
 };
 
-/// Whether both are the same to the last number.
-[[nodiscard]] bool are_alike(const Tuning &a, const Tuning &b);
-
 /// The loop as it stands: at the hand's configuration, with the tuning that is asked for.
 [[nodiscard]] StabilityCase stability_case_of(const Session &session);
 

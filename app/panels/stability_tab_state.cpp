@@ -1,7 +1,6 @@
 #include "app/panels/stability_tab.h"
 #include "device/phantom/kinematics.h"
 #include "engine/analysis/stability/stability_limits.h"
-#include "engine/control/parameters.h"
 
 #include <algorithm>
 #include <array>
@@ -58,12 +57,6 @@ std::string name_of_new_tuning() {
 
 } // namespace
 
-bool are_alike(const Tuning &a, const Tuning &b) {
-    return a.map == b.map && a.alpha_mode == b.alpha_mode &&
-           std::all_of(kParameters.begin(), kParameters.end(),
-                       [&](const Parameter &p) { return a.*p.value == b.*p.value; });
-}
-
 StabilityCase stability_case_of(const Session &session) {
     StabilityCase which;
     which.device = session.device();
@@ -93,7 +86,7 @@ void StabilityTabState::update(const Session &session) {
     const StabilityCase now = stability_case_of(session);
     field_.update(now);
     const bool moved = (now.q_rad - looked_at_q_rad_).cwiseAbs().maxCoeff() > kMoved_rad;
-    if (!watch_.is_busy() && (!looked_at_ || moved || !are_alike(*looked_at_, now.tuning))) {
+    if (!watch_.is_busy() && (!looked_at_ || moved || *looked_at_ != now.tuning)) {
         looked_at_ = now.tuning;
         looked_at_q_rad_ = now.q_rad;
         watch_.start([now](BackgroundTalk &) { return outlook_of(now); });

@@ -28,6 +28,8 @@ struct Tuning {
     double eta = 0.0;                  ///< η of (30), on top of the surface's own
     MotionMap map = MotionMap::transpose;
     AlphaMode alpha_mode = AlphaMode::on_the_fly;
+
+    friend bool operator==(const Tuning &, const Tuning &) = default;
 };
 
 } // namespace springdrive

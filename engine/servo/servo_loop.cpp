@@ -27,13 +27,6 @@ constexpr double kLeastSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-bool are_equal(const Tuning &a, const Tuning &b) noexcept {
-    return a.map == b.map && a.alpha_mode == b.alpha_mode &&
-           std::all_of(kParameters.begin(), kParameters.end(), [&](const Parameter &parameter) {
-               return a.*parameter.value == b.*parameter.value;
-           });
-}
-
 /// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
 double greatest_dR_step_Ohm(const DeviceDescription &device, double period_s) {
     double peak_A = 0.0;
@@ -95,7 +88,7 @@ void ServoLoop::approach(const Tuning &wanted) noexcept {
 }
 
 bool ServoLoop::in_force(const Before &before) const noexcept {
-    return are_equal(before.tuning, tuning_) &&
+    return before.tuning == tuning_ &&
            before.global_alpha_rad2_per_m2 == inputs_.global_alpha_rad2_per_m2;
 }
 
