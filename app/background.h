@@ -6,8 +6,10 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -17,6 +19,25 @@ namespace springdrive {
 struct BackgroundTalk {
     std::atomic<double> share{0.0};    ///< how far the work is, 0 to 1
     std::atomic<bool> is_wanted{true}; ///< false: nobody waits for it any more
+
+    /// For the work: what it is at, and how far. Ends it where nobody wants it.
+    /// @throw std::runtime_error in that case
+    void tell(const std::string &what, double so_far) {
+        if (!is_wanted) {
+            throw std::runtime_error("given up");
+        }
+        share = so_far;
+        const std::lock_guard lock(mutex_);
+        what_ = what;
+    }
+    [[nodiscard]] std::string what() const {
+        const std::lock_guard lock(mutex_);
+        return what_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::string what_;
 };
 
 /// Used from one thread. Going away does not wait: work that nobody wants ends when it looks.
@@ -31,6 +52,7 @@ public:
 
     [[nodiscard]] bool is_busy() const { return result_.valid(); }
     [[nodiscard]] double share() const { return talk_ ? talk_->share.load() : 0.0; }
+    [[nodiscard]] std::string what() const { return talk_ ? talk_->what() : std::string(); }
 
     /// Starts, and gives up what was going on.
     /// @param work  must own all that it uses
@@ -44,10 +66,15 @@ public:
     }
 
     void give_up() {
+        ask_to_end();
+        result_ = {};
+    }
+
+    /// The work may end early, by an exception; `take` still tells when it has ended.
+    void ask_to_end() {
         if (talk_) {
             talk_->is_wanted = false;
         }
-        result_ = {};
     }
 
     /// The result, once, when it is ready. Throws what the work threw.

@@ -5,11 +5,9 @@
 
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <iostream>
-#include <thread>
 #include <utility>
 
 namespace springdrive {
@@ -69,62 +67,44 @@ ModelChoice measured_choice(const ModelQuestion &question, const std::string &de
     return choice;
 }
 
+ModelChoice known_choice(const ModelQuestion &question, const std::string &device_text,
+                         const ModelProgress &progress) {
+    if (std::optional<ModelChoice> choice = remembered_choice(question, device_text)) {
+        return *std::move(choice);
+    }
+    return measured_choice(question, device_text, progress);
+}
+
 ModelChoice choice_with_progress(const ModelQuestion &question, const std::string &device_text,
                                  bool fresh) {
-    if (!fresh) {
-        if (std::optional<ModelChoice> choice = remembered_choice(question, device_text)) {
-            return *std::move(choice);
-        }
-    }
     const TerminalLine line;
-    return measured_choice(question, device_text, [&line](const std::string &what, double share) {
+    const ModelProgress show = [&line](const std::string &what, double share) {
         line.show(text_of(what, share));
-    });
+    };
+    return fresh ? measured_choice(question, device_text, show)
+                 : known_choice(question, device_text, show);
 }
 
 void ModelMeasurement::begin(const ModelQuestion &question, const std::string &device_text) {
     forget();
     error_.clear();
-    progress_ = std::make_shared<Progress>();
-    std::packaged_task<ModelChoice()> measure(
-        [question, device_text, scene = without_looks(*question.scene), progress = progress_] {
-            ModelQuestion own = question;
-            own.scene = &scene;
-            return measured_choice(own, device_text, [&](const std::string &what, double share) {
-                if (!progress->is_wanted) {
-                    throw InputError("measuring was given up"); // which nobody will hear
-                }
-                const std::lock_guard lock(progress->mutex);
-                progress->text = text_of(what, share);
-            });
+    measuring_.start([question, device_text,
+                      scene = without_looks(*question.scene)](BackgroundTalk &talk) {
+        ModelQuestion own = question;
+        own.scene = &scene;
+        return measured_choice(own, device_text, [&talk](const std::string &what, double share) {
+            talk.tell(what, share);
         });
-    measuring_ = measure.get_future();
-    // Detached, so that whoever closes the window need not wait for it.
-    std::thread(std::move(measure)).detach();
-}
-
-void ModelMeasurement::forget() {
-    if (progress_) {
-        progress_->is_wanted = false;
-    }
-    measuring_ = {};
+    });
 }
 
 std::string ModelMeasurement::progress() const {
-    if (!progress_) {
-        return {};
-    }
-    const std::lock_guard lock(progress_->mutex);
-    return progress_->text;
+    return text_of(measuring_.what(), measuring_.share());
 }
 
 std::optional<ModelChoice> ModelMeasurement::take() {
-    if (!measuring_.valid() ||
-        measuring_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-        return std::nullopt;
-    }
     try {
-        return measuring_.get();
+        return measuring_.take();
     } catch (const std::exception &error) {
         error_ = error.what();
         return std::nullopt;

@@ -1,12 +1,9 @@
 // The model that a scene gets: remembered from earlier, or measured, at once or in the background.
 #pragma once
 
+#include "app/background.h"
 #include "engine/model_choice/scene_model.h"
 
-#include <atomic>
-#include <future>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -25,7 +22,12 @@ namespace springdrive {
                                           const std::string &device_text,
                                           const ModelProgress &progress = {});
 
-/// Remembered or else measured, with a line of progress on standard error if that is a terminal.
+/// Remembered, or else measured.
+[[nodiscard]] ModelChoice known_choice(const ModelQuestion &question,
+                                       const std::string &device_text,
+                                       const ModelProgress &progress);
+
+/// The same with a line of progress on standard error if that is a terminal.
 [[nodiscard]] ModelChoice choice_with_progress(const ModelQuestion &question,
                                                const std::string &device_text, bool fresh);
 
@@ -35,7 +37,7 @@ public:
     /// What is still being measured is let go of.
     void begin(const ModelQuestion &question, const std::string &device_text);
 
-    [[nodiscard]] bool is_running() const { return measuring_.valid(); }
+    [[nodiscard]] bool is_running() const { return measuring_.is_busy(); }
 
     /// For people: "plant full, 40 %".
     [[nodiscard]] std::string progress() const;
@@ -45,17 +47,10 @@ public:
     [[nodiscard]] const std::string &error() const { return error_; }
 
     /// Of another scene: what is being measured is not wanted any more.
-    void forget();
+    void forget() { measuring_.give_up(); }
 
 private:
-    struct Progress {
-        std::mutex mutex;
-        std::string text;
-        std::atomic<bool> is_wanted{true};
-    };
-
-    std::future<ModelChoice> measuring_;
-    std::shared_ptr<Progress> progress_;
+    Background<ModelChoice> measuring_;
     std::string error_;
 };
 

@@ -5,9 +5,8 @@
 #include "engine/servo/record/file_hash.h"
 
 #include <algorithm>
-#include <chrono>
+#include <exception>
 #include <iterator>
-#include <thread>
 #include <utility>
 
 namespace springdrive {
@@ -26,31 +25,27 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
 void SceneLoader::request(const std::filesystem::path &file) {
     if (is_loading()) {
         next_file_ = file;
+        loading_.ask_to_end();
         return;
     }
     error_.clear();
     progress_ = std::make_shared<LoadProgress>();
-    std::packaged_task<std::unique_ptr<LoadedScene>()> load(
-        [file, workspace = workspace_, progress = progress_] {
-            return load_scene(file, workspace, *progress);
-        });
-    loading_ = load.get_future();
-    // Detached, so that whoever closes the window need not wait for a large file.
-    std::thread(std::move(load)).detach();
+    loading_.start([file, workspace = workspace_, finish = finish_,
+                    progress = progress_](BackgroundTalk &talk) {
+        std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
+        finish(*loaded, *progress, talk);
+        return loaded;
+    });
 }
 
 std::unique_ptr<LoadedScene> SceneLoader::take() {
-    if (!loading_.valid() ||
-        loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-        return nullptr;
-    }
     std::unique_ptr<LoadedScene> scene;
     try {
-        scene = loading_.get();
+        scene = loading_.take().value_or(nullptr);
     } catch (const std::exception &error) {
         error_ = error.what();
     }
-    if (next_file_) {
+    if (next_file_ && !is_loading()) {
         request(*std::exchange(next_file_, std::nullopt));
     }
     return scene;

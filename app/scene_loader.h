@@ -1,12 +1,14 @@
 // Loads scenes in the background, so that neither window nor servo waits for one.
 #pragma once
 
+#include "app/background.h"
 #include "engine/contact/haptic_surface.h"
+#include "engine/model_choice/model_choice.h"
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 
 #include <filesystem>
-#include <future>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +20,8 @@ namespace springdrive {
 struct LoadedScene {
     Scene scene;
     HapticSurface surface;
-    std::string sha256; ///< of its file
+    std::string sha256;                  ///< of its file
+    std::optional<ModelChoice> choice{}; ///< of the model that it is to run with, if one was chosen
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.
@@ -29,7 +32,12 @@ load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadPr
 /// Of one thread.
 class SceneLoader {
 public:
-    explicit SceneLoader(Workspace workspace) : workspace_(std::move(workspace)) {}
+    /// What is still to be done with a loaded scene, in the background too: it owns all it uses,
+    /// and a scene with which it fails is not shown.
+    using Finish = std::function<void(LoadedScene &, LoadProgress &, BackgroundTalk &)>;
+
+    SceneLoader(Workspace workspace, Finish finish)
+        : workspace_(std::move(workspace)), finish_(std::move(finish)) {}
 
     /// Loads this one next; of several asked for meanwhile the last wins.
     void request(const std::filesystem::path &file);
@@ -37,13 +45,14 @@ public:
     /// The scene, once, when it is ready. Where it failed, `error` tells why from then on.
     [[nodiscard]] std::unique_ptr<LoadedScene> take();
 
-    [[nodiscard]] bool is_loading() const { return loading_.valid(); }
+    [[nodiscard]] bool is_loading() const { return loading_.is_busy(); }
     [[nodiscard]] std::string progress() const { return progress_->text(); }
     [[nodiscard]] const std::string &error() const { return error_; }
 
 private:
     Workspace workspace_;
-    std::future<std::unique_ptr<LoadedScene>> loading_;
+    Finish finish_;
+    Background<std::unique_ptr<LoadedScene>> loading_;
     std::shared_ptr<LoadProgress> progress_ = std::make_shared<LoadProgress>();
     std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
     std::string error_;

@@ -79,7 +79,8 @@ std::uint64_t plot_stride(double servo_hz) {
 
 Session::Session(const SessionOptions &options)
     : options_(options), device_text_(text_of(options.device_file)),
-      loader_(read_device_text(device_text_, options.device_file).workspace),
+      loader_(read_device_text(device_text_, options.device_file).workspace,
+              give_model(options, device_text_)),
       history_(static_cast<std::size_t>(kPlotted_s * options.servo_hz /
                                         static_cast<double>(plot_stride(options.servo_hz)))),
       plot_stride_(plot_stride(options.servo_hz)) {
@@ -102,21 +103,19 @@ Session::Session(const SessionOptions &options)
 
     const Vector3 &lower_m = scene_->scene.lower_m;
     const Vector3 &upper_m = scene_->scene.upper_m;
-    SimulationOptions simulation;
-    simulation.servo_period_s = servo_period_s(options.servo_hz);
-    simulation.delay_samples = options.delay_samples;
-    simulation.effects = options.effects;
-    choose_model(description, simulation);
+    simulation_.servo_period_s = servo_period_s(options.servo_hz);
+    simulation_.delay_samples = options.delay_samples;
+    simulation_.effects = options.effects;
+    choose_first_model(description);
     hand_target_m_ = start_above(description, lower_m, upper_m);
     if (!options.path.empty()) {
-        simulation.path = HandPath::read_csv(options.path);
-        hand_target_m_ = simulation.path->points().front().position_m;
+        simulation_.path = HandPath::read_csv(options.path);
+        hand_target_m_ = simulation_.path->points().front().position_m;
     } else if (options.plays_script) {
-        simulation.path =
+        simulation_.path =
             scripted_touch(description, scene_->surface, lower_m, upper_m, hand_target_m_);
     }
-    hand_path_ = simulation.path;
-    device_ = std::make_unique<SimulatedPhantom>(description, simulation, hand_target_m_);
+    device_ = std::make_unique<SimulatedPhantom>(description, simulation_, hand_target_m_);
     servo_ = std::make_unique<Servo>(*device_, options.servo_hz);
     recorder_ = std::make_unique<Recorder>(servo_->record_ring());
 
@@ -212,8 +211,8 @@ void Session::take_in_samples() {
             history_.add(plotted);
         }
     });
-    if (hand_path_) {
-        hand_target_m_ = hand_path_->at(latest_.time_s).position_m;
+    if (simulation_.path) {
+        hand_target_m_ = simulation_.path->at(latest_.time_s).position_m;
     }
     // The servo works on the newest scene now, so it has let go of all before.
     if (latest_.scene_id == inputs_.scene_id) {
@@ -260,8 +259,8 @@ void Session::move_hand_to(const Vector3 &target_m) {
 
 void Session::show(std::unique_ptr<LoadedScene> scene) {
     retired_.push_back(std::exchange(scene_, std::move(scene)));
-    model_choice_.reset();
     model_measurement_.forget();
+    take_model();
     inputs_.surface = &scene_->surface;
     ++inputs_.scene_id;
     publish();

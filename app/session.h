@@ -44,7 +44,9 @@ public:
     void reset_safety();
     void move_hand_to(const Vector3 &target_m);
 
-    /// Loads in the background; on failure the old scene stays and `scene_error` tells why.
+    /// Loads in the background; on failure the old scene stays and `scene_error` tells why. Where
+    /// models are chosen automatically, the scene gets its own before it is shown, which may take
+    /// as long as measuring does.
     void request_scene(const std::filesystem::path &file) { loader_.request(file); }
 
     /// Measures in the background which model the scene would get, for `model_choice` to tell.
@@ -56,8 +58,12 @@ public:
     /// What the scene would get, once somebody measured it; see `runs_choice`.
     [[nodiscard]] const std::optional<ModelChoice> &model_choice() const { return model_choice_; }
 
-    /// Whether plant, surface and law are those of `model_choice`, but for what was set by option.
-    [[nodiscard]] bool runs_choice() const { return model_scene_id_ == inputs_.scene_id; }
+    /// Whether plant, surface and law are those of `model_choice`, but for what was set by option
+    /// or by hand, and for a base joint that was not held before (see `is_planar`).
+    [[nodiscard]] bool runs_choice() const { return scene_->choice.has_value(); }
+
+    /// Whether the device moves in a plane only. One that begins with three joints keeps them.
+    [[nodiscard]] bool is_planar() const { return simulation_.planar; }
 
     /// Records every tick from now on. @throw InputError for a file that cannot be made.
     void start_recording(const std::filesystem::path &file);
@@ -72,7 +78,7 @@ public:
     [[nodiscard]] const std::string &scene_error() const { return loader_.error(); }
     [[nodiscard]] const DeviceDescription &device() const { return device_->description(); }
     [[nodiscard]] const Vector3 &hand_target_m() const { return hand_target_m_; }
-    [[nodiscard]] bool hand_follows_path() const { return hand_path_.has_value(); }
+    [[nodiscard]] bool hand_follows_path() const { return simulation_.path.has_value(); }
     [[nodiscard]] double servo_hz() const { return options_.servo_hz; }
     [[nodiscard]] int delay_samples() const { return device_->delay_samples(); }
     [[nodiscard]] const ServoStatistics &statistics() const { return statistics_; }
@@ -88,8 +94,10 @@ public:
 private:
     void publish() { servo_->publish(inputs_); }
     void show(std::unique_ptr<LoadedScene> scene);
-    void choose_model(const DeviceDescription &description, SimulationOptions &simulation);
-    [[nodiscard]] ModelQuestion model_question(const DeviceDescription &description) const;
+    [[nodiscard]] static SceneLoader::Finish give_model(const SessionOptions &options,
+                                                        const std::string &device_text);
+    void choose_first_model(const DeviceDescription &description);
+    void take_model();
     void release_retired();
     void take_in_samples();
     [[nodiscard]] PlotSample plot_sample(const ServoSample &sample);
@@ -108,9 +116,8 @@ private:
     ServoInputs inputs_;
     std::optional<ModelChoice> model_choice_; ///< of the scene that is shown
     ModelMeasurement model_measurement_;
-    std::uint32_t model_scene_id_ = 0; ///< of the scene that the model was chosen for; 0: none
+    SimulationOptions simulation_; ///< what the device is told to simulate, and the hand's path
     Vector3 hand_target_m_{Vector3::Zero()};
-    std::optional<HandPath> hand_path_; ///< the one that the device follows, to show where it is
     double lockstep_debt_ticks_ = 0.0;
     std::vector<std::string> remarks_;
 

@@ -7,37 +7,88 @@
 
 namespace springdrive {
 
-ModelQuestion Session::model_question(const DeviceDescription &description) const {
-    return {&scene_->scene, description, options_.tuning, servo_period_s(options_.servo_hz),
-            options_.delay_samples};
+namespace {
+
+ModelQuestion question_on(const Scene &scene, const DeviceDescription &device,
+                          const SessionOptions &options) {
+    return {&scene, device, options.tuning, servo_period_s(options.servo_hz),
+            options.delay_samples};
 }
 
-/// Before anything runs: afterwards neither the plant nor the first surface is exchanged.
-void Session::choose_model(const DeviceDescription &description, SimulationOptions &simulation) {
+/// As set by option, or else as chosen.
+void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
+    std::optional<ContactShape> shape;
+    if (loaded.choice) {
+        shape = model_of(*loaded.choice).shape;
+    }
+    if (wanted.surface) {
+        shape = wanted.surface;
+    }
+    if (shape && *shape != ContactShape{}) {
+        loaded.surface = haptic_surface_of(loaded.scene, *shape);
+    }
+}
+
+bool uses(const MotionController &controller, const Tuning &tuning) {
+    return tuning.map == controller.map && tuning.alpha_mode == controller.alpha_mode;
+}
+
+} // namespace
+
+/// For scenes that are loaded later.
+SceneLoader::Finish Session::give_model(const SessionOptions &options,
+                                        const std::string &device_text) {
+    return [options, device_text, device = read_device_text(device_text, options.device_file)](
+               LoadedScene &loaded, LoadProgress &progress, BackgroundTalk &talk) {
+        if (options.model.automatic) {
+            progress.begin(LoadProgress::Stage::measuring, true);
+            loaded.choice = known_choice(question_on(loaded.scene, device, options), device_text,
+                                         [&](const std::string &what, double share) {
+                                             talk.tell(what, share);
+                                             progress.advance_to(share);
+                                         });
+        }
+        take_surface(loaded, options.model);
+    };
+}
+
+void Session::choose_first_model(const DeviceDescription &description) {
+    if (options_.model.automatic) {
+        scene_->choice = choice_with_progress(question_on(scene_->scene, description, options_),
+                                              device_text_, false);
+    }
+    take_surface(*scene_, options_.model);
+    take_model();
+}
+
+/// Plant and law for the scene that is shown, from what was chosen for it and what is set. What
+/// somebody tuned since the last choice stays.
+void Session::take_model() {
+    const std::optional<ModelChoice> before = std::exchange(model_choice_, scene_->choice);
     const ModelOptions &wanted = options_.model;
-    std::optional<ContactShape> surface = wanted.surface;
-    if (wanted.automatic) {
-        model_choice_ = choice_with_progress(model_question(description), device_text_, false);
-        model_scene_id_ = 1;
+    if (model_choice_) {
         const Model model = model_of(*model_choice_);
-        apply(model, simulation);
-        surface = surface.value_or(model.shape);
-        if (wanted.takes_controller) {
+        const bool may_hold_base = !device_ || simulation_.planar;
+        apply(model, simulation_);
+        simulation_.planar = model.planar && may_hold_base;
+        const bool is_tuned =
+            device_ && before && !uses(model_of(*before).controller, inputs_.tuning);
+        if (wanted.takes_controller && !is_tuned) {
             inputs_.tuning = with_controller(model.controller, inputs_.tuning);
         }
     }
     if (wanted.plant) {
-        simulation.dynamics = wanted.plant->dynamics;
-        simulation.effects = wanted.plant->effects;
+        simulation_.dynamics = wanted.plant->dynamics;
+        simulation_.effects = wanted.plant->effects;
     }
-    simulation.longest_step_s = wanted.longest_step_s.value_or(simulation.longest_step_s);
-    if (surface && *surface != ContactShape{}) {
-        scene_->surface = haptic_surface_of(scene_->scene, *surface);
+    simulation_.longest_step_s = wanted.longest_step_s.value_or(simulation_.longest_step_s);
+    if (device_ && model_choice_) {
+        device_->simulate_as(simulation_);
     }
 }
 
 void Session::measure_model(bool fresh) {
-    const ModelQuestion question = model_question(device());
+    const ModelQuestion question = question_on(scene_->scene, device(), options_);
     std::optional<ModelChoice> remembered;
     if (!fresh) {
         remembered = remembered_choice(question, device_text_);

@@ -14,7 +14,7 @@ namespace springdrive {
 
 template <typename Value> class LatestValue {
 public:
-    explicit LatestValue(const Value &initial = Value{}) { slots_.fill(initial); }
+    explicit LatestValue(const Value &initial = Value{}) : slots_{initial, initial, initial} {}
 
     /// Replaces whatever the reader has not picked up yet. Writer thread only. RT-safe.
     void publish(const Value &value) noexcept {

@@ -84,6 +84,18 @@ void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
     ImGui::TreePop();
 }
 
+/// What of a planar scene's model runs: a tip that does not leave its plane is to be no riddle.
+void draw_joints(const Session &session) {
+    if (session.is_planar()) {
+        ImGui::TextWrapped("The device moves in a plane only, as this scene asks for.");
+    } else if (session.runs_choice() && model_of(*session.model_choice()).planar) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+        ImGui::TextWrapped("All three joints move: a base that was free before is not held. Start "
+                           "with this scene to simulate two.");
+        ImGui::PopStyleColor();
+    }
+}
+
 void draw_choice(const ModelChoice &choice, bool runs) {
     const ModelTolerance &tolerance = choice.tolerance;
     ImGui::TextColored(runs ? kGood : kWarning, "%s",
@@ -124,6 +136,7 @@ void draw_model_tab(Session &session) {
         ImGui::PopStyleColor();
     }
     if (session.model_choice()) {
+        draw_joints(session);
         draw_choice(*session.model_choice(), session.runs_choice());
     } else {
         ImGui::TextWrapped("The cheapest model that this scene's tolerance allows is found by "

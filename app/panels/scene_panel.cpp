@@ -41,6 +41,9 @@ void draw_scene_tab(Session &session, ScenePanelState &state) {
         ImGui::TextColored(kFaintInk, "scale: 1 unit = %.4g mm, fitted to the workspace",
                            1000.0 * shown.scene.metres_per_unit);
     }
+    if (session.is_planar()) {
+        ImGui::TextColored(kFaintInk, "planar: the tip stays in the linkage's plane");
+    }
     for (const std::string &remark : shown.scene.remarks) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("%s", remark.c_str());

@@ -31,6 +31,55 @@ void check_coupling(const SimulationOptions &options) {
     }
 }
 
+/// Linkage and rotors, with the effects that are on and what sits rigidly at the tip.
+LinkagePlant linkage_plant(const DeviceDescription &description, const SimulationOptions &options) {
+    const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
+    LinkagePlant plant;
+    plant.geometry = description.geometry;
+    plant.moments = linkage_moments(description.geometry, description.inertia,
+                                    options.effects.structural_compliance ? 0.0 : at_tip_kg);
+    if (!options.effects.structural_compliance) {
+        // A hand is moved by its owner: its mass has to be accelerated, but not held up.
+        plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
+        plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
+    }
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double N = description.geometry.transmission_ratio[j];
+        plant.rotor_kg_m2[j] =
+            N * N * description.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
+    }
+    if (options.effects.coulomb_friction) {
+        plant.coulomb_Nm = description.friction.coulomb_Nm;
+    }
+    plant.limits = description.joint_limits;
+    plant.gravity = options.effects.gravity;
+    plant.stops = options.effects.joint_limits;
+    plant.has_mass = options.dynamics != PlantDynamics::coupling;
+    plant.planar = options.planar;
+    return plant;
+}
+
+/// The motors as they truly are.
+std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
+                                           const SimulationOptions &options) {
+    std::array<MotorParameters, 3> motors = description.motor;
+    for (std::size_t j = 0; j < motors.size(); ++j) {
+        motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
+        motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
+        if (options.dynamics != PlantDynamics::electromechanical) {
+            motors[j].inductance_H = 0.0; // it stores nothing
+        }
+    }
+    return motors;
+}
+
+/// Winding and housing at the start.
+WindingTemperature temperature(const MotorParameters &motor, const SimulationOptions &options) {
+    return {motor.thermal,
+            options.effects.winding_heat ? options.ambient_C : kReferenceTemperature_C,
+            options.servo_period_s};
+}
+
 } // namespace
 
 void check_options(const DeviceDescription &description, const SimulationOptions &options) {
@@ -79,50 +128,16 @@ Vector3 start_angles(const DeviceDescription &description, const SimulationOptio
     return *q_rad;
 }
 
-LinkagePlant linkage_plant(const DeviceDescription &description, const SimulationOptions &options) {
-    const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
-    LinkagePlant plant;
-    plant.geometry = description.geometry;
-    plant.moments = linkage_moments(description.geometry, description.inertia,
-                                    options.effects.structural_compliance ? 0.0 : at_tip_kg);
-    if (!options.effects.structural_compliance) {
-        // A hand is moved by its owner: its mass has to be accelerated, but not held up.
-        plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
-        plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
-    }
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const double N = description.geometry.transmission_ratio[j];
-        plant.rotor_kg_m2[j] =
-            N * N * description.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
-    }
-    if (options.effects.coulomb_friction) {
-        plant.coulomb_Nm = description.friction.coulomb_Nm;
-    }
-    plant.limits = description.joint_limits;
-    plant.gravity = options.effects.gravity;
-    plant.stops = options.effects.joint_limits;
-    plant.has_mass = options.dynamics != PlantDynamics::coupling;
-    plant.planar = options.planar;
-    return plant;
-}
-
-std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
-                                           const SimulationOptions &options) {
-    std::array<MotorParameters, 3> motors = description.motor;
-    for (std::size_t j = 0; j < motors.size(); ++j) {
-        motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
-        motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
-        if (options.dynamics != PlantDynamics::electromechanical) {
-            motors[j].inductance_H = 0.0; // it stores nothing
-        }
-    }
-    return motors;
-}
-
-WindingTemperature temperature(const MotorParameters &motor, const SimulationOptions &options) {
-    return {motor.thermal,
-            options.effects.winding_heat ? options.ambient_C : kReferenceTemperature_C,
-            options.servo_period_s};
+PlantParts plant_parts(const DeviceDescription &description, const SimulationOptions &options) {
+    check_options(description, options);
+    return {options.dynamics,
+            options.effects,
+            options.longest_step_s,
+            options.dynamics == PlantDynamics::coupling ? 0.0 : options.hand.mass_kg,
+            linkage_plant(description, options),
+            true_motors(description, options),
+            {temperature(description.motor[0], options), temperature(description.motor[1], options),
+             temperature(description.motor[2], options)}};
 }
 
 int fine_encoder_factor(const DeviceDescription &description) {

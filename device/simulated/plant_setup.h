@@ -6,6 +6,7 @@
 #include "device/simulated/simulation_options.h"
 
 #include <array>
+#include <cstdint>
 
 namespace springdrive {
 
@@ -17,18 +18,23 @@ void check_options(const DeviceDescription &description, const SimulationOptions
 [[nodiscard]] Vector3 start_angles(const DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m);
 
-/// Linkage and rotors, with the effects that are on and what sits rigidly at the tip.
-[[nodiscard]] LinkagePlant linkage_plant(const DeviceDescription &description,
-                                         const SimulationOptions &options);
+/// How much of a device is simulated, ready to run.
+struct PlantParts {
+    PlantDynamics dynamics = PlantDynamics::electromechanical;
+    PlantEffects effects;
+    double longest_step_s = 0.0;
+    double hand_mass_kg = 0.0; ///< none where nothing has a mass
+    LinkagePlant linkage; ///< and rotors, with the effects that are on and what sits at the tip
+    /// The true ones: off their data sheet by `resistance_share`, with or without ripple and
+    /// inductance.
+    std::array<MotorParameters, 3> motor;
+    std::array<WindingTemperature, 3> temperature; ///< at the start
+    std::uint32_t number = 0;                      ///< which they are, of those that followed
+};
 
-/// The motors as they truly are: off their data sheet by `resistance_share`, with or without
-/// ripple and inductance.
-[[nodiscard]] std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
-                                                         const SimulationOptions &options);
-
-/// Winding and housing at the start.
-[[nodiscard]] WindingTemperature temperature(const MotorParameters &motor,
-                                             const SimulationOptions &options);
+/// @throw InputError as `check_options` does.
+[[nodiscard]] PlantParts plant_parts(const DeviceDescription &description,
+                                     const SimulationOptions &options);
 
 /// By how much finer an encoder is made to count as exact: so that it does not quantise for any
 /// purpose here, or as much as the counts of a whole turn of every joint leave room for.

@@ -1,11 +1,9 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "device/phantom/kinematics.h"
-#include "device/simulated/plant_setup.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace springdrive {
 
@@ -24,36 +22,65 @@ Vector3 limited(const Vector3 &vector, double greatest_norm) {
 
 SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
-    : description_(description), options_(options),
-      hand_target_(start_tip_m), temperature_{temperature(description.motor[0], options),
-                                              temperature(description.motor[1], options),
-                                              temperature(description.motor[2], options)} {
-    check_options(description, options);
+    : description_(description), options_(options), parts_(plant_parts(description, options)),
+      wanted_parts_(parts_), hand_target_(start_tip_m), temperature_(parts_.temperature) {
     linkage_.q_rad = start_angles(description, options, start_tip_m);
-    plant_ = linkage_plant(description, options);
-    plant_.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
-    first_joint_ = options.planar ? 1 : 0;
-    motor_ = true_motors(description, options);
-    if (options.effects.structural_compliance) {
-        free_tip_ =
-            FreeTip{description.structure, description.inertia.tip_load_kg + options.hand.mass_kg,
-                    start_tip_m, Vector3::Zero()};
-    }
-    if (options.dynamics == PlantDynamics::coupling) {
-        options_.hand.mass_kg = 0.0;
-    }
-    if (!options.quantised_encoders) {
-        description_.encoder_counts_per_turn *= fine_encoder_factor(description);
-    }
-    counts_per_rad_ = description_.encoder_counts_per_turn / (2.0 * std::numbers::pi);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
+    put_in_force(parts_);
+    if (!options.quantised_encoders) {
+        description_.encoder_counts_per_turn *= fine_encoder_factor(description);
+    }
+    counts_per_rad_ = 1.0 / description_.rad_per_count();
     note_linkage(linkage_);
     warm_windings();
 }
 
+/// Where the linkage and the tip are.
+void SimulatedPhantom::put_in_force(const PlantParts &parts) noexcept {
+    parts_ = parts;
+    parts_.linkage.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
+    first_joint_ = parts_.linkage.planar ? 1 : 0;
+    if (parts_.effects.structural_compliance) {
+        free_tip_ =
+            FreeTip{description_.structure, description_.inertia.tip_load_kg + parts_.hand_mass_kg,
+                    truth_.tip_m, truth_.tip_velocity_m_per_s};
+    } else if (free_tip_) {
+        free_tip_.reset();
+        note_rigid_tip();
+    }
+}
+
+void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
+    SimulationOptions wanted = options_;
+    wanted.dynamics = options.dynamics;
+    wanted.effects = options.effects;
+    wanted.planar = options.planar;
+    wanted.longest_step_s = options.longest_step_s;
+    PlantParts parts = plant_parts(description_, wanted);
+    parts.number = ++newest_parts_;
+    wanted_parts_.publish(parts);
+}
+
+void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
+    const bool was_planar = parts_.linkage.planar;
+    if (wanted.effects.winding_heat != parts_.effects.winding_heat) {
+        temperature_ = wanted.temperature;
+    }
+    PlantParts parts = wanted;
+    parts.linkage.planar = wanted.linkage.planar && was_planar;
+    // What the linkage may be beyond by would otherwise throw it back.
+    parts.linkage.stops = wanted.linkage.stops && description_.joint_limits.allow(linkage_.q_rad);
+    put_in_force(parts);
+}
+
 DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
+    if (const PlantParts &wanted = wanted_parts_.latest(); wanted.number != parts_.number) {
+        take_over(wanted);
+    } else if (parts_.effects.joint_limits && !parts_.linkage.stops) {
+        parts_.linkage.stops = description_.joint_limits.allow(linkage_.q_rad);
+    }
     std::shift_right(pending_.begin(), pending_.end(), 1);
     pending_.front() = command.e_W_V.allFinite() && command.current_A.allFinite() &&
                                command.cancelled_resistance_Ohm.allFinite()
@@ -62,7 +89,7 @@ DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
     const DeviceCommand &applied = pending_[static_cast<std::size_t>(options_.delay_samples)];
 
     const int steps =
-        std::max(1, static_cast<int>(std::ceil(options_.servo_period_s / options_.longest_step_s -
+        std::max(1, static_cast<int>(std::ceil(options_.servo_period_s / parts_.longest_step_s -
                                                1e-9))); // round-off must not add a step
     const double h = options_.servo_period_s / steps;
     Vector3 impulse = Vector3::Zero();
@@ -82,14 +109,15 @@ DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
 }
 
 double SimulatedPhantom::stored_energy_J() const {
-    double energy = plant_.kinetic_energy_J(linkage_) + plant_.potential_energy_J(linkage_);
+    double energy =
+        parts_.linkage.kinetic_energy_J(linkage_) + parts_.linkage.potential_energy_J(linkage_);
     for (std::size_t j = 0; j < 3; ++j) {
         const double current_A = truth_.current_A[static_cast<Eigen::Index>(j)];
-        energy += 0.5 * motor_[j].inductance_H * current_A * current_A;
+        energy += 0.5 * parts_.motor[j].inductance_H * current_A * current_A;
     }
     if (free_tip_) {
         energy += free_tip_->energy_J(linkage_end_m());
-        if (options_.effects.gravity) {
+        if (parts_.effects.gravity) {
             energy += description_.inertia.tip_load_kg * kGravity_m_per_s2 * truth_.tip_m.y();
         }
     }
@@ -115,16 +143,23 @@ void SimulatedPhantom::note_linkage(const LinkageState &linkage) noexcept {
     truth_.theta_rate_rad_per_s = motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
 }
 
+/// The tip is where the linkage ends.
+void SimulatedPhantom::note_rigid_tip() noexcept {
+    const TipPlace place = tip_place(description_.geometry, linkage_.q_rad);
+    truth_.tip_m = place.tip_m;
+    truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
+}
+
 /// Temperatures from the heat since the last exchange, and the resistances that follow.
 void SimulatedPhantom::warm_windings() noexcept {
     for (Eigen::Index j = 0; j < 3; ++j) {
         WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
-        if (options_.effects.winding_heat) {
+        if (parts_.effects.winding_heat) {
             motor.update(heat_J_[j] / options_.servo_period_s);
         }
         truth_.winding_C[j] = motor.winding_C();
         truth_.housing_C[j] = motor.housing_C();
-        truth_.resistance_Ohm[j] = winding_resistance_Ohm(motor_[static_cast<std::size_t>(j)],
+        truth_.resistance_Ohm[j] = winding_resistance_Ohm(parts_.motor[static_cast<std::size_t>(j)],
                                                           motor.winding_C(), truth_.theta_rad[j]);
     }
     heat_J_.setZero();
@@ -158,14 +193,14 @@ SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &comm
 CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const DeviceCommand &command,
                                           double h) noexcept {
     const auto index = static_cast<std::size_t>(j);
-    const MotorParameters &motor = motor_[index];
+    const MotorParameters &motor = parts_.motor[index];
     // At the sub-step's middle, so that the commutator's ripple too is met at second order.
     const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
     truth_.resistance_Ohm[j] =
         winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
     const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
-                         truth_.theta_rate_rad_per_s[j], options_.effects.amplifier_limits};
-    const bool at_once = options_.dynamics != PlantDynamics::electromechanical;
+                         truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
+    const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     if (options_.amplifier == AmplifierKind::current_drive) {
         const double bandwidth_rad_per_s =
             2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz;
@@ -187,11 +222,11 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
     for (Eigen::Index j = 0; j < 3; ++j) {
         const CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
-        const double k_T = motor_[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
+        const double k_T = parts_.motor[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
         load.torque_Nm[j] = N * k_T * current.mean_A;
         load.damping_Nms_per_rad[j] =
             -N * N * k_T * current.mean_As_per_rad +
-            (options_.effects.viscous_friction ? description_.friction.viscous_Nms_per_rad : 0.0);
+            (parts_.effects.viscous_friction ? description_.friction.viscous_Nms_per_rad : 0.0);
     }
     return load;
 }
@@ -209,7 +244,7 @@ VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
 /// A free tip bears the weight of what sits on it; a rigid one has that in the linkage's moments.
 VelocityLoad SimulatedPhantom::with_weight(const VelocityLoad &hand) const noexcept {
     const double weight_N =
-        options_.effects.gravity ? description_.inertia.tip_load_kg * kGravity_m_per_s2 : 0.0;
+        parts_.effects.gravity ? description_.inertia.tip_load_kg * kGravity_m_per_s2 : 0.0;
     return {hand.force_N - weight_N * Vector3::UnitY(), hand.damping_Ns_per_m};
 }
 
@@ -219,7 +254,7 @@ Vector3 SimulatedPhantom::linkage_end_m() const noexcept {
 
 void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const LinkageMotion &motion,
                                        double h) noexcept {
-    const bool at_once = options_.dynamics != PlantDynamics::electromechanical;
+    const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     for (Eigen::Index j = first_joint_; j < 3; ++j) {
         const CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
@@ -245,9 +280,7 @@ void SimulatedPhantom::settle_tip(const LinkageMotion &motion, const VelocityLoa
         truth_.tip_velocity_m_per_s = free_tip_->velocity_m_per_s;
         return;
     }
-    const TipPlace place = tip_place(description_.geometry, linkage_.q_rad);
-    truth_.tip_m = place.tip_m;
-    truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
+    note_rigid_tip();
 }
 
 /// One sub-step; returns the hand's force on the tip, its mean over the sub-step [N].
@@ -259,7 +292,7 @@ Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept 
     const VelocityLoad at_linkage =
         free_tip_ ? free_tip_->at_linkage(with_weight(hand), end_before_m, h) : hand;
     const LinkageMotion motion =
-        linkage_step(plant_, linkage_, load(currents, at_linkage), h, friction_mode_);
+        linkage_step(parts_.linkage, linkage_, load(currents, at_linkage), h, friction_mode_);
 
     settle_currents(currents, motion, h);
     const Vector3 tip_before_m = truth_.tip_m;
@@ -272,7 +305,7 @@ Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept 
     const Vector3 mean_velocity = (truth_.tip_m - tip_before_m) / h;
     const Vector3 acceleration = (truth_.tip_velocity_m_per_s - velocity_before) / h;
     return hand.force_N - hand.damping_Ns_per_m * mean_velocity -
-           options_.hand.mass_kg * acceleration;
+           parts_.hand_mass_kg * acceleration;
 }
 
 } // namespace springdrive

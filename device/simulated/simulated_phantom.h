@@ -10,7 +10,8 @@
 //
 // Parts that are off are not run (PlantDynamics, SimulationOptions::planar): without inductance the
 // currents follow (11) with L = 0 at once; without masses what is left of the second equation is a
-// balance; in a plane the base joint and its motor stand still.
+// balance; in a plane the base joint and its motor stand still. Which parts run can change between
+// two exchanges: angles, rates and currents are carried over.
 //
 // One sub-step takes the winding exactly for a standing rotor velocity (device/motor/motor.h) and
 // the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean velocity:
@@ -23,6 +24,7 @@
 #include "device/haptic_device.h"
 #include "device/simulated/free_tip.h"
 #include "device/simulated/linkage_step.h"
+#include "device/simulated/plant_setup.h"
 #include "device/simulated/simulation_options.h"
 
 #include <array>
@@ -44,6 +46,14 @@ public:
     /// Where the hand wants to be from now on [m]. One thread at a time, any thread; without
     /// effect while the hand follows a path. The hand moves there smoothly.
     void set_hand_target(const Vector3 &target_m) noexcept { hand_target_.publish(target_m); }
+
+    /// Simulates from the next exchange on as much as `options` say by their dynamics, effects,
+    /// planar and longest_step_s; all else stays as it was. Motors and linkage go on from where
+    /// they are, so no encoder jumps. A base joint that moves is not seized: planar holds only
+    /// where it held before. Stops that the linkage is beyond begin to press once it is back
+    /// between them. One thread at a time, any thread.
+    /// @throw InputError for options out of range or that do not go together
+    void simulate_as(const SimulationOptions &options);
 
     /// What no device would tell: the state behind the encoders. Thread of `exchange` only.
     struct Truth {
@@ -72,6 +82,8 @@ public:
 private:
     using CurrentSteps = std::array<CurrentStep, 3>;
 
+    void put_in_force(const PlantParts &parts) noexcept;
+    void take_over(const PlantParts &wanted) noexcept;
     [[nodiscard]] Vector3 step(const DeviceCommand &command, double h) noexcept;
     [[nodiscard]] CurrentSteps drive(const DeviceCommand &command, double h) noexcept;
     [[nodiscard]] Vector3 linkage_end_m() const noexcept;
@@ -86,14 +98,16 @@ private:
                     const Vector3 &linkage_end_before_m, double h) noexcept;
     void warm_windings() noexcept;
     void move_hand_target(double h) noexcept;
+    void note_rigid_tip() noexcept;
     void note_linkage(const LinkageState &linkage) noexcept;
 
     DeviceDescription description_;
     SimulationOptions options_;
-    LinkagePlant plant_;
-    std::array<MotorParameters, 3> motor_; ///< the true ones: with the effects that are on
-    std::optional<FreeTip> free_tip_;      ///< where the structure bends
-    Eigen::Index first_joint_ = 0;         ///< that moves
+    PlantParts parts_;
+    LatestValue<PlantParts> wanted_parts_;
+    std::uint32_t newest_parts_ = 0;  ///< their number, of the thread of `simulate_as`
+    std::optional<FreeTip> free_tip_; ///< where the structure bends
+    Eigen::Index first_joint_ = 0;    ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
     HandTarget hand_;

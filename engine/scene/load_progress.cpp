@@ -7,9 +7,12 @@
 namespace springdrive {
 
 std::string LoadProgress::text() const {
-    constexpr std::array<const char *, 5> kStages = {"reading the file", "gathering triangles",
-                                                     "bending smooth surfaces", "placing the scene",
-                                                     "preparing the surface for touch"};
+    constexpr std::array<const char *, 6> kStages = {"reading the file",
+                                                     "gathering triangles",
+                                                     "bending smooth surfaces",
+                                                     "placing the scene",
+                                                     "preparing the surface for touch",
+                                                     "measuring models"};
     const std::string stage = kStages[static_cast<std::size_t>(stage_.load())];
     const float fraction = fraction_;
     if (fraction < 0.0F) {

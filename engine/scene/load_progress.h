@@ -16,6 +16,7 @@ public:
         bending,   ///< smooth nodes
         placing,   ///< in the device's frame, for hand and eye
         preparing, ///< the surface for the touch
+        measuring, ///< which model the scene gets
     };
 
     /// @param known whether `advance_to` will be called

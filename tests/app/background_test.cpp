@@ -54,6 +54,32 @@ TEST(Background, TellsWorkThatNobodyWaits) {
     EXPECT_FALSE(was_wanted.get());
 }
 
+TEST(Background, TellsWhatTheWorkIsAt) {
+    Background<int> background;
+    EXPECT_EQ(background.what(), "");
+    background.start([](BackgroundTalk &talk) {
+        talk.tell("halves", 0.5);
+        return 2;
+    });
+    EXPECT_EQ(waited_for(background), 2);
+    EXPECT_EQ(background.what(), "halves");
+    EXPECT_EQ(background.share(), 0.5);
+}
+
+TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
+    Background<int> background;
+    background.start([](BackgroundTalk &talk) -> int {
+        for (;;) {
+            talk.tell("no end of it", 0.0);
+            std::this_thread::yield();
+        }
+    });
+    background.ask_to_end();
+    EXPECT_TRUE(background.is_busy()); // until it was taken
+    EXPECT_THROW(waited_for(background), std::runtime_error);
+    EXPECT_FALSE(background.is_busy());
+}
+
 TEST(Background, ANewPieceReplacesTheOld) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) {

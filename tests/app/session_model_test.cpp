@@ -3,6 +3,7 @@
 #include "app/session.h"
 
 #include "base/input_error.h"
+#include "engine/model_choice/choice_cache.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
@@ -130,6 +131,128 @@ TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
     later.measure_model();
     EXPECT_FALSE(later.model_measurement().is_running());
     EXPECT_TRUE(later.model_choice());
+}
+
+/// Remembers for a scene of the project a model that nobody measured.
+void remember(const SessionOptions &options, const std::string &scene, const char *plant,
+              const char *joints, const char *controller) {
+    const DeviceDescription device = read_device_file(options.device_file);
+    LoadProgress progress;
+    const auto loaded = load_scene(options.scene.parent_path() / scene, device.workspace, progress);
+    ModelChoice choice;
+    choice.tolerance = loaded->scene.tolerance;
+    for (const auto &[axis, name] :
+         {std::pair("plant", plant), std::pair("steps", "20"), std::pair("joints", joints),
+          std::pair("surface", "given"), std::pair("controller", controller)}) {
+        choice.axes.push_back({axis, {{name, {}, {}}}, 0, {}});
+    }
+    const std::string key =
+        model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
+                         testing::contents_of(options.device_file), SPRINGDRIVE_VERSION);
+    ASSERT_TRUE(write_model_choice(model_cache_folder(), key, choice));
+}
+
+/// A hand that follows the mouse, over a scene with a model that is remembered.
+SessionOptions by_hand(const SessionOptions &headless) {
+    SessionOptions options = headless;
+    options.plays_script = false;
+    options.model.automatic = true;
+    remember(options, "profile.gltf", "rigid_tip", "2", "transpose_global");
+    remember(options, "plate.gltf", "electromechanical", "3", "transpose_on_the_fly");
+    return options;
+}
+
+void run(Session &session, double seconds) {
+    for (int frame = 0; frame < static_cast<int>(std::round(seconds / kFrame_s)); ++frame) {
+        session.advance(kFrame_s);
+    }
+}
+
+void show(Session &session, const std::string &scene) {
+    session.request_scene(testing::assets() / "scenes" / scene);
+    while (session.is_loading()) {
+        session.advance(kFrame_s);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_EQ(session.scene_error(), "");
+    ASSERT_EQ(session.scene().scene.file.filename(), scene);
+    run(session, 0.1);
+}
+
+void move_hand_sideways(Session &session) {
+    session.move_hand_to(session.hand_target_m() + Vector3(0.02, 0.0, 0.0));
+    run(session, 2.0);
+}
+
+/// How far the tip is from where the hand wants it, sideways.
+double behind_m(const Session &session) {
+    return std::abs(session.latest().tip_m.x() - session.hand_target_m().x());
+}
+
+/// What the arm's weight of some 0.5 N may make of a hand of 300 N/m.
+constexpr double kNearTheHand_m = 2e-3;
+
+TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
+    Session session(by_hand(headless("profile.gltf")));
+    session.start();
+    run(session, 2.5); // wait and ramp
+    EXPECT_TRUE(session.is_planar());
+    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::global);
+    const double plane_m = session.latest().tip_m.x();
+    move_hand_sideways(session);
+    EXPECT_EQ(session.latest().tip_m.x(), plane_m);
+
+    show(session, "plate.gltf");
+    EXPECT_FALSE(session.is_planar());
+    EXPECT_TRUE(session.runs_choice());
+    EXPECT_EQ(session.model_choice()->chosen(ModelAspect::plant), "electromechanical");
+    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::on_the_fly);
+    move_hand_sideways(session);
+    EXPECT_LT(behind_m(session), kNearTheHand_m);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::running)
+        << description(session.latest().safety);
+
+    show(session, "profile.gltf"); // a base that moves is not seized
+    EXPECT_TRUE(session.runs_choice());
+    EXPECT_FALSE(session.is_planar());
+    move_hand_sideways(session);
+    EXPECT_LT(behind_m(session), kNearTheHand_m);
+}
+
+TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
+    Session session(by_hand(headless("profile.gltf")));
+    session.start();
+    Tuning tuning = session.tuning();
+    tuning.map = MotionMap::inverse;
+    session.tune(tuning);
+    show(session, "plate.gltf");
+    EXPECT_EQ(session.tuning().map, MotionMap::inverse);
+}
+
+TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
+    Session session(by_hand(headless("profile.gltf")));
+    session.start();
+    session.request_scene(testing::assets() / "scenes/sphere.gltf");
+    while (session.loading_progress().find("measuring models") == std::string::npos) {
+        session.advance(kFrame_s);
+        ASSERT_TRUE(session.is_loading());
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(session.scene().scene.file.filename(), "profile.gltf");
+    // Nobody waits for a measurement that is not wanted any more.
+    show(session, "plate.gltf");
+    EXPECT_EQ(session.scene_id(), 2U);
+    EXPECT_EQ(session.scene_error(), "");
+}
+
+TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
+    SessionOptions options = headless("sphere.gltf");
+    options.model.surface = ContactShape{ContactShape::Kind::simplified, 16};
+    Session session(options);
+    session.start();
+    show(session, "organic.gltf");
+    const LoadedScene &shown = session.scene();
+    EXPECT_LE(shown.surface.report().triangles_given, shown.scene.surface.triangles.size() / 16);
 }
 
 TEST_F(SessionModel, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {

@@ -18,6 +18,9 @@ TEST(LoadProgress, TellsStageAndPercentWhereItIsKnown) {
     EXPECT_EQ(progress.text(), "gathering triangles, 100 %");
     progress.begin(LoadProgress::Stage::preparing, false);
     EXPECT_EQ(progress.text(), "preparing the surface for touch");
+    progress.begin(LoadProgress::Stage::measuring, true);
+    progress.advance_to(0.1);
+    EXPECT_EQ(progress.text(), "measuring models, 10 %");
 }
 
 TEST(LoadProgress, LoadingEndsWithEverythingPlaced) {

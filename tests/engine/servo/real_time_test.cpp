@@ -1,6 +1,7 @@
 // Covers engine/servo/servo_loop.cpp and all that it calls: a tick allocates nothing, locks
 // nothing and makes no system call. For the thread that ticks, see servo_real_time_test.cpp.
 #include "app/session.h"
+#include "device/simulated/plant_model.h"
 #include "engine/contact/proxy.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/servo/servo_loop.h"
@@ -103,6 +104,17 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
         expect_quiet([&] { touching = rig.run(kTicks); });
         EXPECT_GT(touching, 500);
     });
+}
+
+TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
+    Rig rig("plate", MotionMap::transpose, AlphaMode::on_the_fly);
+    for (const PlantModel &model : kPlantModels) {
+        SimulationOptions options = rig.options();
+        options.dynamics = model.dynamics;
+        options.effects = model.effects;
+        rig.device.simulate_as(options);
+        expect_quiet([&] { rig.run(300); });
+    }
 }
 
 TEST(RealTime, AProxyOnShapesAndWithFrictionAllocatesAndLocksNothing) {

@@ -1,0 +1,177 @@
+// Covers SimulatedPhantom::simulate_as: how much is simulated changes while the device runs.
+#include "base/input_error.h"
+#include "device/phantom/kinematics.h"
+#include "device/simulated/plant_model.h"
+#include "device/simulated/simulated_phantom.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+namespace springdrive {
+namespace {
+
+const Vector3 kStart_m(0.02, 0.03, 0.01);
+const Vector3 kSideways_m(0.02, 0.0, 0.0);
+
+SimulationOptions simulating(const PlantModel &model, bool planar = false) {
+    SimulationOptions options;
+    options.dynamics = model.dynamics;
+    options.effects = model.effects;
+    options.planar = planar;
+    return options;
+}
+
+DeviceState run(SimulatedPhantom &device, int ticks,
+                const DeviceCommand &command = DeviceCommand::braking()) {
+    DeviceState state;
+    for (int k = 0; k < ticks; ++k) {
+        state = device.exchange(command);
+    }
+    return state;
+}
+
+double sideways_m(const SimulatedPhantom &device) { return device.truth().tip_m.x(); }
+
+TEST(PlantExchange, ABaseThatWasHeldIsLetGoOf) {
+    for (const PlantModel &model : kPlantModels) {
+        SimulatedPhantom device(testing::phantom_1_0(), simulating(model, true), kStart_m);
+        device.set_hand_target(kStart_m + kSideways_m);
+        const double held_rad = device.truth().theta_rad[0];
+        run(device, 500);
+        EXPECT_EQ(device.truth().theta_rad[0], held_rad) << model.name;
+        device.simulate_as(simulating(model, false));
+        run(device, 1000);
+        // A hand of 300 N/m against some 0.05 N of friction and weight, and the structure.
+        EXPECT_NEAR(sideways_m(device), (kStart_m + kSideways_m).x(), 2e-3) << model.name;
+    }
+}
+
+TEST(PlantExchange, ABaseThatMovesIsNotSeized) {
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
+    device.simulate_as(simulating(kPlantModels.back(), true));
+    device.set_hand_target(kStart_m + kSideways_m);
+    run(device, 1000);
+    EXPECT_NEAR(sideways_m(device), (kStart_m + kSideways_m).x(), 2e-3);
+}
+
+TEST(PlantExchange, AHeldBaseStaysHeldByAnotherModel) {
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.front(), true),
+                            kStart_m);
+    device.set_hand_target(kStart_m + kSideways_m);
+    const double held_rad = device.truth().theta_rad[0];
+    run(device, 100);
+    device.simulate_as(simulating(kPlantModels.back(), true));
+    run(device, 100);
+    EXPECT_EQ(device.truth().theta_rad[0], held_rad);
+}
+
+TEST(PlantExchange, TheSameAgainChangesNothing) {
+    for (const PlantModel &model : kPlantModels) {
+        SimulatedPhantom once(testing::phantom_1_0(), simulating(model), kStart_m);
+        SimulatedPhantom again(testing::phantom_1_0(), simulating(model), kStart_m);
+        for (int k = 0; k < 300; ++k) {
+            if (k % 50 == 7) {
+                again.simulate_as(simulating(model));
+            }
+            const DeviceCommand command{Vector3(0.6, -0.4, 0.5) * std::sin(0.05 * k),
+                                        Vector3::Constant(1.5)};
+            EXPECT_EQ(once.exchange(command).counts, again.exchange(command).counts);
+            ASSERT_EQ(once.truth().tip_m, again.truth().tip_m) << model.name << " at " << k;
+            ASSERT_EQ(once.truth().current_A, again.truth().current_A);
+        }
+    }
+}
+
+TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
+    for (const PlantModel &from : kPlantModels) {
+        for (const PlantModel &to : kPlantModels) {
+            SimulatedPhantom device(testing::phantom_1_0(), simulating(from), kStart_m);
+            device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
+            DeviceState last = run(device, 60);
+            device.simulate_as(simulating(to));
+            for (int k = 0; k < 200; ++k) {
+                const DeviceState state = device.exchange(DeviceCommand::braking());
+                for (std::size_t j = 0; j < 3; ++j) {
+                    // Twice as fast as the hand's target goes, 0.8 m/s, is some 50 counts of a
+                    // motor a tick.
+                    EXPECT_LT(std::abs(state.counts[j] - last.counts[j]), 60)
+                        << from.name << " to " << to.name << ", tick " << k;
+                }
+                last = state;
+            }
+        }
+    }
+}
+
+TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
+    // Without dry friction a rest has no past.
+    const DeviceCommand push{Vector3(0.05, -0.04, 0.03), Vector3::Constant(1.5)};
+    for (const PlantModel &from : kPlantModels) {
+        for (const PlantModel &to : kPlantModels) {
+            SimulationOptions before = simulating(from);
+            SimulationOptions after = simulating(to);
+            for (SimulationOptions *options : {&before, &after}) {
+                options->effects.coulomb_friction = false;
+                options->effects.winding_heat = false;
+            }
+            SimulatedPhantom changed(testing::phantom_1_0(), before, kStart_m);
+            SimulatedPhantom fresh(testing::phantom_1_0(), after, kStart_m);
+            run(changed, 300, push);
+            changed.simulate_as(after);
+            run(changed, 1500, push);
+            run(fresh, 1800, push);
+            EXPECT_LT((changed.truth().tip_m - fresh.truth().tip_m).norm(), 1e-7)
+                << from.name << " to " << to.name;
+            EXPECT_LT((changed.truth().current_A - fresh.truth().current_A).norm(), 1e-6);
+        }
+    }
+}
+
+TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
+    const DeviceDescription description = testing::phantom_1_0();
+    const Vector3 within_rad(0.0, 0.7, 0.7 - 60.0 * std::numbers::pi / 180);
+    const Vector3 beyond_rad(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180); // they fold 65°
+    const Vector3 within_m = tip_position_m(description.geometry, within_rad);
+    const Vector3 beyond_m = tip_position_m(description.geometry, beyond_rad);
+    ASSERT_TRUE(can_reach(description, within_m));
+    ASSERT_FALSE(can_reach(description, beyond_m));
+    SimulatedPhantom device(description, simulating(kPlantModels.front()), beyond_m);
+    run(device, 10);
+    device.simulate_as(simulating(kPlantModels.back()));
+    for (int k = 0; k < 500; ++k) {
+        run(device, 1);
+        // It only sags. A stop of 100 N·m/rad, pressed in by 5°, would throw the motors at more
+        // than 100 rad/s.
+        ASSERT_LT(device.truth().theta_rate_rad_per_s.norm(), 10.0) << k;
+    }
+    device.set_hand_target(within_m);
+    run(device, 1000);
+    EXPECT_TRUE(can_reach(description, device.truth().tip_m));
+    device.set_hand_target(beyond_m); // from inside they hold
+    run(device, 1000);
+    const Vector3 q_rad = joint_from_motor(description.geometry, device.truth().theta_rad);
+    EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.least_q3_minus_q2_rad - 0.02);
+}
+
+TEST(PlantExchange, WhatCannotBeSimulatedIsRefusedAndChangesNothing) {
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
+    SimulationOptions impossible = simulating(kPlantModels.back());
+    impossible.dynamics = PlantDynamics::coupling; // and Coulomb friction
+    EXPECT_THROW(device.simulate_as(impossible), InputError);
+    impossible = simulating(kPlantModels.back());
+    impossible.longest_step_s = 0.0;
+    EXPECT_THROW(device.simulate_as(impossible), InputError);
+    SimulatedPhantom twin(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
+    device.set_hand_target(kStart_m + kSideways_m);
+    twin.set_hand_target(kStart_m + kSideways_m);
+    run(device, 100);
+    run(twin, 100);
+    EXPECT_EQ(device.truth().tip_m, twin.truth().tip_m);
+}
+
+} // namespace
+} // namespace springdrive
