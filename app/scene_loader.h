@@ -39,6 +39,9 @@ public:
     SceneLoader(Workspace workspace, Finish finish)
         : workspace_(std::move(workspace)), finish_(std::move(finish)) {}
 
+    /// From the next request on.
+    void finish_with(Finish finish) { finish_ = std::move(finish); }
+
     /// Loads this one next; of several asked for meanwhile the last wins.
     void request(const std::filesystem::path &file);
 

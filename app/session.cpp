@@ -260,7 +260,7 @@ void Session::move_hand_to(const Vector3 &target_m) {
 void Session::show(std::unique_ptr<LoadedScene> scene) {
     retired_.push_back(std::exchange(scene_, std::move(scene)));
     model_measurement_.forget();
-    take_model();
+    take_model(retired_.back()->choice);
     inputs_.surface = &scene_->surface;
     ++inputs_.scene_id;
     publish();

@@ -53,6 +53,9 @@ public:
     /// @param fresh  even if it is remembered from before
     void measure_model(bool fresh = false);
     void give_up_measuring() { model_measurement_.forget(); }
+
+    /// As if started with --model auto: the scene is loaded again, with its model.
+    void choose_models();
     [[nodiscard]] const ModelMeasurement &model_measurement() const { return model_measurement_; }
 
     /// What the scene would get, once somebody measured it; see `runs_choice`.
@@ -97,7 +100,7 @@ private:
     [[nodiscard]] static SceneLoader::Finish give_model(const SessionOptions &options,
                                                         const std::string &device_text);
     void choose_first_model(const DeviceDescription &description);
-    void take_model();
+    void take_model(const std::optional<ModelChoice> &before);
     void release_retired();
     void take_in_samples();
     [[nodiscard]] PlotSample plot_sample(const ServoSample &sample);

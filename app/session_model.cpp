@@ -52,19 +52,25 @@ SceneLoader::Finish Session::give_model(const SessionOptions &options,
     };
 }
 
+void Session::choose_models() {
+    options_.model.automatic = true;
+    loader_.finish_with(give_model(options_, device_text_));
+    request_scene(scene_->scene.file);
+}
+
 void Session::choose_first_model(const DeviceDescription &description) {
     if (options_.model.automatic) {
         scene_->choice = choice_with_progress(question_on(scene_->scene, description, options_),
                                               device_text_, false);
     }
     take_surface(*scene_, options_.model);
-    take_model();
+    take_model({});
 }
 
 /// Plant and law for the scene that is shown, from what was chosen for it and what is set. What
-/// somebody tuned since the last choice stays.
-void Session::take_model() {
-    const std::optional<ModelChoice> before = std::exchange(model_choice_, scene_->choice);
+/// somebody tuned since the choice before, if one ran, stays.
+void Session::take_model(const std::optional<ModelChoice> &before) {
+    model_choice_ = scene_->choice;
     const ModelOptions &wanted = options_.model;
     if (model_choice_) {
         const Model model = model_of(*model_choice_);

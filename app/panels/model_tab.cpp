@@ -99,9 +99,7 @@ void draw_joints(const Session &session) {
 void draw_choice(const ModelChoice &choice, bool runs) {
     const ModelTolerance &tolerance = choice.tolerance;
     ImGui::TextColored(runs ? kGood : kWarning, "%s",
-                       runs ? "this model runs" : "found, does not run: start with --model auto");
-    explain("plant and surface are made when the program starts, so a model that was found\n"
-            "here runs from the next start with --model auto, which remembers it");
+                       runs ? "this model runs" : "found, does not run yet");
     ImGui::TextWrapped("%.3f N and %.1f° off, %.3g N and %.3g° allowed", choice.error.force_N,
                        choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
                        tolerance.direction_rad * kDegreesPerRadian);
@@ -146,6 +144,15 @@ void draw_model_tab(Session &session) {
         session.measure_model(session.model_choice().has_value());
     }
     explain("in the background; what was measured before on this machine is remembered");
+    if (session.model_choice() && !session.runs_choice()) {
+        ImGui::SameLine();
+        if (ImGui::Button("Run it")) {
+            session.choose_models();
+        }
+        explain("loads the scene again with this model, and from now on every scene with the one\n"
+                "that is chosen for it, as --model auto does. To tune, keep the full one: a model\n"
+                "without mass cannot shake, whatever the gains");
+    }
 }
 
 } // namespace springdrive

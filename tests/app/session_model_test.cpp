@@ -219,6 +219,29 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     EXPECT_LT(behind_m(session), kNearTheHand_m);
 }
 
+TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
+    SessionOptions options = by_hand(headless("plate.gltf"));
+    remember(options, "plate.gltf", "rigid_tip", "3", "transpose_global");
+    options.model.automatic = false;
+    Session session(options);
+    session.start();
+    session.measure_model();
+    ASSERT_TRUE(session.model_choice());
+    EXPECT_FALSE(session.runs_choice());
+    EXPECT_NE(session.tuning().alpha_mode, AlphaMode::global);
+
+    session.choose_models();
+    while (session.is_loading()) {
+        session.advance(kFrame_s);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(session.scene_error(), "");
+    EXPECT_TRUE(session.runs_choice());
+    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::global);
+    show(session, "profile.gltf"); // and from now on every scene has its own
+    EXPECT_TRUE(session.runs_choice());
+}
+
 TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
