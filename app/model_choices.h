@@ -46,8 +46,11 @@ public:
     [[nodiscard]] std::optional<ModelChoice> take();
     [[nodiscard]] const std::string &error() const { return error_; }
 
-    /// Of another scene: what is being measured is not wanted any more.
-    void forget() { measuring_.give_up(); }
+    /// Of another scene: what is being measured is not wanted any more, nor what failed.
+    void forget() {
+        measuring_.give_up();
+        error_.clear();
+    }
 
 private:
     Background<ModelChoice> measuring_;

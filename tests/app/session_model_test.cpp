@@ -278,6 +278,24 @@ TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
     EXPECT_LE(shown.surface.report().triangles_given, shown.scene.surface.triangles.size() / 16);
 }
 
+TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
+    const Session session(headless("plate.gltf"));
+    ModelQuestion impossible;
+    impossible.scene = &session.scene().scene;
+    impossible.device = session.device();
+    impossible.delay_samples = SimulationOptions::kLongestDelay + 1;
+    ModelMeasurement measurement;
+    measurement.begin(impossible, "");
+    while (measurement.is_running()) {
+        EXPECT_FALSE(measurement.take());
+        std::this_thread::yield();
+    }
+    EXPECT_NE(measurement.error().find("delay"), std::string::npos) << measurement.error();
+    measurement.forget();
+    EXPECT_EQ(measurement.error(), "");
+    EXPECT_TRUE(is_empty());
+}
+
 TEST_F(SessionModel, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
     const auto expect_refused = [](std::vector<std::string> options, const std::string &names) {
         const std::string file = testing::fresh_folder("refused") / "touch.rec";

@@ -47,7 +47,9 @@ template <typename Tick> bool only_flickers(double count_rad, double period_s, c
     constexpr double kCounts = 2.0;
     constexpr double kWatched_s = 0.2;
     Span span;
-    for (double time_s = 0.0; time_s < kWatched_s; time_s += period_s) {
+    constexpr double kLeastTicks = 20.0; // one alone would never move
+    const long ticks = std::lround(std::max(kLeastTicks, std::ceil(kWatched_s / period_s)));
+    for (long i = 0; i < ticks; ++i) {
         span.add(tick());
     }
     return span.greatest_rad() <= kCounts * count_rad;

@@ -144,6 +144,18 @@ TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
               which.device.motor[2].supply_V / which.device.motor[2].torque_constant_Nm_per_A);
 }
 
+/// At a period as long as counts are watched for a flicker, a single look would see none.
+TEST(StabilitySimulation, ASlowServoThatTossesItsRotorDoesNotRest) {
+    StabilityCase which = firm();
+    which.hands = {no_hand()};
+    which.tuning.K_P_V_per_rad = 1e4;
+    which.period_s = 0.2;
+    const LoopMember member = members(which).front();
+    ASSERT_GT(largest_eigenvalue(which, member), 2.0);
+    EXPECT_FALSE(
+        simulated(which, member, TrialOptions::with(SimulationEffects::electronics())).stable);
+}
+
 TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
     StabilityCase which = firm();
     which.hands = {no_hand()};
