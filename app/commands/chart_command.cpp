@@ -79,6 +79,7 @@ void make_charts(const Typed &typed) {
 
 std::vector<std::string> chart_names() {
     std::vector<std::string> names;
+    names.reserve(kCharts.size());
     for (const ChartMaker &maker : kCharts) {
         names.emplace_back(maker.name);
     }

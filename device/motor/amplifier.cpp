@@ -30,9 +30,9 @@ CurrentStep behind(const MotorParameters &motor, const Source &source, const Dri
 }
 
 CurrentStep at_once(const MotorParameters &motor, const Source &source) {
-    const double A = source.voltage_V / source.net_resistance_Ohm;
-    const double As_per_rad = -motor.torque_constant_Nm_per_A / source.net_resistance_Ohm;
-    return {A, As_per_rad, A, As_per_rad};
+    const double end_A = source.voltage_V / source.net_resistance_Ohm;
+    const double end_As_per_rad = -motor.torque_constant_Nm_per_A / source.net_resistance_Ohm;
+    return {end_A, end_As_per_rad, end_A, end_As_per_rad};
 }
 
 /// What sustains the current limit at standstill, as far as the supply goes.

@@ -62,12 +62,15 @@ std::vector<HandPath::Point> points_of(const SurfaceProbe &probe, const Figure &
     std::vector<HandPath::Point> points;
     double phase = 0.0;
     double y_m = height_m(probe, figure.at(0.0));
-    for (double t = how.rest_s + how.approach_s; t < how.duration_s; t += kTick_s) {
+    const double begin_s = how.rest_s + how.approach_s;
+    const long count = std::lround(std::ceil((how.duration_s - begin_s) / kTick_s));
+    for (long i = 0; i < count; ++i) {
+        const double since_s = static_cast<double>(i) * kTick_s;
         Vector3 point_m = figure.at(phase);
         const double most_m = how.climb_m_per_s * kTick_s;
         y_m = std::clamp(height_m(probe, point_m), y_m - most_m, y_m + most_m);
-        point_m.y() = y_m - depth_m(how, t - how.rest_s - how.approach_s);
-        points.push_back({t, point_m});
+        point_m.y() = y_m - depth_m(how, since_s);
+        points.push_back({begin_s + since_s, point_m});
         phase = figure.after(phase, how.speed_m_per_s * kTick_s);
     }
     return points;

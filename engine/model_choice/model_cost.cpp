@@ -101,6 +101,7 @@ std::vector<Cost> costs_of(std::size_t candidates, std::size_t ticks, const Run 
         }
     }
     std::vector<Cost> costs;
+    costs.reserve(clocks.size());
     for (const TickClock &clock : clocks) {
         costs.push_back(clock.cost());
     }

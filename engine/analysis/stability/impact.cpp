@@ -158,8 +158,10 @@ double apparent_mass_kg(const StabilityCase &which) {
     const double omega = 2.0 * std::numbers::pi * kFrequency_hz;
     const Vector3 start_m = tip_position_m(which.device.geometry, which.q_rad);
     std::vector<HandPath::Point> path;
-    const double step_s = 1e-3;
-    for (double t = 0.0; t < kPeriods / kFrequency_hz; t += step_s) {
+    constexpr int kPoints = 1200; // a millisecond apart
+    path.reserve(kPoints + 1);
+    for (int i = 0; i <= kPoints; ++i) {
+        const double t = kPeriods / kFrequency_hz * i / kPoints;
         path.push_back({t, start_m + kAmplitude_m * std::sin(omega * t) * Vector3::UnitY()});
     }
     StabilityCase held = which; // a hand that leads firmly, whatever it weighs

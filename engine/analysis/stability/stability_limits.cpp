@@ -19,8 +19,9 @@ StabilityCase with(StabilityCase which, const StabilityParameter &parameter, dou
 std::vector<double> scan(const StabilityParameter &parameter, const ParameterRange &range) {
     std::vector<double> values;
     if (parameter.whole) {
-        for (double value = range.from; value <= range.to; value += 1.0) {
-            values.push_back(value);
+        const int steps = static_cast<int>(range.to - range.from);
+        for (int i = 0; i <= steps; ++i) {
+            values.push_back(range.from + i);
         }
         return values;
     }
@@ -71,7 +72,8 @@ std::optional<Bracket> bracket(const StabilityParameter &parameter, const Stabil
     constexpr double kFarthest = 3.0;
     if (const bool too_far = !holds(at); too_far) { // the trial fails earlier than predicted
         double unstable = at;
-        for (double share = kFirst; share < 1.0; share *= 2.0) {
+        double share = kFirst;
+        while (share < 1.0) {
             const double value =
                 parameter.whole ? inside(unstable - outward) : inside(at * (1.0 - outward * share));
             if (value == unstable) {
@@ -81,11 +83,13 @@ std::optional<Bracket> bracket(const StabilityParameter &parameter, const Stabil
                 return Bracket{value, unstable};
             }
             unstable = value;
+            share *= 2.0;
         }
         return std::nullopt;
     }
     double stable = at;
-    for (double share = kFirst; share < kFarthest; share *= 2.0) {
+    double share = kFirst;
+    while (share < kFarthest) {
         const double value = parameter.whole ? inside(stable + outward) : beside(share);
         if (value == stable) {
             return std::nullopt;
@@ -94,6 +98,7 @@ std::optional<Bracket> bracket(const StabilityParameter &parameter, const Stabil
             return Bracket{stable, value};
         }
         stable = value;
+        share *= 2.0;
     }
     return std::nullopt;
 }

@@ -16,6 +16,7 @@ constexpr double kFastest_rad_per_s = 5000.0; // as for the spring drive
 /// Values that differ by the same factor.
 std::vector<double> by_ratio(double from, double to, int count) {
     std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         values.push_back(from * std::pow(to / from, static_cast<double>(i) / (count - 1)));
     }
@@ -136,7 +137,8 @@ TunedWall tuned_wall(StabilityCase which, double margin, double greatest_count_N
             search.look_at(B, lambda);
         }
     }
-    for (double factor = 1.2; factor > 1.02; factor = std::sqrt(factor)) { // closer and closer
+    double factor = 1.2;
+    while (factor > 1.02) { // closer and closer
         const TunedWall centre = search.best();
         for (const double of_B : {1.0 / factor, 1.0, factor}) {
             for (const double of_lambda : {1.0 / factor, 1.0, factor}) {
@@ -144,6 +146,7 @@ TunedWall tuned_wall(StabilityCase which, double margin, double greatest_count_N
                                std::min(kFastest_rad_per_s, of_lambda * centre.lambda_rad_per_s));
             }
         }
+        factor = std::sqrt(factor);
     }
     return search.best();
 }

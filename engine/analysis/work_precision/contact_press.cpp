@@ -139,7 +139,9 @@ Cost press_cost(const ContactPress &press, const PressRecord &record, const NewP
     constexpr int kLeastSubSteps = 5120; // below, the clock would be too coarse
     const int rounds = std::max(1, kLeastSubSteps / (press.periods * std::max(1, sub_steps)));
     std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press to come
-    for (int i = 0; i < rounds * (repeats + 1); ++i) {
+    const int presses = rounds * (repeats + 1);
+    plants.reserve(static_cast<std::size_t>(presses));
+    for (int i = 0; i < presses; ++i) {
         plants.push_back(new_plant());
     }
     auto next = plants.begin();

@@ -52,6 +52,7 @@ Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
     const HapticLaw law(setting.device);
     const Vector3 rate_rad_per_s(1.0, -2.0, 1.5);
     std::vector<Vector3> theta_rad;
+    theta_rad.reserve(places_rad.size());
     for (const Vector3 &q_rad : places_rad) {
         theta_rad.push_back(motor_from_joint(setting.device.geometry, q_rad));
     }
@@ -126,6 +127,7 @@ std::string setting_text(const ChartSetting &setting, const MotionMethod &method
         return alpha_text(method.alpha_rad2_per_m2);
     }
     std::vector<double> bounds;
+    bounds.reserve(places_rad.size());
     for (const Vector3 &q_rad : places_rad) {
         bounds.push_back(alpha_bound(motor_jacobian(setting.device.geometry, q_rad),
                                      relative_stiffness(setting.device)));

@@ -101,8 +101,9 @@ TriangleSoup bent(const TriangleSoup &soup, const std::function<Vector3(const Ve
         mesh.normals.push_back(normal(vertex_m));
     }
     const CurvedPatches patches(std::move(mesh));
-    const auto most = static_cast<std::size_t>(
-        std::sqrt(static_cast<double>(gltf::kMostCurvedTriangles / soup.triangles.size())));
+    const auto most =
+        static_cast<std::size_t>(std::sqrt(static_cast<double>(gltf::kMostCurvedTriangles) /
+                                           static_cast<double>(soup.triangles.size())));
     const std::size_t cuts = patches.cuts_for(gltf::kSmooth_deg * std::numbers::pi / 180.0,
                                               std::clamp<std::size_t>(most, 1, kMostCuts));
     SmoothMesh curved = patches.cut(cuts, 0, soup.triangles.size());
