@@ -28,12 +28,14 @@ TriedLine closest_point_of_a_fast_tip() {
     constexpr int kPhases = 64;
     const auto finder = std::make_shared<ClosestPointFinder>(plate(kPlate_m));
     const auto is_thrown_back = [finder](double start_m, double step_m) {
-        for (double y_m = start_m; y_m > -2.0 * kHalfPlate_m; y_m -= step_m) {
+        double y_m = start_m;
+        while (y_m > -2.0 * kHalfPlate_m) {
             const Vector3 tip_m = at_height(y_m);
             const ClosestPoint found = finder->closest(tip_m);
             if (found.normal.dot(tip_m - found.point_m) < 0.0) {
                 return found.normal.y() > 0.5;
             }
+            y_m -= step_m;
         }
         return false;
     };

@@ -17,6 +17,10 @@ constexpr double kHand_N = 40.0; ///< the most that it presses with
 constexpr double kWatched_s = 0.3;
 constexpr double kContact_s = 0.2; ///< by then the tip has left the walls
 
+long ticks_in(double time_s, const StabilityCase &which) {
+    return std::lround(time_s / which.period_s);
+}
+
 /// K_x = α k̄ (27) where all motors are alike: with k_T K_P/dR for k̄.
 double tip_stiffness_N_per_m(const StabilityCase &which) {
     const double alpha = alpha_bound(motor_jacobian(which.device.geometry, which.q_rad),
@@ -42,7 +46,7 @@ double speed_per_force(const StabilityCase &which) {
     state.head<3>() = J.inverse() * pressed_m;
     state.segment<3>(9) = law.per_position * state.head<3>() / which.tuning.dR_Ohm;
     double greatest = 0.0;
-    for (double time_s = 0.0; time_s < kContact_s; time_s += which.period_s) {
+    for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
         state = map * state;
         greatest = std::max(greatest, Vector3(J * state.segment<3>(6)).norm());
         if (Vector3(J * state.head<3>()).minCoeff() > 0.0) {
@@ -62,7 +66,7 @@ bool is_borne(const StabilityCase &which, double force_N, double limit_m_per_s) 
         return false;
     }
     rig.device.let_go();
-    for (double time_s = 0.0; time_s < kWatched_s; time_s += which.period_s) {
+    for (long tick = 0; tick < ticks_in(kWatched_s, which); ++tick) {
         static_cast<void>(rig.tick());
     }
     return !rig.has_tripped();

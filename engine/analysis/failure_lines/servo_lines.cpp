@@ -63,13 +63,14 @@ bool dies_out(const StabilityCase &which, int missed) {
     rig.nudge();
     double early = 0.0;
     double late = 0.0;
-    for (double time_s = 0.0; time_s < kWatched_s && !rig.has_tripped();
-         time_s += which.period_s * (2 + missed)) {
+    double time_s = 0.0;
+    while (time_s < kWatched_s && !rig.has_tripped()) {
         static_cast<void>(rig.tick());
         static_cast<void>(rig.tick(missed));
         const double rate = rig.device.truth().theta_rate_rad_per_s.norm();
         early = time_s < kEarly_s ? std::max(early, rate) : early;
         late = time_s > kLate_s ? std::max(late, rate) : late;
+        time_s += which.period_s * (2 + missed);
     }
     return !rig.has_tripped() && late < 0.5 * early;
 }
