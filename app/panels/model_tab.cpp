@@ -96,10 +96,23 @@ void draw_joints(const Session &session) {
     }
 }
 
-void draw_choice(const ModelChoice &choice, bool runs) {
+void draw_whether_it_runs(Session &session) {
+    if (session.runs_choice()) {
+        ImGui::TextColored(kGood, "this model runs");
+        return;
+    }
+    ImGui::TextColored(kWarning, "found, does not run yet");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("run it")) {
+        session.choose_models();
+    }
+    explain("loads the scene again with this model, and from now on every scene with the one\n"
+            "that is chosen for it, as --model auto does. To tune, keep the full one: a model\n"
+            "without mass cannot shake, whatever the gains");
+}
+
+void draw_choice(const ModelChoice &choice) {
     const ModelTolerance &tolerance = choice.tolerance;
-    ImGui::TextColored(runs ? kGood : kWarning, "%s",
-                       runs ? "this model runs" : "found, does not run yet");
     ImGui::TextWrapped("%.3f N and %.1f° off, %.3g N and %.3g° allowed", choice.error.force_N,
                        choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
                        tolerance.direction_rad * kDegreesPerRadian);
@@ -134,8 +147,9 @@ void draw_model_tab(Session &session) {
         ImGui::PopStyleColor();
     }
     if (session.model_choice()) {
+        draw_whether_it_runs(session);
         draw_joints(session);
-        draw_choice(*session.model_choice(), session.runs_choice());
+        draw_choice(*session.model_choice());
     } else {
         ImGui::TextWrapped("The cheapest model that this scene's tolerance allows is found by "
                            "measuring, which takes some seconds of one processor.");
@@ -144,15 +158,6 @@ void draw_model_tab(Session &session) {
         session.measure_model(session.model_choice().has_value());
     }
     explain("in the background; what was measured before on this machine is remembered");
-    if (session.model_choice() && !session.runs_choice()) {
-        ImGui::SameLine();
-        if (ImGui::Button("Run it")) {
-            session.choose_models();
-        }
-        explain("loads the scene again with this model, and from now on every scene with the one\n"
-                "that is chosen for it, as --model auto does. To tune, keep the full one: a model\n"
-                "without mass cannot shake, whatever the gains");
-    }
 }
 
 } // namespace springdrive
