@@ -100,7 +100,8 @@ double StabilityGrid::dR_Ohm(int row) {
 }
 
 double StabilityGrid::at(int column, int row) const {
-    return eigenvalue.at(static_cast<std::size_t>(row * kColumns + column));
+    return eigenvalue.at(static_cast<std::size_t>(row) * kColumns +
+                         static_cast<std::size_t>(column));
 }
 
 StabilityGrid stability_grid(const StabilityCase &which, BackgroundTalk &talk) {

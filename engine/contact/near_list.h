@@ -12,6 +12,8 @@ namespace springdrive {
 /// Before anything of the facets is read. Where they are too many the ball gets smaller.
 class NearList {
 public:
+    // Those that are not found yet are never read.
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
     NearList(double radius_m, std::size_t capacity) noexcept
         : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
 

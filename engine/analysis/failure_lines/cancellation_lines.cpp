@@ -37,15 +37,15 @@ double worst_angle_rad(const MotorParameters &motor) {
 }
 
 TriedLine cold_winding(MotorParameters motor) {
-    constexpr double kdR_Ohm = 0.1;
+    constexpr double kNet_Ohm = 0.1;
     motor.commutation_ripple = 0.0;
-    const double R_hat_Ohm = motor.resistance_Ohm - kdR_Ohm;
+    const double R_hat_Ohm = motor.resistance_Ohm - kNet_Ohm;
     return {
         {kMethod,
          "winding cooler than",
          "°C",
-         "R̂ tuned for dR " + with_unit(kdR_Ohm, "Ω") + " at 25 °C, rotor held",
-         kReferenceTemperature_C - kdR_Ohm / (motor.resistance_rise_per_K * motor.resistance_Ohm),
+         "R̂ tuned for dR " + with_unit(kNet_Ohm, "Ω") + " at 25 °C, rotor held",
+         kReferenceTemperature_C - kNet_Ohm / (motor.resistance_rise_per_K * motor.resistance_Ohm),
          {},
          {}},
         kReferenceTemperature_C,

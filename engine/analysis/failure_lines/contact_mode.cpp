@@ -19,7 +19,7 @@ ContactMode::ContactMode(const StabilityCase &which) : device(which.device), q_r
     options.quantised_encoders = false;
     for (Eigen::Index j = 0; j < 3; ++j) {
         command.cancelled_resistance_Ohm[j] =
-            device.motor[static_cast<std::size_t>(j)].resistance_Ohm - kdR_Ohm;
+            device.motor[static_cast<std::size_t>(j)].resistance_Ohm - kNet_Ohm;
     }
 }
 

@@ -14,14 +14,14 @@ namespace springdrive {
 
 /// Base joint and winding of a plant that nobody holds or commands.
 struct ContactMode {
-    static constexpr double kdR_Ohm = 0.1;   ///< so little that the mode swings
+    static constexpr double kNet_Ohm = 0.1;  ///< so little that the mode swings
     static constexpr double kStart_A = 1e-3; ///< in the winding, at rest
 
     explicit ContactMode(const StabilityCase &which);
 
     [[nodiscard]] const MotorParameters &motor() const { return device.motor[0]; }
     /// The rates at which current and speed die out by themselves.
-    [[nodiscard]] double winding_per_s() const { return kdR_Ohm / motor().inductance_H; }
+    [[nodiscard]] double winding_per_s() const { return kNet_Ohm / motor().inductance_H; }
     [[nodiscard]] double rotor_per_s() const { return damping_Nms_per_rad / inertia_kg_m2; }
     /// K_L/J.
     [[nodiscard]] double omega_squared() const {

@@ -38,7 +38,7 @@ struct Warming {
     [[nodiscard]] double winding_C(double time_s) const {
         const Eigen::Vector2d rest = A.inverse() * h; // T = (e^(At) − 1) A⁻¹ h
         const Eigen::EigenSolver<Eigen::Matrix2d> modes(A);
-        const Eigen::Matrix2d V = modes.pseudoEigenvectors(); // its eigenvalues are real
+        const Eigen::Matrix2d &V = modes.pseudoEigenvectors(); // its eigenvalues are real
         const Eigen::Vector2d share = V.inverse() * rest;
         const Eigen::Vector2d values = modes.eigenvalues().real();
         return kWarmestAir_C + V(0, 0) * share[0] * std::expm1(values[0] * time_s) +

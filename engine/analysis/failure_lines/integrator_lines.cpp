@@ -68,7 +68,7 @@ template <typename Step> bool dies_out(const ContactMode &mode, const Step &step
 }
 
 std::string contact_setting(const char *more) {
-    return "contact mode of base and K_L, dR " + with_unit(ContactMode::kdR_Ohm, "Ω") + more;
+    return "contact mode of base and K_L, dR " + with_unit(ContactMode::kNet_Ohm, "Ω") + more;
 }
 
 TriedLine contact_line(const char *method, double predicted_s,

@@ -11,7 +11,8 @@ using Eigen::MatrixXd;
 
 /// States, in blocks of one for each motor: θ, its way since the last tick, θ̇, i, θ̇_f, the command
 /// in force, and the one that waits to be sent.
-enum Block : Index { theta, moved, rate, current, velocity, in_force, waiting, kBlocks };
+enum Block : Index { theta, moved, rate, current, velocity, in_force, waiting };
+constexpr Index kBlocks = waiting + 1;
 
 class Maps {
 public:
