@@ -1,5 +1,6 @@
 #include "engine/contact/descent.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace springdrive {
@@ -17,7 +18,7 @@ constexpr double kSamePlane = 1e-9;
 /// farther leaves more of the surface than it follows.
 constexpr double kGentle = 0.9;
 
-/// Round a curved offset each slide along a tangent plane leaves a share of the way that hardly
+/// Round a curved offset each slide along one tangent plane leaves a share of the way that hardly
 /// changes from one to the next: once it shows, the rest of the way is known (Aitken).
 class Foresight {
 public:
@@ -36,6 +37,12 @@ private:
     Vector3 last_m_{Vector3::Zero()};
     double last_length_m_ = 0.0;
 };
+
+/// How often a slide fits into the way to the place beyond the goal that is no nearer to the target
+/// than the start was: farther on, the proxy would leave what it is to come nearer to.
+double as_near_again(const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
+    return 2.0 * slide_m.dot(to_target_m) / slide_m.squaredNorm();
+}
 
 } // namespace
 
@@ -102,9 +109,10 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
         if (is_curved && goal.active.size() > 0) {
             if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
                 end_m = *above_m;
-            } else {
+            } else if (goal.active.size() == 1) {
                 const Vector3 slide_m = goal.point_m - rest.point_m;
-                end_m = rest.point_m + foresight.stretch(slide_m) * slide_m;
+                const double most = as_near_again(slide_m, target_m - rest.point_m);
+                end_m = rest.point_m + std::min(foresight.stretch(slide_m), most) * slide_m;
             }
         }
         const std::optional<SurfaceStop> hit = first_stop(rest.point_m, end_m);
