@@ -100,9 +100,12 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
         varied.set(there, limit.predicted);
         out << "  " << who(there, limit.worst) << '\n';
     }
-    out << "\nEach simulated limit stands with its ratio to the prediction. Counts can keep a loop "
-           "rattling that\nhardly dies out; friction takes small motions away. What grows or dies "
-           "slower than some 0.3/s is\nnot told apart in the seconds that a trial lasts.\n";
+    out << "\nEach simulated limit stands with its ratio to the prediction. Counts can keep a "
+           "loop\n"
+           "rattling that hardly dies out, and rest again farther on: the first limit from the\n"
+           "stable side stands here. Friction takes small motions away. Slow motions are watched\n"
+           "for up to 30 s; one that grows by less than some 0.05/s may pass for one that dies "
+           "out.\n";
 }
 
 Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }

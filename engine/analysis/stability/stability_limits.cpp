@@ -1,6 +1,8 @@
 #include "engine/analysis/stability/stability_limits.h"
 
-#include <algorithm>
+#include "engine/analysis/stability/last_stable.h"
+#include "engine/analysis/stability/simulated_limit.h"
+
 #include <cmath>
 #include <future>
 
@@ -35,74 +37,6 @@ std::vector<double> scan(const StabilityParameter &parameter, const ParameterRan
     return values;
 }
 
-/// Between a value that is stable and one that is not, to `share` of it; whole numbers to 1.
-double last_stable(double stable, double unstable, double share, bool whole,
-                   const std::function<bool(double)> &holds) {
-    const auto apart = [&] { return std::abs(unstable - stable); };
-    while (whole ? apart() > 1.0
-                 : apart() > share * std::max(std::abs(stable), std::abs(unstable))) {
-        const double middle = 0.5 * (stable + unstable);
-        const double tried = whole ? std::round(middle) : middle;
-        (holds(tried) ? stable : unstable) = tried;
-    }
-    return stable;
-}
-
-/// A bracket of one trial that is stable and one that is not.
-struct Bracket {
-    double stable = 0.0;
-    double unstable = 0.0;
-};
-
-/// Steps from the prediction, on either side, until a trial differs from what is predicted there.
-std::optional<Bracket> bracket(const StabilityParameter &parameter, const StabilityLimit &limit,
-                               const std::function<bool(double)> &holds) {
-    const double at = limit.predicted;
-    const double outward = limit.stable_below ? 1.0 : -1.0; // towards instability
-    const auto inside = [&](double value) {
-        return std::clamp(value, parameter.lowest, parameter.highest);
-    };
-    // By shares of the value; 0 and whole numbers have none.
-    const auto beside = [&](double share) {
-        const double step = parameter.whole ? std::ceil(std::log2(1.0 + share) * 100.0 / 3.0)
-                                            : share * std::max(std::abs(at), 1e-9);
-        return inside(at + outward * step);
-    };
-    constexpr double kFirst = 0.01;
-    constexpr double kFarthest = 3.0;
-    if (const bool too_far = !holds(at); too_far) { // the trial fails earlier than predicted
-        double unstable = at;
-        double share = kFirst;
-        while (share < 1.0) {
-            const double value =
-                parameter.whole ? inside(unstable - outward) : inside(at * (1.0 - outward * share));
-            if (value == unstable) {
-                return std::nullopt;
-            }
-            if (holds(value)) {
-                return Bracket{value, unstable};
-            }
-            unstable = value;
-            share *= 2.0;
-        }
-        return std::nullopt;
-    }
-    double stable = at;
-    double share = kFirst;
-    while (share < kFarthest) {
-        const double value = parameter.whole ? inside(stable + outward) : beside(share);
-        if (value == stable) {
-            return std::nullopt;
-        }
-        if (!holds(value)) {
-            return Bracket{stable, value};
-        }
-        stable = value;
-        share *= 2.0;
-    }
-    return std::nullopt;
-}
-
 } // namespace
 
 std::vector<StabilityLimit> predicted_limits(const StabilityCase &which,
@@ -128,30 +62,6 @@ std::vector<StabilityLimit> predicted_limits(const StabilityCase &which,
         before = after;
     }
     return limits;
-}
-
-std::optional<double> simulated_limit(const StabilityCase &which,
-                                      const StabilityParameter &parameter,
-                                      const StabilityLimit &predicted,
-                                      const TrialOptions &options) {
-    // The most critical first, so that trials end early.
-    const std::vector<WorstMember> order =
-        ranked_members(with(which, parameter, predicted.predicted));
-    const auto holds = [&](double value) {
-        const StabilityCase there = with(which, parameter, value);
-        return std::all_of(order.begin(), order.end(), [&](const WorstMember &ranked) {
-            LoopMember same = ranked.member;
-            if (there.hands.size() == 1) { // its properties may be what is varied
-                same.hand = there.hands.front();
-            }
-            return simulated(there, same, options).stable;
-        });
-    };
-    const std::optional<Bracket> found = bracket(parameter, predicted, holds);
-    if (!found) {
-        return std::nullopt;
-    }
-    return last_stable(found->stable, found->unstable, 1e-3, parameter.whole, holds);
 }
 
 std::vector<StabilityLimit> stability_limits(const StabilityCase &which,

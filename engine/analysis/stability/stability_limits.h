@@ -20,8 +20,7 @@ struct StabilityLimit {
     double predicted = 0.0; ///< the last stable value, to 1e-6 of it
     bool stable_below = true;
     LoopMember worst; ///< who is unstable just beyond
-    /// The last stable value by trying, to 1e-3 of it; nothing where no trial differs within
-    /// a factor of 4 about the prediction, or within the parameter's range.
+    /// The last stable value by trying, see simulated_limit.h; nothing where none is found.
     std::optional<double> simulated_linear; ///< without counts, supply and friction
     std::optional<double> simulated;        ///< with counts and supply
     std::optional<double> simulated_all;    ///< with friction, too
@@ -31,12 +30,6 @@ struct StabilityLimit {
 [[nodiscard]] std::vector<StabilityLimit> predicted_limits(const StabilityCase &which,
                                                            const StabilityParameter &parameter,
                                                            const ParameterRange &range);
-
-/// The same place by trying, searched for from the prediction outwards.
-[[nodiscard]] std::optional<double> simulated_limit(const StabilityCase &which,
-                                                    const StabilityParameter &parameter,
-                                                    const StabilityLimit &predicted,
-                                                    const TrialOptions &options);
 
 /// All of it, on as many processors as there are kinds of trial.
 [[nodiscard]] std::vector<StabilityLimit> stability_limits(const StabilityCase &which,

@@ -2,9 +2,13 @@
 
 #include "device/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
+#include "engine/analysis/stability/flicker.h"
 #include "engine/analysis/stability/rotor_simulation.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -21,42 +25,82 @@ RingdownOptions ringdown_options(const TrialOptions &options, double start_rad) 
     constexpr double kGreatestRate_per_s = 1e7;
     RingdownOptions how;
     how.longest_s = options.longest_s;
+    how.patience_s = options.patience_s;
     how.greatest = kGreatestRate_per_s * start_rad;
     // Encoders keep small motions up at a steady size, whose measured slope is near zero.
     how.least_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;
     return how;
 }
 
-/// How far angles go to and fro.
-class Span {
-public:
-    void add(const Vector3 &theta_rad) {
-        least_ = least_.cwiseMin(theta_rad);
-        greatest_ = greatest_.cwiseMax(theta_rad);
+/// Half a period of the slowest oscillation that command and load make of a motion at low
+/// frequency; zero where they make none.
+double slowest_half_period_s(const DrivenLoad &load, const SampledLaw &law) {
+    const Eigen::VectorXd torque_per_command =
+        -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
+             .cwiseQuotient(load.current_rate_per_current);
+    const Eigen::MatrixXd stiffness =
+        load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
+    const Eigen::VectorXd squares =
+        Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(stiffness)).eigenvalues().real();
+    constexpr double kFree = 1e-9; // of the stiffest: round-off of a direction that nothing holds
+    double least = HUGE_VAL;
+    for (const double square : squares) {
+        least = square > kFree * squares.cwiseAbs().maxCoeff() ? std::min(least, square) : least;
     }
-    [[nodiscard]] double greatest_rad() const { return (greatest_ - least_).maxCoeff(); }
-
-private:
-    Vector3 least_ = Vector3::Constant(HUGE_VAL);
-    Vector3 greatest_ = Vector3::Constant(-HUGE_VAL);
-};
-
-/// The flicker of the last counts, however fast: not a motion that a loop makes.
-/// @param tick  moves on by a period and returns the true angles
-template <typename Tick> bool only_flickers(double count_rad, double period_s, const Tick &tick) {
-    constexpr double kCounts = 2.0;
-    constexpr double kWatched_s = 0.2;
-    Span span;
-    constexpr double kLeastTicks = 20.0; // one alone would never move
-    const long ticks = std::lround(std::max(kLeastTicks, std::ceil(kWatched_s / period_s)));
-    for (long i = 0; i < ticks; ++i) {
-        span.add(tick());
-    }
-    return span.greatest_rad() <= kCounts * count_rad;
+    return std::numbers::pi / std::sqrt(least);
 }
 
-Trial outcome(const Ringdown &ringdown) {
-    return {ringdown.dies_out(), ringdown.growth_per_s(), ringdown.last()};
+/// How a member's motion is watched.
+struct Watch {
+    RingdownOptions ringdown;
+    double flicker_s = 0.0; ///< how long nothing but a flicker is rest
+};
+
+/// @param start_rad  how far motors are from rest at first, about
+Watch how_to_watch(const StabilityCase &which, const LoopMember &member,
+                   const TrialOptions &options, double start_rad) {
+    const double half_period_s =
+        slowest_half_period_s(driven_load(which, member), sampled_law(which, member));
+    Watch watch{ringdown_options(options, start_rad), 0.0};
+    constexpr double kLongestWindow_s = 1.0;
+    constexpr double kWindows = 10.0;
+    RingdownOptions &ringdown = watch.ringdown;
+    ringdown.window_s = std::max(ringdown.window_s, std::min(half_period_s, kLongestWindow_s));
+    if (half_period_s > 0.0) {
+        ringdown.longest_s = std::max(ringdown.longest_s, kWindows * ringdown.window_s);
+    }
+    // Not where a slow motion turns, nor before a delay lets it begin.
+    constexpr double kLasting_s = 0.4;
+    constexpr double kSamples = 20.0;
+    watch.flicker_s = std::max(
+        {kLasting_s, 2.0 * ringdown.window_s, (which.delay_samples + kSamples) * which.period_s});
+    return watch;
+}
+
+/// What there is to see of a motion at a sample.
+struct Motion {
+    Vector3 theta_rad;
+    double rate_rad_per_s = 0.0; ///< the greatest of all motors
+};
+
+/// @param count_rad  of an encoder; 0 where there is none
+/// @param tick  moves on by a period and returns the true motion
+template <typename Tick>
+Trial watched(const Watch &watch, double count_rad, double period_s, const Tick &tick) {
+    constexpr double kCounts = 2.0;
+    Flicker flicker(kCounts * count_rad, watch.flicker_s, period_s);
+    Ringdown ringdown(watch.ringdown, period_s);
+    for (bool more = true; more && !flicker.is_all();) {
+        const Motion motion = tick();
+        flicker.watch(motion.theta_rad);
+        more = ringdown.watch(motion.rate_rad_per_s);
+    }
+    const bool dies_out = ringdown.dies_out();
+    while (!dies_out && flicker.may_be_all() && !flicker.is_all()) { // it may just have begun
+        flicker.watch(tick().theta_rad);
+    }
+    return {dies_out || flicker.is_all(), ringdown.stays(), ringdown.growth_per_s(),
+            ringdown.last()};
 }
 
 RotorSimulationOptions rotor_options(const StabilityCase &which, const LoopMember &member,
@@ -86,45 +130,25 @@ RotorSimulationOptions rotor_options(const StabilityCase &which, const LoopMembe
     return rotor;
 }
 
-/// Windows that hold half a period of what command and load make of the rotor at low frequency.
-RingdownOptions for_slow_ones(RingdownOptions ringdown, const RotorSimulationOptions &rotor) {
-    constexpr double kLongestWindow_s = 1.0;
-    constexpr double kWindows = 10.0;
-    const double torque_per_command =
-        rotor.motor.torque_constant_Nm_per_A /
-        (rotor.drive == AmplifierKind::spring_drive ? rotor.net_resistance_Ohm : 1.0);
-    const double stiffness_Nm_per_rad =
-        rotor.load.stiffness_Nm_per_rad - torque_per_command * rotor.per_position;
-    if (stiffness_Nm_per_rad > 0.0) {
-        const double half_period_s =
-            std::numbers::pi * std::sqrt(rotor.load.inertia_kg_m2 / stiffness_Nm_per_rad);
-        ringdown.window_s = std::clamp(half_period_s, ringdown.window_s, kLongestWindow_s);
-        ringdown.longest_s = std::max(ringdown.longest_s, kWindows * ringdown.window_s);
-    }
-    return ringdown;
-}
-
 Trial one_motor_trial(const StabilityCase &which, const LoopMember &member,
                       const TrialOptions &options) {
     const RotorSimulationOptions how = rotor_options(which, member, options);
     RotorSimulation rotor(how);
-    Ringdown ringdown(for_slow_ones(ringdown_options(options, how.start_rad), how), which.period_s);
-    do {
+    const Watch watch = how_to_watch(which, member, options, how.start_rad);
+    return watched(watch, how.quantum_rad, which.period_s, [&rotor] {
         rotor.tick();
-    } while (ringdown.watch(std::abs(rotor.rate_rad_per_s())));
-    Trial trial = outcome(ringdown);
-    trial.stable = trial.stable || only_flickers(how.quantum_rad, which.period_s, [&] {
-                       rotor.tick();
-                       return Vector3(rotor.theta_rad(), 0.0, 0.0);
-                   });
-    return trial;
+        return Motion{Vector3(rotor.theta_rad(), 0.0, 0.0), std::abs(rotor.rate_rad_per_s())};
+    });
 }
 
 /// The whole law, or the wall of a current drive, for a tip that is tied to a point.
 class TiedTip {
 public:
     TiedTip(const StabilityCase &which, const DeviceDescription &device, const Vector3 &point_m)
-        : which_(which), law_(device), global_alpha_(global_alpha_bound(which.device)) {
+        : which_(which), law_(device),
+          global_alpha_(which.tuning.alpha_mode == AlphaMode::global
+                            ? global_alpha_bound(which.device) // a search over the workspace
+                            : 0.0) {
         tie_.touching = true;
         tie_.x0_m = point_m;
         tie_.allowed_motion.setZero();
@@ -195,18 +219,13 @@ Trial three_motor_trial(const StabilityCase &which, const LoopMember &member,
     tip.rest_at(theta_rad);
     const double per_count = phantom.description().rad_per_count();
     const double start_rad = options.start_m / motor_jacobian(geometry, which.q_rad).norm();
-    Ringdown ringdown(ringdown_options(options, start_rad), which.period_s);
-    const auto tick = [&]() -> const Vector3 & {
+    const Watch watch = how_to_watch(which, member, options, start_rad);
+    return watched(watch, per_count, which.period_s, [&] {
         const DeviceState state = phantom.exchange(tip.command(theta_rad));
         theta_rad = per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
-        return phantom.truth().theta_rad;
-    };
-    do {
-        tick();
-    } while (ringdown.watch(phantom.truth().theta_rate_rad_per_s.cwiseAbs().maxCoeff()));
-    Trial trial = outcome(ringdown);
-    trial.stable = trial.stable || only_flickers(per_count, which.period_s, tick);
-    return trial;
+        const SimulatedPhantom::Truth &truth = phantom.truth();
+        return Motion{truth.theta_rad, truth.theta_rate_rad_per_s.cwiseAbs().maxCoeff()};
+    });
 }
 
 } // namespace

@@ -128,6 +128,82 @@ TEST(Ringdown, WantsALeastDecayOfMotionsThatCountsKeepUp) {
             .dies_out());
 }
 
+TEST(Ringdown, WithPatienceTellsWhatIsSlow) {
+    // Two motions, the one that grows hidden at first. After 30 s it is 20 times the other.
+    const auto motion = [](double grows_per_s) {
+        return [=](double t) {
+            return oscillation(t, -0.12, 2.3) + 0.1 * oscillation(t, grows_per_s, 5.1);
+        };
+    };
+    RingdownOptions options;
+    options.window_s = 0.3;
+    for (const double grows_per_s : {0.06, 0.1}) {
+        options.patience_s = 0.0;
+        EXPECT_TRUE(watched(motion(grows_per_s), options).dies_out());
+        options.patience_s = 30.0;
+        EXPECT_FALSE(watched(motion(grows_per_s), options).dies_out());
+        EXPECT_TRUE(watched(motion(-grows_per_s), options).dies_out());
+    }
+}
+
+TEST(Ringdown, IsPatientOnlyWhereItIsUnclear) {
+    RingdownOptions options;
+    options.patience_s = 30.0;
+    const auto watched_s = [&](double rate_per_s) {
+        Ringdown ringdown(options, kPeriod_s);
+        int k = 0;
+        while (ringdown.watch(std::exp(rate_per_s * k * kPeriod_s))) {
+            ++k;
+        }
+        return (k + 1) * kPeriod_s;
+    };
+    EXPECT_NEAR(watched_s(0.0), 30.0, 1e-9);
+    EXPECT_NEAR(watched_s(-1.0), 3.0, 1e-9);
+    EXPECT_NEAR(watched_s(1.0), 3.0, 1e-9);
+    // Half of 14 s at 0.1/s are a factor of two, half of 24 s one of three; a window more or two.
+    EXPECT_NEAR(watched_s(0.1), 14.0, 0.3);
+    EXPECT_NEAR(watched_s(-0.1), 24.0, 0.3);
+    // With a least decay it is unclear while the motion falls.
+    options.least_decay_per_s = 0.2;
+    EXPECT_NEAR(watched_s(-0.1), 3.0, 1e-9);
+    EXPECT_NEAR(watched_s(-0.4), 30.0, 1e-9);
+}
+
+TEST(Ringdown, WhatStaysIsNeitherSlowNorClear) {
+    RingdownOptions options;
+    const auto stays = [&](double rate_per_s) {
+        return watched([&](double t) { return std::exp(rate_per_s * t); }, options).stays();
+    };
+    EXPECT_FALSE(stays(0.0)); // it was not given the time to tell
+    options.patience_s = 30.0;
+    EXPECT_TRUE(stays(0.0));
+    for (const double sign : {-1.0, 1.0}) {
+        EXPECT_TRUE(stays(sign * 0.09 / 15.0)); // a tenth in half of the time
+        EXPECT_FALSE(stays(sign * 0.11 / 15.0));
+        EXPECT_FALSE(stays(sign * 10.0));
+    }
+    options.least_decay_per_s = 0.2;
+    EXPECT_FALSE(stays(0.0)); // that is clear: not at rest
+}
+
+TEST(Ringdown, EndsWithWhatGoesRoundForEver) {
+    RingdownOptions options;
+    const auto bounded = [](double t) { return 1.0 - std::exp(-5.0 * t) * 0.9; };
+    const auto samples = [&] {
+        Ringdown ringdown(options, kPeriod_s);
+        int k = 0;
+        while (ringdown.watch(bounded(k * kPeriod_s))) {
+            ++k;
+        }
+        EXPECT_FALSE(ringdown.dies_out());
+        return k + 1;
+    };
+    EXPECT_EQ(samples(), 3000); // it might yet grow or fall
+    options.least_decay_per_s = 0.2;
+    // Within 2 % from 0.76 s on, which ten windows must be.
+    EXPECT_NEAR(samples(), 1750, 150);
+}
+
 TEST(Ringdown, ADelayBeforeTheMotionDoesNotCount) {
     for (const double period_s : {1e-4, 1e-3, 5e-3, 0.02, 0.05}) {
         for (const int silent : {0, 1, 3, 8, 20}) {

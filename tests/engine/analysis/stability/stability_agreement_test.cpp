@@ -1,6 +1,6 @@
 // Covers engine/analysis/stability as a whole: predicted limits against simulated ones over many
-// random loops. Takes half a minute.
-#include "engine/analysis/stability/stability_limits.h"
+// random loops. Takes a minute.
+#include "engine/analysis/stability/simulated_limit.h"
 
 #include "tests/support/random_loops.h"
 

@@ -1,6 +1,7 @@
 // Covers engine/analysis/stability/stability_limits.cpp.
 #include "engine/analysis/stability/stability_limits.h"
 
+#include "engine/analysis/stability/simulated_limit.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 

@@ -118,6 +118,42 @@ TEST(StabilitySimulation, EveryMemberCounts) {
     EXPECT_TRUE(is_stable_simulated(which, TrialOptions::linear()));
 }
 
+TEST(StabilitySimulation, OnTheLineAMotionStays) {
+    StabilityCase which = firm();
+    which.hands = {no_hand()};
+    const LoopMember third{2, no_hand()};
+    double stable = 1.0;
+    double unstable = 200.0;
+    while (unstable - stable > 1e-6 * stable) {
+        which.tuning.K_P_V_per_rad = 0.5 * (stable + unstable);
+        (largest_eigenvalue(which, third) < 1.0 ? stable : unstable) = which.tuning.K_P_V_per_rad;
+    }
+    // Sub-steps of 50 µs move the simulated line by some 1e-4: (ωh)²/12 of its phase.
+    bool stays = false;
+    for (double share = 0.999; share < 1.001; share += 1e-4) {
+        which.tuning.K_P_V_per_rad = share * stable;
+        stays = stays || simulated(which, third, TrialOptions::linear()).stays;
+    }
+    EXPECT_TRUE(stays);
+    for (const double share : {0.98, 1.02}) {
+        which.tuning.K_P_V_per_rad = share * stable;
+        EXPECT_FALSE(simulated(which, third, TrialOptions::linear()).stays);
+    }
+}
+
+TEST(StabilitySimulation, RestsOnItsCountsSoonerThanItIsWatched) {
+    StabilityCase which = firm();
+    which.freedom = Freedom::three_motors;
+    const LoopMember member{0, no_hand()};
+    const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
+    EXPECT_TRUE(simulated(which, member, options).stable);
+    // Even where a slope would not tell: too short for the windows of one.
+    TrialOptions brief = options;
+    brief.longest_s = 0.7;
+    brief.patience_s = 0.0;
+    EXPECT_TRUE(simulated(which, member, brief).stable);
+}
+
 TEST(StabilitySimulation, CountsKeepALoopRattlingThatHardlyDiesOut) {
     StabilityCase which = firm();
     which.hands = {no_hand()};
@@ -144,18 +180,6 @@ TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
               which.device.motor[2].supply_V / which.device.motor[2].torque_constant_Nm_per_A);
 }
 
-/// At a period as long as counts are watched for a flicker, a single look would see none.
-TEST(StabilitySimulation, ASlowServoThatTossesItsRotorDoesNotRest) {
-    StabilityCase which = firm();
-    which.hands = {no_hand()};
-    which.tuning.K_P_V_per_rad = 1e4;
-    which.period_s = 0.2;
-    const LoopMember member = members(which).front();
-    ASSERT_GT(largest_eigenvalue(which, member), 2.0);
-    EXPECT_FALSE(
-        simulated(which, member, TrialOptions::with(SimulationEffects::electronics())).stable);
-}
-
 TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
     StabilityCase which = firm();
     which.hands = {no_hand()};
@@ -167,6 +191,18 @@ TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
         EXPECT_FALSE(
             is_stable_simulated(which, TrialOptions::with(SimulationEffects::electronics())));
     }
+}
+
+/// At a period as long as counts are watched for a flicker, a single look would see none.
+TEST(StabilitySimulation, ASlowServoThatTossesItsRotorDoesNotRest) {
+    StabilityCase which = firm();
+    which.hands = {no_hand()};
+    which.tuning.K_P_V_per_rad = 1e4;
+    which.period_s = 0.2;
+    const LoopMember member = members(which).front();
+    ASSERT_GT(largest_eigenvalue(which, member), 2.0);
+    EXPECT_FALSE(
+        simulated(which, member, TrialOptions::with(SimulationEffects::electronics())).stable);
 }
 
 } // namespace
