@@ -271,20 +271,44 @@ Tuning with_gains(Tuning tuning, const LoopGains &gains) {
     return tuning;
 }
 
-/// The stiffest at which trials come to rest: K_P is lowered by hundredths, at the best place and
-/// at the calmest, until they do. Writes the tuning and returns the share of K_P taken back.
+/// Places beside one, each by itself within the ranges.
+std::vector<Place> beside(const Place &place) {
+    constexpr double kStep = 0.1;
+    std::vector<Place> all;
+    for (const double K_D : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
+        for (const double lambda : {-4.0, -2.0, 0.0}) {
+            all.push_back({std::clamp(place.K_D + kStep * K_D, 0.0, 1.0),
+                           std::clamp(place.lambda + kStep * lambda, 0.0, 1.0)});
+        }
+    }
+    return all;
+}
+
+/// The stiffest at which trials come to rest: K_P is lowered by hundredths until they do, at the
+/// best place or at the calmest. Where that takes more than a tenth, the line is none of the
+/// loops', and others beside the calmest are tried as well. Writes the tuning and returns the share
+/// of K_P taken back.
 /// @throw InputError where none does
 double take_back(Search &places, const StabilityCase &which, Tuning &tuning,
                  const Progress &progress) {
-    const auto holds = [&](const Place &place, double K_P) {
+    constexpr double kFew = 0.9;
+    constexpr double kLeast = 0.05;
+    double share = 1.0;
+    const auto holds = [&](const Place &place) {
+        const double K_P = share * places.best().K_P;
         tuning = with_gains(which.tuning, place.gains(K_P));
         return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
     };
-    for (int percent = 0; percent < 100; percent += percent < 10 ? 1 : 5) {
-        tell(progress, kShareOfSearch);
-        const double K_P = (1.0 - 0.01 * percent) * places.best().K_P;
-        if (holds(places.best().place, K_P) || (percent > 0 && holds(places.calmest(K_P), K_P))) {
-            return 0.01 * percent;
+    for (; share > kLeast; share *= share > kFew ? 0.99 : 0.98) {
+        tell(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
+        if (holds(places.best().place)) {
+            return 1.0 - share;
+        }
+        const Place calmest = places.calmest(share * places.best().K_P);
+        const std::vector<Place> others =
+            share > kFew ? std::vector<Place>{calmest} : beside(calmest);
+        if (std::any_of(others.begin(), others.end(), holds)) {
+            return 1.0 - share;
         }
     }
     throw InputError(
