@@ -17,7 +17,7 @@ Part named(Part part, std::string name, const std::array<double, 3> &base_colour
 // Tolerances, each for what its scene shows. A hand tells forces that differ by about a tenth, and
 // presses with some 1 to 3 N here; directions are noticed from 25° on (the paper, section V).
 
-constexpr Tolerance kToFeelAWall = {0.30, 12.0, 100.0};     // there is one, and it is flat
+constexpr Tolerance kToFeelAWall = {0.15, 12.0, 100.0};     // there is one, and it is flat
 constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};  // by how the force turns
 constexpr Tolerance kToFeelEdges = {0.05, 3.0, 300.0};      // sudden and sharp
 constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};     // with the eye upon it, too
