@@ -22,20 +22,20 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
         LoadedScene{std::move(scene), std::move(surface), sha256_of_file(file)});
 }
 
-void SceneLoader::request(const std::filesystem::path &file) {
+void SceneLoader::request(const std::filesystem::path &file, const Finish &finish) {
     if (is_loading()) {
-        next_file_ = file;
+        next_ = Request{file, finish};
         loading_.ask_to_end();
         return;
     }
     error_.clear();
     progress_ = std::make_shared<LoadProgress>();
-    loading_.start([file, workspace = workspace_, finish = finish_,
-                    progress = progress_](BackgroundTalk &talk) {
-        std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
-        finish(*loaded, *progress, talk);
-        return loaded;
-    });
+    loading_.start(
+        [file, finish, workspace = workspace_, progress = progress_](BackgroundTalk &talk) {
+            std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
+            finish(*loaded, *progress, talk);
+            return loaded;
+        });
 }
 
 std::unique_ptr<LoadedScene> SceneLoader::take() {
@@ -45,8 +45,9 @@ std::unique_ptr<LoadedScene> SceneLoader::take() {
     } catch (const std::exception &error) {
         error_ = error.what();
     }
-    if (next_file_ && !is_loading()) {
-        request(*std::exchange(next_file_, std::nullopt));
+    if (next_ && !is_loading()) {
+        const Request next = *std::exchange(next_, std::nullopt);
+        request(next.file, next.finish);
     }
     return scene;
 }

@@ -36,14 +36,10 @@ public:
     /// and a scene with which it fails is not shown.
     using Finish = std::function<void(LoadedScene &, LoadProgress &, BackgroundTalk &)>;
 
-    SceneLoader(Workspace workspace, Finish finish)
-        : workspace_(std::move(workspace)), finish_(std::move(finish)) {}
-
-    /// From the next request on.
-    void finish_with(Finish finish) { finish_ = std::move(finish); }
+    explicit SceneLoader(Workspace workspace) : workspace_(std::move(workspace)) {}
 
     /// Loads this one next; of several asked for meanwhile the last wins.
-    void request(const std::filesystem::path &file);
+    void request(const std::filesystem::path &file, const Finish &finish);
 
     /// The scene, once, when it is ready. Where it failed, `error` tells why from then on.
     [[nodiscard]] std::unique_ptr<LoadedScene> take();
@@ -53,11 +49,15 @@ public:
     [[nodiscard]] const std::string &error() const { return error_; }
 
 private:
+    struct Request {
+        std::filesystem::path file;
+        Finish finish;
+    };
+
     Workspace workspace_;
-    Finish finish_;
     Background<std::unique_ptr<LoadedScene>> loading_;
     std::shared_ptr<LoadProgress> progress_ = std::make_shared<LoadProgress>();
-    std::optional<std::filesystem::path> next_file_; ///< asked for while another was loading
+    std::optional<Request> next_; ///< asked for while another was loading
     std::string error_;
 };
 

@@ -79,8 +79,7 @@ std::uint64_t plot_stride(double servo_hz) {
 
 Session::Session(const SessionOptions &options)
     : options_(options), device_text_(text_of(options.device_file)),
-      loader_(read_device_text(device_text_, options.device_file).workspace,
-              give_model(options, device_text_)),
+      loader_(read_device_text(device_text_, options.device_file).workspace),
       history_(static_cast<std::size_t>(kPlotted_s * options.servo_hz /
                                         static_cast<double>(plot_stride(options.servo_hz)))),
       plot_stride_(plot_stride(options.servo_hz)) {

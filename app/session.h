@@ -47,9 +47,10 @@ public:
     /// Loads in the background; on failure the old scene stays and `scene_error` tells why. Where
     /// models are chosen automatically, the scene gets its own before it is shown, which may take
     /// as long as measuring does.
-    void request_scene(const std::filesystem::path &file) { loader_.request(file); }
+    void request_scene(const std::filesystem::path &file);
 
-    /// Measures in the background which model the scene would get, for `model_choice` to tell.
+    /// Measures in the background which model the scene would get with the gains in force, for
+    /// `model_choice` to tell.
     /// @param fresh  even if it is remembered from before
     void measure_model(bool fresh = false);
     void give_up_measuring() { model_measurement_.forget(); }
@@ -97,8 +98,8 @@ public:
 private:
     void publish() { servo_->publish(inputs_); }
     void show(std::unique_ptr<LoadedScene> scene);
-    [[nodiscard]] static SceneLoader::Finish give_model(const SessionOptions &options,
-                                                        const std::string &device_text);
+    [[nodiscard]] SessionOptions options_now() const;
+    [[nodiscard]] SceneLoader::Finish give_model() const;
     void choose_first_model(const DeviceDescription &description);
     void take_model(const std::optional<ModelChoice> &before);
     void release_retired();

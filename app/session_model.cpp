@@ -35,10 +35,20 @@ bool uses(const MotionController &controller, const Tuning &tuning) {
 
 } // namespace
 
+/// With the gains in force: a model is as good as those that it was measured with. The controller
+/// is what a model chooses.
+SessionOptions Session::options_now() const {
+    SessionOptions now = options_;
+    now.tuning = inputs_.tuning;
+    now.tuning.map = options_.tuning.map;
+    now.tuning.alpha_mode = options_.tuning.alpha_mode;
+    return now;
+}
+
 /// For scenes that are loaded later.
-SceneLoader::Finish Session::give_model(const SessionOptions &options,
-                                        const std::string &device_text) {
-    return [options, device_text, device = read_device_text(device_text, options.device_file)](
+SceneLoader::Finish Session::give_model() const {
+    return [options = options_now(), device_text = device_text_,
+            device = read_device_text(device_text_, options_.device_file)](
                LoadedScene &loaded, LoadProgress &progress, BackgroundTalk &talk) {
         if (options.model.automatic) {
             progress.begin(LoadProgress::Stage::measuring, true);
@@ -52,9 +62,12 @@ SceneLoader::Finish Session::give_model(const SessionOptions &options,
     };
 }
 
+void Session::request_scene(const std::filesystem::path &file) {
+    loader_.request(file, give_model());
+}
+
 void Session::choose_models() {
     options_.model.automatic = true;
-    loader_.finish_with(give_model(options_, device_text_));
     request_scene(scene_->scene.file);
 }
 
@@ -94,7 +107,7 @@ void Session::take_model(const std::optional<ModelChoice> &before) {
 }
 
 void Session::measure_model(bool fresh) {
-    const ModelQuestion question = question_on(scene_->scene, device(), options_);
+    const ModelQuestion question = question_on(scene_->scene, device(), options_now());
     std::optional<ModelChoice> remembered;
     if (!fresh) {
         remembered = remembered_choice(question, device_text_);

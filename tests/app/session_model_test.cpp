@@ -242,6 +242,19 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     EXPECT_TRUE(session.runs_choice());
 }
 
+TEST_F(SessionModel, IsThatForTheGainsInForce) {
+    const SessionOptions options = headless("plate.gltf");
+    SessionOptions tuned = options;
+    tuned.tuning.K_P_V_per_rad = 3.0;
+    remember(tuned, "plate.gltf", "rigid_tip", "3", "transpose_global");
+    Session session(options);
+    session.start();
+    session.tune(tuned.tuning);
+    session.measure_model();
+    ASSERT_TRUE(session.model_choice()); // remembered for these
+    EXPECT_EQ(session.model_choice()->chosen(ModelAspect::plant), "rigid_tip");
+}
+
 TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
