@@ -53,7 +53,7 @@ void run(const Typed &typed) {
     StabilityCase which;
     which.device = read_device_file(typed.device_file);
     check_range("--margin", typed.margin, 1.0, 10.0);
-    check_folder_of(typed.csv);
+    check_writable(typed.csv);
     const std::vector<ServoSetting> settings = settings_of(typed, which.device);
     std::vector<DriveComparison> all;
     {

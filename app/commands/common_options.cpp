@@ -8,10 +8,14 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <fcntl.h>
 #include <fstream>
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <unistd.h>
 
 namespace springdrive {
@@ -20,6 +24,37 @@ namespace {
 
 bool shapes_the_coupling(const Parameter &parameter) {
     return parameter.value != &Tuning::alpha_rad2_per_m2 && parameter.value != &Tuning::eta;
+}
+
+/// 0 where it worked.
+int error_of_closing(int descriptor) {
+    const int error = descriptor < 0 ? errno : 0;
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+    return error;
+}
+
+/// What would be in the way of writing `output`; 0 for nothing. Tried where that leaves no trace:
+/// permissions alone do not tell it all.
+int error_of_writing(const std::filesystem::path &output, const std::filesystem::path &folder) {
+    std::error_code problem;
+    const std::filesystem::file_type type = std::filesystem::status(output, problem).type();
+    if (type == std::filesystem::file_type::none) { // its name is too long, say
+        return problem.value();
+    }
+    if (type == std::filesystem::file_type::regular) {
+        return error_of_closing(open(output.c_str(), O_WRONLY | O_CLOEXEC));
+    }
+    if (type != std::filesystem::file_type::not_found) { // whoever reads a pipe would see it end
+        return access(output.c_str(), W_OK) == 0 ? 0 : errno;
+    }
+    std::string beside = folder / ".springdrive_XXXXXX";
+    const int error = error_of_closing(mkstemp(beside.data()));
+    if (error == 0) {
+        unlink(beside.c_str());
+    }
+    return error;
 }
 
 } // namespace
@@ -159,10 +194,21 @@ void check_other_file(const std::filesystem::path &output, const std::filesystem
     }
 }
 
-void check_folder_of(const std::filesystem::path &output) {
-    const std::filesystem::path folder = output.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+void check_writable(const std::filesystem::path &output) {
+    if (output.empty() || output == "-") {
+        return;
+    }
+    const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
+    std::error_code problem;
+    if (!std::filesystem::is_directory(folder, problem)) {
         throw InputError(output.string() + ": its folder does not exist; make it first");
+    }
+    if (std::filesystem::is_directory(output, problem)) {
+        throw InputError(output.string() + ": is a folder; name a file");
+    }
+    if (const int error = error_of_writing(output, folder); error != 0) {
+        throw InputError(output.string() + ": cannot be written: " +
+                         std::generic_category().message(error) + "; name another file");
     }
 }
 

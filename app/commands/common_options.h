@@ -80,9 +80,10 @@ void check_range(const std::string &what, double value, double lowest, double hi
 ///        from or goes beside; either may be empty or not exist.
 void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input);
 
-/// @throw InputError where the folder does not exist in which `output` is to be written: better
-///        known before a long run. Empty and "-" are fine.
-void check_folder_of(const std::filesystem::path &output);
+/// Leaves `output` as it is, whether or not it exists. Empty and "-" are fine.
+/// @throw InputError where it cannot be written, or its folder does not exist: better known before
+///        a long run.
+void check_writable(const std::filesystem::path &output);
 
 /// Makes the folder that `--out` names, where it is missing.
 /// @throw InputError where that cannot be, or nobody may write there.

@@ -46,7 +46,7 @@ void check(const DemoOptions &options) {
     if (options.scale != 0.0 && !(options.scale >= 0.5 && options.scale <= 5.0)) {
         throw InputError("--scale must be from 0.5 to 5");
     }
-    check_folder_of(options.screenshot);
+    check_writable(options.screenshot);
     check_other_file(options.screenshot, options.session.record);
     if (options.session.lockstep && !options.unattended()) {
         throw InputError("--lockstep needs --frames or --seconds: without a clock, somebody has "

@@ -46,7 +46,7 @@ void run(const Typed &typed) {
     if (options.record == "-") {
         throw InputError("record: writes to a file only; springdrive export can write to -");
     }
-    check_folder_of(typed.json);
+    check_writable(typed.json);
     check_other_file(typed.json, options.record);
     options.plays_script = true;
     Session session(options);

@@ -49,6 +49,11 @@ StabilityReport report_of(const Typed &typed) {
                         typed.to.value_or(report.varied->to)};
         check_parameter_range("--vary", *report.varied, report.range.from, report.range.to);
         report.limits = stability_limits(report.which, *report.varied, report.range);
+        if (report.limits.empty()) { // then every value of the range is like its first
+            StabilityCase first = report.which;
+            report.varied->set(first, report.range.from);
+            report.stable_throughout = is_stable(first);
+        }
     }
     return report;
 }
@@ -147,7 +152,7 @@ void draw_map(const Typed &typed) {
     if (typed.out.extension() != ".svg") {
         throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
     }
-    check_folder_of(typed.out);
+    check_writable(typed.out);
     std::vector<MapCell> cells;
     {
         ProgressLine line;
@@ -209,16 +214,20 @@ void add_stability_command(CLI::App &app) {
     stability.add_option("--steps", typed->steps, "values of each in a map [40]")
         ->type_name("N")
         ->needs(map);
-    stability
-        .add_flag("--table", typed->table,
-                  "where every method fails, predicted and measured, as a Markdown table")
-        ->excludes(vary)
-        ->excludes(map);
+    CLI::Option *table =
+        stability
+            .add_flag("--table", typed->table,
+                      "where every method fails, predicted and measured, as a Markdown table")
+            ->excludes(vary)
+            ->excludes(map);
+    for (const std::string &option : StabilityOptions::options_of_drive_and_servo()) {
+        table->excludes(stability.get_option(option)); // each row has its own
+    }
     stability
         .add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
         ->type_name("FILE|-")
         ->excludes(map)
-        ->excludes("--table");
+        ->excludes(table);
     stability.footer(
         "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"
         "Where that ends:       springdrive stability --vary kp\n"

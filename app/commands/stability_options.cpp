@@ -18,7 +18,9 @@ namespace {
 
 /// What option a parameter has: `--delay` and `--servo-hz` stand for d and T.
 std::string option_of(const StabilityParameter &parameter) {
-    return parameter.name == "d" ? "--delay" : "--" + std::string(parameter.name);
+    return parameter.name == "d"   ? "--delay"
+           : parameter.name == "T" ? "--servo-hz"
+                                   : "--" + std::string(parameter.name);
 }
 
 bool is_of_hand(const StabilityParameter &parameter) { return parameter.name.starts_with("hand"); }
@@ -44,7 +46,7 @@ void StabilityOptions::add_to(CLI::App &command) {
             continue;
         }
         command.add_option(option_of(parameter), values[i], std::string(parameter.help))
-            ->type_name(parameter.unit == "–" ? "" : std::string(parameter.unit));
+            ->type_name(parameter.unit == "–" ? "VALUE" : std::string(parameter.unit));
     }
     command.add_option("--kinematics", kinematics, "inverse (18) or transpose (23) [as tuned]")
         ->check(CLI::IsMember(list_of(kMotionMapNames)));
@@ -63,6 +65,16 @@ void StabilityOptions::add_to(CLI::App &command) {
     command.add_flag("--no-hand", no_hand,
                      "nobody holds the device [all must be stable: no hand, and five from light to "
                      "firm]");
+}
+
+std::vector<std::string> StabilityOptions::options_of_drive_and_servo() {
+    std::vector<std::string> options{"--tuning-file", "--kinematics", "--drive", "--motors"};
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        if (!is_of_hand(parameter)) {
+            options.push_back(option_of(parameter));
+        }
+    }
+    return options;
 }
 
 StabilityCase StabilityOptions::stability_case() const {

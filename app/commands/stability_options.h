@@ -28,6 +28,9 @@ struct StabilityOptions {
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);
 
+    /// Those that are not of the device, its configuration and whose hands hold it.
+    [[nodiscard]] static std::vector<std::string> options_of_drive_and_servo();
+
     /// @throw InputError for a value out of its range, with the range.
     [[nodiscard]] StabilityCase stability_case() const;
 };

@@ -84,8 +84,9 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
     const StabilityParameter &varied = *report.varied;
     print(out, "\n%s from %.5g to %.5g %s: ", std::string(varied.symbol).c_str(), report.range.from,
           report.range.to, std::string(varied.unit).c_str());
-    if (report.limits.empty()) {
-        out << "no limit within it\n";
+    if (report.stable_throughout) {
+        out << "no limit within it, predicted "
+            << (*report.stable_throughout ? "stable" : "unstable") << " throughout\n";
         return;
     }
     out << (report.limits.size() == 1 ? "one limit\n\n" : "more than one limit\n\n");
@@ -109,6 +110,10 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
 }
 
 Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }
+
+Json throughout_json(const std::optional<bool> &stable) {
+    return stable ? Json(*stable ? "stable" : "unstable") : Json(nullptr);
+}
 
 Json member_json(const StabilityCase &which, const LoopMember &member) {
     const bool one = which.freedom == Freedom::one_motor && !which.rotor;
@@ -157,6 +162,7 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
         json["unit"] = report.varied->unit;
         json["from"] = report.range.from;
         json["to"] = report.range.to;
+        json["throughout"] = throughout_json(report.stable_throughout);
         json["limits"] = Json::array();
         for (const StabilityLimit &limit : report.limits) {
             json["limits"].push_back(

@@ -3,6 +3,7 @@
 
 #include "engine/analysis/stability/stability_limits.h"
 
+#include <optional>
 #include <ostream>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct StabilityReport {
     const StabilityParameter *varied = nullptr;
     ParameterRange range;
     std::vector<StabilityLimit> limits;
+    /// By the prediction; nothing where there are limits, or nothing varies.
+    std::optional<bool> stable_throughout;
 
     /// By both.
     [[nodiscard]] bool is_stable() const { return worst.is_stable() && stable_simulated; }

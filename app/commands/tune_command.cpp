@@ -79,7 +79,7 @@ void tell(std::ostream &out, const AutoTuned &found) {
 
 void run(const Typed &typed) {
     const AutoTuneRequest request = request_of(typed);
-    check_folder_of(typed.out);
+    check_writable(typed.out);
     AutoTuned found;
     {
         ProgressLine line;

@@ -75,6 +75,7 @@ TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
     EXPECT_EQ(json["unit"], "V/rad");
     EXPECT_EQ(json["from"], 1.0);
     EXPECT_EQ(json["to"], 100.0);
+    EXPECT_TRUE(json["throughout"].is_null());
     ASSERT_EQ(json["limits"].size(), 1U);
     const Json &limit = json["limits"][0];
     EXPECT_EQ(limit["stable"], "below");
@@ -92,11 +93,28 @@ TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
     EXPECT_NE(table.out.find("30.01"), std::string::npos) << table.out;
 }
 
+/// On which side of the limit, 30 V/rad, a range lies; the exit status is about the loop as set.
 TEST(StabilityCommand, SaysWhereThereIsNoLimit) {
-    const Ending ending = stability({"--vary", "kp", "--from", "1", "--to", "2"});
-    EXPECT_EQ(ending.exit_status, 0);
-    EXPECT_NE(ending.out.find("no limit within it"), std::string::npos) << ending.out;
-    EXPECT_TRUE(json_of({"--vary", "kp", "--from", "1", "--to", "2"})["limits"].empty());
+    struct Range {
+        std::vector<std::string> options;
+        std::string throughout;
+        int exit_status;
+    };
+    for (const Range &range :
+         {Range{{"--vary", "kp", "--from", "1", "--to", "2"}, "stable", 0},
+          Range{{"--vary", "kp", "--from", "60", "--to", "70"}, "unstable", 0},
+          Range{{"--vary", "kp", "--from", "1", "--to", "2", "--kp", "60"}, "stable", 3},
+          Range{{"--vary", "dR", "--from", "-2", "--to", "-1"}, "unstable", 0}}) {
+        const Ending ending = stability(range.options);
+        EXPECT_EQ(ending.exit_status, range.exit_status);
+        EXPECT_NE(
+            ending.out.find("no limit within it, predicted " + range.throughout + " throughout\n"),
+            std::string::npos)
+            << ending.out;
+        const Json json = json_of(range.options);
+        EXPECT_TRUE(json["limits"].empty());
+        EXPECT_EQ(json["throughout"], range.throughout);
+    }
 }
 
 TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
@@ -159,6 +177,27 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
     expect_refused({"--map", "kp,wall-damping", "--out", "none.svg"}, "--map wall-damping");
 }
 
+/// Its rows have drives, tunings and servos of their own.
+TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        const std::string name(parameter.name);
+        if (!name.starts_with("hand")) {
+            const std::string option = name == "d"   ? "--delay"
+                                       : name == "T" ? "--servo-hz"
+                                                     : "--" + name;
+            expect_refused({"--table", option, "1"}, option + " excludes --table");
+        }
+    }
+    expect_refused({"--table", "--tuning-file", "x.toml"}, "--tuning-file excludes --table");
+    expect_refused({"--table", "--kinematics", "inverse"}, "--kinematics excludes --table");
+    expect_refused({"--table", "--drive", "current"}, "--drive excludes --table");
+    expect_refused({"--table", "--motors", "3"}, "--motors excludes --table");
+    // Those that it looks at come as far as their values.
+    expect_refused({"--table", "--hand-mass", "-0.1"}, "0 to 100");
+    expect_refused({"--table", "--q", "nan,0,0"}, "--q");
+    expect_refused({"--table", "--no-hand", "--device-file", "none.toml"}, "none.toml");
+}
+
 TEST(StabilityCommand, DrawsAMap) {
     const std::filesystem::path folder = fresh_folder("stability_map");
     const Ending ending = stability(
@@ -206,6 +245,8 @@ TEST(StabilityCommand, RefusesNonsenseWithTheRange) {
     expect_refused({"--delay", "9"}, "0 to 8");
     expect_refused({"--delay", "1.5"}, "whole");
     expect_refused({"--eta", "1.1"}, "0 to 1");
+    expect_refused({"--eta="}, "--eta: 1 required VALUE missing");
+    expect_refused({"--eta"}, "--eta: 1 required VALUE missing");
     expect_refused({"--hand-mass", "-0.1"}, "0 to 100");
     expect_refused({"--hand-mass", "0.1", "--no-hand"}, "--no-hand");
     expect_refused({"--inertia", "0"}, "inertia");

@@ -1,4 +1,5 @@
-// Covers app/commands/tune_command.cpp, from outside.
+// Covers app/commands/tune_command.cpp, from outside, and how it looks whether it could write.
+#include "app/commands/common_options.h"
 #include "engine/analysis/stability/stability_simulation.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning_file.h"
@@ -8,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -76,6 +79,36 @@ TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
     expect_refused({"--kinematics", "forward"}, "--kinematics");
     expect_refused({"--device-file", "none.toml"}, "none.toml");
     expect_refused({"--out", "/no/such/folder/t.toml"}, "/no/such/folder");
+}
+
+/// Before the search, which would show its progress and what it found.
+TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
+    const std::filesystem::path folder = fresh_folder("tune_targets");
+    expect_refused({"--out", folder}, "is a folder");
+    expect_refused({"--out", folder / ""}, "is a folder");
+    expect_refused({"--out", folder / std::string(300, 'x')}, "cannot be written");
+    expect_refused({"--out", folder / "none" / "t.toml"}, "its folder does not exist");
+    expect_refused({"--out", "/proc/x.toml"}, "/proc/x.toml: cannot be written"); // by root, too
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    std::filesystem::remove_all(folder);
+}
+
+/// What is there stays until a tuning is found, and nothing else appears.
+TEST(TuneCommand, LeavesFilesAsTheyAreWhenItLooksWhetherItCouldWrite) {
+    const std::filesystem::path folder = fresh_folder("tune_existing");
+    const std::filesystem::path file = folder / "mine.toml";
+    std::ofstream(file) << "mine";
+    const auto written = std::filesystem::last_write_time(file);
+    EXPECT_NO_THROW(check_writable(file));
+    EXPECT_NO_THROW(check_writable(folder / "new.toml"));
+    EXPECT_NO_THROW(check_writable("/dev/null"));
+    EXPECT_NO_THROW(check_writable("new.toml"));
+    EXPECT_NO_THROW(check_writable("-"));
+    EXPECT_NO_THROW(check_writable(""));
+    EXPECT_EQ(contents_of(file), "mine");
+    EXPECT_EQ(std::filesystem::last_write_time(file), written);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+    std::filesystem::remove_all(folder);
 }
 
 } // namespace
