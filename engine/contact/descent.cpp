@@ -18,7 +18,7 @@ constexpr double kSamePlane = 1e-9;
 /// farther leaves more of the surface than it follows.
 constexpr double kGentle = 0.9;
 
-/// Round a curved offset each slide along one tangent plane leaves a share of the way that hardly
+/// Round a curved offset each slide along a tangent plane leaves a share of the way that hardly
 /// changes from one to the next: once it shows, the rest of the way is known (Aitken).
 class Foresight {
 public:
@@ -38,10 +38,15 @@ private:
     double last_length_m_ = 0.0;
 };
 
-/// How often a slide fits into the way to the place beyond the goal that is no nearer to the target
-/// than the start was: farther on, the proxy would leave what it is to come nearer to.
-double as_near_again(const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
-    return 2.0 * slide_m.dot(to_target_m) / slide_m.squaredNorm();
+/// How often a slide fits into the way along it to where the target is no nearer than `most_m`:
+/// farther on, the proxy would leave what it is to come nearer to.
+/// @pre the target is no farther than that
+double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
+    const double slide_m2 = slide_m.squaredNorm();
+    const double along_m2 = slide_m.dot(to_target_m);
+    const double left_m2 = most_m * most_m - to_target_m.squaredNorm();
+    return (along_m2 + std::sqrt(std::max(0.0, along_m2 * along_m2 + slide_m2 * left_m2))) /
+           slide_m2;
 }
 
 } // namespace
@@ -68,6 +73,11 @@ std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
     return Vector3(target_m - planes[0].height_m(target_m) / slant * up);
 }
 
+/// A convex shape alone, round which every slide leads to the same place.
+bool Descent::is_on_one_shape(const ContactPlanes &planes) const noexcept {
+    return planes.size() == 1 && surface_.shape(planes[0].obstacle) != nullptr;
+}
+
 bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {
     ContactPlanes touching;
     bool is_unchanged = true;
@@ -88,6 +98,7 @@ bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexc
 
 bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
+    const double most_m = (target_m - rest.point_m).norm();
     Foresight foresight;
     ContactPlanes last_met;
     ContactPlanes planes = rest.held_by; // that the goal keeps above
@@ -109,10 +120,13 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
         if (is_curved && goal.active.size() > 0) {
             if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
                 end_m = *above_m;
-            } else if (goal.active.size() == 1) {
+            } else {
                 const Vector3 slide_m = goal.point_m - rest.point_m;
-                const double most = as_near_again(slide_m, target_m - rest.point_m);
-                end_m = rest.point_m + std::min(foresight.stretch(slide_m), most) * slide_m;
+                double times = foresight.stretch(slide_m);
+                if (!is_on_one_shape(planes)) {
+                    times = std::min(times, times_within(most_m, slide_m, target_m - rest.point_m));
+                }
+                end_m = rest.point_m + times * slide_m;
             }
         }
         const std::optional<SurfaceStop> hit = first_stop(rest.point_m, end_m);

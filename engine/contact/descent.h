@@ -52,6 +52,7 @@ public:
                                                         const Vector3 &to_m) const noexcept;
 
 private:
+    [[nodiscard]] bool is_on_one_shape(const ContactPlanes &planes) const noexcept;
     [[nodiscard]] std::optional<Vector3> above_rest(const ContactPlanes &planes,
                                                     const Vector3 &target_m) const noexcept;
     [[nodiscard]] bool refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept;
