@@ -38,9 +38,9 @@ private:
     double last_length_m_ = 0.0;
 };
 
-/// How often a slide fits into the way along it to where the target is no nearer than `most_m`:
-/// farther on, the proxy would leave what it is to come nearer to.
-/// @pre the target is no farther than that
+/// How often a slide fits into the way along it to where the target is `most_m` away again: farther
+/// on, the proxy would leave what it is to come nearer to. Where the target is farther already, to
+/// where it is nearest.
 double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
     const double slide_m2 = slide_m.squaredNorm();
     const double along_m2 = slide_m.dot(to_target_m);

@@ -299,7 +299,7 @@ double take_back(Search &places, const StabilityCase &which, Tuning &tuning,
         tuning = with_gains(which.tuning, place.gains(K_P));
         return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
     };
-    for (; share > kLeast; share *= share > kFew ? 0.99 : 0.98) {
+    while (share > kLeast) {
         tell(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
         if (holds(places.best().place)) {
             return 1.0 - share;
@@ -310,6 +310,7 @@ double take_back(Search &places, const StabilityCase &which, Tuning &tuning,
         if (std::any_of(others.begin(), others.end(), holds)) {
             return 1.0 - share;
         }
+        share *= share > kFew ? 0.99 : 0.98;
     }
     throw InputError(
         "no tuning comes to rest with the counts of these encoders; raise dR, or lower "
