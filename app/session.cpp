@@ -103,7 +103,7 @@ Session::Session(const SessionOptions &options)
     const Vector3 &lower_m = scene_->scene.lower_m;
     const Vector3 &upper_m = scene_->scene.upper_m;
     simulation_.servo_period_s = servo_period_s(options.servo_hz);
-    simulation_.delay_samples = options.delay_samples;
+    simulation_.delay_periods = options.delay_periods;
     simulation_.effects = options.effects;
     choose_first_model(description);
     hand_target_m_ = start_above(description, lower_m, upper_m);
@@ -161,7 +161,7 @@ void Session::stop() {
 RecordHeader Session::header_of_record() const {
     RecordHeader header = record_header(options_.servo_hz);
     header.software = SPRINGDRIVE_VERSION;
-    header.delay_samples = device_->delay_samples();
+    header.delay_periods = device_->delay_periods();
     header.device_name = device_->description().name;
     header.device_file = options_.device_file.string();
     header.device_toml = device_text_;

@@ -84,7 +84,7 @@ public:
     [[nodiscard]] const Vector3 &hand_target_m() const { return hand_target_m_; }
     [[nodiscard]] bool hand_follows_path() const { return simulation_.path.has_value(); }
     [[nodiscard]] double servo_hz() const { return options_.servo_hz; }
-    [[nodiscard]] int delay_samples() const { return device_->delay_samples(); }
+    [[nodiscard]] double delay_periods() const { return device_->delay_periods(); }
     [[nodiscard]] const ServoStatistics &statistics() const { return statistics_; }
     [[nodiscard]] std::uint64_t lost_samples() const { return servo_->lost_samples(); }
     [[nodiscard]] const std::vector<std::string> &remarks() const { return remarks_; }

@@ -12,7 +12,7 @@ namespace {
 ModelQuestion question_on(const Scene &scene, const DeviceDescription &device,
                           const SessionOptions &options) {
     return {&scene, device, options.tuning, servo_period_s(options.servo_hz),
-            options.delay_samples};
+            options.delay_periods};
 }
 
 /// As set by option, or else as chosen.

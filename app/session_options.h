@@ -15,7 +15,7 @@ struct SessionOptions {
     std::filesystem::path device_file;
     Tuning tuning;
     double servo_hz = 1000.0;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     PlantEffects effects; ///< of the simulated device
     ModelOptions model;
     std::filesystem::path path;      ///< of the hand; empty: see `plays_script`

@@ -43,7 +43,7 @@ public:
 
     /// d: whole servo periods between reading θ and the law's answer reaching the winding, beyond
     /// the exchange that carries it.
-    [[nodiscard]] virtual int delay_samples() const = 0;
+    [[nodiscard]] virtual double delay_periods() const = 0;
 
     /// Once per servo tick: sends the command and returns the newest measurement. RT-safe.
     virtual DeviceState exchange(const DeviceCommand &command) noexcept = 0;

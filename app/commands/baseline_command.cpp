@@ -21,7 +21,7 @@ namespace {
 struct Typed {
     std::filesystem::path device_file;
     std::optional<double> servo_hz;
-    std::optional<int> delay_samples;
+    std::optional<double> delay_periods;
     std::optional<double> dR_Ohm;
     double margin = AutoTuneRequest{}.margin;
     std::string csv; ///< empty: a table for people
@@ -32,10 +32,10 @@ std::vector<ServoSetting> settings_of(const Typed &typed, const DeviceDescriptio
     std::vector<ServoSetting> settings = usual_settings();
     for (ServoSetting &setting : settings) {
         setting.servo_hz = typed.servo_hz.value_or(setting.servo_hz);
-        setting.delay_samples = typed.delay_samples.value_or(setting.delay_samples);
+        setting.delay_periods = typed.delay_periods.value_or(setting.delay_periods);
         setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
         static_cast<void>(servo_period_s(setting.servo_hz)); // refuses what is out of range
-        check_range("--delay", setting.delay_samples, 0, SimulationOptions::kLongestDelay);
+        check_range("--delay", setting.delay_periods, 0, SimulationOptions::kLongestDelay);
         Tuning tuning;
         tuning.dR_Ohm = setting.dR_Ohm;
         check_dR(device, tuning);
@@ -79,7 +79,10 @@ void add_baseline_command(CLI::App &app) {
     add_device_file_option(baseline, typed->device_file);
     baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
         ->type_name("HZ");
-    baseline.add_option("--delay", typed->delay_samples, "one delay [0 and 1]")->type_name("D");
+    baseline
+        .add_option("--delay", typed->delay_periods,
+                    "one delay in periods, a real number 0 to 8 [0 and 1]")
+        ->type_name("D");
     baseline.add_option("--dR", typed->dR_Ohm, "one dR of the spring drive [0.2 and 0.5]")
         ->type_name("Ω");
     baseline

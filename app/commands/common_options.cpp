@@ -136,14 +136,14 @@ Tuning TuningOptions::tuning() const {
 }
 
 void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
-                       int delay_samples) {
+                       double delay_periods) {
     if (tuning_file.empty()) {
         return;
     }
     const std::optional<TuningMargins> margins = read_whole_tuning_file(tuning_file).margins;
-    if (margins && (servo_hz < margins->servo_hz || delay_samples > margins->delay_samples)) {
+    if (margins && (servo_hz < margins->servo_hz || delay_periods > margins->delay_periods)) {
         std::cerr << "springdrive: remark: " << tuning_file.string() << " was found for "
-                  << margins->servo_hz << " Hz and a delay of " << margins->delay_samples
+                  << margins->servo_hz << " Hz and a delay of " << margins->delay_periods
                   << "; on a slower or later servo its margins do not hold\n";
     }
 }

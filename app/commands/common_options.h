@@ -63,7 +63,7 @@ struct EffectOptions {
 /// Says on standard error where a tuning file's margins are those of a faster servo or a shorter
 /// delay: they are no promise here.
 void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
-                       int delay_samples);
+                       double delay_periods);
 
 /// @throw InputError where dR is more than a motor has, or less than its amplifier leaves.
 void check_dR(const DeviceDescription &device, const Tuning &tuning);

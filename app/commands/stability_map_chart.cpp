@@ -37,7 +37,6 @@ void add_axis(ChartMarks &marks, const std::string &name, const MapAxis &axis) {
     const double half = 0.5 * (last - first) / static_cast<double>(values.size() - 1);
     marks.add(name + "_label", axis_label(*axis.parameter));
     marks.add(name + "_by_ratio", by_ratio ? 1.0 : 0.0);
-    marks.add(name + "_whole", axis.parameter->whole ? 1.0 : 0.0);
     marks.add(name + "_first", first - half);
     marks.add(name + "_last", last + half);
 }

@@ -29,8 +29,8 @@ std::string who(const StabilityCase &which, const LoopMember &member) {
 void write_setting(std::ostream &out, const StabilityReport &report) {
     const StabilityCase &which = report.which;
     const Tuning &tuning = which.tuning;
-    print(out, "%s, servo %.6g Hz, delay %d, ", which.device.name.c_str(), 1.0 / which.period_s,
-          which.delay_samples);
+    print(out, "%s, servo %.6g Hz, delay %g, ", which.device.name.c_str(), 1.0 / which.period_s,
+          which.delay_periods);
     if (which.drive == AmplifierKind::current_drive) {
         print(out, "current drive: wall K %.4g N/m, B %.4g N·s/m, λ %.4g rad/s\n",
               which.wall.stiffness_N_per_m, which.wall.damping_Ns_per_m, tuning.lambda_rad_per_s);
@@ -58,7 +58,7 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
               "2b/(T(1 + 2d) + 2/ω)  %.4g N/m at the tip: Colgate and Schenkel's line for a "
               "heavy device without hand and B,\n",
               passive_wall_N_per_m(report.which));
-        out << "           d samples late, behind this amplifier's bandwidth ω; of the motor with "
+        out << "           d periods late, behind this amplifier's bandwidth ω; of the motor with "
                "the least\n";
     }
     if (report.worst.is_stable() && !report.stable_simulated) {
@@ -132,7 +132,7 @@ double passive_wall_N_per_m(const StabilityCase &which) {
     each.hands = {no_hand()};
     const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
     const double late_s =
-        which.period_s * (1.0 + 2.0 * which.delay_samples) +
+        which.period_s * (1.0 + 2.0 * which.delay_periods) +
         2.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
     double least = HUGE_VAL;
     for (const LoopMember &member : members(each)) {

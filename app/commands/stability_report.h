@@ -28,7 +28,7 @@ void write_stability_table(std::ostream &out, const StabilityReport &report);
 /// One object; what was not found is null.
 void write_stability_json(std::ostream &out, const StabilityReport &report);
 
-/// Colgate and Schenkel's line K = 2b/T, for a command that comes d samples late and an amplifier
+/// Colgate and Schenkel's line K = 2b/T, for a command that comes d periods late and an amplifier
 /// of bandwidth ω: 2b/(T(1 + 2d) + 2/ω), for a motor of a current drive without a hand and without
 /// B; the least of all motors [N/m at the tip].
 [[nodiscard]] double passive_wall_N_per_m(const StabilityCase &which);

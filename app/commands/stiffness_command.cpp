@@ -30,7 +30,7 @@ struct Typed {
     TuningOptions tuning;
     std::vector<double> motor; ///< R, L, k_T; empty: the device file's
     double servo_hz = 1000.0;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     double lowest_hz = 1.0;
     std::optional<double> highest_hz; ///< a quarter of the servo rate
     int points = 25;
@@ -83,8 +83,8 @@ void sweep(const Typed &typed) {
     drive.motor = device.motor[0];
     drive.tuning = tuning_for(device, typed);
     drive.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_samples, 0, SimulationOptions::kLongestDelay);
-    drive.delay_samples = typed.delay_samples;
+    check_range("--delay", typed.delay_periods, 0, SimulationOptions::kLongestDelay);
+    drive.delay_periods = typed.delay_periods;
     const std::vector<StiffnessPoint> points = stiffness_sweep(drive, range_of(typed));
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
         if (typed.csv.empty()) {
@@ -129,8 +129,8 @@ void add_sweep_options(CLI::App &stiffness, Typed &typed) {
         stiffness.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
             ->type_name("HZ"),
         stiffness
-            .add_option("--delay", typed.delay_samples,
-                        "whole samples from reading θ to applying e_W [0]")
+            .add_option("--delay", typed.delay_periods,
+                        "periods from reading θ to applying e_W, a real number 0 to 8 [0]")
             ->type_name("D"),
         stiffness.add_option("--freq-from", typed.lowest_hz, "lowest frequency [1]")
             ->type_name("HZ"),

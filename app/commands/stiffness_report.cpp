@@ -31,12 +31,12 @@ SampledLoop worst_joint(const DeviceDescription &device, SpringDrive drive) {
 void write_head(std::ostream &out, const DeviceDescription &device, const SpringDrive &drive) {
     const MotorParameters &motor = drive.motor;
     const Tuning &tuning = drive.tuning;
-    const Coupling levels = coupling(motor, tuning, drive.period_s, drive.delay_samples);
+    const Coupling levels = coupling(motor, tuning, drive.period_s, drive.delay_periods);
     print(out, "%s, first motor: R %.4g Ω, L %.4g mH, k_T %.4g mN·m/A\n", device.name.c_str(),
           motor.resistance_Ohm, 1e3 * motor.inductance_H, 1e3 * motor.torque_constant_Nm_per_A);
     print(out, "dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s, ", drive.dR_Ohm(),
           tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s);
-    print(out, "servo %.5g Hz, delay %d\n\n", 1.0 / drive.period_s, drive.delay_samples);
+    print(out, "servo %.5g Hz, delay %g\n\n", 1.0 / drive.period_s, drive.delay_periods);
     print(out, "K_DC = k_T K_P/dR (13)  %.4g N·m/rad\n", levels.K_DC_Nm_per_rad);
     print(out, "K_HF = k_T²/L     (14)  %.4g N·m/rad\n", levels.K_HF_Nm_per_rad);
     print(out, "corners                 dR/L %.4g Hz, λ %.4g Hz, R/L %.4g Hz\n",

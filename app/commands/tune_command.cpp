@@ -23,7 +23,7 @@ struct Typed {
     std::filesystem::path device_file;
     double dR_Ohm = Tuning{}.dR_Ohm;
     double servo_hz = 1000.0;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     double margin = AutoTuneRequest{}.margin;
     std::string kinematics{name_of(MotionMap::transpose)};
     std::string out; ///< empty: standard output, after what people want to know
@@ -40,8 +40,8 @@ AutoTuneRequest request_of(const Typed &typed) {
     }
     check_dR(which.device, which.tuning);
     which.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_samples, 0, SimulationOptions::kLongestDelay);
-    which.delay_samples = typed.delay_samples;
+    check_range("--delay", typed.delay_periods, 0, SimulationOptions::kLongestDelay);
+    which.delay_periods = typed.delay_periods;
     check_range("--margin", typed.margin, 1.0, 10.0);
     request.margin = typed.margin;
     return request;
@@ -50,7 +50,7 @@ AutoTuneRequest request_of(const Typed &typed) {
 std::string description_of(const Typed &typed, const AutoTuned &found) {
     std::ostringstream text;
     text.precision(4);
-    text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_samples
+    text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_periods
          << " with dR " << typed.dR_Ohm << " Ω and a margin of " << typed.margin << ": K_DC "
          << found.margins.K_DC_Nm_per_rad << " N·m/rad at the motor";
     return text.str();
@@ -64,7 +64,7 @@ void tell(std::ostream &out, const AutoTuned &found) {
     print(out, "stable on %zu loops: every hand, configuration and η\n", found.loops);
     print(out, "margins: K_P and K_D × %.3g (then it fails with %s at η %.2g)", margins.gain,
           hand_text(margins.worst_hand).c_str(), margins.worst_eta);
-    print(out, ", %d more samples of delay, dR down to %.3g Ω\n", margins.more_delay_samples,
+    print(out, ", %d more whole periods of delay, dR down to %.3g Ω\n", margins.more_delay_periods,
           margins.least_dR_Ohm);
     if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
         out << "K_P is at the end of its range: the loops would bear more\n";
@@ -105,8 +105,8 @@ void add_tune_command(CLI::App &app) {
         ->type_name("Ω");
     tune.add_option("--servo-hz", typed->servo_hz, "servo rate, 250 to 10000 [1000]")
         ->type_name("HZ");
-    tune.add_option("--delay", typed->delay_samples,
-                    "whole samples from reading θ to applying e_W [0]")
+    tune.add_option("--delay", typed->delay_periods,
+                    "periods from reading θ to applying e_W, a real number 0 to 8 [0]")
         ->type_name("D");
     tune.add_option("--margin", typed->margin,
                     "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")

@@ -70,8 +70,9 @@ void TypedSession::add_to(CLI::App &command) {
     command.add_option("--servo-hz", options.servo_hz, "servo rate, 250 to 10000 [1000]")
         ->type_name("HZ");
     command
-        .add_option("--delay", options.delay_samples,
-                    "whole samples from reading θ to applying e_W, simulated [0]")
+        .add_option("--delay", options.delay_periods,
+                    "periods from reading θ to applying e_W, a real number 0 to 8, simulated "
+                    "[0]")
         ->type_name("D");
     command
         .add_option("--path", options.path,
@@ -96,7 +97,7 @@ SessionOptions TypedSession::session() const {
     static_cast<void>(servo_period_s(options.servo_hz));
     SessionOptions session = options;
     session.tuning = tuning.tuning();
-    remark_on_margins(tuning.file, options.servo_hz, options.delay_samples);
+    remark_on_margins(tuning.file, options.servo_hz, options.delay_periods);
     session.effects = effects.effects();
     session.model = model.options(tuning);
     const bool chooses_plant = session.model.automatic || session.model.plant;

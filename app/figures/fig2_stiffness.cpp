@@ -38,7 +38,7 @@ std::string row(const SpringDrive &drive, double wanted_hz) {
 
 ChartMarks marks(const FigureSetting &setting, const SpringDrive &drive) {
     const Coupling levels =
-        coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_samples);
+        coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_periods);
     const auto corner_hz = [&drive](double resistance_Ohm) {
         return resistance_Ohm / drive.motor.inductance_H / (2.0 * std::numbers::pi);
     };

@@ -117,9 +117,9 @@ void show_margins(const AutoTuned &found) {
     ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
     explain("static stiffness k_T K_P/dR (13) at the motor");
     ImGui::TextWrapped("room: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
-                       margins.least_dR_Ohm, margins.more_delay_samples);
+                       margins.least_dR_Ohm, margins.more_delay_periods);
     explain("what it would bear, one at a time, all else as it is: larger K_P and K_D, a lower\n"
-            "dR, whole samples of delay. With larger gains it fails\n"
+            "dR, whole periods of delay. With larger gains it fails\n"
             "first with " +
             hand_text(margins.worst_hand) + ". Held stable: " + std::to_string(found.loops) +
             " loops, of all hands, places and η");

@@ -62,7 +62,7 @@ StabilityCase stability_case_of(const Session &session) {
     which.device = session.device();
     which.tuning = session.tuning();
     which.period_s = 1.0 / session.servo_hz();
-    which.delay_samples = session.delay_samples();
+    which.delay_periods = session.delay_periods();
     which.q_rad = joint_from_motor(which.device.geometry, session.latest().theta_rad);
     return which;
 }

@@ -142,7 +142,7 @@ void show_consequences(const Session &session) {
     tuning.dR_Ohm = dR_in_force_Ohm(session);
     const ServoSample &now = session.latest();
     Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
-                          session.delay_samples());
+                          session.delay_periods());
     // What the rotors' added inertia is at the tip, as a mean over directions.
     const Matrix3 J_inverse =
         motor_jacobian(session.device().geometry,

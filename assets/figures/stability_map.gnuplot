@@ -46,8 +46,6 @@ if (y_by_ratio) {
     set ytics (" " -99)
     set for [d=-12:7] for [m=1:9] ytics add ((is_told(m, y_last - y_first) ? number(m, d) : "") d + log10(m) m > 1)
 }
-if (x_whole) { set xtics 1 }
-if (y_whole) { set ytics 1 }
 set xlabel x_label
 set ylabel y_label offset 1,0
 set cblabel "tip's speed a second after it was let go (mm/s)" offset 1,0

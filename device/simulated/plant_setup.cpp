@@ -98,8 +98,8 @@ void check_options(const DeviceDescription &description, const SimulationOptions
                          "sub-step no less than a millionth of the period, the hand's mass, "
                          "damping, stiffness and force finite and not negative");
     }
-    if (options.delay_samples < 0 || options.delay_samples > SimulationOptions::kLongestDelay) {
-        throw InputError("simulated device: the delay is " + std::to_string(options.delay_samples) +
+    if (options.delay_periods < 0 || options.delay_periods > SimulationOptions::kLongestDelay) {
+        throw InputError("simulated device: the delay is " + std::to_string(options.delay_periods) +
                          " samples; it must be 0 to " +
                          std::to_string(SimulationOptions::kLongestDelay));
     }

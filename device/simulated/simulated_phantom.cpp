@@ -86,7 +86,7 @@ DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
                                command.cancelled_resistance_Ohm.allFinite()
                            ? command
                            : DeviceCommand::braking();
-    const DeviceCommand &applied = pending_[static_cast<std::size_t>(options_.delay_samples)];
+    const DeviceCommand &applied = pending_[static_cast<std::size_t>(options_.delay_periods)];
 
     const int steps =
         std::max(1, static_cast<int>(std::ceil(options_.servo_period_s / parts_.longest_step_s -

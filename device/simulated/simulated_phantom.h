@@ -40,7 +40,7 @@ public:
                      const Vector3 &start_tip_m);
 
     [[nodiscard]] const DeviceDescription &description() const override { return description_; }
-    [[nodiscard]] int delay_samples() const override { return options_.delay_samples; }
+    [[nodiscard]] double delay_periods() const override { return options_.delay_periods; }
     DeviceState exchange(const DeviceCommand &command) noexcept override;
 
     /// Where the hand wants to be from now on [m]. One thread at a time, any thread; without

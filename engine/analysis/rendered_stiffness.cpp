@@ -16,13 +16,13 @@ Complex one_minus_turn(double x) {
     return {2.0 * half * half, std::sin(x)};
 }
 
-/// H(jω): what holding a sample for T, d samples late, makes of it.
-Complex hold(double omega_rad_per_s, double period_s, int delay_samples) {
+/// H(jω): what holding a sample for T, d periods late, makes of it.
+Complex hold(double omega_rad_per_s, double period_s, double delay_periods) {
     const double x = omega_rad_per_s * period_s;
     if (x == 0.0) {
         return 1.0;
     }
-    return std::polar(1.0, -x * delay_samples) * one_minus_turn(x) / Complex(0.0, x);
+    return std::polar(1.0, -x * delay_periods) * one_minus_turn(x) / Complex(0.0, x);
 }
 
 /// C(e^(jωT)): K_P, and K_D on the filtered difference.
@@ -58,7 +58,7 @@ std::complex<double> sampled_stiffness(const SpringDrive &drive, double omega_ra
     const Complex back_emf(0.0, drive.motor.torque_constant_Nm_per_A * omega_rad_per_s);
     return torque_per_volt(drive.motor, drive.dR_Ohm(), omega_rad_per_s) *
            (back_emf + drift_compensation(drive, omega_rad_per_s) *
-                           hold(omega_rad_per_s, drive.period_s, drive.delay_samples));
+                           hold(omega_rad_per_s, drive.period_s, drive.delay_periods));
 }
 
 std::complex<double> unmodified_stiffness(const MotorParameters &motor, double omega_rad_per_s) {

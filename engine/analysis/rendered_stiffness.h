@@ -15,8 +15,8 @@ namespace springdrive {
 struct SpringDrive {
     MotorParameters motor;
     Tuning tuning; ///< dR, K_P, K_D and λ; the set-point is locked, η and the maps do not enter
-    double period_s = 1e-3; ///< T, the servo period
-    int delay_samples = 0;  ///< d, whole samples between reading θ and applying e_W
+    double period_s = 1e-3;     ///< T, the servo period
+    double delay_periods = 0.0; ///< d, periods from reading θ to applying e_W; not negative
 
     /// The dR that results when the tuning's is asked for [Ω].
     [[nodiscard]] double dR_Ohm() const { return residual_resistance_Ohm(motor, tuning.dR_Ohm); }

@@ -1,5 +1,6 @@
 #include "engine/analysis/stiffness_sweep.h"
 
+#include "engine/analysis/split_delay.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
 
@@ -19,24 +20,30 @@ constexpr long kLeastTicks = 1000;
 constexpr double kGreatestStep_rad = 0.02;      ///< ωh
 constexpr double kTimeConstantsToSettle = 14.0; ///< e^(−14) < 1e-6
 
-/// The servo of one motor: what it reads becomes the e_W that is applied now.
+/// What is applied over one period.
+struct AppliedVolts {
+    double first_V = 0.0;  ///< e_W[k−n−1], for f T
+    double second_V = 0.0; ///< e_W[k−n], for the rest
+};
+
+/// The servo of one motor: what it reads becomes the e_W that is applied from now on.
 class LockedServo {
 public:
     LockedServo(const SpringDrive &drive, double encoder_quantum_rad)
         : drive_(drive), quantum_rad_(encoder_quantum_rad),
           pole_(velocity_filter_pole(drive.tuning.lambda_rad_per_s, drive.period_s)),
           k_T_(Vector3::Constant(drive.motor.torque_constant_Nm_per_A)),
-          held_V_(static_cast<std::size_t>(drive.delay_samples), 0.0) {}
+          held_V_(static_cast<std::size_t>(split_delay(drive.delay_periods).whole) + 1, 0.0) {}
 
-    double tick_V(double theta_rad) {
+    AppliedVolts tick(double theta_rad) {
         const double read_rad =
             quantum_rad_ > 0.0 ? quantum_rad_ * std::round(theta_rad / quantum_rad_) : theta_rad;
         reading_.theta_rad.setConstant(read_rad);
         reading_.theta_rate_rad_per_s = filter_.update(reading_.theta_rad, pole_, drive_.period_s);
         held_V_.push_back(drift_compensation_V(k_T_, drive_.tuning, reading_, locked_).x());
-        const double applied_V = held_V_.front();
+        const AppliedVolts applied{held_V_[0], held_V_[1]};
         held_V_.pop_front();
-        return applied_V;
+        return applied;
     }
 
 private:
@@ -44,18 +51,47 @@ private:
     double quantum_rad_;
     double pole_;
     Vector3 k_T_;
-    std::deque<double> held_V_;
-    VelocityFilter filter_; ///< of three motors that all move alike
+    std::deque<double> held_V_; ///< e_W[k−n−1] and later
+    VelocityFilter filter_;     ///< of three motors that all move alike
     Configuration reading_;
     const MotorSetPoint locked_{};
 };
+
+/// A part of the period in which one e_W is applied.
+struct SweepPart {
+    double from = 0.0;  ///< in shares of the period
+    double share = 1.0; ///< how much of it
+    long steps = 0;
+    WindingStep winding;
+    double back_emf_V_per_rad = 0.0;
+    Complex correlation_A = 0.0;
+
+    SweepPart(const SpringDrive &drive, double from_share, double its_share, double turn_a_tick)
+        : from(from_share), share(its_share),
+          steps(std::lround(std::ceil(its_share * turn_a_tick / kGreatestStep_rad))) {
+        const double h_s = its_share * drive.period_s / static_cast<double>(steps);
+        winding = winding_step(drive.motor, drive.dR_Ohm(), h_s);
+        back_emf_V_per_rad = drive.motor.torque_constant_Nm_per_A / h_s;
+    }
+};
+
+/// One part for a whole delay, and two that meet at f T for any other.
+std::vector<SweepPart> parts_of_period(const SpringDrive &drive, double turn_a_tick) {
+    const double f = split_delay(drive.delay_periods).fraction;
+    std::vector<SweepPart> parts;
+    if (f > 0.0) {
+        parts.emplace_back(drive, 0.0, f, turn_a_tick);
+    }
+    parts.emplace_back(drive, f, 1.0 - f, turn_a_tick);
+    return parts;
+}
 
 /// Ticks until nothing is left of how the run began.
 long settling_ticks(const SpringDrive &drive) {
     const double slowest_s =
         std::max(drive.motor.inductance_H / drive.dR_Ohm(), 1.0 / drive.tuning.lambda_rad_per_s);
     const double ticks = std::ceil(kTimeConstantsToSettle * slowest_s / drive.period_s);
-    return static_cast<long>(ticks) + drive.delay_samples + 1;
+    return static_cast<long>(ticks) + split_delay(drive.delay_periods).held() + 1;
 }
 
 } // namespace
@@ -71,41 +107,55 @@ std::complex<double> measured_stiffness(const SpringDrive &drive, SweepWindow wi
                                         const SweepOptions &options) {
     const double turn_a_tick =
         2.0 * pi * static_cast<double>(window.periods) / static_cast<double>(window.ticks);
-    const long steps_a_tick = std::lround(std::ceil(turn_a_tick / kGreatestStep_rad));
-    const double h = drive.period_s / static_cast<double>(steps_a_tick);
-    const long steps = window.ticks * steps_a_tick; // in a window
-    // e^(jωt) after so many steps, kept within one turn: as true at the end as at the beginning.
-    const auto phasor = [&](long step) {
-        const long within = step % steps * window.periods % steps;
-        return std::polar(1.0, 2.0 * pi * static_cast<double>(within) / static_cast<double>(steps));
+    std::vector<SweepPart> parts = parts_of_period(drive, turn_a_tick);
+    // e^(jωt) a share of a period after a tick, kept within one turn: as true at the end as at the
+    // beginning.
+    const auto phasor = [&](long tick, const SweepPart &part, long step) {
+        if (parts.size() == 1) { // steps as long as each other: whole numbers of them
+            const long steps = window.ticks * part.steps;
+            const long within = (tick * part.steps + step) % steps * window.periods % steps;
+            return std::polar(1.0,
+                              2.0 * pi * static_cast<double>(within) / static_cast<double>(steps));
+        }
+        const long within = tick % window.ticks * window.periods % window.ticks;
+        const double share =
+            part.from + part.share * static_cast<double>(step) / static_cast<double>(part.steps);
+        return std::polar(1.0, turn_a_tick * share + 2.0 * pi * static_cast<double>(within) /
+                                                         static_cast<double>(window.ticks));
     };
 
-    const WindingStep winding = winding_step(drive.motor, drive.dR_Ohm(), h);
-    const double back_emf_V_per_rad = drive.motor.torque_constant_Nm_per_A / h;
     LockedServo servo(drive, options.encoder_quantum_rad);
     const long settling = settling_ticks(drive);
     double current_A = 0.0;
-    Complex correlation_A = 0.0;
-    Complex now = phasor(0);
+    Complex now = phasor(0, parts.front(), 0);
     for (long tick = 0; tick < settling + window.ticks; ++tick) {
-        const double e_W_V = servo.tick_V(options.amplitude_rad * now.imag());
-        for (long step = 1; step <= steps_a_tick; ++step) {
-            const Complex next = phasor(tick * steps_a_tick + step);
-            const double moved_rad = options.amplitude_rad * (next.imag() - now.imag());
-            const double u_V = e_W_V - back_emf_V_per_rad * moved_rad;
-            if (tick >= settling) {
-                const double mean_A =
-                    winding.mean_decay * current_A + winding.mean_gain_A_per_V * u_V;
-                correlation_A += mean_A * std::conj(now);
+        const AppliedVolts applied = servo.tick(options.amplitude_rad * now.imag());
+        for (SweepPart &part : parts) {
+            const double e_W_V = &part == &parts.back() ? applied.second_V : applied.first_V;
+            for (long step = 1; step <= part.steps; ++step) {
+                const Complex next = phasor(tick, part, step);
+                const double moved_rad = options.amplitude_rad * (next.imag() - now.imag());
+                const double u_V = e_W_V - part.back_emf_V_per_rad * moved_rad;
+                if (tick >= settling) {
+                    const double mean_A =
+                        part.winding.mean_decay * current_A + part.winding.mean_gain_A_per_V * u_V;
+                    part.correlation_A += mean_A * std::conj(now);
+                }
+                current_A = part.winding.decay * current_A + part.winding.gain_A_per_V * u_V;
+                now = next;
             }
-            current_A = winding.decay * current_A + winding.gain_A_per_V * u_V;
-            now = next;
         }
     }
     // The mean current belongs to the middle of its step. A sine is −j as a phasor.
-    const double half_step_rad = 0.5 * turn_a_tick / static_cast<double>(steps_a_tick);
-    const Complex current_phasor_A =
-        correlation_A * std::polar(2.0 / static_cast<double>(steps), -half_step_rad);
+    Complex current_phasor_A = 0.0;
+    for (const SweepPart &part : parts) {
+        const double half_step_rad =
+            0.5 * part.share * turn_a_tick / static_cast<double>(part.steps);
+        current_phasor_A +=
+            part.correlation_A *
+            std::polar(2.0 * part.share / static_cast<double>(window.ticks * part.steps),
+                       -half_step_rad);
+    }
     const Complex theta_phasor_rad(0.0, -options.amplitude_rad);
     return -drive.motor.torque_constant_Nm_per_A * current_phasor_A / theta_phasor_rad;
 }

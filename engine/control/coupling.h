@@ -19,9 +19,9 @@ struct Coupling {
 };
 
 /// @param period_s       T, the servo period
-/// @param delay_samples  d, whole samples between reading θ and applying e_W
+/// @param delay_periods  d, from reading θ to applying e_W
 [[nodiscard]] inline Coupling coupling(const MotorParameters &motor, const Tuning &tuning,
-                                       double period_s, int delay_samples) {
+                                       double period_s, double delay_periods) {
     const double k_T = motor.torque_constant_Nm_per_A;
     const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
     Coupling c;
@@ -30,7 +30,7 @@ struct Coupling {
     c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / dR_Ohm;
     c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
     c.B_dR_Nms_per_rad = series_damping_Nms_per_rad(motor, dR_Ohm);
-    c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_samples);
+    c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_periods);
     c.added_inertia_kg_m2 = c.B_dR_Nms_per_rad * c.loop_lag_s;
     return c;
 }

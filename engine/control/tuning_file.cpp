@@ -42,14 +42,28 @@ AlphaMode read_alpha_mode(StrictTomlTable &file) {
     return *mode;
 }
 
+/// The name of a delay in this file: `key`, or what it was called when d was a whole number.
+std::string_view delay_key(StrictTomlTable &table, std::string_view key, std::string_view before) {
+    if (!table.has(before)) {
+        return key;
+    }
+    if (table.has(key)) {
+        table.refuse(before,
+                     "is what " + std::string(key) + " was called before; keep one of them");
+    }
+    return before;
+}
+
 TuningMargins read_margins(StrictTomlTable table) {
     constexpr double kFastest_hz = 1e6;
-    constexpr int kLongest_samples = 100;
+    constexpr int kLongest_periods = 100;
     TuningMargins margins;
     margins.servo_hz = table.number("servo_hz", {1.0, kFastest_hz});
-    margins.delay_samples = table.integer("delay_samples", 0, kLongest_samples);
+    margins.delay_periods =
+        table.number(delay_key(table, "delay_periods", "delay_samples"), {0.0, kLongest_periods});
     margins.gain = table.number("gain", {1.0});
-    margins.more_delay_samples = table.integer("more_delay_samples", 0, kLongest_samples);
+    margins.more_delay_periods = table.integer(
+        delay_key(table, "more_delay_periods", "more_delay_samples"), 0, kLongest_periods);
     margins.least_dR_Ohm = table.number("least_dR_Ohm", {0.0});
     margins.K_DC_Nm_per_rad = table.number("K_DC_Nm_per_rad", {0.0});
     margins.worst_hand = table.text("worst_hand");
@@ -112,9 +126,9 @@ void write_tuning_file(std::ostream &out, const TuningFile &file) {
     const TuningMargins &margins = *file.margins;
     out << "\n# How far it is from where it fails, one thing changed at a time.\n[margins]\n";
     out << "servo_hz = " << digits(margins.servo_hz) << '\n';
-    out << "delay_samples = " << margins.delay_samples << '\n';
+    out << "delay_periods = " << digits(margins.delay_periods) << '\n';
     out << "gain = " << digits(margins.gain) << '\n';
-    out << "more_delay_samples = " << margins.more_delay_samples << '\n';
+    out << "more_delay_periods = " << margins.more_delay_periods << '\n';
     out << "least_dR_Ohm = " << digits(margins.least_dR_Ohm) << '\n';
     out << "K_DC_Nm_per_rad = " << digits(margins.K_DC_Nm_per_rad) << '\n';
     out << "worst_hand = " << toml_string(margins.worst_hand) << '\n';

@@ -14,9 +14,9 @@ namespace springdrive {
 /// found for.
 struct TuningMargins {
     double servo_hz = 0.0;
-    int delay_samples = 0;
+    double delay_periods = 0.0;   ///< d
     double gain = 1.0;            ///< the factor on K_P and K_D that is just stable
-    int more_delay_samples = 0;   ///< whole samples beyond the delay that are still stable
+    int more_delay_periods = 0;   ///< whole periods beyond the delay that are still stable
     double least_dR_Ohm = 0.0;    ///< to which dR may fall, as in a winding that cools
     double K_DC_Nm_per_rad = 0.0; ///< (13), for the record
     std::string worst_hand;       ///< who limits the gain
@@ -31,7 +31,8 @@ struct TuningFile {
 
 /// Reads a tuning file: one key for each of `kParameters` by its name, `map` = "inverse" or
 /// "transpose", `alpha_mode` = "on_the_fly", "global" or "by_hand", a `description`, and where
-/// there are any, `[margins]`.
+/// there are any, `[margins]`. Those of before d was a real number say delay_samples and
+/// more_delay_samples.
 /// @throw InputError naming the file, the line, the key and what it may be, for a file that cannot
 ///        be read, a missing or unknown key, or a value out of range.
 [[nodiscard]] TuningFile read_whole_tuning_file(const std::filesystem::path &path);

@@ -115,7 +115,7 @@ std::string model_choice_key(const ModelQuestion &question, const std::string &d
         digest.add(question.tuning.*parameter.value);
     }
     digest.add(question.period_s);
-    digest.add(static_cast<std::uint64_t>(question.delay_samples));
+    digest.add(question.delay_periods);
     digest.add(program_version);
     digest.add(static_cast<std::uint64_t>(kModelMeasureVersion));
     digest.add(machine_name());

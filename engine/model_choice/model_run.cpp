@@ -44,7 +44,7 @@ std::unique_ptr<SimulatedPhantom> simulated_device(const ModelSetting &setting,
                                                    const Model &model) {
     SimulationOptions simulation;
     simulation.servo_period_s = setting.period_s;
-    simulation.delay_samples = setting.delay_samples;
+    simulation.delay_periods = setting.delay_periods;
     simulation.path = setting.path;
     apply(model, simulation);
     return std::make_unique<SimulatedPhantom>(setting.device, simulation,

@@ -21,7 +21,7 @@ struct ModelSetting {
     DeviceDescription device;
     Tuning tuning; ///< but for its map
     double period_s = 1e-3;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     HandPath path;
     double global_alpha_rad2_per_m2 = 0.0;
 };

@@ -24,7 +24,7 @@ ModelSetting setting_of(const ModelQuestion &question, const HapticSurface &surf
     return {question.device,
             question.tuning,
             question.period_s,
-            question.delay_samples,
+            question.delay_periods,
             feeling_hand(question.device, surface,
                          Eigen::AlignedBox3d(scene.lower_m, scene.upper_m), start_m, how),
             global_alpha_bound(question.device)};

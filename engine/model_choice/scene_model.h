@@ -17,7 +17,7 @@ struct ModelQuestion {
     DeviceDescription device;
     Tuning tuning;
     double period_s = 1e-3;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
 };
 
 /// Told what is being measured and how much of it all is done, from 0 to 1.

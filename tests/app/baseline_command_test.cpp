@@ -57,6 +57,7 @@ TEST(BaselineCommand, ComparesThreeDrives) {
         }
     }
     ASSERT_EQ(drives.size(), 3U);
+    EXPECT_EQ(drives.at("\"spring\"").at("delay_periods"), "1");
     const auto value = [&](const std::string &drive, const std::string &name) {
         return std::stod(drives.at('"' + drive + '"').at(name));
     };

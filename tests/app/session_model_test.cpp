@@ -296,7 +296,7 @@ TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
     ModelQuestion impossible;
     impossible.scene = &session.scene().scene;
     impossible.device = session.device();
-    impossible.delay_samples = SimulationOptions::kLongestDelay + 1;
+    impossible.delay_periods = SimulationOptions::kLongestDelay + 1;
     ModelMeasurement measurement;
     measurement.begin(impossible, "");
     while (measurement.is_running()) {

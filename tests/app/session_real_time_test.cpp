@@ -214,7 +214,7 @@ TEST_F(RealTimeSession, AHandOnAPathAtTheFastestRateMakesItNeither) {
         SessionOptions chosen = options("organic");
         chosen.plays_script = true;
         chosen.servo_hz = 4000.0;
-        chosen.delay_samples = 1;
+        chosen.delay_periods = 1;
         chosen.effects.structural_compliance = true;
         chosen.record = folder / "path.rec";
         Touch touch(chosen);

@@ -132,8 +132,11 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
     which = firm();
     which.hands = {no_hand()};
     which.period_s = 1.0 / 2500.0;
-    which.delay_samples = 2;
+    which.delay_periods = 2;
     EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "2"}),
+              worst_member(which).eigenvalue);
+    which.delay_periods = 1.25;
+    EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "1.25"}),
               worst_member(which).eigenvalue);
     which = firm();
     which.drive = AmplifierKind::current_drive;
@@ -243,7 +246,8 @@ TEST(StabilityCommand, RefusesNonsenseWithTheRange) {
     expect_refused({"--servo-hz", "nan"}, "--servo-hz");
     expect_refused({"--delay", "-1"}, "0 to 8");
     expect_refused({"--delay", "9"}, "0 to 8");
-    expect_refused({"--delay", "1.5"}, "whole");
+    expect_refused({"--delay", "8.001"}, "0 to 8");
+    expect_refused({"--delay", "nan"}, "0 to 8");
     expect_refused({"--eta", "1.1"}, "0 to 1");
     expect_refused({"--eta="}, "--eta: 1 required VALUE missing");
     expect_refused({"--eta"}, "--eta: 1 required VALUE missing");
@@ -270,7 +274,7 @@ TEST(StabilityCommand, RefusesRangesThatCannotBe) {
     expect_refused({"--vary", "T", "--from", "0"}, "1e-06 to 1");
     expect_refused({"--vary", "kp", "--to", "1e9"}, "0 to 10000");
     expect_refused({"--vary", "kp", "--from", "nan"}, "kp");
-    expect_refused({"--vary", "d", "--from", "0.5"}, "whole");
+    expect_refused({"--vary", "d", "--to", "8.5"}, "0 to 8 periods");
     expect_refused({"--from", "1"}, "--vary");
 }
 

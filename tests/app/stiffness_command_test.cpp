@@ -81,6 +81,9 @@ TEST(StiffnessCommand, TellsLevelsCornersAndStability) {
     }
     const Ending shaky = stiffness({"--points", "2", "--dR", "0.05", "--kp", "20", "--delay", "2"});
     EXPECT_NE(shaky.out.find("UNSTABLE"), std::string::npos) << shaky.out;
+    EXPECT_NE(shaky.out.find(", delay 2\n"), std::string::npos) << shaky.out;
+    const Ending between = stiffness({"--points", "2", "--delay", "0.25"});
+    EXPECT_NE(between.out.find(", delay 0.25\n"), std::string::npos) << between.out;
 }
 
 TEST(StiffnessCommand, TakesAnotherMotor) {
@@ -104,6 +107,8 @@ TEST(StiffnessCommand, SaysWhatIsWrongInOneLine) {
     expect_refused({"--servo-hz", "nan"}, "250");
     expect_refused({"--delay", "-1"}, "--delay");
     expect_refused({"--delay", "9"}, "--delay");
+    expect_refused({"--delay", "8.01"}, "--delay");
+    expect_refused({"--delay", "nan"}, "--delay");
     expect_refused({"--kp", "nan"}, "K_P");
     expect_refused({"--dR", "0"}, "--dR");
     expect_refused({"--motor", "2.18,-0.000238,0.0234"}, "--motor: L");

@@ -46,7 +46,7 @@ public:
     [[nodiscard]] const DeviceDescription &description() const override {
         return device_.description();
     }
-    [[nodiscard]] int delay_samples() const override { return device_.delay_samples(); }
+    [[nodiscard]] double delay_periods() const override { return device_.delay_periods(); }
 
     DeviceState exchange(const DeviceCommand &command) noexcept override {
         last_command_ = command;

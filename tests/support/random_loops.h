@@ -58,9 +58,16 @@ inline StabilityCase random_rotor_loop(std::mt19937_64 &random) {
     which.device.motor.fill(random_motor(random));
     which.tuning = random_tuning(which.device.motor[0], random);
     which.period_s = draw.by_ratio(2e-4, 2e-3);
-    which.delay_samples = draw.whole(0, 3);
+    which.delay_periods = draw.whole(0, 3);
     which.rotor = RotorLoad{draw.by_ratio(1e-6, 1e-4), draw.by_ratio(1e-7, 1e-3), 0.0};
     which.hands = {draw.whole(0, 2) == 0 ? no_hand() : hand_of_firmness(draw.even(0.0, 1.0))};
+    return which;
+}
+
+/// The same with a delay of any number of periods up to three.
+inline StabilityCase random_delayed_loop(std::mt19937_64 &random) {
+    StabilityCase which = random_rotor_loop(random);
+    which.delay_periods = Draw(random).even(0.0, 3.0);
     return which;
 }
 

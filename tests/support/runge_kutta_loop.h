@@ -14,13 +14,17 @@ namespace springdrive::testing {
 /// A motor with an inertia of its own behind a spring drive, for a case with one hand:
 ///
 ///   L di/dt = e_W − dR i − k_T θ̇        J θ̈ = k_T i − b θ̇ − k θ
-///   e_W = η k_T v − (1 − η)(K_D v + K_P θ), after d samples
+///   e_W = η k_T v − (1 − η)(K_D v + K_P θ), after d periods: where d is no whole number, e_W
+///         changes within the period, and steps end there
 class RungeKuttaLoop {
 public:
     explicit RungeKuttaLoop(const StabilityCase &which)
         : tuning_(which.tuning), motor_(which.device.motor[1]),
           dR_Ohm_(which.dR_Ohm(which.device.motor[1])), period_s_(which.period_s),
-          load_(*which.rotor), held_V_(static_cast<std::size_t>(which.delay_samples), 0.0) {
+          load_(*which.rotor) {
+        double whole = 0.0;
+        fraction_ = std::modf(which.delay_periods, &whole);
+        held_V_.assign(static_cast<std::size_t>(whole) + 1, 0.0);
         const double lever_m = motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
         const Hand &hand = which.hands.front();
         load_.inertia_kg_m2 += hand.mass_kg * lever_m * lever_m;
@@ -32,17 +36,17 @@ public:
                      std::sqrt((K_L + load_.stiffness_Nm_per_rad) / load_.inertia_kg_m2) +
                          load_.damping_Nms_per_rad / load_.inertia_kg_m2);
         // Of the fastest mode, a twentieth: within (1/20)⁴/120 = 5e-8 of it.
-        steps_ = static_cast<int>(std::ceil(20.0 * fastest_per_s * period_s_));
+        steps_a_second_ = 20.0 * fastest_per_s;
     }
 
     /// The largest |θ̇| over so many periods.
     double run(int periods) {
         double largest = 0.0;
         for (int k = 0; k < periods; ++k) {
-            const double e_W_V = tick_V();
-            for (int step = 0; step < steps_; ++step) {
-                advance(e_W_V, period_s_ / steps_);
-            }
+            tick();
+            advance_by(fraction_ * period_s_, held_V_[0]);
+            advance_by((1.0 - fraction_) * period_s_, held_V_[1]);
+            held_V_.pop_front();
             largest = std::max(largest, std::abs(state_[1]));
         }
         return largest;
@@ -67,7 +71,7 @@ public:
 private:
     static constexpr int kBlock = 400;
 
-    double tick_V() {
+    void tick() {
         const double a = std::exp(-tuning_.lambda_rad_per_s * period_s_);
         filtered_ = a * filtered_ + (1.0 - a) * (state_[0] - before_rad_) / period_s_;
         before_rad_ = state_[0];
@@ -76,9 +80,6 @@ private:
         held_V_.push_back(motor_.torque_constant_Nm_per_A * set_point_rate +
                           tuning_.K_D_Vs_per_rad * (set_point_rate - filtered_) +
                           tuning_.K_P_V_per_rad * (set_point - state_[0]));
-        const double applied_V = held_V_.front();
-        held_V_.pop_front();
-        return applied_V;
     }
 
     [[nodiscard]] Vector3 rates(const Vector3 &x, double e_W_V) const {
@@ -88,6 +89,13 @@ private:
             (k_T * x[2] - load_.damping_Nms_per_rad * x[1] - load_.stiffness_Nm_per_rad * x[0]) /
                 load_.inertia_kg_m2,
             (e_W_V - dR_Ohm_ * x[2] - k_T * x[1]) / motor_.inductance_H};
+    }
+
+    void advance_by(double time_s, double e_W_V) {
+        const int steps = static_cast<int>(std::ceil(steps_a_second_ * time_s));
+        for (int step = 0; step < steps; ++step) {
+            advance(e_W_V, time_s / steps);
+        }
     }
 
     void advance(double e_W_V, double h) {
@@ -103,11 +111,12 @@ private:
     double dR_Ohm_;
     double period_s_;
     RotorLoad load_;
-    int steps_ = 1;
+    double fraction_ = 0.0; ///< of d
+    double steps_a_second_ = 0.0;
     Vector3 state_{1e-3, 0.1, 0.0}; ///< θ, θ̇, i
     double before_rad_ = 1e-3;
     double filtered_ = 0.0;
-    std::deque<double> held_V_;
+    std::deque<double> held_V_; ///< the one in force at first, then the others
 };
 
 } // namespace springdrive::testing

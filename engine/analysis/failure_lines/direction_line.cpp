@@ -31,7 +31,7 @@ PlanarContact planar_contact(const StabilityCase &which) {
     contact.alpha_rad2_per_m2 = alpha_bound(motor_jacobian(device.geometry, which.q_rad), W);
     contact.relative_stiffness = W.tail<2>();
     for (std::size_t j = 0; j < 2; ++j) {
-        contact.drive[j] = {device.motor[j + 1], Tuning{}, which.period_s, which.delay_samples};
+        contact.drive[j] = {device.motor[j + 1], Tuning{}, which.period_s, which.delay_periods};
     }
     return contact;
 }

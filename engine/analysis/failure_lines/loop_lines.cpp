@@ -61,7 +61,7 @@ std::vector<FailureLine> drift_lines(const StabilityCase &which,
     StabilityCase filtered = firm; // K_D holds what K_P alone would not
     filtered.tuning.K_P_V_per_rad = 20.0;
     filtered.tuning.K_D_Vs_per_rad = 0.03;
-    filtered.delay_samples = 1;
+    filtered.delay_periods = 1;
     add_limits(lines, kDrift, filtered, "lambda", "K_P 20 V/rad, K_D 0.03 V·s/rad, delay 1");
     step();
     lines.push_back(noise_of_a_count(which));
@@ -92,7 +92,7 @@ std::vector<FailureLine> wall_lines(const StabilityCase &which) {
     const double lever_m = motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
     const double lag_s =
         1.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
-    // 2b/T, for a command that comes d samples late and an amplifier that lags.
+    // 2b/T, for a command that comes d periods late and an amplifier that lags.
     const auto line = [&](int delay) {
         const double late_s = wall.period_s * (1.0 + 2.0 * delay) + 2.0 * lag_s;
         return with_unit(
@@ -101,7 +101,7 @@ std::vector<FailureLine> wall_lines(const StabilityCase &which) {
     };
     add_limits(lines, "current-drive wall", wall, "wall-stiffness",
                "J 1e-4 kg·m², b 1e-3 N·m·s/rad, B 0; 2b/(T + 2/ω) is " + line(0));
-    wall.delay_samples = 1;
+    wall.delay_periods = 1;
     add_limits(lines, "current-drive wall", wall, "wall-stiffness",
                "the same, delay 1; 2b/(3T + 2/ω) is " + line(1));
     return lines;

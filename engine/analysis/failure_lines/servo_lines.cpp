@@ -21,7 +21,7 @@ StabilityCase firm_in_a_hand(const StabilityCase &which) {
     firm.tuning = Tuning{};
     firm.freedom = Freedom::three_motors;
     firm.hands = {hand_of_firmness(0.5)};
-    firm.delay_samples = 0;
+    firm.delay_periods = 0;
     return firm;
 }
 
@@ -96,12 +96,12 @@ TriedLine every_other_tick_late(const StabilityCase &which) {
             [=](double missed) { return dies_out(which, static_cast<int>(missed)); }};
 }
 
-/// Answers that come late are a longer d.
+/// Answers that come late are a longer d: by whole periods, as frames that miss their tick.
 TriedLine late_answers(const StabilityCase &which) {
-    const auto delayed = [=](int samples) {
+    const auto delayed = [=](int periods) {
         StabilityCase late = which;
         late.tuning.K_P_V_per_rad = 20.0;
-        late.delay_samples = samples;
+        late.delay_periods = periods;
         return late;
     };
     int predicted = 0;
@@ -118,7 +118,7 @@ TriedLine late_answers(const StabilityCase &which) {
             0.0,
             static_cast<double>(SimulationOptions::kLongestDelay),
             true,
-            [=](double samples) { return dies_out(delayed(static_cast<int>(samples)), 0); }};
+            [=](double periods) { return dies_out(delayed(static_cast<int>(periods)), 0); }};
 }
 
 /// No answer is guessed: the first that is missing stops the device.

@@ -20,7 +20,7 @@ SimulationOptions options_of(const ServoRigOptions &rig) {
     const Hand &hand = rig.which.hands.front();
     SimulationOptions options;
     options.servo_period_s = rig.which.period_s;
-    options.delay_samples = rig.which.delay_samples;
+    options.delay_periods = rig.which.delay_periods;
     options.quantised_encoders = false;
     options.hand = {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m, rig.hand_force_N,
                     1.0};

@@ -21,7 +21,7 @@ public:
     [[nodiscard]] const DeviceDescription &description() const override {
         return plant_->description();
     }
-    [[nodiscard]] int delay_samples() const override { return plant_->delay_samples(); }
+    [[nodiscard]] double delay_periods() const override { return plant_->delay_periods(); }
     DeviceState exchange(const DeviceCommand &command) noexcept override;
 
     /// A period in which the servo does not come: the amplifiers hold what they have.

@@ -227,16 +227,16 @@ void find_gain_margin(TuningMargins &margins, HeldLoops &loops, const Tuning &tu
 TuningMargins margins_of(HeldLoops &loops, const StabilityCase &which) {
     TuningMargins margins;
     margins.servo_hz = 1.0 / which.period_s;
-    margins.delay_samples = which.delay_samples;
+    margins.delay_periods = which.delay_periods;
     margins.K_DC_Nm_per_rad =
-        coupling(which.device.motor[0], which.tuning, which.period_s, which.delay_samples)
+        coupling(which.device.motor[0], which.tuning, which.period_s, which.delay_periods)
             .K_DC_Nm_per_rad;
     find_gain_margin(margins, loops, which.tuning);
 
     StabilityCase later = which;
     constexpr int kMostMoreDelay = 8;
-    for (; margins.more_delay_samples < kMostMoreDelay; ++margins.more_delay_samples) {
-        ++later.delay_samples;
+    for (; margins.more_delay_periods < kMostMoreDelay; ++margins.more_delay_periods) {
+        ++later.delay_periods;
         if (!all_stable(later)) {
             break;
         }

@@ -1,8 +1,12 @@
 #include "engine/analysis/stability/closed_loop.h"
 
+#include "engine/analysis/split_delay.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
+
+#include <cassert>
 
 namespace springdrive {
 
@@ -65,19 +69,42 @@ MatrixXd sampled_load(const DrivenLoad &load, double period_s) {
     return whole.topRows(3 * n);
 }
 
+MatrixXd sampled_load(const DrivenLoad &load, double period_s, double delay_periods) {
+    const double fraction = split_delay(delay_periods).fraction;
+    if (fraction == 0.0) {
+        return sampled_load(load, period_s);
+    }
+    const Index n = load.motors();
+    const MatrixXd first = sampled_load(load, fraction * period_s);
+    const MatrixXd second = sampled_load(load, (1.0 - fraction) * period_s);
+    MatrixXd both(3 * n, 5 * n);
+    both << second.leftCols(3 * n) * first, second.rightCols(n);
+    return both;
+}
+
 MatrixXd one_period_map(const MatrixXd &load, const SampledLaw &law) {
     const Index n = law.per_velocity.rows();
-    const Index held = law.delay_samples;
+    const SplitDelay delay = split_delay(law.delay_periods);
+    const Index held = delay.held();
+    assert(load.cols() == (delay.fraction > 0.0 ? 5 : 4) * n);
     const Blocks blocks(n, first_held + held);
 
     const double a = law.filter_pole;
     const MatrixXd v =
         a * blocks.selector(velocity) + (1.0 - a) / law.period_s * blocks.selector(moved);
     const MatrixXd u = law.per_velocity * v + law.per_position * blocks.selector(theta);
-    const MatrixXd applied = held == 0 ? u : blocks.selector(first_held + held - 1);
+    const auto command = [&](Index back) { // u[k − back]
+        return back == 0 ? u : blocks.selector(first_held + back - 1);
+    };
 
-    MatrixXd before(4 * n, blocks.states()); // [θ, θ̇, i, u] of the states
-    before << blocks.selector(theta), blocks.selector(rate), blocks.selector(current), applied;
+    MatrixXd before(load.cols(), blocks.states()); // [θ, θ̇, i, u] or [θ, θ̇, i, u_old, u_new]
+    if (delay.fraction > 0.0) {
+        before << blocks.selector(theta), blocks.selector(rate), blocks.selector(current),
+            command(delay.whole + 1), command(delay.whole);
+    } else {
+        before << blocks.selector(theta), blocks.selector(rate), blocks.selector(current),
+            command(delay.whole);
+    }
     const MatrixXd after = load * before;
 
     MatrixXd map = MatrixXd::Zero(blocks.states(), blocks.states());

@@ -1,10 +1,10 @@
 // Stability of motors that share a load under a sampled, linear law: DESIGN section 4 for any
 // number of motors, near rest.
 //
-// Between samples the plant is linear and what the servo commands stands still, so that its motion
-// over a period is exact; the velocity filter and the held outputs are difference equations.
-// Together they are one matrix that takes the state at one sample to the state at the next, and
-// its eigenvalues decide.
+// Between samples the plant is linear and what the servo commands stands still, but for one step
+// where the delay has a fraction, so that its motion over a period is exact; the velocity filter
+// and the held outputs are difference equations. Together they are one matrix that takes the state
+// at one sample to the state at the next, and its eigenvalues decide.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,23 +28,29 @@ struct DrivenLoad {
 /// The load over one period: [θ, θ̇, i] after it from [θ, θ̇, i, u] before, u standing still.
 [[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s);
 
-/// What the servo does with what it reads: u[k] = V v[k] + P θ[k], applied from (k + d) T on,
-/// with v[k] = a v[k−1] + (1 − a)(θ[k] − θ[k−1])/T.
+/// The load over one period of a servo whose commands come d late. For whole d the same as above.
+/// Else [θ, θ̇, i] after it from [θ, θ̇, i, u_old, u_new] before, d = n + f, with u_old = u[k−n−1] in
+/// force for the first f T and u_new = u[k−n] from then on: exact over both parts.
+[[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s,
+                                           double delay_periods);
+
+/// What the servo does with what it reads: u[k] = V v[k] + P θ[k], applied from (k + d) T to
+/// (k + d + 1) T, with v[k] = a v[k−1] + (1 − a)(θ[k] − θ[k−1])/T.
 struct SampledLaw {
     Eigen::MatrixXd per_velocity; ///< V
     Eigen::MatrixXd per_position; ///< P
     double filter_pole = 0.0;     ///< a
     double period_s = 1e-3;       ///< T
-    int delay_samples = 0;        ///< d
+    double delay_periods = 0.0;   ///< d, not negative
 };
 
 /// The map over one period, for the states
 ///
-///   [ θ[k],  θ[k] − θ[k−1],  θ̇[k],  i[k],  v[k−1],  u[k−1] … u[k−d] ]
+///   [ θ[k],  θ[k] − θ[k−1],  θ̇[k],  i[k],  v[k−1],  u[k−1] … u[k−⌈d⌉] ]
 ///
 /// each for all motors. The difference stands in the place of θ[k−1], the same states in other
 /// coordinates: so position alone, where nothing pulls it back, can be left out exactly.
-/// @param load  as `sampled_load` gives it
+/// @param load  as `sampled_load` gives it for the law's period and delay
 [[nodiscard]] Eigen::MatrixXd one_period_map(const Eigen::MatrixXd &load, const SampledLaw &law);
 
 /// The largest |eigenvalue| of that map: by how much the slowest mode shrinks or grows in a period.

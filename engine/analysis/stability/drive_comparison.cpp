@@ -42,7 +42,7 @@ DriveComparison compare_drives(const StabilityCase &which, double margin,
     both.setting = setting;
     StabilityCase here = which;
     here.period_s = 1.0 / setting.servo_hz;
-    here.delay_samples = setting.delay_samples;
+    here.delay_periods = setting.delay_periods;
     here.tuning.dR_Ohm = setting.dR_Ohm;
 
     StabilityCase spring = here;
@@ -87,9 +87,9 @@ std::vector<DriveComparison> compare_drives(const StabilityCase &which, double m
 std::vector<ServoSetting> usual_settings() {
     std::vector<ServoSetting> settings;
     for (const double servo_hz : {250.0, 1000.0, 4000.0, 10000.0}) {
-        for (const int delay : {0, 1}) {
+        for (const double delay_periods : {0.0, 1.0}) {
             for (const double dR_Ohm : {0.2, 0.5}) {
-                settings.push_back({servo_hz, delay, dR_Ohm});
+                settings.push_back({servo_hz, delay_periods, dR_Ohm});
             }
         }
     }

@@ -14,7 +14,7 @@ namespace springdrive {
 /// One servo.
 struct ServoSetting {
     double servo_hz = 1000.0;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     double dR_Ohm = 0.5;
 
     bool operator==(const ServoSetting &) const = default;

@@ -67,7 +67,7 @@ void write_gains(std::ostream &out, const DriveComparison &all, const Drive &dri
 } // namespace
 
 void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> &all) {
-    out << "servo_hz,delay_samples,dR_Ohm,drive,K_P_V_per_rad,K_D_Vs_per_rad,wall_K_N_per_m,"
+    out << "servo_hz,delay_periods,dR_Ohm,drive,K_P_V_per_rad,K_D_Vs_per_rad,wall_K_N_per_m,"
            "wall_B_Ns_per_m,lambda_rad_per_s";
     for (const Quality &quality : kQualities) {
         out << ',' << quality.name;
@@ -78,7 +78,7 @@ void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> 
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "%.6g,%d,%.6g,\"%s\"", one.setting.servo_hz, one.setting.delay_samples,
+            print(out, "%.6g,%.6g,%.6g,\"%s\"", one.setting.servo_hz, one.setting.delay_periods,
                   one.setting.dR_Ohm, drive.name);
             write_gains(out, one, drive);
             for (const Quality &quality : kQualities) {
@@ -110,8 +110,8 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "| %.5g Hz, d %d, dR %.3g Ω | %s ", one.setting.servo_hz,
-                  one.setting.delay_samples, one.setting.dR_Ohm, drive.name);
+            print(out, "| %.5g Hz, d %g, dR %.3g Ω | %s ", one.setting.servo_hz,
+                  one.setting.delay_periods, one.setting.dR_Ohm, drive.name);
             for (const Quality &quality : kQualities) {
                 print(out, "| %.3g%s ", quality.in_table * ((one.*drive.quality).*quality.value),
                       beats_spring(one, drive, quality) ? " +" : "");

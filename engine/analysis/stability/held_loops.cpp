@@ -69,7 +69,7 @@ void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMemb
     which.tuning.eta = 0.0;
     const DrivenLoad load = driven_load(which, member);
     HeldLoop loop;
-    loop.load = sampled_load(load, which.period_s);
+    loop.load = sampled_load(load, which.period_s, which.delay_periods);
     loop.k_T = load.torque_Nm_per_A;
     loop.stiffness_Nm_per_rad = load.stiffness_Nm_per_rad;
     loop.hand = member.hand.name;
@@ -84,7 +84,7 @@ void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMemb
 } // namespace
 
 HeldLoops::HeldLoops(const StabilityCase &which)
-    : period_s_(which.period_s), delay_samples_(which.delay_samples) {
+    : period_s_(which.period_s), delay_periods_(which.delay_periods) {
     constexpr int kFinelyOfOne = 10;
     constexpr int kFinelyOfThree = 2; // these take twenty times as long
     StabilityCase each = which;
@@ -116,7 +116,7 @@ double HeldLoops::largest_eigenvalue(std::size_t index, const LoopGains &gains) 
     law.per_position = -gains.K_P_V_per_rad * loop.share;
     law.filter_pole = velocity_filter_pole(gains.lambda_rad_per_s, period_s_);
     law.period_s = period_s_;
-    law.delay_samples = delay_samples_;
+    law.delay_periods = delay_periods_;
     return springdrive::largest_eigenvalue(one_period_map(loop.load, law), law,
                                            loop.stiffness_Nm_per_rad);
 }

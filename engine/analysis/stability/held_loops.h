@@ -20,7 +20,7 @@ struct LoopGains {
 
 /// One loop: what moves, and how much of its motion the law takes for an error.
 struct HeldLoop {
-    Eigen::MatrixXd load;  ///< see `sampled_load`
+    Eigen::MatrixXd load;  ///< see `sampled_load`, with its delay
     Eigen::MatrixXd share; ///< see `held_share`, η included
     Eigen::VectorXd k_T;
     Eigen::MatrixXd stiffness_Nm_per_rad;
@@ -52,7 +52,7 @@ public:
 
 private:
     double period_s_;
-    int delay_samples_;
+    double delay_periods_;
     std::vector<HeldLoop> loops_;
     std::vector<std::size_t> order_; ///< to try them in
 };

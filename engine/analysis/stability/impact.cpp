@@ -78,7 +78,7 @@ SimulationOptions options_of(const StabilityCase &which, std::vector<HandPath::P
     const Hand hand = which.hands.empty() ? hand_of_firmness(0.5) : which.hands.front();
     SimulationOptions options;
     options.servo_period_s = which.period_s;
-    options.delay_samples = which.delay_samples;
+    options.delay_periods = which.delay_periods;
     options.hand = {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m, HUGE_VAL, 1.0};
     options.path = HandPath(std::move(path));
     options.effects.gravity = false; // a balanced arm: weight is none of the drive's

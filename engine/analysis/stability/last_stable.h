@@ -6,17 +6,13 @@
 
 namespace springdrive {
 
-/// The last stable value between two, to `share` of it; of whole numbers the last itself.
+/// The last stable value between two, to `share` of it.
 /// @param holds  whether a value is stable
 template <typename Holds>
-[[nodiscard]] double last_stable(double stable, double unstable, double share, bool whole,
-                                 const Holds &holds) {
-    const auto apart = [&] { return std::abs(unstable - stable); };
-    while (whole ? apart() > 1.0
-                 : apart() > share * std::max(std::abs(stable), std::abs(unstable))) {
+[[nodiscard]] double last_stable(double stable, double unstable, double share, const Holds &holds) {
+    while (std::abs(unstable - stable) > share * std::max(std::abs(stable), std::abs(unstable))) {
         const double middle = 0.5 * (stable + unstable);
-        const double tried = whole ? std::round(middle) : middle;
-        (holds(tried) ? stable : unstable) = tried;
+        (holds(middle) ? stable : unstable) = middle;
     }
     return stable;
 }

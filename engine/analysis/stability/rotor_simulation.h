@@ -20,11 +20,11 @@ struct RotorSimulationOptions {
     double net_resistance_Ohm = 0.0;          ///< dR of a spring drive, as it is
     RotorLoad load;                           ///< all that moves, rotor included
     double period_s = 1e-3;
-    int delay_samples = 0;
-    double filter_pole = 0.0;  ///< a of the velocity filter
-    double per_velocity = 0.0; ///< command per θ̇_f: volts or amperes, see SampledLaw
-    double per_position = 0.0; ///< command per θ
-    double quantum_rad = 0.0;  ///< of the encoder; 0: exact
+    double delay_periods = 0.0; ///< d, not negative
+    double filter_pole = 0.0;   ///< a of the velocity filter
+    double per_velocity = 0.0;  ///< command per θ̇_f: volts or amperes, see SampledLaw
+    double per_position = 0.0;  ///< command per θ
+    double quantum_rad = 0.0;   ///< of the encoder; 0: exact
     bool amplifier_limits = false;
     double coulomb_Nm = 0.0; ///< friction at the motor
     double start_rad = 1e-3; ///< from where it is let go, at rest
@@ -42,19 +42,26 @@ public:
     [[nodiscard]] double current_A() const { return current_A_; }
 
 private:
+    /// A part of the period in which one command is in force.
+    struct Part {
+        int steps = 0;
+        double h_s = 0.0;
+    };
+
     [[nodiscard]] double measured_rad() const;
-    [[nodiscard]] double rate_after(const CurrentStep &drive) const;
-    void advance(double command);
+    [[nodiscard]] double rate_after(const CurrentStep &drive, double h_s) const;
+    void advance(double command, double h_s);
+    void advance(double command, const Part &part);
 
     RotorSimulationOptions options_;
-    int steps_;
-    double h_;
+    Part first_;  ///< f T of d = n + f, behind the command before; no steps for whole d
+    Part second_; ///< the rest
     double theta_rad_;
     double rate_ = 0.0;
     double current_A_ = 0.0;
     double before_rad_;
     double filtered_ = 0.0;
-    std::vector<double> held_; ///< commands under way, the newest last
+    std::vector<double> held_; ///< u[k−n−1] … u[k]
 };
 
 } // namespace springdrive

@@ -31,7 +31,7 @@ SampledLaw sampled_law(const SpringDrive &drive) {
     return {one(tuning.eta * drive.motor.torque_constant_Nm_per_A - held * tuning.K_D_Vs_per_rad),
             one(-held * tuning.K_P_V_per_rad),
             velocity_filter_pole(tuning.lambda_rad_per_s, drive.period_s), drive.period_s,
-            drive.delay_samples};
+            drive.delay_periods};
 }
 
 } // namespace
@@ -45,8 +45,9 @@ RotorLoad device_load(const DeviceDescription &device, int joint) {
 }
 
 Eigen::MatrixXd one_period_map(const SampledLoop &loop) {
-    return one_period_map(sampled_load(driven_load(loop), loop.drive.period_s),
-                          sampled_law(loop.drive));
+    return one_period_map(
+        sampled_load(driven_load(loop), loop.drive.period_s, loop.drive.delay_periods),
+        sampled_law(loop.drive));
 }
 
 double largest_eigenvalue(const SampledLoop &loop) {

@@ -1,8 +1,9 @@
 // Stability of one motor under the sampled law (10), DESIGN section 4.
 //
-// Between samples the plant is linear and e_W stands still, so that its motion over a period is
-// exact; the filter and the held outputs are difference equations. Together they are one matrix
-// that takes the state at one sample to the state at the next, and its eigenvalues decide.
+// Between samples the plant is linear and e_W stands still, but for one step where the delay has a
+// fraction, so that its motion over a period is exact; the filter and the held outputs are
+// difference equations. Together they are one matrix that takes the state at one sample to the
+// state at the next, and its eigenvalues decide.
 #pragma once
 
 #include "device/device_file.h"
@@ -40,7 +41,7 @@ struct SampledLoop {
 
 /// The map over one period, for the states
 ///
-///   [ θ[k],  θ[k] − θ[k−1],  θ̇[k],  i[k],  v[k−1],  e_W[k−1] … e_W[k−d] ]
+///   [ θ[k],  θ[k] − θ[k−1],  θ̇[k],  i[k],  v[k−1],  e_W[k−1] … e_W[k−⌈d⌉] ]
 ///
 /// The difference stands in the place of θ[k−1], the same states in other coordinates: so position
 /// alone, where nothing pulls it back, is the first column and can be left out exactly.

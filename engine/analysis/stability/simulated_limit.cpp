@@ -19,16 +19,16 @@ struct Bracket {
     double unstable = 0.0;
 };
 
-/// Values to try about a prediction, by number: 0 is the prediction, above 0 lies instability.
+/// Values to try about a prediction: 0 is the prediction, above 0 lies instability.
 class Places {
 public:
     Places(const StabilityParameter &parameter, const StabilityLimit &limit)
         : parameter_(parameter), at_(limit.predicted), outward_(limit.stable_below ? 1.0 : -1.0) {}
 
-    /// @param share  of the prediction; whole numbers go by ones instead
-    [[nodiscard]] double value(int place, double share) const {
+    /// @param share  of the prediction
+    [[nodiscard]] double value(double share) const {
         constexpr double kOfZero = 1e-9; // which has no shares
-        const double away = parameter_.whole ? place : share * std::max(std::abs(at_), kOfZero);
+        const double away = share * std::max(std::abs(at_), kOfZero);
         return std::clamp(at_ + outward_ * away, parameter_.lowest, parameter_.highest);
     }
 
@@ -40,8 +40,8 @@ private:
 
 /// 1, 2, 4 … per cent to either side.
 double by_doubling(const Places &places, int place) {
-    return places.value(
-        place, place == 0 ? 0.0 : std::copysign(0.01 * std::exp2(std::abs(place) - 1), place));
+    return places.value(place == 0 ? 0.0
+                                   : std::copysign(0.01 * std::exp2(std::abs(place) - 1), place));
 }
 
 /// From the prediction to the side on which a trial tells otherwise than there.
@@ -76,7 +76,7 @@ double evenly(const Places &places, int place) {
     const double steps = place < -kEven   ? 2 * place + kEven
                          : place <= kEven ? place
                                           : kEven * std::pow(kWider, place - kEven);
-    return places.value(place, kStep * steps);
+    return places.value(kStep * steps);
 }
 
 /// The first that fails, from well inside outwards.
@@ -164,7 +164,7 @@ private:
 };
 
 /// To 1e-3, of the member that fails last; and of another where that one fails earlier yet.
-double limit_within(const Bracket &bracket, bool whole, Members &members) {
+double limit_within(const Bracket &bracket, Members &members) {
     Bracket left = bracket;
     for (;;) {
         std::optional<double> line; // a value at which the motion stays: no need to look closer
@@ -178,7 +178,7 @@ double limit_within(const Bracket &bracket, bool whole, Members &members) {
             }
             return left.stable < left.unstable ? value <= *line : value >= *line;
         };
-        const double stable = last_stable(left.stable, left.unstable, 1e-3, whole, holds);
+        const double stable = last_stable(left.stable, left.unstable, 1e-3, holds);
         if (stable == left.stable || members.others_hold(stable)) {
             return stable;
         }
@@ -203,7 +203,7 @@ std::optional<double> simulated_limit(const StabilityCase &which,
     if (!found) {
         return std::nullopt;
     }
-    return limit_within(*found, parameter.whole, members);
+    return limit_within(*found, members);
 }
 
 } // namespace springdrive

@@ -142,7 +142,7 @@ SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member) {
     SampledLaw law;
     law.filter_pole = velocity_filter_pole(which.tuning.lambda_rad_per_s, which.period_s);
     law.period_s = which.period_s;
-    law.delay_samples = which.delay_samples;
+    law.delay_periods = which.delay_periods;
     if (which.drive == AmplifierKind::current_drive) {
         const MatrixXd per_metre =
             (1.0 - which.tuning.eta) *
@@ -161,8 +161,9 @@ SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member) {
 double largest_eigenvalue(const StabilityCase &which, const LoopMember &member) {
     const DrivenLoad load = driven_load(which, member);
     const SampledLaw law = sampled_law(which, member);
-    return largest_eigenvalue(one_period_map(sampled_load(load, which.period_s), law), law,
-                              load.stiffness_Nm_per_rad);
+    return largest_eigenvalue(
+        one_period_map(sampled_load(load, which.period_s, which.delay_periods), law), law,
+        load.stiffness_Nm_per_rad);
 }
 
 std::vector<WorstMember> ranked_members(const StabilityCase &which) {

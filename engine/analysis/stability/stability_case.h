@@ -33,7 +33,7 @@ struct StabilityCase {
     Tuning tuning;    ///< a current drive takes its λ and η only
     VirtualWall wall; ///< of a current drive
     double period_s = 1e-3;
-    int delay_samples = 0;
+    double delay_periods = 0.0;
     Vector3 q_rad{0.0, 20.0 * std::numbers::pi / 180.0, -15.0 * std::numbers::pi / 180.0};
     Freedom freedom = Freedom::one_motor;
     std::vector<Hand> hands = hand_family();

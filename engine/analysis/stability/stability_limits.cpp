@@ -20,13 +20,6 @@ StabilityCase with(StabilityCase which, const StabilityParameter &parameter, dou
 /// The values of a range, evenly spread by the parameter's own scale.
 std::vector<double> scan(const StabilityParameter &parameter, const ParameterRange &range) {
     std::vector<double> values;
-    if (parameter.whole) {
-        const int steps = static_cast<int>(range.to - range.from);
-        for (int i = 0; i <= steps; ++i) {
-            values.push_back(range.from + i);
-        }
-        return values;
-    }
     const bool by_ratio = parameter.logarithmic && range.from > 0.0;
     for (int i = 0; i < kScanned; ++i) {
         const double share = static_cast<double>(i) / (kScanned - 1);
@@ -53,10 +46,9 @@ std::vector<StabilityLimit> predicted_limits(const StabilityCase &which,
             limit.stable_below = before;
             const double stable = before ? values[i - 1] : values[i];
             const double unstable = before ? values[i] : values[i - 1];
-            limit.predicted = last_stable(stable, unstable, 1e-6, parameter.whole, holds);
+            limit.predicted = last_stable(stable, unstable, 1e-6, holds);
             const double beyond = limit.predicted + (unstable - stable) * 1e-3;
-            limit.worst =
-                worst_member(with(which, parameter, parameter.whole ? unstable : beyond)).member;
+            limit.worst = worst_member(with(which, parameter, beyond)).member;
             limits.push_back(limit);
         }
         before = after;

@@ -42,9 +42,8 @@ void fill(MapCell &cell, const StabilityCase &there) {
 
 std::vector<double> MapAxis::values() const {
     std::vector<double> all;
-    const int count = parameter->whole ? static_cast<int>(range.to - range.from) + 1 : steps;
-    for (int i = 0; i < count; ++i) {
-        const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
+    for (int i = 0; i < steps; ++i) {
+        const double share = steps > 1 ? static_cast<double>(i) / (steps - 1) : 0.0;
         all.push_back(is_logarithmic() ? range.from * std::pow(range.to / range.from, share)
                                        : range.from + share * (range.to - range.from));
     }

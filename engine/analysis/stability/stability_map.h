@@ -12,7 +12,7 @@ namespace springdrive {
 struct MapAxis {
     const StabilityParameter *parameter = nullptr;
     ParameterRange range;
-    int steps = 40; ///< values, the ends included; whole numbers: all of them
+    int steps = 40; ///< values, the ends included
 
     /// Evenly spread by the parameter's own scale.
     [[nodiscard]] std::vector<double> values() const;

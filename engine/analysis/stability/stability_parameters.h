@@ -19,7 +19,6 @@ struct StabilityParameter {
     double from = 0.0; ///< where to look for limits, unless told otherwise
     double to = 0.0;
     bool logarithmic = false;
-    bool whole = false; ///< takes whole numbers only
     double (*get)(const StabilityCase &) = nullptr;
     void (*set)(StabilityCase &, double) = nullptr;
     std::string_view help;

@@ -73,7 +73,7 @@ Watch how_to_watch(const StabilityCase &which, const LoopMember &member,
     constexpr double kLasting_s = 0.4;
     constexpr double kSamples = 20.0;
     watch.flicker_s = std::max(
-        {kLasting_s, 2.0 * ringdown.window_s, (which.delay_samples + kSamples) * which.period_s});
+        {kLasting_s, 2.0 * ringdown.window_s, (which.delay_periods + kSamples) * which.period_s});
     return watch;
 }
 
@@ -116,7 +116,7 @@ RotorSimulationOptions rotor_options(const StabilityCase &which, const LoopMembe
     rotor.load = {load.inertia_kg_m2(0, 0), load.damping_Nms_per_rad(0, 0),
                   load.stiffness_Nm_per_rad(0, 0)};
     rotor.period_s = which.period_s;
-    rotor.delay_samples = which.delay_samples;
+    rotor.delay_periods = which.delay_periods;
     rotor.filter_pole = law.filter_pole;
     rotor.per_velocity = law.per_velocity(0, 0);
     rotor.per_position = law.per_position(0, 0);
@@ -193,7 +193,7 @@ SimulationOptions phantom_options(const StabilityCase &which, const LoopMember &
                                   const TrialOptions &options) {
     SimulationOptions simulation;
     simulation.servo_period_s = which.period_s;
-    simulation.delay_samples = which.delay_samples;
+    simulation.delay_periods = which.delay_periods;
     simulation.quantised_encoders = options.effects.quantisation;
     simulation.hand = {member.hand.mass_kg, member.hand.damping_Ns_per_m,
                        member.hand.stiffness_N_per_m, HUGE_VAL, 1.0};

@@ -21,7 +21,7 @@ StabilityCase whole(StabilityCase which) {
 Complex hold(double omega, const SampledLaw &law) {
     const Complex x(0.0, omega * law.period_s);
     const Complex of_period = std::abs(x) < 1e-8 ? 1.0 : (1.0 - std::exp(-x)) / x;
-    return std::exp(-x * static_cast<double>(law.delay_samples)) * of_period;
+    return std::exp(-x * law.delay_periods) * of_period;
 }
 
 /// v(z)/θ(z) at z = e^(jωT).

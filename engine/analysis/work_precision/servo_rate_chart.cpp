@@ -54,7 +54,8 @@ WorkPrecisionChart servo_rate_stiffness_chart(const ChartSetting &setting,
             delay == 0 ? "no delay"
                        : std::to_string(delay) + (delay == 1 ? " sample late" : " samples late");
         for (const int rate_Hz : kRates_Hz) {
-            const SpringDrive drive{setting.device.motor[1], setting.tuning, 1.0 / rate_Hz, delay};
+            const SpringDrive drive{setting.device.motor[1], setting.tuning, 1.0 / rate_Hz,
+                                    static_cast<double>(delay)};
             chart.points.push_back(
                 {method, rate_text(rate_Hz), per_millisecond(tick, rate_Hz),
                  stiffness_error(drive, kFrequencies),

@@ -97,10 +97,10 @@ double perceived_direction_error_rad(const DeviceDescription &device, const Tuni
 }
 
 bool is_stable_on_all_motors(const DeviceDescription &device, const Tuning &tuning, double period_s,
-                             int delay_samples) {
+                             double delay_periods) {
     for (std::size_t j = 0; j < device.motor.size(); ++j) {
         SampledLoop loop;
-        loop.drive = {device.motor[j], tuning, period_s, delay_samples};
+        loop.drive = {device.motor[j], tuning, period_s, delay_periods};
         loop.device = device_load(device, static_cast<int>(j));
         if (!is_stable(loop)) {
             return false;

@@ -26,7 +26,7 @@ inline constexpr double kPerceived_Hz = 30.0;
 
 /// Whether every motor's loop is stable at a period with a locked set-point.
 [[nodiscard]] bool is_stable_on_all_motors(const DeviceDescription &device, const Tuning &tuning,
-                                           double period_s, int delay_samples);
+                                           double period_s, double delay_periods);
 
 /// A tick of the whole servo, from encoder counts to voltages, while the simulated hand slides over
 /// a sphere of 20,480 triangles. The device itself is not timed.

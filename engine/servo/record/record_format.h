@@ -34,7 +34,8 @@
 //   format        "springdrive record 1"
 //   software      version of the program that wrote it
 //   started_utc   "2024-05-31T12:34:56Z"
-//   servo_hz, period_s, delay_samples   the servo's rate [Hz], T [s], and d of the device
+//   servo_hz, period_s, delay_periods   the servo's rate [Hz], T [s], and d of the device, a real
+//                 number; it was whole and called delay_samples before, and files may still say so
 //   row_bytes, chunk_rows               see above
 //   columns       [{"name": "tick", "unit": "1", "type": "<u8", "offset": 0}, ...] in order; types
 //                 "<u8" "<u4" "<u2" "<i4" "<f8" "|u1"; a name starts with a letter, then letters,

@@ -40,8 +40,8 @@ struct RecordHeader {
     /// By column: what its numbers stand for.
     std::map<std::string, std::vector<std::string>> enum_names;
 
-    std::string software; ///< version of the program
-    int delay_samples = 0;
+    std::string software;       ///< version of the program
+    double delay_periods = 0.0; ///< d of the device
     std::string device_name;
     std::string device_file;
     std::string device_toml; ///< the file's whole text

@@ -54,6 +54,20 @@ std::uint64_t count_or(const json &object, std::string_view key, std::uint64_t o
     return value.is_number_unsigned() ? value.get<std::uint64_t>() : otherwise;
 }
 
+[[noreturn]] void refuse(const std::string &what) {
+    throw InputError("its header " + what + "; it is damaged or no record of springdrive");
+}
+
+/// d, which was a whole number and called delay_samples before; 0 where it is told by neither.
+double delay_periods(const json &object) {
+    const bool has_old_name = object.contains("delay_samples");
+    if (has_old_name && object.contains("delay_periods")) {
+        refuse("has both delay_periods and delay_samples");
+    }
+    const double d = number_or_nan(object, has_old_name ? "delay_samples" : "delay_periods");
+    return d >= 0.0 && std::isfinite(d) ? d : 0.0;
+}
+
 Tuning tuning_from_json(const json &object) {
     Tuning tuning;
     for (const Parameter &parameter : kParameters) {
@@ -70,10 +84,6 @@ bool is_legal_name(const std::string &name) {
     return !name.empty() && name.size() <= kLongestName && is_letter(name[0]) &&
            std::all_of(name.begin(), name.end(),
                        [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
-}
-
-[[noreturn]] void refuse(const std::string &what) {
-    throw InputError("its header " + what + "; it is damaged or no record of springdrive");
 }
 
 RecordColumn column_from_json(const json &object, std::uint32_t offset, std::size_t number) {
@@ -147,7 +157,7 @@ std::string to_json(const RecordHeader &header) {
     document["started_utc"] = header.started_utc;
     document["servo_hz"] = header.servo_hz;
     document["period_s"] = header.period_s;
-    document["delay_samples"] = header.delay_samples;
+    document["delay_periods"] = header.delay_periods;
     document["row_bytes"] = header.row_bytes;
     document["chunk_rows"] = header.chunk_rows;
     document["columns"] = OrderedJson::array();
@@ -182,8 +192,7 @@ RecordHeader from_json(std::string_view text) {
     read_enum_names(member(document, "enums"), header);
     header.software = text_or_nothing(document, "software");
     header.started_utc = text_or_nothing(document, "started_utc");
-    header.delay_samples = static_cast<int>(std::min<std::uint64_t>(
-        count_or(document, "delay_samples", 0), std::numeric_limits<int>::max()));
+    header.delay_periods = delay_periods(document);
     const json &device = member(document, "device");
     header.device_name = text_or_nothing(device, "name");
     header.device_file = text_or_nothing(device, "file");

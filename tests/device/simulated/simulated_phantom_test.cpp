@@ -117,7 +117,7 @@ TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
 TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
     for (int delay = 0; delay <= 3; ++delay) {
         SimulationOptions options = bare();
-        options.delay_samples = delay;
+        options.delay_periods = delay;
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
         const DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
         int silent = 0;
@@ -125,7 +125,7 @@ TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
             ++silent;
         }
         EXPECT_EQ(silent, delay);
-        EXPECT_EQ(device.delay_samples(), delay);
+        EXPECT_EQ(device.delay_periods(), delay);
     }
 }
 
@@ -158,9 +158,9 @@ TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
     EXPECT_THROW(SimulatedPhantom(description, {}, folded_m), InputError);
     SimulationOptions options = bare();
     EXPECT_NO_THROW(SimulatedPhantom(description, options, folded_m));
-    options.delay_samples = -1;
+    options.delay_periods = -1;
     EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
-    options.delay_samples = SimulationOptions::kLongestDelay + 1;
+    options.delay_periods = SimulationOptions::kLongestDelay + 1;
     EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
 }
 

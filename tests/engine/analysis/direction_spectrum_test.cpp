@@ -39,7 +39,7 @@ void set_servo(PlanarContact &contact, double lambda_rad_per_s, double period_s,
     for (SpringDrive &drive : contact.drive) {
         drive.tuning.lambda_rad_per_s = lambda_rad_per_s;
         drive.period_s = period_s;
-        drive.delay_samples = delay;
+        drive.delay_periods = delay;
     }
 }
 
@@ -150,7 +150,7 @@ Eigen::Vector2cd brute_force(const PlanarContact &contact, const Vector2 &n, int
                       contact.drive[1].motor.torque_constant_Nm_per_A);
     const double pole = velocity_filter_pole(drive.tuning.lambda_rad_per_s, T);
     VelocityFilter filter;
-    std::deque<Vector3> held(static_cast<std::size_t>(drive.delay_samples) + 1, Vector3::Zero());
+    std::deque<Vector3> held(static_cast<std::size_t>(drive.delay_periods) + 1, Vector3::Zero());
     Vector2 current_A = Vector2::Zero();
     Eigen::Vector2cd sum = Eigen::Vector2cd::Zero();
     for (int k = -ticks; k < ticks; ++k) { // the first window lets the transient die

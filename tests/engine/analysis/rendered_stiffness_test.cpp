@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace springdrive {
@@ -27,7 +28,7 @@ SpringDrive random_drive(std::mt19937 &random) {
     drive.tuning.K_D_Vs_per_rad = between(0.0, 0.1);
     drive.tuning.lambda_rad_per_s = std::exp(between(std::log(100.0), std::log(5000.0)));
     drive.period_s = 1.0 / between(500.0, 10000.0);
-    drive.delay_samples = std::uniform_int_distribution<int>(0, 2)(random);
+    drive.delay_periods = std::uniform_int_distribution<int>(0, 2)(random);
     return drive;
 }
 
@@ -59,7 +60,7 @@ TEST(RenderedStiffness, ReachesTheLevelsOfThePaper) {
     for (int i = 0; i < 50; ++i) {
         const SpringDrive drive = random_drive(random);
         const Coupling levels =
-            coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_samples);
+            coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_periods);
         // A thousandth of what the slowest corner, K_P over all that multiplies s, would need.
         const double slow = 1e-3 * drive.tuning.K_P_V_per_rad /
                             (drive.motor.torque_constant_Nm_per_A + drive.tuning.K_D_Vs_per_rad +
@@ -113,8 +114,45 @@ TEST(RenderedStiffness, SampledFormTendsToTheAnalyticAtFirstOrder) {
         const Complex predicted = -drive.motor.torque_constant_Nm_per_A /
                                   (drive.motor.inductance_H * s + drive.tuning.dR_Ohm) *
                                   servo(drive.tuning, s) * s * drive.period_s *
-                                  (0.5 + drive.delay_samples);
+                                  (0.5 + drive.delay_periods);
         EXPECT_LT(std::abs(error - predicted), 0.05 * std::abs(predicted));
+    }
+}
+
+/// What is left at ω of e^(jωkT) held from (k + d) T to (k + d + 1) T: its Fourier series over a
+/// time of whole periods of both, by the midpoint rule.
+Complex held_turn(double delay, int turns, int ticks) {
+    constexpr int kPoints = 1000; // in a period; all delays below end at one of them
+    const double turn_a_tick = 2.0 * std::numbers::pi * turns / ticks;
+    Complex sum = 0.0;
+    for (int i = 0; i < ticks * kPoints; ++i) {
+        const double time = (i + 0.5) / kPoints;
+        const double sampled_at = std::floor(time - delay);
+        sum += std::polar(1.0 / (ticks * kPoints), turn_a_tick * (sampled_at - time));
+    }
+    return sum;
+}
+
+TEST(RenderedStiffness, HoldsWhatComesLateByAnyPartOfAPeriod) {
+    SpringDrive drive;
+    drive.motor = testing::phantom_1_0().motor[0];
+    drive.tuning.K_D_Vs_per_rad = 0.0;
+    constexpr int kTicks = 40;
+    for (const double delay : {0.0, 0.25, 0.5, 0.999, 1.0, 1.3, 2.75, 7.1}) {
+        for (const int turns : {1, 7, 19, 33}) {
+            drive.delay_periods = delay;
+            const double omega = 2.0 * std::numbers::pi * turns / (kTicks * drive.period_s);
+            const Complex s(0.0, omega);
+            const double k_T = drive.motor.torque_constant_Nm_per_A;
+            // C is K_P alone: what the hold makes of it is left of K_θ without winding and
+            // back-EMF.
+            const Complex volts = sampled_stiffness(drive, omega) *
+                                  (drive.motor.inductance_H * s + drive.dR_Ohm()) / k_T;
+            const Complex held = (volts - k_T * s) / drive.tuning.K_P_V_per_rad;
+            // The midpoint rule: (ωh)²/24 at most, h a thousandth of a period: 1.1e-6.
+            EXPECT_LT(std::abs(held - held_turn(delay, turns, kTicks)), 1.2e-6)
+                << "d " << delay << ", ωT " << omega * drive.period_s;
+        }
     }
 }
 

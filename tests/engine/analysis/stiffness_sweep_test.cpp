@@ -31,7 +31,7 @@ SpringDrive random_drive(std::mt19937 &random, const MotorParameters &motor) {
     drive.tuning.K_D_Vs_per_rad = between(0.0, 0.1);
     drive.tuning.lambda_rad_per_s = spread(100.0, 5000.0);
     drive.period_s = 1.0 / spread(500.0, 10000.0);
-    drive.delay_samples = std::uniform_int_distribution<int>(0, 2)(random);
+    drive.delay_periods = std::uniform_int_distribution<int>(0, 2)(random);
     return drive;
 }
 
@@ -71,8 +71,49 @@ TEST(StiffnessSweep, ADelayTheSampledFormDoesNotKnowOfWouldBeSeen) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
         const std::complex<double> truth = sampled_stiffness(drive, omega);
-        drive.delay_samples += 1;
+        drive.delay_periods += 1;
         EXPECT_GT(std::abs(measured_stiffness(drive, window) / truth - 1.0), 0.01);
+    }
+}
+
+TEST(StiffnessSweep, MeasuredAgreesWithSampledForAnyDelay) {
+    std::mt19937 random(7);
+    double largest_difference = 0.0;
+    for (SpringDrive drive : stable_drives(30)) {
+        drive.delay_periods = std::uniform_real_distribution<double>(0.0, 3.0)(random);
+        const SweepRange range{1.0, 0.25 / drive.period_s, 6};
+        for (const StiffnessPoint &point : stiffness_sweep(drive, range)) {
+            const std::complex<double> ratio = point.measured_Nm_per_rad / point.sampled_Nm_per_rad;
+            largest_difference = std::max(largest_difference, std::abs(ratio - 1.0));
+        }
+    }
+    EXPECT_LT(largest_difference, 2e-4); // as with whole delays
+    RecordProperty("largest_difference", std::to_string(largest_difference));
+}
+
+TEST(StiffnessSweep, MeetsWholeDelaysFromBothSides) {
+    for (SpringDrive drive : stable_drives(5)) {
+        const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
+        drive.delay_periods = 1.0;
+        const std::complex<double> at_one = measured_stiffness(drive, window);
+        for (const double aside : {-1e-9, 1e-9}) {
+            drive.delay_periods = 1.0 + aside;
+            // A part of a period with a step of its own changes the sub-steps not at all; the delay
+            // does, by 1e-9 of 0.6 rad. Times how much parts may cancel.
+            EXPECT_LT(std::abs(measured_stiffness(drive, window) - at_one),
+                      1e-7 * std::abs(at_one));
+        }
+    }
+}
+
+TEST(StiffnessSweep, AFractionTheSampledFormDoesNotKnowOfWouldBeSeen) {
+    for (SpringDrive drive : stable_drives(5)) {
+        const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
+        const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
+        const std::complex<double> truth = sampled_stiffness(drive, omega);
+        drive.delay_periods += 0.1;
+        // A tenth of what a whole period makes, above; five times what sub-steps do.
+        EXPECT_GT(std::abs(measured_stiffness(drive, window) / truth - 1.0), 1e-3);
     }
 }
 

@@ -105,7 +105,7 @@ TuningFile random_file(std::mt19937_64 &random) {
     constexpr std::array kModes{AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand};
     file.tuning.alpha_mode = kModes[random() % kModes.size()];
     file.margins = TuningMargins{1.0 / (1e-4 + 1e-3 * share(random)),
-                                 static_cast<int>(random() % 9),
+                                 8.0 * share(random),
                                  1.0 + share(random),
                                  static_cast<int>(random() % 9),
                                  share(random),
@@ -128,9 +128,9 @@ TEST(TuningFile, IsReadAsItWasWrittenToTheLastBit) {
         EXPECT_EQ(same.tuning.alpha_mode, file.tuning.alpha_mode);
         ASSERT_TRUE(same.margins);
         EXPECT_EQ(same.margins->servo_hz, file.margins->servo_hz);
-        EXPECT_EQ(same.margins->delay_samples, file.margins->delay_samples);
+        EXPECT_EQ(same.margins->delay_periods, file.margins->delay_periods);
         EXPECT_EQ(same.margins->gain, file.margins->gain);
-        EXPECT_EQ(same.margins->more_delay_samples, file.margins->more_delay_samples);
+        EXPECT_EQ(same.margins->more_delay_periods, file.margins->more_delay_periods);
         EXPECT_EQ(same.margins->least_dR_Ohm, file.margins->least_dR_Ohm);
         EXPECT_EQ(same.margins->K_DC_Nm_per_rad, file.margins->K_DC_Nm_per_rad);
         EXPECT_EQ(same.margins->worst_hand, file.margins->worst_hand);
@@ -152,6 +152,30 @@ TEST(TuningFile, ADescriptionStaysOnItsLine) {
     TuningFile file;
     file.description = "two\nlines\tand a tab";
     EXPECT_EQ(written_and_read(file).description, "two lines and a tab");
+}
+
+/// Files of before d was a real number stay of use.
+TEST(TuningFile, ReadsWhatDelaysWereCalledBefore) {
+    TuningFile file;
+    file.margins = TuningMargins{1000.0, 3.0, 1.5, 2, 0.25, 0.5, "firm", 0.75};
+    std::ostringstream out;
+    write_tuning_file(out, file);
+    std::string text = out.str();
+    EXPECT_NE(text.find("\ndelay_periods = 3.0\n"), std::string::npos);
+    EXPECT_NE(text.find("\nmore_delay_periods = 2\n"), std::string::npos);
+    EXPECT_EQ(text.find("samples"), std::string::npos);
+    const auto rename = [&text](const std::string &from, const std::string &to) {
+        text.replace(text.find(from), from.size(), to);
+    };
+    rename("\ndelay_periods = 3.0\n", "\ndelay_samples = 3\n");
+    rename("more_delay_periods", "more_delay_samples");
+    const auto path = std::filesystem::path(::testing::TempDir()) /
+                      ("old_margins_" + std::to_string(getpid()) + ".toml");
+    std::ofstream(path) << text;
+    const TuningFile read = read_whole_tuning_file(path);
+    ASSERT_TRUE(read.margins);
+    EXPECT_EQ(read.margins->delay_periods, 3.0);
+    EXPECT_EQ(read.margins->more_delay_periods, 2);
 }
 
 /// The complaint about a file with good margins in which `from` stands as `to`.
@@ -183,11 +207,19 @@ TEST(TuningFile, RefusesMarginsThatCannotBeWithTheirLine) {
     // [margins] is line 12: a description, two names, six parameters, a gap and a remark before.
     const std::vector<Bad> all{
         {"servo_hz = 1000.0", "servo_hz = 0.0", ":13: margins.servo_hz is 0; it must be"},
-        {"delay_samples = 1", "delay_samples = -1", ":14: margins.delay_samples"},
-        {"delay_samples = 1", "delay_samples = 1.5", "whole"},
+        {"delay_periods = 1", "delay_periods = -1", ":14: margins.delay_periods"},
+        {"delay_periods = 1.0", "delay_periods = 100.5", ":14: margins.delay_periods"},
+        {"delay_periods = 1.0", "delay_periods = nan", ":14: margins.delay_periods"},
+        {"delay_periods = 1.0", "", "margins.delay_periods is missing"},
+        {"delay_periods = 1.0", "delay_samples = -1", ":14: margins.delay_samples"},
+        {"delay_periods = 1.0", "delay_periods = 1.0\ndelay_samples = 1",
+         ":15: margins.delay_samples is what delay_periods was called before"},
+        {"more_delay_periods = 2", "more_delay_periods = 2\nmore_delay_samples = 2",
+         ":17: margins.more_delay_samples is what more_delay_periods was called before"},
+        {"more_delay_periods = 2", "more_delay_periods = 1.5", "whole"},
         {"gain = 1.5", "gain = 0.9", ":15: margins.gain"},
         {"gain = 1.5", "gain = nan", ":15: margins.gain"},
-        {"more_delay_samples = 2", "more_delay_samples = 1000", ":16: margins.more_delay_samples"},
+        {"more_delay_periods = 2", "more_delay_periods = 1000", ":16: margins.more_delay_periods"},
         {"least_dR_Ohm = 0.25", "least_dR_Ohm = -0.1", ":17: margins.least_dR_Ohm"},
         {"K_DC_Nm_per_rad = 0.5", "K_DC_Nm_per_rad = inf", ":18: margins.K_DC_Nm_per_rad"},
         {"worst_hand = \"firm\"", "worst_hand = 3", ":19: margins.worst_hand"},
@@ -201,6 +233,8 @@ TEST(TuningFile, RefusesMarginsThatCannotBeWithTheirLine) {
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     }
     EXPECT_EQ(complaint_about_margins("gain = 1.5", "gain = 1.5"), "");
+    EXPECT_EQ(complaint_about_margins("delay_periods = 1.0", "delay_periods = 1.5"), "");
+    EXPECT_EQ(complaint_about_margins("delay_periods = 1.0", "delay_periods = 1"), "");
     EXPECT_NE(complaint_about_margins("[margins]", "margins = 3\n[more]"), "");
 }
 

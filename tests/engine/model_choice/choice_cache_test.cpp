@@ -151,7 +151,8 @@ TEST(ChoiceCache, KeyChangesWithAllThatAChoiceDependsOn) {
     };
     expect_other([](ModelQuestion &q) { q.tuning.dR_Ohm = 0.6; });
     expect_other([](ModelQuestion &q) { q.period_s = 0.5e-3; });
-    expect_other([](ModelQuestion &q) { q.delay_samples = 1; });
+    expect_other([](ModelQuestion &q) { q.delay_periods = 1; });
+    expect_other([](ModelQuestion &q) { q.delay_periods = 0.5; });
 }
 
 TEST(ChoiceCache, LiesWhereTheSystemKeepsCaches) {

@@ -40,13 +40,13 @@ TEST(Model, SetsWhatItDecidesOfASimulationAndNothingElse) {
     model.planar = true;
     SimulationOptions simulation;
     simulation.servo_period_s = 2e-3;
-    simulation.delay_samples = 3;
+    simulation.delay_periods = 3;
     apply(model, simulation);
     EXPECT_EQ(simulation.dynamics, PlantDynamics::coupling);
     EXPECT_FALSE(simulation.effects.gravity);
     EXPECT_TRUE(simulation.planar);
     EXPECT_EQ(simulation.longest_step_s, 2e-3 / 8);
-    EXPECT_EQ(simulation.delay_samples, 3);
+    EXPECT_EQ(simulation.delay_periods, 3);
     EXPECT_TRUE(simulation.quantised_encoders);
 }
 

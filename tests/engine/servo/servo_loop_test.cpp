@@ -103,7 +103,7 @@ StaticContact press(double eta, bool quantised) {
         force -= rig.device.truth().hand_force_N / kTicks;
         penetration -= rig.device.truth().tip_m.y() / kTicks;
         const Coupling c = coupling(rig.device.description().motor[0], rig.inputs.tuning, kPeriod_s,
-                                    rig.device.delay_samples());
+                                    rig.device.delay_periods());
         predicted += tip_stiffness_N_per_m(c, sample.alpha_rad2_per_m2, eta) / kTicks;
     }
     return {force.norm() / penetration, predicted,
@@ -198,7 +198,7 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     }
     SimulationOptions options = following(std::move(points));
     options.servo_period_s = period_s;
-    options.delay_samples = delay;
+    options.delay_periods = delay;
     options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // holds the tip firmly to the path
     Rig rig(options);
     rig.inputs.tuning = tuning;

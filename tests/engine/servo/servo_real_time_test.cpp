@@ -103,7 +103,7 @@ public:
     [[nodiscard]] const DeviceDescription &description() const override {
         return phantom_.description();
     }
-    [[nodiscard]] int delay_samples() const override { return 0; }
+    [[nodiscard]] double delay_periods() const override { return 0; }
     DeviceState exchange(const DeviceCommand &command) noexcept override {
         if (++ticks_ == 20) {
             deed_();

@@ -26,7 +26,7 @@ public:
     [[nodiscard]] const DeviceDescription &description() const override {
         return device_.description();
     }
-    [[nodiscard]] int delay_samples() const override { return 0; }
+    [[nodiscard]] double delay_periods() const override { return 0; }
     DeviceState exchange(const DeviceCommand &command) noexcept override {
         last_command = command;
         ++exchanges;

@@ -47,7 +47,7 @@ AutoTuneRequest random_request(std::mt19937_64 &random) {
     request.which.tuning.dR_Ohm = std::min(R, draw.by_ratio(0.1, 2.0));
     request.which.tuning.map = draw.whole(0, 1) == 0 ? MotionMap::inverse : MotionMap::transpose;
     request.which.period_s = 1.0 / draw.by_ratio(300.0, 4000.0);
-    request.which.delay_samples = draw.whole(0, 3);
+    request.which.delay_periods = draw.whole(0, 3);
     request.margin = draw.even(1.0, 2.0);
     return request;
 }
@@ -196,9 +196,9 @@ TEST_P(AutoTuneSearch, NearlyReachesTheBestThatThereIsAndNoHandShakesIt) {
     EverythingTried everything(loops, tuned.request.margin);
     const double best = everything.stiffest_K_P();
     const double found = which.tuning.K_P_V_per_rad; // also after what was taken back
-    std::printf("%.0f Hz, delay %d, dR %.2f Ω, margin %.2f: K_P %.3f, by trying all %.3f, "
+    std::printf("%.0f Hz, delay %g, dR %.2f Ω, margin %.2f: K_P %.3f, by trying all %.3f, "
                 "taken back %.0f %%\n",
-                1.0 / which.period_s, which.delay_samples, which.tuning.dR_Ohm,
+                1.0 / which.period_s, which.delay_periods, which.tuning.dR_Ohm,
                 tuned.request.margin, found, best, 100.0 * tuned.found.taken_back);
     // Where that is not reached, it must be the counts that keep all others from rest.
     constexpr double kShare = 0.95;

@@ -23,7 +23,7 @@ AutoTuneRequest request_for(double servo_hz, int delay, double dR_Ohm) {
     request.which.rotor = RotorLoad{1.4e-5, 4e-6, 0.0}; // about its second motor's: quick
     request.which.tuning.dR_Ohm = dR_Ohm;
     request.which.period_s = 1.0 / servo_hz;
-    request.which.delay_samples = delay;
+    request.which.delay_periods = delay;
     return request;
 }
 
@@ -74,11 +74,11 @@ TEST_F(FoundTuning, HasTheMarginAskedForAndNoMore) {
 
 TEST_F(FoundTuning, HasTheDelayMarginSaid) {
     StabilityCase which = tuned(request_, found_.tuning);
-    which.delay_samples += found_.margins.more_delay_samples;
+    which.delay_periods += found_.margins.more_delay_periods;
     EXPECT_TRUE(holds(which, 1.0));
-    ++which.delay_samples;
+    ++which.delay_periods;
     EXPECT_FALSE(holds(which, 1.0));
-    EXPECT_EQ(found_.margins.delay_samples, 1);
+    EXPECT_EQ(found_.margins.delay_periods, 1);
     EXPECT_NEAR(found_.margins.servo_hz, 1000.0, 1e-9);
 }
 

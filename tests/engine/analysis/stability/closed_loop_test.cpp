@@ -40,12 +40,12 @@ DrivenLoad random_load(std::mt19937_64 &random) {
             random_values(1000.0, 5000.0, random)};
 }
 
-SampledLaw random_law(int delay_samples, std::mt19937_64 &random) {
+SampledLaw random_law(double delay_periods, std::mt19937_64 &random) {
     SampledLaw law;
     law.per_velocity = -random_symmetric(0.01, random);
     law.per_position = -random_symmetric(1.0, random);
     law.filter_pole = testing::Draw(random).even(0.2, 0.8);
-    law.delay_samples = delay_samples;
+    law.delay_periods = delay_periods;
     return law;
 }
 
@@ -78,8 +78,9 @@ VectorXd moved_on(const DrivenLoad &load, VectorXd state, const VectorXd &u, dou
 }
 
 double largest(const DrivenLoad &load, const SampledLaw &law) {
-    return largest_eigenvalue(one_period_map(sampled_load(load, law.period_s), law), law,
-                              load.stiffness_Nm_per_rad);
+    return largest_eigenvalue(
+        one_period_map(sampled_load(load, law.period_s, law.delay_periods), law), law,
+        load.stiffness_Nm_per_rad);
 }
 
 /// Sorted by magnitude.
@@ -106,20 +107,52 @@ TEST(SampledLoad, IsTheMotionOverAPeriod) {
     }
 }
 
+TEST(SampledLoad, OfADelayWithAFractionChangesTheCommandWithinThePeriod) {
+    std::mt19937_64 random(11);
+    for (const double fraction : {1e-3, 0.25, 0.5, 0.9, 0.999}) {
+        const DrivenLoad load = random_load(random);
+        const VectorXd u_old = random_values(-1.0, 1.0, random);
+        const VectorXd u_new = random_values(-1.0, 1.0, random);
+        VectorXd before(3 * kMotors);
+        before << random_values(-1.0, 1.0, random), random_values(-50.0, 50.0, random),
+            random_values(-1.0, 1.0, random);
+        VectorXd with_both(5 * kMotors);
+        with_both << before, u_old, u_new;
+        const VectorXd truth = moved_on(load, moved_on(load, before, u_old, fraction * 1e-3), u_new,
+                                        (1.0 - fraction) * 1e-3);
+        for (const int whole : {0, 1, 4}) {
+            const MatrixXd map = sampled_load(load, 1e-3, whole + fraction);
+            ASSERT_EQ(map.cols(), 5 * kMotors);
+            // As of a whole period, above.
+            EXPECT_LT((map * with_both - truth).norm(), 1e-7 * truth.norm()) << fraction;
+        }
+    }
+}
+
+TEST(SampledLoad, OfAWholeDelayIsTheSameToTheLastBit) {
+    std::mt19937_64 random(12);
+    for (const double delay : {0.0, 1.0, 8.0}) {
+        const DrivenLoad load = random_load(random);
+        EXPECT_EQ(sampled_load(load, 1e-3, delay), sampled_load(load, 1e-3));
+    }
+}
+
 /// The servo as DESIGN section 4 words it, sample by sample.
 TEST(OnePeriodMap, IsTheServoSampleBySample) {
     std::mt19937_64 random(2);
-    for (const int delay : {0, 1, 2, 5}) {
+    for (const double delay : {0.0, 1.0, 2.0, 5.0, 0.3, 0.999, 1.5, 3.001}) {
+        const double whole = std::floor(delay);
+        const double fraction = delay - whole;
         const DrivenLoad load = random_load(random);
         const SampledLaw law = random_law(delay, random);
-        const MatrixXd map = one_period_map(sampled_load(load, law.period_s), law);
-        ASSERT_EQ(map.rows(), kMotors * (5 + delay));
+        const MatrixXd map = one_period_map(sampled_load(load, law.period_s, delay), law);
+        ASSERT_EQ(map.rows(), kMotors * (5 + std::lround(std::ceil(delay))));
 
         VectorXd plant(3 * kMotors);
         plant << random_values(-1.0, 1.0, random), VectorXd::Zero(2 * kMotors);
         VectorXd before = plant.head(kMotors);
         VectorXd v = VectorXd::Zero(kMotors);
-        std::deque<VectorXd> held(static_cast<std::size_t>(delay), VectorXd::Zero(kMotors));
+        std::deque<VectorXd> held(static_cast<std::size_t>(whole) + 1, VectorXd::Zero(kMotors));
         VectorXd state = VectorXd::Zero(map.rows());
         state.head(kMotors) = before;
         for (int k = 0; k < 20; ++k) {
@@ -127,7 +160,10 @@ TEST(OnePeriodMap, IsTheServoSampleBySample) {
             v = law.filter_pole * v + (1.0 - law.filter_pole) * (theta - before) / law.period_s;
             before = theta;
             held.emplace_back(law.per_velocity * v + law.per_position * theta);
-            plant = moved_on(load, plant, held.front(), law.period_s);
+            if (fraction > 0.0) {
+                plant = moved_on(load, plant, held[0], fraction * law.period_s);
+            }
+            plant = moved_on(load, plant, held[1], (1.0 - fraction) * law.period_s);
             held.pop_front();
             state = map * state;
             const double scale = plant.norm();
@@ -191,12 +227,12 @@ TEST(ClosedLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
         SampledLaw law;
         law.per_velocity = law.per_position = MatrixXd::Zero(3, 3);
         law.filter_pole = std::exp(-0.8);
-        law.delay_samples = i % 3;
+        law.delay_periods = i % 3;
         std::vector<double> apart;
         double worst = 0.0;
         for (Eigen::Index j = 0; j < 3; ++j) {
             SampledLoop loop = random_loop(random);
-            loop.drive.delay_samples = law.delay_samples;
+            loop.drive.delay_periods = law.delay_periods;
             const MotorParameters &m = loop.drive.motor;
             const Tuning &t = loop.drive.tuning;
             load.inertia_kg_m2(j, j) = m.rotor_inertia_kg_m2 + loop.device.inertia_kg_m2;
@@ -224,6 +260,35 @@ TEST(ClosedLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
     }
 }
 
+/// A delay a little below or above a whole number is as good as that number. The slope is the same
+/// on both sides, too: a command reaches θ through its rate and the current, so that θ does not
+/// feel at the next sample what changes at the very end of a period.
+TEST(ClosedLoop, DelaysMeetAtWholeNumbersWithoutAStepOrAKink) {
+    std::mt19937_64 random(13);
+    for (int i = 0; i < 30; ++i) {
+        SampledLoop loop = random_loop(random);
+        const auto largest_at = [&loop](double delay) {
+            loop.drive.delay_periods = delay;
+            return largest_eigenvalue(loop);
+        };
+        const double d = 1.0 + i % 3;
+        const double here = largest_at(d);
+        constexpr double kAside = 1e-4;
+        const double above = (largest_at(d + kAside) - here) / kAside;
+        const double below = (here - largest_at(d - kAside)) / kAside;
+        const double nearer = (largest_at(d + 0.1 * kAside) - here) / (0.1 * kAside);
+        // First order in what d is aside; the second is some kAside of it. Round-off: an
+        // eigenvalue to 1e-13 over 1e-5.
+        const double second_order = 1e-2 * std::abs(nearer) + 1e-7;
+        EXPECT_NEAR(above, nearer, second_order) << d;
+        EXPECT_NEAR(below, nearer, second_order) << d;
+        loop.drive.delay_periods = 0.0;
+        const double at_zero = largest_eigenvalue(loop);
+        EXPECT_NEAR(largest_at(kAside * 1e-3), at_zero,
+                    2e-3 * std::abs(largest_at(kAside) - at_zero) + 1e-12);
+    }
+}
+
 /// A tip on a plane is held in one direction; along the others it may rest anywhere.
 TEST(LargestEigenvalue, DirectionsThatNothingPullsBackDoNotCount) {
     std::mt19937_64 random(5);
@@ -236,7 +301,7 @@ TEST(LargestEigenvalue, DirectionsThatNothingPullsBackDoNotCount) {
         law.per_velocity = -1e-3 * share;
         law.per_position = -0.3 * share;
         law.filter_pole = 0.4;
-        law.delay_samples = i % 2;
+        law.delay_periods = i % 2;
         const MatrixXd map = one_period_map(sampled_load(load, law.period_s), law);
         const VectorXd distances = (map.eigenvalues().array() - 1.0).abs();
         EXPECT_EQ((distances.array() < 1e-8).count(), 2) << "one for each free direction";

@@ -54,7 +54,7 @@ TEST(HeldLoops, JudgesAsTheCaseDoes) {
         testing::Draw draw(random);
         StabilityCase which = firm();
         which.period_s = draw.by_ratio(5e-4, 2e-3);
-        which.delay_samples = i % 3;
+        which.delay_periods = 0.4 * (i % 6); // 0 and 2 among them
         const HeldLoops loops(which);
         which.tuning.K_P_V_per_rad = draw.by_ratio(1.0, 100.0);
         which.tuning.K_D_Vs_per_rad = draw.even(0.0, 0.05);

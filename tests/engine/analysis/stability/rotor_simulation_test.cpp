@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -39,7 +40,7 @@ TEST(RotorSimulation, ACommandArrivesAfterTheDelay) {
     for (const int delay : {0, 1, 3, 8}) {
         RotorSimulationOptions options = locked_rotor();
         options.per_position = -10.0;
-        options.delay_samples = delay;
+        options.delay_periods = delay;
         RotorSimulation rotor(options);
         for (int k = 0; k < delay; ++k) {
             rotor.tick();
@@ -48,6 +49,39 @@ TEST(RotorSimulation, ACommandArrivesAfterTheDelay) {
         rotor.tick();
         EXPECT_LT(rotor.current_A(), -0.05);
     }
+}
+
+/// A winding that is held fills from dT on, wherever in a period that is.
+TEST(RotorSimulation, AFractionOfADelaySplitsThePeriodExactly) {
+    for (const double delay : {0.001, 0.25, 0.5, 0.97, 1.3, 2.999, 7.5}) {
+        RotorSimulationOptions options = locked_rotor();
+        options.per_position = -10.0;
+        options.delay_periods = delay;
+        RotorSimulation rotor(options);
+        for (int k = 1; k <= 10; ++k) {
+            rotor.tick();
+            const double time_s = 1e-3 * std::max(0.0, k - delay);
+            const double truth =
+                -0.1 / 0.5 * -std::expm1(-0.5 / options.motor.inductance_H * time_s);
+            // The rotor of 1e6 kg·m² as good as stands, as above; round-off of 40 sub-steps.
+            EXPECT_NEAR(rotor.current_A(), truth, 1e-9 * 0.2) << delay << ", " << k;
+        }
+    }
+}
+
+/// Without commands it does not matter when they would come.
+TEST(RotorSimulation, AFractionMovesNothingByItself) {
+    RotorSimulationOptions options = locked_rotor();
+    options.load = {1e-5, 1e-4, 10.0};
+    RotorSimulation whole(options);
+    options.delay_periods = 0.35;
+    RotorSimulation split(options);
+    for (int k = 0; k < 20; ++k) {
+        whole.tick();
+        split.tick();
+    }
+    // 20 sub-steps of 50 µs either way: they end at 350 µs as well. Round-off.
+    EXPECT_NEAR(split.theta_rad(), whole.theta_rad(), 1e-12 * 0.01);
 }
 
 TEST(RotorSimulation, ACurrentDriveFollowsWithItsBandwidth) {

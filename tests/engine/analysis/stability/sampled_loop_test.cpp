@@ -46,7 +46,7 @@ SampledLoop firm_loop() {
 class BruteForce {
 public:
     explicit BruteForce(const SampledLoop &loop)
-        : loop_(loop), held_V_(static_cast<std::size_t>(loop.drive.delay_samples), 0.0) {}
+        : loop_(loop), held_V_(static_cast<std::size_t>(loop.drive.delay_periods), 0.0) {}
 
     /// The largest |θ| over so many periods.
     double run(int periods) {
@@ -117,7 +117,7 @@ TEST(SampledLoop, AgreesWithASimulationOnBothSidesOfTheLine) {
         loop.drive.tuning.lambda_rad_per_s = between(300.0, 3000.0);
         loop.drive.tuning.eta = i % 3 == 0 ? between(0.0, 0.5) : 0.0;
         loop.drive.period_s = between(1e-4, 2e-3);
-        loop.drive.delay_samples = i % 3;
+        loop.drive.delay_periods = i % 3;
         if (i % 2 == 0) {
             loop.hand = {between(0.0, 5e-5), between(0.0, 1e-4), between(0.0, 0.1)};
         }
@@ -241,8 +241,12 @@ TEST(SampledLoop, FreeSpaceMayRestAnywhereButNotMoveOn) {
 TEST(SampledLoop, ADelayKeepsEveryHeldOutput) {
     SampledLoop loop = firm_loop();
     for (const int delay : {0, 1, 2, 5}) {
-        loop.drive.delay_samples = delay;
+        loop.drive.delay_periods = delay;
         EXPECT_EQ(one_period_map(loop).rows(), 5 + delay);
+        loop.drive.delay_periods = delay + 1e-3;
+        EXPECT_EQ(one_period_map(loop).rows(), 5 + delay + 1);
+        loop.drive.delay_periods = delay + 0.999;
+        EXPECT_EQ(one_period_map(loop).rows(), 5 + delay + 1);
     }
 }
 

@@ -133,7 +133,7 @@ SampledLoop loop_of(const StabilityCase &which, const LoopMember &member, double
     loop.drive.tuning = which.tuning;
     loop.drive.tuning.eta = 1.0 - share;
     loop.drive.period_s = which.period_s;
-    loop.drive.delay_samples = which.delay_samples;
+    loop.drive.delay_periods = which.delay_periods;
     const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
     const double lever = J.col(member.motor).squaredNorm();
     const double N = which.device.geometry.transmission_ratio[member.motor];
@@ -155,7 +155,7 @@ TEST(StabilityCase, OneMotorIsTheSampledLoop) {
         which.device.motor.fill(testing::random_motor(random));
         which.tuning = testing::random_tuning(which.device.motor[0], random);
         which.period_s = draw.by_ratio(2e-4, 2e-3);
-        which.delay_samples = i % 4;
+        which.delay_periods = i % 4;
         which.q_rad = testing::random_workspace_angles(which.device, random);
         const LoopMember member{i % 3, hand_of_firmness(draw.even(0.0, 1.0))};
         const double truth = largest_eigenvalue(loop_of(which, member, 1.0 - which.tuning.eta));
@@ -173,7 +173,7 @@ TEST(StabilityCase, ALinkageThatIsSquareIsThreeLoopsOfOneMotor) {
         StabilityCase which = three_motors(phantom_1_0(), {draw.even(-0.5, 0.5), fold, fold});
         which.tuning = testing::random_tuning(which.device.motor[0], random);
         which.tuning.map = i % 2 == 0 ? MotionMap::inverse : MotionMap::transpose;
-        which.delay_samples = i % 3;
+        which.delay_periods = i % 3;
         const Hand hand = hand_of_firmness(draw.even(0.0, 1.0));
         const Eigen::MatrixXd share = held_share(which);
         double truth = 0.0;

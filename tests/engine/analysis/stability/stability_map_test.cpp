@@ -39,7 +39,8 @@ TEST(MapAxis, SpreadsValuesByTheParametersScale) {
     EXPECT_EQ(from_zero, (std::vector<double>{0.0, 5.0, 10.0})); // 0 has no logarithm
     // A narrow range is spread evenly, for which numbers can be written beside it.
     EXPECT_EQ(axis("kp", 10.0, 30.0, 3).values(), (std::vector<double>{10.0, 20.0, 30.0}));
-    EXPECT_EQ(axis("d", 1.0, 4.0, 40).values(), (std::vector<double>{1.0, 2.0, 3.0, 4.0}));
+    EXPECT_EQ(axis("d", 1.0, 4.0, 7).values(),
+              (std::vector<double>{1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0}));
     EXPECT_EQ(axis("eta", 0.0, 1.0, 5).values().size(), 5U);
 }
 
@@ -69,12 +70,12 @@ TEST(StabilityMap, TellsTheTipsSpeedThatRemains) {
     which.hands = {no_hand()};
     which.rotor = RotorLoad{1e-5, 1e-5, 0.0};
     const std::vector<MapCell> cells =
-        stability_map(which, axis("kp", 2.0, 300.0, 3), axis("d", 0.0, 1.0, 2), [](double) {});
+        stability_map(which, axis("kp", 2.0, 300.0, 3), axis("d", 0.0, 1.0, 3), [](double) {});
     const double lever_m = motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
     for (const MapCell &cell : cells) {
         StabilityCase there = which;
         there.tuning.K_P_V_per_rad = cell.x;
-        there.delay_samples = static_cast<int>(cell.y);
+        there.delay_periods = cell.y;
         const Trial trial = simulated(there, members(there).front(), of_a_map());
         EXPECT_DOUBLE_EQ(cell.remaining_m_per_s, trial.last_rate_rad_per_s * lever_m);
         EXPECT_EQ(cell.stable, trial.stable);

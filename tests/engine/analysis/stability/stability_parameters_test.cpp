@@ -34,8 +34,7 @@ TEST(StabilityParameters, HaveNamesOfTheirOwn) {
 TEST(StabilityParameters, GetWhatWasSet) {
     for (const StabilityParameter &parameter : stability_parameters()) {
         for (const double share : {0.0, 0.3, 1.0}) {
-            double value = parameter.from + share * (parameter.to - parameter.from);
-            value = parameter.whole ? std::round(value) : value;
+            const double value = parameter.from + share * (parameter.to - parameter.from);
             StabilityCase which = firm();
             parameter.set(which, value);
             EXPECT_EQ(parameter.get(which), value) << parameter.name;
@@ -80,7 +79,8 @@ TEST(StabilityParameters, RefuseWhatTheyCannotBeWithTheirRange) {
     }
     EXPECT_NE(what_is_wrong_with(*stability_parameter_named("dR"), 0.0).find("not 0"),
               std::string::npos);
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("d"), 1.5).find("whole"),
+    EXPECT_EQ(what_is_wrong_with(*stability_parameter_named("d"), 1.5), "");
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("d"), 8.5).find("0 to 8 periods"),
               std::string::npos);
     EXPECT_NE(what_is_wrong_with(*stability_parameter_named("T"), 0.0), "");
     EXPECT_NE(what_is_wrong_with(*stability_parameter_named("hand-mass"), -0.1), "");

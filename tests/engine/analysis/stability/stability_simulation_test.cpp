@@ -62,7 +62,7 @@ TEST(StabilitySimulation, AnyRateAndDelay) {
         for (const int delay : {0, 3, 8}) {
             StabilityCase which = firm();
             which.period_s = period_s;
-            which.delay_samples = delay;
+            which.delay_periods = delay;
             which.hands = {no_hand()};
             // Slow enough in position for any of them: a limp spring on a heavy rotor.
             which.rotor = RotorLoad{1e-3, 1e-3, 0.0};

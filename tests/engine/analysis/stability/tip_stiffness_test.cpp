@@ -34,15 +34,18 @@ const Vector3 kSlanted = Vector3(0.3, 0.8, -0.5).normalized();
 TEST(TipStiffness, IsTheSampledCouplingThroughTheInverseMap) {
     StabilityCase which = firm();
     which.tuning.map = MotionMap::inverse;
-    which.delay_samples = 1;
-    const SpringDrive drive{which.device.motor[0], which.tuning, which.period_s, 1};
     const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
     const double share = (J.inverse() * kSlanted).squaredNorm();
-    for (const double hz : {1.0, 30.0, 300.0, 450.0}) {
-        const double omega = 2.0 * std::numbers::pi * hz;
-        const std::complex<double> truth = share * sampled_stiffness(drive, omega);
-        EXPECT_LT(std::abs(tip_stiffness(which, kSlanted, omega) - truth), 1e-9 * std::abs(truth))
-            << hz;
+    for (const double delay : {1.0, 0.4, 2.75}) {
+        which.delay_periods = delay;
+        const SpringDrive drive{which.device.motor[0], which.tuning, which.period_s, delay};
+        for (const double hz : {1.0, 30.0, 300.0, 450.0}) {
+            const double omega = 2.0 * std::numbers::pi * hz;
+            const std::complex<double> truth = share * sampled_stiffness(drive, omega);
+            EXPECT_LT(std::abs(tip_stiffness(which, kSlanted, omega) - truth),
+                      1e-9 * std::abs(truth))
+                << hz << " Hz, d " << delay;
+        }
     }
 }
 

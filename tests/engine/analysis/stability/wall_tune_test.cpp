@@ -17,7 +17,7 @@ constexpr double kMargin = 1.3;
 StabilityCase late_servo() {
     StabilityCase which;
     which.device = testing::phantom_1_0();
-    which.delay_samples = 1;
+    which.delay_periods = 1;
     which.hands = {no_hand(), hand_of_firmness(0.5)};
     return which;
 }

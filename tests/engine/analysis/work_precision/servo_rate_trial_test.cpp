@@ -14,7 +14,7 @@
 namespace springdrive {
 namespace {
 
-SpringDrive drive_at(double rate_Hz, int delay) {
+SpringDrive drive_at(double rate_Hz, double delay) {
     return {testing::phantom_1_0().motor[1], Tuning{}, 1.0 / rate_Hz, delay};
 }
 

@@ -22,7 +22,7 @@ using testing::complaint_of;
 RecordHeader full_header() {
     RecordHeader header = record_header(4000.0);
     header.software = "1.2.3";
-    header.delay_samples = 2;
+    header.delay_periods = 2.25;
     header.device_name = "PHANTOM \"1.0\"";
     header.device_file = "assets/devices/phantom_1_0.toml";
     header.device_toml = "name = \"Ω\"\n[motor]\n";
@@ -45,7 +45,7 @@ TEST(RecordHeader, ComesBackFromJson) {
     EXPECT_EQ(read.row_bytes, wrote.row_bytes);
     EXPECT_EQ(read.chunk_rows, 80U);
     EXPECT_EQ(read.period_s, 0.00025);
-    EXPECT_EQ(read.delay_samples, 2);
+    EXPECT_EQ(read.delay_periods, 2.25);
     EXPECT_EQ(read.device_toml, wrote.device_toml);
     EXPECT_EQ(read.tuning.dR_Ohm, 0.1);
     EXPECT_EQ(read.tuning.map, MotionMap::inverse);
@@ -59,6 +59,8 @@ TEST(RecordHeader, HasTheKeysThatTheFormatNames) {
     EXPECT_EQ(document["format"], "springdrive record 1");
     EXPECT_EQ(document["software"], "1.2.3");
     EXPECT_EQ(document["servo_hz"], 4000.0);
+    EXPECT_EQ(document["delay_periods"], 2.25);
+    EXPECT_FALSE(document.contains("delay_samples"));
     EXPECT_EQ(document["columns"][0],
               json::parse(R"({"name": "tick", "unit": "1", "type": "<u8", "offset": 0})"));
     EXPECT_EQ(document["columns"][1]["type"], "<f8");
@@ -105,6 +107,25 @@ TEST(RecordHeader, ReadsThatOfAnotherVersion) {
     EXPECT_EQ(read.columns[1], (RecordColumn{"b", "", ColumnType::u8, 2}));
     EXPECT_EQ(read.tuning.eta, 0.5);
     EXPECT_TRUE(std::isnan(read.tuning.dR_Ohm));
+}
+
+TEST(RecordHeader, ReadsADelayInSamplesToo) {
+    const auto delay_of = [](const std::string &members) {
+        json document = json::parse(to_json(full_header()));
+        document.erase("delay_periods");
+        document.update(json::parse(members));
+        return from_json(document.dump()).delay_periods;
+    };
+    EXPECT_EQ(delay_of(R"({"delay_samples": 3})"), 3.0);
+    EXPECT_EQ(delay_of(R"({"delay_periods": 3})"), 3.0);
+    EXPECT_EQ(delay_of(R"({"delay_periods": 0.125})"), 0.125);
+    EXPECT_EQ(delay_of("{}"), 0.0);
+    EXPECT_EQ(delay_of(R"({"delay_periods": -1})"), 0.0);
+    EXPECT_EQ(delay_of(R"({"delay_periods": "1"})"), 0.0);
+    EXPECT_NE(complaint_of([&] {
+                  (void)delay_of(R"({"delay_samples": 1, "delay_periods": 1})");
+              }).find("both delay_periods and delay_samples"),
+              std::string::npos);
 }
 
 TEST(RecordHeader, RefusesRowsThatCannotBe) {

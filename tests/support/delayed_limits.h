@@ -1,0 +1,57 @@
+// Gain limits of loops whose delay is no whole number of periods: eigenvalues against two
+// simulations.
+#pragma once
+
+#include "engine/analysis/stability/simulated_limit.h"
+#include "tests/support/random_loops.h"
+#include "tests/support/runge_kutta_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+namespace springdrive::testing {
+
+/// Runge-Kutta tells the same as eigenvalues 2 % inside and 2 % outside of a limit of K_P.
+inline void expect_runge_kutta_agrees(const StabilityCase &which, const StabilityLimit &limit) {
+    const double outward = limit.stable_below ? 0.02 : -0.02;
+    for (const double share : {1.0 - outward, 1.0 + outward}) {
+        StabilityCase beside = which;
+        beside.tuning.K_P_V_per_rad = share * limit.predicted;
+        EXPECT_EQ(RungeKuttaLoop(beside).dies_out(), limit.stable_below == (share < 1.0))
+            << "K_P " << share << " of " << limit.predicted << ", T " << which.period_s << ", d "
+            << which.delay_periods;
+    }
+}
+
+/// So many random loops with d from 0 to 3: K_P at which they become unstable, by eigenvalues,
+/// within 2 % of where one motor in time does; and on its right side by Runge-Kutta steps.
+/// Returns the worst deviation of the first, as a share.
+inline double expect_gain_limits_agree(int loops, unsigned seed) {
+    std::mt19937_64 random(seed);
+    const StabilityParameter &kp = *stability_parameter_named("kp");
+    double worst = 0.0;
+    for (int found = 0; found < loops;) {
+        const StabilityCase which = random_delayed_loop(random);
+        const std::vector<StabilityLimit> limits = predicted_limits(which, kp, {kp.from, kp.to});
+        if (limits.empty()) {
+            continue;
+        }
+        ++found;
+        const StabilityLimit &limit = limits.front();
+        const std::optional<double> tried =
+            simulated_limit(which, kp, limit, TrialOptions::linear());
+        EXPECT_TRUE(tried) << limit.predicted << ", d " << which.delay_periods;
+        const double deviation = std::abs(tried.value_or(HUGE_VAL) / limit.predicted - 1.0);
+        EXPECT_LE(deviation, 0.02) << "T " << which.period_s << ", d " << which.delay_periods;
+        worst = std::max(worst, deviation);
+        expect_runge_kutta_agrees(which, limit);
+    }
+    return worst;
+}
+
+} // namespace springdrive::testing
