@@ -15,6 +15,7 @@
 #include <iostream>
 #include <iterator>
 #include <numbers>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -53,11 +54,12 @@ std::string text_of(const std::filesystem::path &file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void check_missed_limit(const DeviceDescription &device, int limit) {
-    if (limit < 1 || limit > device.limits.missed_deadlines) {
-        throw InputError("--missed-limit " + std::to_string(limit) + ": must be from 1 to " +
-                         std::to_string(device.limits.missed_deadlines) +
-                         ", what the device file allows");
+void check_late_limit(const DeviceDescription &device, double limit_s) {
+    if (!(limit_s > 0.0 && limit_s <= device.limits.late_s)) {
+        std::ostringstream message;
+        message << "--late-limit-ms " << 1e3 * limit_s << ": must be above 0, up to "
+                << 1e3 * device.limits.late_s << ", what the device file allows";
+        throw InputError(message.str());
     }
 }
 
@@ -90,9 +92,9 @@ Session::Session(const SessionOptions &options)
     }
     inputs_.tuning = options.tuning;
     inputs_.global_alpha_rad2_per_m2 = global_alpha_bound(description);
-    if (options.missed_limit) {
-        check_missed_limit(description, *options.missed_limit);
-        inputs_.limits.missed_deadlines = *options.missed_limit;
+    if (options.late_limit_s) {
+        check_late_limit(description, *options.late_limit_s);
+        inputs_.limits.late_s = *options.late_limit_s;
     }
     {
         LoadProgress progress;

@@ -22,7 +22,7 @@ struct SessionOptions {
     bool plays_script = false;       ///< without a path: the scripted touch, not `move_hand_to`
     bool lockstep = false;           ///< the servo goes by `Session::advance`, not by a clock
     std::optional<int> cpu;          ///< that the servo's thread is to stay on
-    std::optional<int> missed_limit; ///< deadlines missed in a row, lower than the device's
+    std::optional<double> late_limit_s; ///< of deadlines missed in a row, below the device's
     std::filesystem::path record;    ///< empty: nothing is recorded until asked for
 };
 

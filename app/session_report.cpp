@@ -68,8 +68,9 @@ void write_session_json(std::ostream &out, const SessionOptions &options, const 
     json["missed_deadlines"] = servo.missed_deadlines();
     json["period"] = json_of(servo.period());
     json["jitter"] = json_of(servo.lateness());
-    json["exchange"] = json_of(servo.exchange());
+    json["read"] = json_of(servo.read());
     json["compute"] = json_of(servo.compute());
+    json["write"] = json_of(servo.write());
     json["refused"] = session.remarks();
     json["trip"] = safety.state == SafetyState::tripped ? description(safety) : "";
     json["record"] = {{"file", session.record_file().string()},

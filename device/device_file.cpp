@@ -112,13 +112,19 @@ WorkspaceEdge read_edge(StrictTomlTable table) {
     return edge;
 }
 
+constexpr double kSecondsPerMillisecond = 1e-3;
+
 DeviceLimits read_limits(StrictTomlTable table) {
     DeviceLimits limits;
     limits.tip_force_N = table.number("tip_force_N", {0.1, 100.0});
     limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
     limits.beyond_stops_rad = kRadPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
     limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
-    limits.missed_deadlines = table.integer("missed_deadlines", 1, 10'000);
+    if (table.has("missed_deadlines")) {
+        table.refuse("missed_deadlines", "is a time now; 50 deadlines at 1 kHz are late_ms = 50.0");
+    }
+    limits.late_s = kSecondsPerMillisecond * table.number("late_ms", {0.1, 1e4});
+    limits.stale_s = kSecondsPerMillisecond * table.number("stale_ms", {0.1, 1e4});
     limits.window_silence_s = table.number("window_silence_s", {0.05, 60.0});
     table.refuse_unknown_keys();
     return limits;

@@ -25,7 +25,8 @@ struct DeviceLimits {
     double tip_speed_m_per_s = 0.0;
     double beyond_stops_rad = 0.0;   ///< how far stops may give: more is a mistaken encoder
     double generated_energy_J = 0.0; ///< what the hand may get beyond what it had put in
-    int missed_deadlines = 0;        ///< in a row
+    double late_s = 0.0;             ///< that deadlines missed in a row may add up to
+    double stale_s = 0.0;            ///< how long nothing new may be measured
     double window_silence_s = 0.0;   ///< how long the window may give no sign of life
 };
 

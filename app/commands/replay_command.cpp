@@ -77,7 +77,7 @@ void run(const Typed &typed) {
     const RecordHeader &header = record.header();
     const bool asks = asks_for_a_tuning(typed.tuning);
     Replay replay(read_device_text(header.device_toml, typed.record.string() + ", device"),
-                  header.period_s, asks ? std::optional(typed.tuning.tuning()) : std::nullopt);
+                  asks ? std::optional(typed.tuning.tuning()) : std::nullopt);
     if (typed.csv.empty()) {
         replay_all(record, replay, nullptr);
     } else {

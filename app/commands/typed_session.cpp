@@ -81,10 +81,10 @@ void TypedSession::add_to(CLI::App &command) {
     command.add_option("--cpu", options.cpu, "the processor that the servo's thread is to stay on")
         ->type_name("N");
     command
-        .add_option("--missed-limit", options.missed_limit,
-                    "stop the device after more deadlines missed in a row than this [the device "
-                    "file's]")
-        ->type_name("N");
+        .add_option("--late-limit-ms", late_limit_ms,
+                    "stop a device that does not wait when deadlines missed in a row add up to "
+                    "more than this [the device file's]")
+        ->type_name("MS");
     command.add_flag("--lockstep", options.lockstep,
                      "drive the servo by frame time instead of the clock: the same run every time");
 }
@@ -96,6 +96,9 @@ SessionOptions TypedSession::session() const {
     }
     static_cast<void>(servo_period_s(options.servo_hz));
     SessionOptions session = options;
+    if (late_limit_ms) {
+        session.late_limit_s = 1e-3 * *late_limit_ms;
+    }
     session.tuning = tuning.tuning();
     remark_on_margins(tuning.file, options.servo_hz, options.delay_periods);
     session.effects = effects.effects();

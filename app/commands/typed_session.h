@@ -32,6 +32,7 @@ struct TypedSession {
     TuningOptions tuning;
     EffectOptions effects;
     ModelTyped model;
+    std::optional<double> late_limit_ms;
     std::string device = "sim";
 
     void add_to(CLI::App &command);

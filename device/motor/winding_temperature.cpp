@@ -35,11 +35,15 @@ double greatest_resistance_Ohm(const MotorParameters &motor, double winding_C) {
 
 WindingTemperature::WindingTemperature(const ThermalParameters &thermal, double ambient_C,
                                        double period_s)
-    : ambient_C_(ambient_C), winding_C_(ambient_C), housing_C_(ambient_C) {
-    const double winding_J_per_K = thermal.winding_time_s / thermal.winding_housing_K_per_W;
-    const double housing_J_per_K = thermal.motor_time_s / thermal.housing_ambient_K_per_W;
-    const double inward = 1.0 / thermal.winding_housing_K_per_W;
-    const double outward = 1.0 / thermal.housing_ambient_K_per_W;
+    : thermal_(thermal), ambient_C_(ambient_C), winding_C_(ambient_C), housing_C_(ambient_C) {
+    set_period(period_s);
+}
+
+void WindingTemperature::set_period(double period_s) noexcept {
+    const double winding_J_per_K = thermal_.winding_time_s / thermal_.winding_housing_K_per_W;
+    const double housing_J_per_K = thermal_.motor_time_s / thermal_.housing_ambient_K_per_W;
+    const double inward = 1.0 / thermal_.winding_housing_K_per_W;
+    const double outward = 1.0 / thermal_.housing_ambient_K_per_W;
     Eigen::Matrix2d rates;
     rates << -inward / winding_J_per_K, inward / winding_J_per_K, //
         inward / housing_J_per_K, -(inward + outward) / housing_J_per_K;
@@ -59,9 +63,9 @@ WindingTemperature::WindingTemperature(const ThermalParameters &thermal, double 
     housing_from_housing_ = 1.0 + change(1, 1);
 
     // What a watt leads to in the end, and how much of that within the period.
-    const Eigen::Vector2d steady_K(thermal.winding_housing_K_per_W +
-                                       thermal.housing_ambient_K_per_W,
-                                   thermal.housing_ambient_K_per_W);
+    const Eigen::Vector2d steady_K(thermal_.winding_housing_K_per_W +
+                                       thermal_.housing_ambient_K_per_W,
+                                   thermal_.housing_ambient_K_per_W);
     const Eigen::Vector2d gained_K = -change * steady_K;
     winding_K_per_W_ = gained_K[0];
     housing_K_per_W_ = gained_K[1];

@@ -33,6 +33,9 @@ public:
     /// @param period_s  how long each `update` lasts
     WindingTemperature(const ThermalParameters &thermal, double ambient_C, double period_s);
 
+    /// Each `update` lasts so long from now on; temperatures stay. RT-safe.
+    void set_period(double period_s) noexcept;
+
     /// One period with `heat_W` in the winding, which is R i².
     void update(double heat_W) noexcept;
 
@@ -40,6 +43,7 @@ public:
     [[nodiscard]] double housing_C() const { return housing_C_; }
 
 private:
+    ThermalParameters thermal_;
     double ambient_C_;
     double winding_C_;
     double housing_C_;

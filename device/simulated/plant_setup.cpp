@@ -98,9 +98,10 @@ void check_options(const DeviceDescription &description, const SimulationOptions
                          "sub-step no less than a millionth of the period, the hand's mass, "
                          "damping, stiffness and force finite and not negative");
     }
-    if (options.delay_periods < 0 || options.delay_periods > SimulationOptions::kLongestDelay) {
+    if (!(options.delay_periods >= 0.0 &&
+          options.delay_periods <= SimulationOptions::kLongestDelay)) {
         throw InputError("simulated device: the delay is " + std::to_string(options.delay_periods) +
-                         " samples; it must be 0 to " +
+                         " periods; it must be 0 to " +
                          std::to_string(SimulationOptions::kLongestDelay));
     }
     if (!(options.resistance_share.minCoeff() > 0.0 && options.resistance_share.allFinite()) ||

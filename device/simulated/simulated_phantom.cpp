@@ -67,6 +67,9 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     const bool was_planar = parts_.linkage.planar;
     if (wanted.effects.winding_heat != parts_.effects.winding_heat) {
         temperature_ = wanted.temperature;
+        for (WindingTemperature &motor : temperature_) { // of `wanted` it may be an older one
+            motor.set_period(options_.servo_period_s);
+        }
     }
     PlantParts parts = wanted;
     parts.linkage.planar = wanted.linkage.planar && was_planar;
@@ -75,37 +78,102 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     put_in_force(parts);
 }
 
-DeviceState SimulatedPhantom::exchange(const DeviceCommand &command) noexcept {
+void SimulatedPhantom::write(const DeviceCommand &command) noexcept {
+    written_ = {command.is_finite() ? command : DeviceCommand::braking(), Vector3::Zero()};
+}
+
+void SimulatedPhantom::write_current(const Vector3 &current_A) noexcept {
+    written_ = {DeviceCommand::braking(), current_A.allFinite() ? current_A : Vector3::Zero()};
+}
+
+Measurement SimulatedPhantom::advance(const PlantCommand &command) noexcept {
+    if (options_.amplifier == AmplifierKind::current_drive) {
+        write_current(command.current_A);
+    } else {
+        write(command.spring_drive);
+    }
+    return read();
+}
+
+Measurement SimulatedPhantom::read() noexcept {
     if (const PlantParts &wanted = wanted_parts_.latest(); wanted.number != parts_.number) {
         take_over(wanted);
     } else if (parts_.effects.joint_limits && !parts_.linkage.stops) {
         parts_.linkage.stops = description_.joint_limits.allow(linkage_.q_rad);
     }
     std::shift_right(pending_.begin(), pending_.end(), 1);
-    pending_.front() = command.e_W_V.allFinite() && command.current_A.allFinite() &&
-                               command.cancelled_resistance_Ohm.allFinite()
-                           ? command
-                           : DeviceCommand::braking();
-    const DeviceCommand &applied = pending_[static_cast<std::size_t>(options_.delay_periods)];
+    pending_.front() = connected_ ? written_ : PlantCommand{DeviceCommand::braking(), {}};
+    const auto whole = static_cast<std::size_t>(options_.delay_periods);
+    const double fraction = options_.delay_periods - static_cast<double>(whole);
+    const double period_s = options_.servo_period_s;
+    Vector3 impulse = Vector3::Zero();
+    if (fraction > 0.0) {
+        impulse = run(pending_[whole + 1], fraction * period_s);
+        impulse += run(pending_[whole], (1.0 - fraction) * period_s);
+    } else {
+        impulse = run(pending_[whole], period_s);
+    }
+    truth_.hand_force_N = impulse / period_s;
+    warm_windings();
+    ++periods_;
+    return measurement();
+}
 
-    const int steps =
-        std::max(1, static_cast<int>(std::ceil(options_.servo_period_s / parts_.longest_step_s -
-                                               1e-9))); // round-off must not add a step
-    const double h = options_.servo_period_s / steps;
+Measurement SimulatedPhantom::measurement() const noexcept {
+    Measurement measured;
+    for (std::size_t motor = 0; motor < 3; ++motor) {
+        const auto j = static_cast<Eigen::Index>(motor);
+        measured.counts[motor] = static_cast<std::int32_t>(
+            std::lround((truth_.theta_rad[j] - count_zero_rad_[j]) * counts_per_rad_));
+    }
+    measured.current_A = truth_.current_A;
+    measured.number = periods_;
+    measured.time_s = clock_base_s_ + static_cast<double>(periods_ - clock_base_periods_) *
+                                          options_.servo_period_s;
+    if (!connected_) {
+        measured.arrival = Arrival::absent;
+        measured.health = DeviceHealth::lost;
+    }
+    return measured;
+}
+
+DeviceIdentity SimulatedPhantom::identity() const {
+    return {"simulated", "sim-1", "simulated plant"};
+}
+
+void SimulatedPhantom::set_period(double period_s) {
+    SimulationOptions wanted = options_;
+    wanted.servo_period_s = period_s;
+    check_options(description_, wanted);
+    clock_base_s_ = measurement().time_s;
+    clock_base_periods_ = periods_;
+    options_.servo_period_s = period_s;
+    for (WindingTemperature &motor : temperature_) {
+        motor.set_period(period_s);
+    }
+}
+
+void SimulatedPhantom::zero(const Vector3 &theta_rad) {
+    count_zero_rad_ = truth_.theta_rad - theta_rad;
+}
+
+/// A board that has just been plugged in counts from where it finds the rotors.
+void SimulatedPhantom::reconnect() {
+    connected_ = true;
+    written_ = {DeviceCommand::braking(), Vector3::Zero()};
+    zero(Vector3::Zero());
+}
+
+/// The plant under one command; returns the hand's impulse on the tip [N·s].
+Vector3 SimulatedPhantom::run(const PlantCommand &command, double duration_s) noexcept {
+    const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / parts_.longest_step_s -
+                                                             1e-9))); // no step for round-off
+    const double h = duration_s / steps;
     Vector3 impulse = Vector3::Zero();
     for (int i = 0; i < steps; ++i) {
-        impulse += h * step(applied, h);
+        impulse += h * step(command, h);
     }
-    truth_.hand_force_N = impulse / options_.servo_period_s;
-    warm_windings();
-
-    DeviceState state;
-    for (std::size_t motor = 0; motor < 3; ++motor) {
-        state.counts[motor] = static_cast<std::int32_t>(
-            std::lround(truth_.theta_rad[static_cast<Eigen::Index>(motor)] * counts_per_rad_));
-    }
-    state.current_A = truth_.current_A;
-    return state;
+    return impulse;
 }
 
 double SimulatedPhantom::stored_energy_J() const {
@@ -150,7 +218,7 @@ void SimulatedPhantom::note_rigid_tip() noexcept {
     truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
 }
 
-/// Temperatures from the heat since the last exchange, and the resistances that follow.
+/// Temperatures from the heat since the last period, and the resistances that follow.
 void SimulatedPhantom::warm_windings() noexcept {
     for (Eigen::Index j = 0; j < 3; ++j) {
         WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
@@ -181,7 +249,7 @@ void SimulatedPhantom::move_hand_target(double h) noexcept {
     truth_.hand_target_m = hand_.position_m;
 }
 
-SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &command,
+SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const PlantCommand &command,
                                                        double h) noexcept {
     CurrentSteps steps;
     for (Eigen::Index j = first_joint_; j < 3; ++j) {
@@ -190,7 +258,7 @@ SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const DeviceCommand &comm
     return steps;
 }
 
-CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const DeviceCommand &command,
+CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCommand &command,
                                           double h) noexcept {
     const auto index = static_cast<std::size_t>(j);
     const MotorParameters &motor = parts_.motor[index];
@@ -208,10 +276,17 @@ CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const DeviceCommand &c
                    ? current_drive_at_once(motor, now, command.current_A[j])
                    : current_drive_step(motor, now, command.current_A[j], bandwidth_rad_per_s, h);
     }
-    const double cancelled_Ohm = std::clamp(command.cancelled_resistance_Ohm[j], 0.0,
-                                            description_.amplifier.greatest_cancelled_Ohm);
-    return at_once ? spring_drive_at_once(motor, now, command.e_W_V[j], cancelled_Ohm)
-                   : spring_drive_step(motor, now, command.e_W_V[j], cancelled_Ohm, h);
+    const DeviceCommand &spring = command.spring_drive;
+    if (spring.mode == CommandMode::open) {
+        return {}; // no current, whatever the speed
+    }
+    const bool drives = spring.mode == CommandMode::drive;
+    const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
+    const double cancelled_Ohm =
+        std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
+                   description_.amplifier.greatest_cancelled_Ohm);
+    return at_once ? spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
+                   : spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }
 
 LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
@@ -284,7 +359,7 @@ void SimulatedPhantom::settle_tip(const LinkageMotion &motion, const VelocityLoa
 }
 
 /// One sub-step; returns the hand's force on the tip, its mean over the sub-step [N].
-Vector3 SimulatedPhantom::step(const DeviceCommand &command, double h) noexcept {
+Vector3 SimulatedPhantom::step(const PlantCommand &command, double h) noexcept {
     move_hand_target(h);
     const VelocityLoad hand = hand_load(h);
     const CurrentSteps currents = drive(command, h);

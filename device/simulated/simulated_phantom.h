@@ -11,7 +11,7 @@
 // Parts that are off are not run (PlantDynamics, SimulationOptions::planar): without inductance the
 // currents follow (11) with L = 0 at once; without masses what is left of the second equation is a
 // balance; in a plane the base joint and its motor stand still. Which parts run can change between
-// two exchanges: angles, rates and currents are carried over.
+// two periods: angles, rates and currents are carried over.
 //
 // One sub-step takes the winding exactly for a standing rotor velocity (device/motor/motor.h) and
 // the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean velocity:
@@ -25,13 +25,21 @@
 #include "device/simulated/free_tip.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/plant_setup.h"
+#include "device/simulated/simulated_world.h"
 #include "device/simulated/simulation_options.h"
 
 #include <array>
 
 namespace springdrive {
 
-class SimulatedPhantom final : public HapticDevice {
+/// What the windings are told: volts for a spring drive, or amperes for a current drive, which no
+/// device but a simulated one has.
+struct PlantCommand {
+    DeviceCommand spring_drive;
+    Vector3 current_A{Vector3::Zero()};
+};
+
+class SimulatedPhantom final : public HapticDevice, public SimulatedWorld {
 public:
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
     /// @throw InputError where `start_tip_m` is out of reach or beyond the joint limits, or an
@@ -40,22 +48,32 @@ public:
                      const Vector3 &start_tip_m);
 
     [[nodiscard]] const DeviceDescription &description() const override { return description_; }
+    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::servo; }
     [[nodiscard]] double delay_periods() const override { return options_.delay_periods; }
-    DeviceState exchange(const DeviceCommand &command) noexcept override;
+    [[nodiscard]] Measurement read() noexcept override;
+    void write(const DeviceCommand &command) noexcept override;
+    [[nodiscard]] DeviceIdentity identity() const override;
+    void set_period(double period_s) override;
+    void zero(const Vector3 &theta_rad) override;
+    void close() noexcept override { connected_ = false; }
+    void reconnect() override;
 
-    /// Where the hand wants to be from now on [m]. One thread at a time, any thread; without
-    /// effect while the hand follows a path. The hand moves there smoothly.
-    void set_hand_target(const Vector3 &target_m) noexcept { hand_target_.publish(target_m); }
+    void set_hand_target(const Vector3 &target_m) noexcept override {
+        hand_target_.publish(target_m);
+    }
+    void simulate_as(const SimulationOptions &options) override;
 
-    /// Simulates from the next exchange on as much as `options` say by their dynamics, effects,
-    /// planar and longest_step_s; all else stays as it was. Motors and linkage go on from where
-    /// they are, so no encoder jumps. A base joint that moves is not seized: planar holds only
-    /// where it held before. Stops that the linkage is beyond begin to press once it is back
-    /// between them. One thread at a time, any thread.
-    /// @throw InputError for options out of range or that do not go together
-    void simulate_as(const SimulationOptions &options);
+    /// For a current drive, in the place of `write`: what its windings are to carry. RT-safe.
+    void write_current(const Vector3 &current_A) noexcept;
 
-    /// What no device would tell: the state behind the encoders. Thread of `exchange` only.
+    /// One period on under a command: `write`, then `read`. RT-safe.
+    Measurement advance(const DeviceCommand &command) noexcept {
+        write(command);
+        return read();
+    }
+    Measurement advance(const PlantCommand &command) noexcept;
+
+    /// What no device would tell: the state behind the encoders. Thread of `read` only.
     struct Truth {
         double time_s = 0.0;
         Vector3 theta_rad{Vector3::Zero()};
@@ -82,16 +100,18 @@ public:
 private:
     using CurrentSteps = std::array<CurrentStep, 3>;
 
+    [[nodiscard]] Measurement measurement() const noexcept;
     void put_in_force(const PlantParts &parts) noexcept;
     void take_over(const PlantParts &wanted) noexcept;
-    [[nodiscard]] Vector3 step(const DeviceCommand &command, double h) noexcept;
-    [[nodiscard]] CurrentSteps drive(const DeviceCommand &command, double h) noexcept;
+    [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
+    [[nodiscard]] Vector3 step(const PlantCommand &command, double h) noexcept;
+    [[nodiscard]] CurrentSteps drive(const PlantCommand &command, double h) noexcept;
     [[nodiscard]] Vector3 linkage_end_m() const noexcept;
     [[nodiscard]] LinkageLoad load(const CurrentSteps &drive,
                                    const VelocityLoad &tip) const noexcept;
     [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
     [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
-    [[nodiscard]] CurrentStep drive_motor(Eigen::Index motor, const DeviceCommand &command,
+    [[nodiscard]] CurrentStep drive_motor(Eigen::Index motor, const PlantCommand &command,
                                           double h) noexcept;
     void settle_currents(const CurrentSteps &drive, const LinkageMotion &motion, double h) noexcept;
     void settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
@@ -114,9 +134,16 @@ private:
     LinkageState linkage_;
     std::array<FrictionMode, 3> friction_mode_{};
     std::array<WindingTemperature, 3> temperature_;
-    Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last exchange
+    Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last period
     Truth truth_;
-    std::array<DeviceCommand, SimulationOptions::kLongestDelay + 1> pending_{}; ///< newest first
+    PlantCommand written_; ///< last
+    /// What was in force in each period, newest first.
+    std::array<PlantCommand, SimulationOptions::kLongestDelay + 2> pending_{};
+    std::uint64_t periods_ = 0;
+    double clock_base_s_ = 0.0; ///< the device's clock when its period was last set
+    std::uint64_t clock_base_periods_ = 0;
+    Vector3 count_zero_rad_{Vector3::Zero()}; ///< θ at which the counts are zero
+    bool connected_ = true;
 };
 
 } // namespace springdrive

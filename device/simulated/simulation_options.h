@@ -68,8 +68,8 @@ inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
 struct SimulationOptions {
     static constexpr int kLongestDelay = 8;
 
-    double servo_period_s = 1e-3;   ///< T; each exchange advances the plant by as much
-    double delay_periods = 0.0;          ///< d, at most kLongestDelay
+    double servo_period_s = 1e-3;   ///< T; each `read` advances the plant by as much
+    double delay_periods = 0.0;     ///< d, whole or not, at most kLongestDelay
     bool quantised_encoders = true; ///< false: 10,000 times as many counts
     /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 2 µm of
     /// steps fifty times as short at the tip, and within 0.1 % of their largest current.

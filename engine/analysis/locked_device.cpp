@@ -91,7 +91,7 @@ public:
         Vector3 sum = Vector3::Zero();
         int ticks = 0;
         while (device_.truth().time_s < until_s - 0.5 * loop_.period_s()) {
-            const ServoSample sample = loop_.update(loop_.exchange(), sealed(inputs_));
+            const ServoSample sample = loop_.tick(sealed(inputs_));
             if (sample.safety.state == SafetyState::tripped) {
                 throw InputError("locked device: the safety monitor tripped (" +
                                  description(sample.safety) +

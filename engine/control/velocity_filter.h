@@ -22,6 +22,9 @@ public:
     VelocityFilter(const Vector3 &theta_rad, const Vector3 &velocity_rad_per_s)
         : theta_rad_(theta_rad), velocity_rad_per_s_(velocity_rad_per_s) {}
 
+    [[nodiscard]] const Vector3 &theta_rad() const { return theta_rad_; }
+    [[nodiscard]] const Vector3 &velocity_rad_per_s() const { return velocity_rad_per_s_; }
+
     /// Starts anew, at rest.
     void reset(const Vector3 &theta_rad) noexcept {
         theta_rad_ = theta_rad;

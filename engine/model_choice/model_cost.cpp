@@ -115,7 +115,7 @@ std::vector<Cost> plant_costs(const ModelSetting &setting, const std::vector<Mod
     const std::size_t ticks = std::min(kPlantTicks, run.commands.size());
     return costs_of(models.size(), ticks, [&](std::size_t model, TickClock &clock) {
         const std::unique_ptr<SimulatedPhantom> device = simulated_device(setting, models[model]);
-        clock.repeat([&](std::size_t i) { keep(device->exchange(run.commands[i])); });
+        clock.repeat([&](std::size_t i) { keep(device->advance(run.commands[i])); });
     });
 }
 

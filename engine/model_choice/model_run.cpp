@@ -63,7 +63,7 @@ ModelRun run_model(const ModelSetting &setting, const Model &model, const Haptic
     const std::size_t ticks = ticks_of(setting);
     for (std::size_t tick = 0; tick < ticks; ++tick) {
         run.commands.push_back(command);
-        const Vector3 theta_rad = law.theta_rad(device->exchange(command).counts);
+        const Vector3 theta_rad = law.theta_rad(device->advance(command).counts);
         run.force_N.emplace_back(-device->truth().hand_force_N);
         if (tick == 0) {
             filter.reset(theta_rad);

@@ -15,7 +15,10 @@ inline constexpr double kGreatestChange_V_per_s = 50.0;
 
 class ChangeOver {
 public:
-    explicit ChangeOver(double period_s) : bound_V_(kGreatestChange_V_per_s * period_s) {}
+    explicit ChangeOver(double period_s) { set_period(period_s); }
+
+    /// RT-safe.
+    void set_period(double period_s) noexcept { bound_V_ = kGreatestChange_V_per_s * period_s; }
 
     /// On the state of one tick e_W was `before_V`, and is `after_V` by a change alone. RT-safe.
     void change(const Vector3 &before_V, const Vector3 &after_V) noexcept {
@@ -30,7 +33,7 @@ public:
     [[nodiscard]] const Vector3 &carried_V() const { return carried_V_; }
 
 private:
-    double bound_V_;
+    double bound_V_ = 0.0;
     Vector3 carried_V_{Vector3::Zero()};
 };
 

@@ -32,7 +32,9 @@ class EnergyObserver {
 public:
     static constexpr double kMemory_s = 0.5;
 
-    explicit EnergyObserver(double period_s) : decay_(std::exp(-period_s / kMemory_s)) {}
+    explicit EnergyObserver(double period_s) { set_period(period_s); }
+
+    void set_period(double period_s) noexcept { decay_ = std::exp(-period_s / kMemory_s); }
 
     /// Starts anew.
     void reset() noexcept {
@@ -67,7 +69,7 @@ public:
     [[nodiscard]] double generated_J() const { return generated_J_; }
 
 private:
-    double decay_;
+    double decay_ = 0.0;
     bool knows_before_ = false;
     double generated_J_ = 0.0;
     Vector3 tip_m_{Vector3::Zero()};

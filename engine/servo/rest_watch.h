@@ -13,6 +13,8 @@ public:
 
     explicit RestWatch(double period_s) : period_s_(period_s) {}
 
+    void set_period(double period_s) noexcept { period_s_ = period_s; }
+
     void reset() noexcept { rested_s_ = 0.0; }
 
     /// One tick on. RT-safe.

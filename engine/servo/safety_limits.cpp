@@ -15,7 +15,8 @@ SafetyLimits limits_of(const DeviceDescription &device) {
     limits.tip_speed_m_per_s = device.limits.tip_speed_m_per_s;
     limits.beyond_stops_rad = device.limits.beyond_stops_rad;
     limits.generated_energy_J = device.limits.generated_energy_J;
-    limits.missed_deadlines = device.limits.missed_deadlines;
+    limits.late_s = device.limits.late_s;
+    limits.stale_s = device.limits.stale_s;
     limits.window_silence_s = device.limits.window_silence_s;
     return limits;
 }

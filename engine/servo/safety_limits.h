@@ -20,7 +20,8 @@ struct SafetyLimits {
     double tip_speed_m_per_s = 0.0;  ///< J θ̇_f
     double beyond_stops_rad = 0.0;   ///< of joint angles beyond the linkage's stops
     double generated_energy_J = 0.0; ///< given to the hand beyond what it had put in
-    double missed_deadlines = 0.0;   ///< in a row
+    double late_s = 0.0;             ///< by deadlines missed in a row
+    double stale_s = 0.0;            ///< since the last fresh measurement
     double window_silence_s = 0.0;   ///< since the last sign of life of the window
 };
 
@@ -34,7 +35,7 @@ struct SafetyLimit {
 };
 
 /// The one list of limits: panel, record and tests read it.
-inline constexpr std::array<SafetyLimit, 9> kSafetyLimits{{
+inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
     {"voltage_V", "voltage e_W", "V", &SafetyLimits::voltage_V, 1.0},
     {"current_A", "winding current", "A", &SafetyLimits::current_A, 1.0},
     {"winding_C", "winding temperature", "°C", &SafetyLimits::winding_C, 1.0},
@@ -43,7 +44,8 @@ inline constexpr std::array<SafetyLimit, 9> kSafetyLimits{{
     {"beyond_stops_rad", "beyond the stops", "°", &SafetyLimits::beyond_stops_rad,
      57.29577951308232},
     {"generated_energy_J", "generated energy", "mJ", &SafetyLimits::generated_energy_J, 1e3},
-    {"missed_deadlines", "deadlines missed in a row", "", &SafetyLimits::missed_deadlines, 1.0},
+    {"late_s", "deadlines missed in a row", "ms", &SafetyLimits::late_s, 1e3},
+    {"stale_s", "no fresh measurement for", "ms", &SafetyLimits::stale_s, 1e3},
     {"window_silence_s", "silence of the window", "s", &SafetyLimits::window_silence_s, 1.0},
 }};
 

@@ -16,6 +16,9 @@ namespace {
 constexpr double kJumpFactor = 1.5;
 constexpr double kJumpCounts = 3.0;
 
+/// So many periods may add up to a limit in seconds, whatever their sum's last digits say.
+constexpr double kRoundOff = 1e-9;
+
 WindingGuard guard_of(const DeviceDescription &device, std::size_t motor, double period_s) {
     return {device.motor[motor], device.amplifier.greatest_cancelled_Ohm, period_s};
 }
@@ -34,6 +37,15 @@ SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
                                       guard_of(device_, 1, period_s),
                                       guard_of(device_, 2, period_s)},
       energy_(period_s), rest_(period_s) {}
+
+void SafetyMonitor::set_period(double period_s) noexcept {
+    period_s_ = period_s;
+    for (WindingGuard &guard : guard_) {
+        guard.set_period(period_s);
+    }
+    energy_.set_period(period_s);
+    rest_.set_period(period_s);
+}
 
 void SafetyMonitor::reset() noexcept {
     if (status_.state == SafetyState::tripped) {
@@ -71,19 +83,24 @@ void SafetyMonitor::approach_limits(const SafetyLimits &wishes) noexcept {
 }
 
 void SafetyMonitor::watch_windings(const Vector3 &current_A,
-                                   std::uint32_t missed_deadlines) noexcept {
+                                   std::uint32_t missed_periods) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
-        guard_[j].update(current_A[static_cast<Eigen::Index>(j)], missed_deadlines);
+        guard_[j].update(current_A[static_cast<Eigen::Index>(j)], missed_periods);
         winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
                        guard_[j].greatest_cancelled_Ohm(), false};
     }
 }
 
-void SafetyMonitor::watch_window(const SafetyOrders &orders,
-                                 std::uint32_t missed_deadlines) noexcept {
+void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) noexcept {
     const bool beats = orders.heartbeat != heartbeat_ || orders.heartbeat == 0;
     heartbeat_ = orders.heartbeat;
-    window_silent_s_ = beats ? 0.0 : window_silent_s_ + (1.0 + missed_deadlines) * period_s_;
+    window_silent_s_ = beats ? 0.0 : window_silent_s_ + elapsed_s;
+}
+
+/// A late measurement is news, but no sign that the device keeps up.
+void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
+    stale_s_ = link.arrival == Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
+    amplifier_is_at_fault_ = link.faults.has(BoardFaults::kAmplifier);
 }
 
 /// The observer looks on while the gains stand; while they rise the spring is another every tick.
@@ -107,7 +124,7 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
     if (knows_tip_) {
         trip_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
                    greatest_step_m(device_, device_limits_.tip_speed_m_per_s,
-                                   (1.0 + seen.missed_deadlines) * period_s_, seen.now.J));
+                                   (1.0 + seen.missed_periods) * period_s_, seen.now.J));
     }
     check_windings(seen.current_A);
     trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
@@ -154,14 +171,32 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
     }
 }
 
-void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
-                          const SafetyOrders &orders) noexcept {
+/// What comes before anything that a measurement could say.
+void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noexcept {
     if (orders.emergency_stop) {
         trip(TripCause::emergency_stop);
     }
-    if (seen.health != DeviceHealth::ok) {
+    if (link.health != DeviceHealth::ok) {
         trip(TripCause::device_lost);
     }
+    if (link.faults.any()) {
+        trip(TripCause::board_fault, link.faults.bits);
+    }
+    trip_above(TripCause::stale_measurement, (1.0 - kRoundOff) * stale_s_, limits_.stale_s);
+}
+
+void SafetyMonitor::check_clocks(const Link &link, const SafetyOrders &orders) noexcept {
+    if (!orders.are_whole) {
+        trip(TripCause::torn_inputs);
+    }
+    trip_above(TripCause::missed_deadlines, (1.0 - kRoundOff) * link.missed_in_a_row * period_s_,
+               limits_.late_s);
+    trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
+}
+
+void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
+                          const SafetyOrders &orders) noexcept {
+    check_link(seen.link, orders);
     if (!seen.all_finite || !wanted.e_W_V.allFinite() ||
         !wanted.cancelled_resistance_Ohm.allFinite() || !seen.current_A.allFinite() ||
         !seen.now.tip_m.allFinite() || !seen.now.tip_velocity_m_per_s().allFinite() ||
@@ -169,11 +204,7 @@ void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
         !seen.spring_stretch_m.allFinite()) {
         trip(TripCause::not_finite);
     }
-    if (!orders.are_whole) {
-        trip(TripCause::torn_inputs);
-    }
-    trip_above(TripCause::missed_deadlines, seen.missed_in_a_row, limits_.missed_deadlines);
-    trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
+    check_clocks(seen.link, orders);
     check_motion(seen);
 }
 
@@ -210,8 +241,12 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation
                                   const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
     held_back_ = {};
-    watch_windings(seen.current_A, seen.missed_deadlines); // tripped or not, they warm and cool
-    watch_window(orders, seen.missed_deadlines);
+    watch_windings(seen.current_A, seen.missed_periods); // tripped or not, they warm and cool
+    const std::uint32_t unwatched =
+        seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
+    const double elapsed_s = (1.0 + unwatched) * period_s_;
+    watch_link(seen.link, elapsed_s);
+    watch_window(orders, elapsed_s);
     watch_energy(seen);
     rest_.update(seen.now.tip_m, seen.touching);
     check(wanted, seen, orders);
@@ -219,16 +254,32 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation
     knows_tip_ = true;
     proceed();
     if (!lets_pass()) {
-        return DeviceCommand::braking();
+        return safe_state();
     }
     const LimitedCommand passed = limited_by_what_stands(wanted, seen.now);
     check_voltage(passed);
     if (!lets_pass()) {
-        return DeviceCommand::braking();
+        return safe_state();
     }
     held_back_ = passed.held_back;
     force_share_ = passed.force_share;
     return passed.command;
+}
+
+DeviceCommand SafetyMonitor::hold(const DeviceCommand &in_force, const Link &link,
+                                  const SafetyOrders &orders) noexcept {
+    ++held_ticks_;
+    watch_link(link, period_s_);
+    watch_window(orders, period_s_);
+    check_link(link, orders);
+    check_clocks(link, orders);
+    return lets_pass() ? in_force : safe_state();
+}
+
+DeviceCommand SafetyMonitor::safe_state() const noexcept {
+    DeviceCommand command = DeviceCommand::braking();
+    command.mode = amplifier_is_at_fault_ ? CommandMode::open : CommandMode::brake;
+    return command;
 }
 
 } // namespace springdrive

@@ -6,8 +6,8 @@
 //      ▲                                       └────────┬────────────┘
 //      └──────────── a deliberate reset ──── tripped ◄──┘
 //
-// A trip latches: the device gets the safe state (braking, e_W = 0 and R̂ = 0) until a deliberate
-// reset. Limits come from the device file, and may be lowered, never raised; that of R̂ moves with
+// A trip latches: the device gets the safe state until a deliberate reset. That is braking (e_W = 0
+// and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come from the device file, and may be lowered, never raised; that of R̂ moves with
 // what is known of each winding's temperature, see winding_guard.h.
 #pragma once
 
@@ -35,9 +35,17 @@ inline constexpr double kVoltageTolerated_s = 0.02;
 /// device's own to nothing in this time, so that the hand feels no blow.
 inline constexpr double kLimitGlide_s = 1.0;
 
+/// What a measurement says of how it came, and its board of itself.
+struct Link {
+    DeviceHealth health = DeviceHealth::ok;
+    Arrival arrival = Arrival::fresh;
+    BoardFaults faults;
+    std::uint32_t missed_in_a_row = 0; ///< deadlines, before this tick and the late ones before it
+};
+
 /// What one tick shows of the machine and of those who use it.
 struct Observation {
-    DeviceHealth health = DeviceHealth::ok;
+    Link link;
     Configuration now;
     Vector3 tip_force_N{Vector3::Zero()}; ///< rendered, J⁻ᵀ k_T i
     Vector3 current_A{Vector3::Zero()};
@@ -48,8 +56,7 @@ struct Observation {
     Vector3 spring_force_before_N{Vector3::Zero()};
     bool scene_is_new = false;          ///< what the spring holds is none of the last tick's
     bool all_finite = true;             ///< of everything else on the signal path
-    std::uint32_t missed_deadlines = 0; ///< before this tick
-    std::uint32_t missed_in_a_row = 0;
+    std::uint32_t missed_periods = 0;   ///< since the last measurement that told anything
 };
 
 /// What the window asks of the monitor.
@@ -64,8 +71,16 @@ class SafetyMonitor {
 public:
     SafetyMonitor(DeviceDescription device, double period_s);
 
+    /// T from the next tick on; what is known stays. RT-safe.
+    void set_period(double period_s) noexcept;
+
     /// The command that may go to the device. RT-safe.
     DeviceCommand pass(const DeviceCommand &wanted, const Observation &seen,
+                       const SafetyOrders &orders) noexcept;
+
+    /// The same of a tick that measured nothing new: the command in force stands for as long as
+    /// the budget for stale measurements lasts. RT-safe.
+    DeviceCommand hold(const DeviceCommand &in_force, const Link &link,
                        const SafetyOrders &orders) noexcept;
 
     /// Leaves a trip and starts anew, unless its cause is still there: then the next `pass` trips
@@ -85,13 +100,17 @@ public:
 
 private:
     void approach_limits(const SafetyLimits &wishes) noexcept;
-    void watch_windings(const Vector3 &current_A, std::uint32_t missed_deadlines) noexcept;
-    void watch_window(const SafetyOrders &orders, std::uint32_t missed_deadlines) noexcept;
+    void watch_windings(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    void watch_window(const SafetyOrders &orders, double elapsed_s) noexcept;
+    void watch_link(const Link &link, double elapsed_s) noexcept;
     void watch_energy(const Observation &seen) noexcept;
     void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
     void trip_above(TripCause cause, double measured, double limit) noexcept;
+    void check_link(const Link &link, const SafetyOrders &orders) noexcept;
+    void check_clocks(const Link &link, const SafetyOrders &orders) noexcept;
     void check(const DeviceCommand &wanted, const Observation &seen,
                const SafetyOrders &orders) noexcept;
+    [[nodiscard]] DeviceCommand safe_state() const noexcept;
     void check_motion(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
@@ -112,6 +131,9 @@ private:
     double cut_off_s_ = 0.0;         ///< how long e_W has been cut off at the supply
     std::uint32_t heartbeat_ = 0;
     double window_silent_s_ = 0.0;
+    double stale_s_ = 0.0;              ///< since the last fresh measurement
+    std::uint32_t held_ticks_ = 0;      ///< since the last one that told anything
+    bool amplifier_is_at_fault_ = false; ///< as its board last said
     HeldBack held_back_;
     double force_share_ = 1.0; ///< that the limiter let through in the last tick
     SafetyStatus status_;

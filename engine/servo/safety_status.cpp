@@ -1,8 +1,12 @@
 #include "engine/servo/safety_status.h"
 
+#include "device/haptic_device.h"
+
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 namespace springdrive {
 
@@ -24,6 +28,26 @@ std::string crossed(const SafetyStatus &status, const Wording &wording) {
     return text.data();
 }
 
+/// Of a board's faults, by their bits.
+std::string names_of(double bits) {
+    constexpr std::array<std::pair<std::uint16_t, const char *>, 6> kNames{{
+        {BoardFaults::kAmplifier, "an amplifier at fault"},
+        {BoardFaults::kOverCurrent, "too much current"},
+        {BoardFaults::kTemperature, "too much heat"},
+        {BoardFaults::kSupply, "a wrong supply voltage"},
+        {BoardFaults::kEncoder, "encoder signals without sense"},
+        {BoardFaults::kNoCommand, "that no command came in time"},
+    }};
+    const BoardFaults faults{static_cast<std::uint16_t>(bits)};
+    std::string text;
+    for (const auto &[fault, name] : kNames) {
+        if (faults.has(fault)) {
+            text += (text.empty() ? "" : ", ") + std::string(name);
+        }
+    }
+    return text.empty() ? "a fault that has no name here" : text;
+}
+
 } // namespace
 
 std::string description(const SafetyStatus &status) {
@@ -35,12 +59,16 @@ std::string description(const SafetyStatus &status) {
         return "emergency stop";
     case TripCause::device_lost:
         return "the device does not answer";
+    case TripCause::board_fault:
+        return "the device's board reports " + names_of(status.measured);
+    case TripCause::stale_measurement:
+        return crossed(status, {"no fresh measurement for", " ms", 1, 1e3});
     case TripCause::not_finite:
         return "a value that is not finite";
     case TripCause::torn_inputs:
         return "parameters that arrived torn";
     case TripCause::missed_deadlines:
-        return crossed(status, {"deadlines missed in a row", "", 0});
+        return crossed(status, {"deadlines missed in a row for", " ms", 1, 1e3});
     case TripCause::window_silent:
         return crossed(status, {"no sign of life of the window for", " s", 2});
     case TripCause::encoder_jump:

@@ -21,6 +21,8 @@ enum class TripCause : std::uint8_t {
     none,
     emergency_stop,
     device_lost,
+    board_fault,
+    stale_measurement,
     not_finite,
     torn_inputs,
     missed_deadlines,
@@ -36,16 +38,18 @@ enum class TripCause : std::uint8_t {
 };
 
 /// Their names in records, by their number.
-inline constexpr std::array<std::string_view, 15> kTripCauseNames{
-    "none",         "emergency_stop",   "device_lost",   "not_finite",
-    "torn_inputs",  "missed_deadlines", "window_silent", "encoder_jump",
+inline constexpr std::array<std::string_view, 17> kTripCauseNames{
+    "none",        "emergency_stop",    "device_lost",      "board_fault",
+    "stale_measurement", "not_finite", "torn_inputs",  "missed_deadlines", "window_silent", "encoder_jump",
     "current",      "tip_force",        "tip_speed",     "winding_temperature",
     "beyond_stops", "energy",           "voltage"};
 
 struct SafetyStatus {
     SafetyState state = SafetyState::waiting;
     TripCause cause = TripCause::none;
-    double measured = 0.0; ///< what crossed the limit, in the limit's SI unit; 0 where none did
+    /// What crossed the limit, in the limit's SI unit, or the bits of a board's faults; 0 where
+    /// nothing did.
+    double measured = 0.0;
     double limit = 0.0;
     double ramp = 0.0; ///< 0 to 1, share of the command that passes
 };

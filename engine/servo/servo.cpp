@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 #include "engine/servo/deadlines.h"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <future>
@@ -28,6 +29,31 @@ std::int64_t nanoseconds(std::chrono::steady_clock::duration duration) {
 double seconds(std::chrono::steady_clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
+
+/// How long a world that waits goes on while its window gives no sign of life: well within what
+/// the monitor bears, so that a window that only is slow stops nothing.
+class WindowPatience {
+public:
+    explicit WindowPatience(const HapticDevice &device)
+        : waits_(device.clock() == DeviceClock::servo),
+          longest_s_(device.description().limits.window_silence_s) {}
+
+    [[nodiscard]] bool is_over(const ServoInputs &inputs, double now_s) noexcept {
+        constexpr double kShare = 0.5;
+        if (inputs.heartbeat != heartbeat_ || inputs.heartbeat == 0) {
+            heartbeat_ = inputs.heartbeat;
+            beat_s_ = now_s;
+        }
+        return waits_ &&
+               now_s - beat_s_ > kShare * std::min(longest_s_, inputs.limits.window_silence_s);
+    }
+
+private:
+    bool waits_;
+    double longest_s_;
+    std::uint32_t heartbeat_ = 0;
+    double beat_s_ = 0.0;
+};
 
 /// std::this_thread::sleep_until sleeps relative to now when the clock is not the system's own;
 /// this one keeps the absolute deadline.
@@ -58,54 +84,109 @@ Servo::Servo(HapticDevice &device, double servo_hz)
       record_samples_(kRecordRing) {}
 
 std::vector<std::string> Servo::start(const ServoThread &how) {
-    std::promise<std::vector<std::string>> promise;
-    std::future<std::vector<std::string>> answer = promise.get_future();
+    how_ = how;
+    has_started_ = true;
     short_idle_.emplace(); // before the first deadline
-    thread_ = std::thread([this, how, promise = std::move(promise)]() mutable {
-        promise.set_value(make_this_thread_real_time(how.cpu));
-        if (how.on_start) {
-            how.on_start();
-        }
-        run();
-    });
-    std::vector<std::string> remarks = answer.get();
+    std::vector<std::string> remarks = run_on_a_thread();
+    how_.on_start = nullptr;
     if (!short_idle_->remark().empty()) {
         remarks.push_back(short_idle_->remark());
     }
     return remarks;
 }
 
+std::vector<std::string> Servo::run_on_a_thread() {
+    std::promise<std::vector<std::string>> promise;
+    std::future<std::vector<std::string>> answer = promise.get_future();
+    stopping_.store(false, std::memory_order_relaxed);
+    thread_ = std::thread([this, how = how_, promise = std::move(promise)]() mutable {
+        promise.set_value(make_this_thread_real_time(how.cpu));
+        if (how.on_start) {
+            how.on_start();
+        }
+        run();
+    });
+    return answer.get();
+}
+
 void Servo::run() noexcept {
-    const Clock::time_point origin = Clock::now();
-    Clock::time_point last_start{};
+    const Clock::time_point begin = Clock::now();
+    const Clock::time_point origin = origin_.value_or(begin);
+    origin_ = origin;
+    Clock::time_point last_start = begin;
+    bool is_first = true;
     Deadlines deadlines(servo_hz_);
+    WindowPatience patience(loop_.device());
+    std::uint32_t waited = 0; // deadlines at which a world waited for its window
     while (!stopping_.load(std::memory_order_relaxed)) {
         const std::int64_t due_ns = deadlines.next_ns();
-        sleep_until(origin + std::chrono::nanoseconds(due_ns));
+        sleep_until(begin + std::chrono::nanoseconds(due_ns));
         const Clock::time_point start = Clock::now();
-        deadlines.begin(nanoseconds(start - origin));
-
-        const DeviceState state = loop_.exchange();
+        deadlines.begin(nanoseconds(start - begin));
+        const ServoInputs &inputs = inputs_.latest();
+        if (patience.is_over(inputs, seconds(start - begin))) {
+            waited += 1 + deadlines.missed();
+            deadlines.end(nanoseconds(Clock::now() - begin));
+            continue;
+        }
+        const Measurement measured = loop_.read();
         const Clock::time_point answered = Clock::now();
-        ServoSample sample = loop_.update(state, inputs_.latest(),
-                                          {deadlines.missed(), deadlines.missed_in_a_row()});
+        ServoSample sample = loop_.update(
+            measured, inputs, {deadlines.missed() + waited, deadlines.missed_in_a_row() + waited});
+        const Clock::time_point found = Clock::now();
+        loop_.write();
         const Clock::time_point end = Clock::now();
         sample.clock_s = seconds(start - origin);
-        sample.lateness_s = sample.clock_s - 1e-9 * static_cast<double>(due_ns);
-        if (sample.tick > 0) {
+        sample.lateness_s = seconds(start - begin) - 1e-9 * static_cast<double>(due_ns);
+        if (!is_first) {
             sample.period_s = seconds(start - last_start);
         }
-        sample.exchange_s = seconds(answered - start);
-        sample.compute_s = seconds(end - answered);
+        sample.read_s = seconds(answered - start);
+        sample.compute_s = seconds(found - answered);
+        sample.write_s = seconds(end - found);
         last_start = start;
+        is_first = false;
+        waited = 0;
         hand_over(sample);
-        deadlines.end(nanoseconds(Clock::now() - origin));
+        deadlines.end(nanoseconds(Clock::now() - begin));
     }
 }
 
 void Servo::advance(int ticks) {
     for (int i = 0; i < ticks; ++i) {
-        hand_over(loop_.update(loop_.exchange(), inputs_.latest()));
+        hand_over(loop_.tick(inputs_.latest()));
+    }
+}
+
+bool Servo::pause() noexcept {
+    if (!thread_.joinable()) {
+        return false;
+    }
+    stopping_.store(true, std::memory_order_relaxed);
+    thread_.join();
+    return true;
+}
+
+void Servo::resume() {
+    if (has_started_ && !stopped_ && !thread_.joinable()) {
+        static_cast<void>(run_on_a_thread());
+    }
+}
+
+void Servo::set_rate(double servo_hz) {
+    const double period_s = servo_period_s(servo_hz);
+    const bool ran = pause();
+    try {
+        loop_.set_period(period_s);
+        servo_hz_ = servo_hz;
+    } catch (...) {
+        if (ran) {
+            resume();
+        }
+        throw;
+    }
+    if (ran) {
+        resume();
     }
 }
 
@@ -117,11 +198,8 @@ void Servo::hand_over(const ServoSample &sample) noexcept {
 }
 
 void Servo::stop() noexcept {
-    if (thread_.joinable()) {
-        stopping_.store(true, std::memory_order_relaxed);
-        thread_.join();
-        short_idle_.reset();
-    }
+    pause();
+    short_idle_.reset();
     if (!std::exchange(stopped_, true)) {
         loop_.stop();
     }

@@ -1,11 +1,15 @@
 // The servo: a loop on its own thread and clock, or in lockstep with whoever calls it.
 //
-//   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: exchange, update ─┐
-//   window ◄── drain(ServoSample)  ◄── ring    ◄── │                            │
-//   recorder ◄── record_ring()     ◄── ring    ◄── └────────────────────────────┘
+//   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: read, update, write ─┐
+//   window ◄── drain(ServoSample)  ◄── ring    ◄── │                               │
+//   recorder ◄── record_ring()     ◄── ring    ◄── └───────────────────────────────┘
 //
 // Nothing between the threads waits. Destroying the servo stops it; the last thing that the device
 // hears is the safe state.
+//
+// A device that keeps the servo's clock, a simulated one, is a world that waits: while the host
+// does not let the servo run, or the window is silent, its time stands still, and nothing of it
+// was missed. Deadlines missed are counted all the same.
 #pragma once
 
 #include "base/latest_value.h"
@@ -55,6 +59,18 @@ public:
     /// Ends the thread if there is one, and sends the safe state. Harmless twice.
     void stop() noexcept;
 
+    /// Ends the thread if there is one, for a moment: the amplifiers hold the last command, and
+    /// whoever paused may talk to the device. Tells whether it ran.
+    bool pause() noexcept;
+
+    /// Goes on as it was started, with all that it remembers.
+    void resume();
+
+    /// Another rate from the next tick on, in the midst of whatever goes on.
+    /// @throw InputError as `servo_period_s` does, or the device; the old rate stays then
+    void set_rate(double servo_hz);
+    [[nodiscard]] double rate_hz() const { return servo_hz_; }
+
     /// Hands every sample since the last call to `take`, oldest first. The thread of `publish`.
     template <typename Take> void drain(Take &&take) { samples_.drain(take); }
 
@@ -71,9 +87,13 @@ private:
     using Clock = std::chrono::steady_clock;
 
     void run() noexcept;
+    std::vector<std::string> run_on_a_thread();
     void hand_over(const ServoSample &sample) noexcept;
 
     double servo_hz_;
+    ServoThread how_; ///< its thread was started
+    bool has_started_ = false;
+    std::optional<Clock::time_point> origin_; ///< of its clock
     ServoLoop loop_;
     LatestValue<ServoInputs> inputs_{sealed({})};
     SampleRing<ServoSample> samples_;

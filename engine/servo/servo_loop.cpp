@@ -27,6 +27,9 @@ constexpr double kLeastSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+/// A device's clock may leap; no count of periods does more than this.
+constexpr double kMostMissedPeriods = 1e6;
+
 /// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
 double greatest_dR_step_Ohm(const DeviceDescription &device, double period_s) {
     double peak_A = 0.0;
@@ -47,14 +50,33 @@ ServoLoop::ServoLoop(HapticDevice &device, double period_s)
 
 void ServoLoop::stop() noexcept {
     command_ = DeviceCommand::braking();
-    static_cast<void>(device_.exchange(command_));
+    device_.write(command_);
 }
 
-void ServoLoop::take(const ServoInputs &inputs) noexcept {
+void ServoLoop::set_period(double period_s) {
+    device_.set_period(period_s);
+    time_base_s_ += static_cast<double>(tick_ - time_base_tick_) * period_s_;
+    time_base_tick_ = tick_;
+    period_s_ = period_s;
+    greatest_dR_step_Ohm_ = greatest_dR_step_Ohm(device_.description(), period_s);
+    change_over_.set_period(period_s);
+    safety_.set_period(period_s);
+}
+
+/// What does not wait for a measurement.
+void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count) {
         safety_.reset();
     }
     stops_now_ = inputs.stop_count != inputs_.stop_count;
+    inputs_.reset_count = inputs.reset_count;
+    inputs_.stop_count = inputs.stop_count;
+    inputs_.emergency_stop = inputs.emergency_stop;
+    inputs_.heartbeat = inputs.heartbeat;
+}
+
+void ServoLoop::take(const ServoInputs &inputs) noexcept {
+    take_orders(inputs);
     const ServoInputs last = inputs_;
     inputs_ = inputs;
     if (!is_valid(inputs.tuning)) {
@@ -68,7 +90,7 @@ void ServoLoop::take(const ServoInputs &inputs) noexcept {
 }
 
 void ServoLoop::approach(const Tuning &wanted) noexcept {
-    if (tick_ == 0 || !safety_.lets_pass()) {
+    if (!has_measured_ || !safety_.lets_pass()) {
         tuning_ = wanted; // nobody feels it
         return;
     }
@@ -102,7 +124,7 @@ Configuration ServoLoop::configuration(const Vector3 &theta_rad,
 
 Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
     scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_;
-    if (tick_ == 0 || scene_is_new_) {
+    if (!has_measured_ || scene_is_new_) {
         scene_id_ = inputs_.scene_id;
         surface_ = inputs_.surface;
         proxy_.reset(tip_m);
@@ -180,21 +202,21 @@ Vector3 ServoLoop::spring_force_N(const Configuration &now, const Tuning &tuning
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
-Configuration ServoLoop::sense(const DeviceState &state, ServoSample &sample) noexcept {
-    since_last_s_ = (1.0 + sample.missed_deadlines) * period_s_;
-    sample.counts = state.counts;
-    sample.health = state.health;
-    sample.current_A = state.current_A;
-    const Vector3 theta_rad = law_.theta_rad(state.counts);
-    if (tick_ == 0) {
+Configuration ServoLoop::sense(const Measurement &measured, ServoSample &sample) noexcept {
+    const Vector3 theta_rad = law_.theta_rad(measured.counts);
+    if (!has_measured_) {
         velocity_filter_.reset(theta_rad);
     }
     const Configuration now = configuration(theta_rad, tuning_.lambda_rad_per_s);
+    note_motion(now, sample);
+    return now;
+}
+
+void ServoLoop::note_motion(const Configuration &now, ServoSample &sample) const noexcept {
     sample.theta_rad = now.theta_rad;
     sample.theta_rate_rad_per_s = now.theta_rate_rad_per_s;
     sample.tip_m = now.tip_m;
-    sample.tip_force_N = static_tip_force(now.J, law_.k_T(), state.current_A);
-    return now;
+    sample.tip_force_N = static_tip_force(now.J, law_.k_T(), sample.current_A);
 }
 
 /// From what the law wants to what the device gets.
@@ -202,37 +224,119 @@ void ServoLoop::guard(DeviceCommand wanted, const Observation &seen, bool inputs
                       ServoSample &sample) noexcept {
     wanted.e_W_V += sample.carried_V;
     last_e_W_V_ = within_supply(wanted.e_W_V);
-    command_ = safety_.pass(wanted, seen,
-                            {inputs_.limits, inputs_.emergency_stop || stops_now_,
-                             inputs_.heartbeat, inputs_are_whole});
+    command_ = safety_.pass(wanted, seen, orders(inputs_are_whole));
+}
+
+SafetyOrders ServoLoop::orders(bool inputs_are_whole) const noexcept {
+    return {inputs_.limits, inputs_.emergency_stop || stops_now_, inputs_.heartbeat,
+            inputs_are_whole};
+}
+
+/// By the device's clock: numbers where it keeps the servo's, else its own time.
+ServoLoop::Passed ServoLoop::passed(const Measurement &measured,
+                                    const TickTiming &timing) noexcept {
+    const bool waits = device_.clock() == DeviceClock::servo;
+    if (!has_measured_) {
+        return {period_s_, 0, waits ? 0 : timing.missed_in_a_row};
+    }
+    if (!waits) {
+        const double since_s = measured.time_s - measured_.time_s;
+        const double since_last_s = since_s > 0.0 ? since_s : period_s_;
+        const double missed = std::round(since_last_s / period_s_) - 1.0;
+        return {since_last_s,
+                static_cast<std::uint32_t>(std::clamp(missed, 0.0, kMostMissedPeriods)),
+                timing.missed_in_a_row};
+    }
+    const std::uint64_t periods =
+        measured.number > measured_.number ? measured.number - measured_.number : 1;
+    const auto missed = static_cast<std::uint32_t>(
+        std::min(periods - 1, static_cast<std::uint64_t>(kMostMissedPeriods)));
+    const std::uint32_t skipped = missed - std::min(missed, held_ticks_);
+    skipped_in_a_row_ = skipped > 0 ? skipped_in_a_row_ + skipped : 0;
+    return {(1.0 + missed) * period_s_, missed, skipped_in_a_row_};
+}
+
+ServoSample ServoLoop::begin_sample(const Measurement &measured,
+                                    const TickTiming &timing) const noexcept {
+    ServoSample sample;
+    sample.tick = tick_;
+    sample.time_s = time_base_s_ + static_cast<double>(tick_ - time_base_tick_) * period_s_;
+    sample.measurement_number = measured.number;
+    sample.measured_s = measured.time_s;
+    sample.arrival = measured.arrival;
+    sample.health = measured.health;
+    sample.board_faults = measured.faults.bits;
+    sample.supply_V = measured.supply_V;
+    sample.missed_deadlines = timing.missed_deadlines;
+    sample.missed_in_a_row = timing.missed_in_a_row;
+    sample.tuning = tuning_;
+    sample.global_alpha_rad2_per_m2 = inputs_.global_alpha_rad2_per_m2;
+    return sample;
+}
+
+/// What is in force at the end of a tick.
+void ServoLoop::finish(const Measurement &measured, ServoSample &sample) noexcept {
+    command_.number = measured.number;
     sample.command = command_;
     sample.safety = safety_.status();
     sample.held_back = safety_.held_back();
     sample.limits = safety_.limits();
     sample.generated_energy_J = safety_.generated_energy_J();
     sample.winding = safety_.windings();
+    ++tick_;
 }
 
-ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &inputs,
+/// A tick without news: all stands as it was when there last were some.
+ServoSample ServoLoop::hold(const Measurement &measured, const ServoInputs &inputs,
+                            const TickTiming &timing) noexcept {
+    const bool whole = is_whole(inputs);
+    if (whole) {
+        take_orders(inputs);
+    }
+    ServoSample sample = begin_sample(measured, timing);
+    sample.scene_id = scene_id_;
+    sample.counts = measured_.counts;
+    sample.current_A = measured_.current_A;
+    sample.carried_V = change_over_.carried_V();
+    if (has_measured_) {
+        const Configuration then = law_.configuration(
+            velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
+        note_motion(then, sample);
+        sample.contact = contact_;
+        static_cast<void>(law(then, sample));
+    }
+    ++held_ticks_;
+    const bool waits = device_.clock() == DeviceClock::servo;
+    const Link link{measured.health, measured.arrival, measured.faults,
+                    waits ? skipped_in_a_row_ : timing.missed_in_a_row};
+    command_ = safety_.hold(command_, link, orders(whole));
+    finish(measured, sample);
+    return sample;
+}
+
+ServoSample ServoLoop::update(const Measurement &measured, const ServoInputs &inputs,
                               const TickTiming &timing) noexcept {
+    stops_now_ = false;
+    if (!has_news(measured.arrival) || measured.health == DeviceHealth::lost) {
+        return hold(measured, inputs, timing);
+    }
     const Before before{tuning_, inputs_.global_alpha_rad2_per_m2};
     const bool whole = is_whole(inputs);
-    stops_now_ = false;
     if (whole) {
         take(inputs);
     }
     approach(inputs_.tuning);
 
-    ServoSample sample;
-    sample.tick = tick_;
-    sample.time_s = static_cast<double>(tick_) * period_s_;
-    sample.missed_deadlines = timing.missed_deadlines;
-    sample.missed_in_a_row = timing.missed_in_a_row;
-    sample.tuning = tuning_;
-    sample.global_alpha_rad2_per_m2 = inputs_.global_alpha_rad2_per_m2;
+    const Passed since = passed(measured, timing);
+    since_last_s_ = since.since_last_s;
+    ServoSample sample = begin_sample(measured, timing);
+    sample.since_last_s = since.since_last_s;
+    sample.missed_periods = since.missed_periods;
+    sample.counts = measured.counts;
+    sample.current_A = measured.current_A;
 
     Observation seen;
-    seen.now = sense(state, sample);
+    seen.now = sense(measured, sample);
     sample.contact = touch(seen.now.tip_m);
     sample.scene_id = scene_id_;
     const LawOutcome found = law(seen.now, sample);
@@ -242,9 +346,9 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
     velocity_filter_ = VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
     sample.carried_V = change_over_.carried_V();
 
-    seen.health = state.health;
+    seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row};
     seen.tip_force_N = sample.tip_force_N;
-    seen.current_A = state.current_A;
+    seen.current_A = measured.current_A;
     seen.touching = sample.contact.touching;
     if (sample.contact.touching) {
         seen.spring_stretch_m = sample.contact.x0_m - seen.now.tip_m;
@@ -255,10 +359,14 @@ ServoSample ServoLoop::update(const DeviceState &state, const ServoInputs &input
     }
     seen.scene_is_new = scene_is_new_;
     seen.all_finite = sample.contact.x0_m.allFinite();
-    seen.missed_deadlines = timing.missed_deadlines;
-    seen.missed_in_a_row = timing.missed_in_a_row;
+    seen.missed_periods = since.missed_periods;
     guard(found.command, seen, whole, sample);
-    ++tick_;
+
+    measured_ = measured;
+    contact_ = sample.contact;
+    has_measured_ = true;
+    held_ticks_ = 0;
+    finish(measured, sample);
     return sample;
 }
 

@@ -15,27 +15,45 @@
 
 namespace springdrive {
 
-/// What the clock has to say of a tick; nothing in lockstep, where there is none.
+/// What the host's clock has to say of a tick; nothing in lockstep, where there is none.
 struct TickTiming {
     std::uint32_t missed_deadlines = 0; ///< passed over just before this tick
     std::uint32_t missed_in_a_row = 0;  ///< with those before the late ticks just before
 };
 
 /// Remembers between ticks only the velocity filter, the proxy, the safety monitor, what it was
-/// last told and how far it has followed, and the command that the next exchange will carry.
+/// last told and how far it has followed, what was last measured, and the command in force.
+///
+/// The time between two measurements is what the device's clock says. One that keeps the servo's
+/// clock waits for it: a host that comes late has missed nothing of it. Of one that does not wait,
+/// missed deadlines are the monitor's business.
 class ServoLoop {
 public:
     /// @param device  must outlive the loop, which is the only one to talk to it
     ServoLoop(HapticDevice &device, double period_s);
 
-    /// First half of a tick: sends the last command, fetches the newest measurement. RT-safe.
-    DeviceState exchange() noexcept { return device_.exchange(command_); }
+    // A tick in three parts, each RT-safe.
+    [[nodiscard]] Measurement read() noexcept { return device_.read(); }
 
-    /// Second half: from the measurement to the next command. RT-safe. All that it found is in the
-    /// sample returned. Inputs that are not as they were `sealed` are not looked at, and stop the
-    /// device.
-    ServoSample update(const DeviceState &state, const ServoInputs &inputs,
+    /// From the measurement to the command that answers it. All that it found is in the sample
+    /// returned. Inputs that are not as they were `sealed` are not looked at, and stop the device.
+    /// Where nothing new was measured the command in force stands, as long as the monitor lets it.
+    ServoSample update(const Measurement &measured, const ServoInputs &inputs,
                        const TickTiming &timing = {}) noexcept;
+
+    void write() noexcept { device_.write(command_); }
+
+    /// All three.
+    ServoSample tick(const ServoInputs &inputs, const TickTiming &timing = {}) noexcept {
+        const ServoSample sample = update(read(), inputs, timing);
+        write();
+        return sample;
+    }
+
+    /// T from the next tick on, of loop and device; all that is remembered stays. Not on the
+    /// servo's thread.
+    /// @throw InputError for a period that the device cannot keep
+    void set_period(double period_s);
 
     /// Sends the safe state, once and for all: the last thing a device hears. RT-safe.
     void stop() noexcept;
@@ -50,10 +68,25 @@ private:
         double global_alpha_rad2_per_m2 = 0.0;
     };
 
+    /// How the device's time went on.
+    struct Passed {
+        double since_last_s = 0.0; ///< between the last two measurements that told anything
+        std::uint32_t missed_periods = 0;
+        std::uint32_t missed_in_a_row = 0; ///< that the monitor is to judge
+    };
+
+    void take_orders(const ServoInputs &inputs) noexcept;
     void take(const ServoInputs &inputs) noexcept;
+    [[nodiscard]] Passed passed(const Measurement &measured, const TickTiming &timing) noexcept;
+    [[nodiscard]] ServoSample begin_sample(const Measurement &measured,
+                                           const TickTiming &timing) const noexcept;
+    [[nodiscard]] ServoSample hold(const Measurement &measured, const ServoInputs &inputs,
+                                   const TickTiming &timing) noexcept;
+    void finish(const Measurement &measured, ServoSample &sample) noexcept;
     void approach(const Tuning &wanted) noexcept;
     [[nodiscard]] bool in_force(const Before &before) const noexcept;
-    [[nodiscard]] Configuration sense(const DeviceState &state, ServoSample &sample) noexcept;
+    [[nodiscard]] Configuration sense(const Measurement &measured, ServoSample &sample) noexcept;
+    void note_motion(const Configuration &now, ServoSample &sample) const noexcept;
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               double lambda_rad_per_s) const noexcept;
     [[nodiscard]] Contact touch(const Vector3 &tip_m) noexcept;
@@ -64,6 +97,7 @@ private:
     [[nodiscard]] LawOutcome law(const Configuration &now, ServoSample &sample) const noexcept;
     [[nodiscard]] Vector3 spring_force_N(const Configuration &now, const Tuning &tuning,
                                          const MotorSetPoint &set_point) const noexcept;
+    [[nodiscard]] SafetyOrders orders(bool inputs_are_whole) const noexcept;
     void guard(DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
                ServoSample &sample) noexcept;
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
@@ -71,6 +105,8 @@ private:
     HapticDevice &device_;
     double period_s_;
     double since_last_s_ = period_s_; ///< from the last measurement to this one
+    double time_base_s_ = 0.0;        ///< the servo's time when its period was last set,
+    std::uint64_t time_base_tick_ = 0; ///< and its tick
     HapticLaw law_;
     Vector3 supply_V_;
     double greatest_dR_step_Ohm_;
@@ -86,7 +122,12 @@ private:
     ChangeOver change_over_;
     Vector3 last_e_W_V_{Vector3::Zero()}; ///< as wanted in the last tick
     SafetyMonitor safety_;
-    DeviceCommand command_;
+    DeviceCommand command_ = DeviceCommand::braking(); ///< in force
+    Measurement measured_;   ///< the last that told anything
+    Contact contact_;        ///< that it was in
+    bool has_measured_ = false;
+    std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device that keeps the servo's clock
+    std::uint32_t held_ticks_ = 0;       ///< since the last measurement that told anything
     std::uint64_t tick_ = 0;
 };
 

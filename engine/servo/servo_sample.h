@@ -16,9 +16,15 @@ namespace springdrive {
 
 struct ServoSample {
     std::uint64_t tick = 0;
-    double time_s = 0.0; ///< tick × T
-    std::array<std::int32_t, 3> counts{};
+    double time_s = 0.0; ///< of the servo: T more each tick
+    std::uint64_t measurement_number = 0;
+    double measured_s = 0.0; ///< when, by the device's clock
+    Arrival arrival = Arrival::fresh;
     DeviceHealth health = DeviceHealth::ok;
+    std::uint16_t board_faults = 0; ///< see BoardFaults
+    double supply_V = std::numeric_limits<double>::quiet_NaN();
+    double since_last_s = 0.0; ///< from the measurement before; 0 where nothing new was measured
+    std::array<std::int32_t, 3> counts{};
     Vector3 theta_rad{Vector3::Zero()};            ///< θ, from the counts
     Vector3 theta_rate_rad_per_s{Vector3::Zero()}; ///< θ̇_f
     Vector3 tip_m{Vector3::Zero()};                ///< x
@@ -44,14 +50,16 @@ struct ServoSample {
     SafetyLimits limits;                    ///< in force
     double generated_energy_J = 0.0;        ///< as the energy observer has it
     std::array<WindingStatus, 3> winding{}; ///< as the safety monitor has it, per motor
-    std::uint32_t missed_deadlines = 0;     ///< passed over before this tick
+    std::uint32_t missed_deadlines = 0;     ///< of the host, passed over before this tick
     std::uint32_t missed_in_a_row = 0;      ///< with those before the late ticks just before
+    std::uint32_t missed_periods = 0; ///< of the device, in which it was not measured for a tick
     // Measured by the clock; NaN in lockstep, where there is none.
     double clock_s = std::numeric_limits<double>::quiet_NaN();    ///< start, since the servo's own
     double lateness_s = std::numeric_limits<double>::quiet_NaN(); ///< from deadline to start
     double period_s = std::numeric_limits<double>::quiet_NaN();   ///< since the last tick began
-    double exchange_s = std::numeric_limits<double>::quiet_NaN(); ///< what the device took
-    double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from answer to command
+    double read_s = std::numeric_limits<double>::quiet_NaN();     ///< what the device took to read
+    double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from measurement to command
+    double write_s = std::numeric_limits<double>::quiet_NaN();    ///< and what it took to write
 };
 
 } // namespace springdrive

@@ -16,8 +16,9 @@ public:
         missed_ += sample.missed_deadlines;
         add_if_known(period_, sample.period_s);
         add_if_known(lateness_, sample.lateness_s);
-        add_if_known(exchange_, sample.exchange_s);
+        add_if_known(read_, sample.read_s);
         add_if_known(compute_, sample.compute_s);
+        add_if_known(write_, sample.write_s);
     }
 
     [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
@@ -27,10 +28,12 @@ public:
     [[nodiscard]] const DurationHistogram &period() const { return period_; }
     /// From a tick's deadline to its start: the jitter.
     [[nodiscard]] const DurationHistogram &lateness() const { return lateness_; }
-    /// What the device took.
-    [[nodiscard]] const DurationHistogram &exchange() const { return exchange_; }
-    /// From the device's answer to the next command.
+    /// What the device took to be read.
+    [[nodiscard]] const DurationHistogram &read() const { return read_; }
+    /// From the measurement to the command that answers it.
     [[nodiscard]] const DurationHistogram &compute() const { return compute_; }
+    /// What the device took to be told that.
+    [[nodiscard]] const DurationHistogram &write() const { return write_; }
 
 private:
     static void add_if_known(DurationHistogram &histogram, double duration_s) noexcept {
@@ -43,8 +46,9 @@ private:
     std::uint64_t missed_ = 0;
     DurationHistogram period_;
     DurationHistogram lateness_;
-    DurationHistogram exchange_;
+    DurationHistogram read_;
     DurationHistogram compute_;
+    DurationHistogram write_;
 };
 
 } // namespace springdrive

@@ -18,6 +18,12 @@ WindingGuard::WindingGuard(const MotorParameters &motor, double greatest_cancell
       coldest_(motor.thermal, kColdestAir_C, period_s), least_(coldest_),
       greatest_(motor.thermal, kWarmestAir_C, period_s) {}
 
+void WindingGuard::set_period(double period_s) noexcept {
+    coldest_.set_period(period_s);
+    least_.set_period(period_s);
+    greatest_.set_period(period_s);
+}
+
 void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexcept {
     const bool known = std::isfinite(current_A) && std::isfinite(current_A_);
     const bool passed_zero = !(current_A * current_A_ > 0.0);

@@ -42,6 +42,9 @@ public:
     /// @param period_s                T, how long each `update` lasts
     WindingGuard(const MotorParameters &motor, double greatest_cancelled_Ohm, double period_s);
 
+    /// What is known stays. RT-safe.
+    void set_period(double period_s) noexcept;
+
     /// One period later, with the current measured now. One that is not finite is unknown: it
     /// heats nothing at the least, and at the most as the amplifier's peak current would.
     ///

@@ -98,8 +98,8 @@ TEST_F(Record, MistakesAreSaidInOneLine) {
     expect_refusal({"record", folder / "no/such.rec"}, "such.rec");
     expect_refusal({"record", folder / "x.rec", "--seconds", "-1"}, "--seconds");
     expect_refusal({"record", folder / "x.rec", "--cpu", "4711"}, "4711");
-    expect_refusal({"record", folder / "x.rec", "--missed-limit", "0"}, "--missed-limit");
-    expect_refusal({"record", folder / "x.rec", "--missed-limit", "51"}, "50");
+    expect_refusal({"record", folder / "x.rec", "--late-limit-ms", "0"}, "--late-limit-ms");
+    expect_refusal({"record", folder / "x.rec", "--late-limit-ms", "51"}, "50");
     expect_refusal({"record", folder / "x.rec", "--json", folder / "x.rec"}, "x.rec");
     expect_refusal({"record", folder / "x.rec", "--json", folder / "no/x.json"}, "x.json");
     expect_refusal({"record", "-"}, "record");

@@ -90,8 +90,9 @@ std::unique_ptr<RecordedTouch> play(const std::string &name) {
         RecordedTouch{device, std::move(place.surface), std::move(place.path), {}, {}});
     ServoRig rig = touch->rig();
     for (std::size_t i = 0; i < RecordedTouch::kTicks; ++i) {
-        touch->states.push_back(rig.loop.exchange());
+        touch->states.push_back(rig.loop.read());
         touch->samples.push_back(rig.loop.update(touch->states.back(), rig.sealed_inputs));
+        rig.loop.write();
     }
     check(*touch, name);
     return touch;

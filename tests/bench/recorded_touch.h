@@ -18,7 +18,7 @@ struct ServoRig {
     ServoRig(const DeviceDescription &description, const HandPath &path,
              const HapticSurface &surface);
 
-    ServoSample tick() { return loop.update(loop.exchange(), sealed_inputs); }
+    ServoSample tick() { return loop.tick(sealed_inputs); }
 
     SimulatedPhantom device;
     ServoLoop loop;
@@ -34,7 +34,7 @@ struct RecordedTouch {
     HapticSurface surface;
     HandPath path;
     // One for each tick.
-    std::vector<DeviceState> states;
+    std::vector<Measurement> states;
     std::vector<ServoSample> samples;
 
     [[nodiscard]] ServoRig rig() const { return {description, path, surface}; }

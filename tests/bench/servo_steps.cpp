@@ -43,7 +43,7 @@ void step_device(benchmark::State &state, const RecordedTouch &touch) {
                 rig->tick();
             }
         },
-        [&](std::size_t tick) { return rig->device.exchange(touch.samples[tick - 1].command); });
+        [&](std::size_t tick) { return rig->device.advance(touch.samples[tick - 1].command); });
 }
 
 void step_inputs(benchmark::State &state, const RecordedTouch &touch) {

@@ -160,7 +160,8 @@ TEST(DeviceFile, HoldsTheEdgeAndTheLimits) {
     EXPECT_EQ(device.limits.tip_speed_m_per_s, 2.0);
     EXPECT_NEAR(device.limits.beyond_stops_rad, 3.0 * kDegree, 1e-15);
     EXPECT_EQ(device.limits.generated_energy_J, 0.03);
-    EXPECT_EQ(device.limits.missed_deadlines, 50);
+    EXPECT_DOUBLE_EQ(device.limits.late_s, 0.05);
+    EXPECT_DOUBLE_EQ(device.limits.stale_s, 0.005);
     EXPECT_EQ(device.limits.window_silence_s, 2.0);
 }
 
@@ -177,7 +178,7 @@ TEST(DeviceFile, RefusesLimitsThatCannotBe) {
     expect_range("limits", {"beyond_stops_deg", "3.0", {"0.1", "45.0"}, {"0.09", "45.1"}});
     expect_range("limits", {"generated_energy_J", "0.03", {"1e-4", "10.0"}, {"9e-5", "10.1"}});
     expect_range("limits",
-                 {"missed_deadlines", "50", {"1", "10000"}, {"0", "10001", "-1", "50.5"}});
+                 {"late_ms", "50.0", {"0.1", "10000.0"}, {"0.0", "10001.0", "-1.0", "nan"}});
     expect_range("limits", {"window_silence_s", "2.0", {"0.05", "60.0"}, {"0.04", "60.1"}});
 }
 

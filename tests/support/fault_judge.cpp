@@ -69,14 +69,21 @@ void FaultJudge::find(TripCause cause, double measured, double limit, double sla
     finding.must |= !(measured <= limit * (1.0 + slack));
 }
 
-void FaultJudge::look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing) {
+void FaultJudge::look_at_link(const Measurement &measured, const SafetyLimits &limits) {
+    find(TripCause::device_lost, measured.health == DeviceHealth::ok ? 0.0 : 1.0, 0.5, 0.0);
+    find(TripCause::board_fault, measured.faults.bits, 0.0, 0.0);
+    stale_s_ = measured.arrival == Arrival::fresh ? 0.0 : stale_s_ + elapsed_s_;
+    find(TripCause::stale_measurement, stale_s_, limits.stale_s, kRoundOff);
+}
+
+void FaultJudge::look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing,
+                                const SafetyLimits &limits) {
     find(TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
     find(TripCause::torn_inputs, torn ? 1.0 : 0.0, 0.5, 0.0);
-    const SafetyLimits limits = lowered(limits_of(device_), inputs.limits);
-    find(TripCause::missed_deadlines, timing.missed_in_a_row, limits.missed_deadlines, 0.0);
+    find(TripCause::missed_deadlines, timing.missed_in_a_row * period_s_, limits.late_s, kRoundOff);
     const bool silent = inputs.heartbeat == heartbeat_ && inputs.heartbeat != 0;
     heartbeat_ = inputs.heartbeat;
-    silent_s_ = silent ? silent_s_ + (1 + timing.missed_deadlines) * period_s_ : 0.0;
+    silent_s_ = silent ? silent_s_ + elapsed_s_ : 0.0;
     find(TripCause::window_silent, silent_s_, limits.window_silence_s, kRoundOff);
 }
 
@@ -113,14 +120,12 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const ServoSample &s
     current_A_ = current_A;
 }
 
-void FaultJudge::look_at_motion(const TipAt &now, const ServoSample &sample,
-                                const TickTiming &timing) {
+void FaultJudge::look_at_motion(const TipAt &now, const ServoSample &sample, double since_last_s) {
     if (knows_tip_) {
         // No hand does twice the greatest speed; and less than that speed is none of the encoders'.
         const double count_m =
             2.0 * std::numbers::pi / device_.encoder_counts_per_turn * now.J.norm();
-        const double way_m =
-            device_.limits.tip_speed_m_per_s * period_s_ * (1 + timing.missed_deadlines);
+        const double way_m = device_.limits.tip_speed_m_per_s * since_last_s;
         const double jump_m = (now.tip_m - tip_m_).norm();
         Finding &finding = findings_[static_cast<std::size_t>(TripCause::encoder_jump)];
         finding = {jump_m > way_m + 2 * count_m, jump_m > 2 * way_m + 5 * count_m, jump_m, way_m};
@@ -221,17 +226,26 @@ FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const DeviceCommand 
     return {share, back_emf_V + share * settling_A.cwiseProduct(least_Ohm)};
 }
 
-void FaultJudge::look(const DeviceState &state, const ServoInputs &inputs, bool torn,
+void FaultJudge::look(const Measurement &measured, const ServoInputs &inputs, bool torn,
                       const TickTiming &timing, const ServoSample &sample) {
     findings_ = {};
-    look_at_window(inputs, torn, timing);
-    find(TripCause::device_lost, state.health == DeviceHealth::ok ? 0.0 : 1.0, 0.5, 0.0);
-    find(TripCause::not_finite, state.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
+    const std::uint64_t period = period_ + 1 + timing.missed_deadlines;
+    elapsed_s_ = static_cast<double>(period - period_) * period_s_;
+    period_ = period;
+    const SafetyLimits limits = lowered(limits_of(device_), inputs.limits);
+    look_at_window(inputs, torn, timing, limits);
+    look_at_link(measured, limits);
+    if (measured.health == DeviceHealth::lost || measured.arrival == Arrival::repeated ||
+        measured.arrival == Arrival::corrupt || measured.arrival == Arrival::absent) {
+        return; // of the rest it tells nothing
+    }
+    find(TripCause::not_finite, measured.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
 
     const double rad_per_count = 2.0 * std::numbers::pi / device_.encoder_counts_per_turn;
     const Vector3 theta_rad =
-        rad_per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
-    const double since_last_s = (1 + timing.missed_deadlines) * period_s_;
+        rad_per_count * Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
+    const double since_last_s = static_cast<double>(period - told_period_) * period_s_;
+    told_period_ = period;
     const double a = std::exp(-sample.tuning.lambda_rad_per_s * since_last_s);
     if (knows_before_) {
         rate_rad_per_s_ = a * rate_rad_per_s_ + (1.0 - a) * (theta_rad - theta_rad_) / since_last_s;
@@ -240,10 +254,10 @@ void FaultJudge::look(const DeviceState &state, const ServoInputs &inputs, bool 
     knows_before_ = true;
 
     const TipAt now(device_.geometry, theta_rad);
-    const Vector3 force_N = now.force_N(k_T_.cwiseProduct(state.current_A));
-    look_at_currents(state.current_A, sample);
+    const Vector3 force_N = now.force_N(k_T_.cwiseProduct(measured.current_A));
+    look_at_currents(measured.current_A, sample);
     find(TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
-    look_at_motion(now, sample, timing);
+    look_at_motion(now, sample, since_last_s);
     look_at_energy(now, force_N, sample);
     DeviceCommand wanted = law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact,
                                 sample.tuning, sample.global_alpha_rad2_per_m2)

@@ -41,7 +41,7 @@ public:
     FaultJudge(const DeviceDescription &device, double period_s);
 
     /// One tick on: what came from the device, and what the servo made of it.
-    void look(const DeviceState &state, const ServoInputs &inputs, bool torn,
+    void look(const Measurement &measured, const ServoInputs &inputs, bool torn,
               const TickTiming &timing, const ServoSample &sample);
 
     /// As the monitor is reset in the coming tick, so is what the judge remembers.
@@ -57,9 +57,11 @@ public:
 
 private:
     void find(TripCause cause, double measured, double limit, double slack);
-    void look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing);
+    void look_at_link(const Measurement &measured, const SafetyLimits &limits);
+    void look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing,
+                        const SafetyLimits &limits);
     void look_at_currents(const Vector3 &current_A, const ServoSample &sample);
-    void look_at_motion(const TipAt &now, const ServoSample &sample, const TickTiming &timing);
+    void look_at_motion(const TipAt &now, const ServoSample &sample, double since_last_s);
     void look_at_stops(const Vector3 &q_rad, double limit_rad);
     void look_at_energy(const TipAt &now, const Vector3 &force_N, const ServoSample &sample);
     void look_at_voltage(const Vector3 &bearable_V, const ServoSample &sample);
@@ -85,6 +87,10 @@ private:
     Vector3 tip_m_{Vector3::Zero()};
     std::uint32_t heartbeat_ = 0;
     double silent_s_ = 0.0;
+    double stale_s_ = 0.0;
+    double elapsed_s_ = 0.0;        ///< since the last tick
+    std::uint64_t period_ = 0;      ///< of the device, in the last tick
+    std::uint64_t told_period_ = 0; ///< the same of the last tick that told anything
     Vector3 current_A_{Vector3::Zero()};
     Vector3 winding_C_;
     Vector3 housing_C_;

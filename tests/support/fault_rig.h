@@ -45,9 +45,9 @@ public:
     void expect_recovery();
     void reset();
 
-    /// From the next exchange on.
+    /// From the next period on.
     void commit(FaultKind kind, const Vector3 &size) {
-        device.commit({kind, size}, device.exchanges());
+        device.commit({kind, size}, device.periods());
     }
 
     [[nodiscard]] const ServoSample &last() const { return last_; }
@@ -67,7 +67,7 @@ public:
     bool force_is_bounded = true; ///< false where the fault itself leaves no bound
 
 private:
-    void check(const DeviceState &state, const DeviceCommand &before);
+    void check(const Measurement &measured);
     void check_trip() const;
     void check_force();
     void check_braking() const;

@@ -1,10 +1,12 @@
-// A device with a fault: passes everything on to a simulated PHANTOM and, from a given exchange on,
+// A device with a fault: passes everything on to a simulated PHANTOM and, from a given period on,
 // commits one fault, until it is mended.
 //
 //   servo ── e_W, R̂ ──► [gain, sag] ──► SimulatedPhantom
-//   servo ◄─ counts, i, health ◄── [step, flicker, drift, lateness, reading, silence] ◄── truth
+//   servo ◄─ measurement ◄── [step, flicker, drift, lateness, reading, silence] ◄── truth
 //
-// What a hand does wrong comes by its path or target; what a window does wrong is no device's.
+// It goes by the servo's clock, so that runs repeat, but does not wait for a servo that is late:
+// numbers go on. What a hand does wrong comes by its path or target; what a window does wrong is
+// no device's.
 #pragma once
 
 #include "device/simulated/simulated_phantom.h"
@@ -15,18 +17,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace springdrive::testing {
 
 enum class FaultKind : std::uint8_t {
     none,
-    silent,          ///< no answer: the last known state, health lost
+    silent,          ///< it is lost: the last known state
+    absent,          ///< it says nothing, and is not known to be lost
+    corrupt,         ///< what it says cannot be trusted
+    repeated,        ///< it says the last once more
+    board,           ///< its board reports the faults of size[0], as bits
     not_a_number,    ///< in each current whose size is not zero
     infinite,        ///< the same, with the sign of the size
     count_step,      ///< counts off by the size [counts]
-    count_flicker,   ///< the same, in every other exchange
-    count_drift,     ///< counts that run away by the size in each exchange [counts]
-    late_counts,     ///< counts of size[0] exchanges ago
+    count_flicker,   ///< the same, in every other period
+    count_drift,     ///< counts that run away by the size in each period [counts]
+    late_counts,     ///< counts of size[0] periods ago
     current_reading, ///< currents read as the size where it is not zero [A]
     sagging_winding, ///< R less by the size [Ω]
     amplifier_gain,  ///< e_W times the size; −1 is a swapped pair of wires
@@ -48,19 +55,26 @@ public:
     }
     [[nodiscard]] double delay_periods() const override { return device_.delay_periods(); }
 
-    DeviceState exchange(const DeviceCommand &command) noexcept override {
-        last_command_ = command;
-        const DeviceState truth = device_.exchange(reaching_the_motors(command));
-        past_counts_[exchanges_ % past_counts_.size()] = truth.counts;
+    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::servo; }
+    [[nodiscard]] Measurement read() noexcept override {
+        device_.write(reaching_the_motors(last_command_));
+        const Measurement truth = device_.read();
+        past_counts_[periods_ % past_counts_.size()] = truth.counts;
         answer_ = as_reported(truth);
-        ++exchanges_;
+        ++periods_;
         return answer_;
     }
+    void write(const DeviceCommand &command) noexcept override { last_command_ = command; }
+    [[nodiscard]] DeviceIdentity identity() const override { return device_.identity(); }
+    void set_period(double period_s) override { device_.set_period(period_s); }
+    void zero(const Vector3 &theta_rad) override { device_.zero(theta_rad); }
+    void close() noexcept override { device_.close(); }
+    void reconnect() override { device_.reconnect(); }
 
-    /// From the exchange of that number on, counted from zero; in place of the fault before.
-    void commit(const Fault &fault, std::uint64_t from_exchange) {
+    /// From the period of that number on, counted from zero; in place of the fault before.
+    void commit(const Fault &fault, std::uint64_t from_period) {
         fault_ = fault;
-        from_ = from_exchange;
+        from_ = from_period;
     }
     void mend() { fault_ = {}; }
 
@@ -72,7 +86,7 @@ public:
     /// Periods in which the servo does not come: the amplifiers hold the last command.
     void pass_by(int periods) noexcept {
         for (int i = 0; i < periods; ++i) {
-            static_cast<void>(device_.exchange(reaching_the_motors(last_command_)));
+            static_cast<void>(device_.advance(reaching_the_motors(last_command_)));
         }
     }
 
@@ -80,11 +94,11 @@ public:
 
     [[nodiscard]] const SimulatedPhantom::Truth &truth() const { return device_.truth(); }
     [[nodiscard]] const DeviceCommand &last_command() const { return last_command_; }
-    [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
+    [[nodiscard]] std::uint64_t periods() const { return periods_; }
 
 private:
     [[nodiscard]] FaultKind present() const {
-        return exchanges_ >= from_ ? fault_.kind : FaultKind::none;
+        return periods_ >= from_ ? fault_.kind : FaultKind::none;
     }
 
     [[nodiscard]] DeviceCommand reaching_the_motors(DeviceCommand command) const {
@@ -96,16 +110,22 @@ private:
         return command;
     }
 
-    [[nodiscard]] DeviceState as_reported(DeviceState state) const {
+    [[nodiscard]] Measurement as_reported(Measurement state) const {
         const FaultKind kind = present();
-        if (kind == FaultKind::silent) {
+        if (const std::optional<Arrival> arrival = arrival_by(kind)) {
+            const std::uint64_t number = state.number;
             state = answer_;
-            state.health = DeviceHealth::lost;
+            state.number = kind == FaultKind::repeated ? answer_.number : number;
+            state.arrival = *arrival;
+            state.health = kind == FaultKind::silent ? DeviceHealth::lost : DeviceHealth::ok;
+        }
+        if (kind == FaultKind::board) {
+            state.faults.bits = static_cast<std::uint16_t>(fault_.size[0]);
         }
         if (kind == FaultKind::late_counts) {
             const auto late = static_cast<std::uint64_t>(fault_.size[0]);
             state.counts =
-                past_counts_[(exchanges_ - std::min(late, exchanges_)) % past_counts_.size()];
+                past_counts_[(periods_ - std::min(late, periods_)) % past_counts_.size()];
         }
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);
@@ -125,9 +145,24 @@ private:
         return state;
     }
 
+    /// How a measurement comes that tells nothing.
+    [[nodiscard]] static std::optional<Arrival> arrival_by(FaultKind kind) {
+        switch (kind) {
+        case FaultKind::silent:
+        case FaultKind::absent:
+            return Arrival::absent;
+        case FaultKind::corrupt:
+            return Arrival::corrupt;
+        case FaultKind::repeated:
+            return Arrival::repeated;
+        default:
+            return std::nullopt;
+        }
+    }
+
     /// How many times its size a fault of the counts has grown to.
     [[nodiscard]] double steps(FaultKind kind) const {
-        const std::uint64_t since = exchanges_ - from_;
+        const std::uint64_t since = periods_ - from_;
         switch (kind) {
         case FaultKind::count_step:
             return 1.0;
@@ -143,9 +178,9 @@ private:
     SimulatedPhantom device_;
     Fault fault_;
     std::uint64_t from_ = 0;
-    std::uint64_t exchanges_ = 0;
+    std::uint64_t periods_ = 0;
     DeviceCommand last_command_;
-    DeviceState answer_;
+    Measurement answer_;
     std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
 };
 

@@ -159,7 +159,7 @@ void TuningStorm::check_step(const ServoSample &sample) {
     };
     const auto configuration = [&](const ServoSample &tuned) {
         VelocityFilter filter(before_.theta_rad, before_.theta_rate_rad_per_s);
-        const double since_last_s = (1.0 + sample.missed_deadlines) * period_s_;
+        const double since_last_s = (1.0 + sample.missed_periods) * period_s_;
         const double pole = velocity_filter_pole(tuned.tuning.lambda_rad_per_s, since_last_s);
         return law_.configuration(sample.theta_rad,
                                   filter.update(sample.theta_rad, pole, since_last_s));

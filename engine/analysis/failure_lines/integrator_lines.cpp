@@ -158,7 +158,7 @@ TriedLine ours(const ContactMode &mode) {
         double energy_J = plant.stored_energy_J();
         const double round_off_J = kRoundOff * energy_J;
         for (int i = 0; i < kSteps; ++i) {
-            static_cast<void>(plant.exchange(mode.command));
+            static_cast<void>(plant.advance(mode.command));
             const double before_J = energy_J;
             energy_J = plant.stored_energy_J();
             if (!(energy_J <= before_J + round_off_J)) {

@@ -9,10 +9,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// States, in blocks of one for each motor: θ, its way since the last tick, θ̇, i, θ̇_f, the command
-/// in force, and the one that waits to be sent.
-enum Block : Index { theta, moved, rate, current, velocity, in_force, waiting };
-constexpr Index kBlocks = waiting + 1;
+/// States, in blocks of one for each motor: θ, its way since the last tick, θ̇, i, θ̇_f and the
+/// command in force.
+enum Block : Index { theta, moved, rate, current, velocity, in_force };
+constexpr Index kBlocks = in_force + 1;
 
 class Maps {
 public:
@@ -33,20 +33,14 @@ public:
         return map;
     }
 
-    /// The law reads, and has its command wait.
+    /// The law reads and answers.
     [[nodiscard]] MatrixXd tick(const SampledLaw &law) const {
         const double a = law.filter_pole;
         const MatrixXd v = a * rows(velocity) + (1.0 - a) / law.period_s * rows(moved);
         MatrixXd map = identity();
         map.middleRows(moved * n_, n_).setZero();
         map.middleRows(velocity * n_, n_) = v;
-        map.middleRows(waiting * n_, n_) = law.per_velocity * v + law.per_position * rows(theta);
-        return map;
-    }
-
-    [[nodiscard]] MatrixXd send() const {
-        MatrixXd map = identity();
-        map.middleRows(in_force * n_, n_) = rows(waiting);
+        map.middleRows(in_force * n_, n_) = law.per_velocity * v + law.per_position * rows(theta);
         return map;
     }
 
@@ -69,11 +63,9 @@ double late_ticks_eigenvalue(const StabilityCase &which, const LoopMember &membe
         return sampled_law(at, member);
     };
     const Maps maps(load.motors());
-    const MatrixXd period = maps.advance(sampled_load(load, T));
-    const MatrixXd late =
-        missed == 0 ? maps.identity() : maps.advance(sampled_load(load, missed * T));
-    const MatrixXd until_late = period * maps.send() * late * maps.tick(law(1));
-    const MatrixXd until_on_time = period * maps.send() * maps.tick(law(1 + missed));
+    const MatrixXd until_late =
+        maps.advance(sampled_load(load, (1 + missed) * T)) * maps.tick(law(1));
+    const MatrixXd until_on_time = maps.advance(sampled_load(load, T)) * maps.tick(law(1 + missed));
     return MatrixXd(until_on_time * until_late).eigenvalues().cwiseAbs().maxCoeff();
 }
 

@@ -1,11 +1,10 @@
 // Stability of a servo whose every other tick is late, by eigenvalues.
 //
-//   tick      send                 tick late by k T   send          tick
-//    A ─────── · · · · · · · · · ──── (A's) ── T ──── B ── (B's) ── T ─── A
-//              k T behind what was sent before
+//   tick                        tick, late by k T      tick
+//    A ─────── A's, (1 + k) T ───── B ── B's, T ──────── A
 //
-// What a tick finds is sent with the next exchange. Where that comes late, the amplifiers hold what
-// they had until then; and the way since the last tick is one of (1 + k) T.
+// The amplifiers hold what a tick found until the next one, which sees the way since then as one of
+// (1 + k) T.
 #pragma once
 
 #include "engine/analysis/stability/stability_case.h"

@@ -25,10 +25,15 @@ StabilityCase firm_in_a_hand(const StabilityCase &which) {
     return firm;
 }
 
+/// Deadlines missed in a row that the monitor bears.
+int missed_limit(const StabilityCase &which) {
+    return static_cast<int>(std::floor(which.device.limits.late_s / which.period_s + 1e-6));
+}
+
 /// One tick is late by so much. The first limit + 1 periods of it are too many.
 TriedLine late_tick(const StabilityCase &which) {
     const double period_ms = kMilli * which.period_s;
-    const int limit = which.device.limits.missed_deadlines;
+    const int limit = missed_limit(which);
     TriedLine tried{
         {kMethod,
          "a tick later than",
@@ -77,7 +82,7 @@ bool dies_out(const StabilityCase &which, int missed) {
 
 /// Jitter at its worst: on time, late, on time, late.
 TriedLine every_other_tick_late(const StabilityCase &which) {
-    const int most = which.device.limits.missed_deadlines;
+    const int most = missed_limit(which);
     int predicted = 0;
     while (predicted < most &&
            late_ticks_eigenvalue(which, members(which).front(), predicted + 1) < 1.0) {
@@ -121,21 +126,21 @@ TriedLine late_answers(const StabilityCase &which) {
             [=](double periods) { return dies_out(delayed(static_cast<int>(periods)), 0); }};
 }
 
-/// No answer is guessed: the first that is missing stops the device.
-TriedLine missing_answers(const StabilityCase &which) {
+/// A device that is gone stops the servo at once.
+TriedLine lost_device(const StabilityCase &which) {
     return {{kMethod,
-             "answers missing, more than",
+             "device lost, ticks more than",
              "–",
-             "a lost device, or one frame of it",
+             "unplugged, say; no command can reach it",
              0.0,
              {},
              {}},
             0.0,
             10.0,
             true,
-            [=](double missing) {
+            [=](double lost) {
                 ServoRig rig({which, 0.0});
-                rig.device.stay_silent(static_cast<int>(missing));
+                rig.device.stay_lost(static_cast<int>(lost));
                 for (int i = 0; i < 20; ++i) {
                     static_cast<void>(rig.tick());
                 }
@@ -143,21 +148,44 @@ TriedLine missing_answers(const StabilityCase &which) {
             }};
 }
 
-/// The tick that sees it already commands braking, which the next exchange brings.
+/// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
+TriedLine missing_answers(const StabilityCase &which) {
+    const double budget = which.device.limits.stale_s / which.period_s;
+    return {{kMethod,
+             "measurements missing in a row, more than",
+             "–",
+             "1 kHz; the last command stands meanwhile",
+             std::floor(budget + 1e-6),
+             {},
+             {}},
+            0.0,
+            3.0 * budget,
+            true,
+            [=](double missing) {
+                ServoRig rig({which, 0.0});
+                rig.device.stay_silent(static_cast<int>(missing));
+                for (int i = 0; i < 30; ++i) {
+                    static_cast<void>(rig.tick());
+                }
+                return !rig.has_tripped();
+            }};
+}
+
+/// The tick that sees it commands braking before it ends.
 TriedLine volts_off(const StabilityCase &which) {
     TriedLine tried;
     tried.line = {kMethod,   "volts off after",
-                  "periods", "an answer is missing while a relaxed hand presses",
-                  1.0,       {},
+                  "periods", "the device is lost while a relaxed hand presses",
+                  0.0,       {},
                   {}};
     tried.reading = [=]() -> std::optional<double> {
         ServoRig rig({which, 20.0});
         rig.press(2.0);
-        rig.device.stay_silent(1000);
-        for (int exchanges = 0; exchanges < 100; ++exchanges) {
+        rig.device.stay_lost(1000);
+        for (int ticks = 0; ticks < 100; ++ticks) {
             static_cast<void>(rig.tick());
             if (rig.device.heard().e_W_V.isZero(0.0)) {
-                return exchanges;
+                return ticks;
             }
         }
         return std::nullopt;
@@ -224,8 +252,9 @@ TriedLine silent_window(const StabilityCase &which) {
 
 std::vector<TriedLine> servo_lines(const StabilityCase &which) {
     const StabilityCase firm = firm_in_a_hand(which);
-    return {new_scene(firm),       late_tick(firm), every_other_tick_late(firm), late_answers(firm),
-            missing_answers(firm), volts_off(firm), silent_window(firm)};
+    return {new_scene(firm),    late_tick(firm),    every_other_tick_late(firm),
+            late_answers(firm), lost_device(firm),  missing_answers(firm),
+            volts_off(firm),    silent_window(firm)};
 }
 
 } // namespace springdrive

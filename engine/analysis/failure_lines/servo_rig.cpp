@@ -45,20 +45,23 @@ TriangleSoup room(const Vector3 &corner_m) {
 
 } // namespace
 
-DeviceState FailingDevice::exchange(const DeviceCommand &command) noexcept {
-    heard_ = command;
-    const DeviceState truth = plant_->exchange(command);
-    if (silent_ > 0) {
-        --silent_;
-        answer_.health = DeviceHealth::lost;
+Measurement FailingDevice::read() noexcept {
+    const Measurement truth = plant_->read();
+    if (silent_ > 0 || lost_ > 0) {
+        answer_.arrival = Arrival::absent;
+        answer_.health = lost_ > 0 ? DeviceHealth::lost : DeviceHealth::ok;
+        silent_ = std::max(0, silent_ - 1);
+        lost_ = std::max(0, lost_ - 1);
     } else {
         answer_ = truth;
+        answer_.number += numbers_before_;
     }
     return answer_;
 }
 
 void FailingDevice::let_go() {
     const SimulatedPhantom::Truth before = plant_->truth();
+    numbers_before_ = answer_.number;
     options_.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
     plant_.emplace(device_, options_, before.tip_m);
     plant_->set_in_motion(joint_from_motor(device_.geometry, before.theta_rate_rad_per_s),
@@ -80,10 +83,7 @@ ServoSample ServoRig::tick(int missed) {
     for (int i = 0; i < missed; ++i) {
         device.pass_by();
     }
-    in_a_row_ = missed > 0 ? in_a_row_ + missed : 0;
-    const TickTiming timing{static_cast<std::uint32_t>(missed),
-                            static_cast<std::uint32_t>(in_a_row_)};
-    last = loop_.update(loop_.exchange(), sealed(inputs), timing);
+    last = loop_.tick(sealed(inputs));
     return last;
 }
 

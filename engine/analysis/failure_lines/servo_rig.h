@@ -22,12 +22,25 @@ public:
         return plant_->description();
     }
     [[nodiscard]] double delay_periods() const override { return plant_->delay_periods(); }
-    DeviceState exchange(const DeviceCommand &command) noexcept override;
+    /// It does not wait for a servo that is late: numbers go on.
+    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::servo; }
+    [[nodiscard]] Measurement read() noexcept override;
+    void write(const DeviceCommand &command) noexcept override {
+        heard_ = command;
+        plant_->write(command);
+    }
+    [[nodiscard]] DeviceIdentity identity() const override { return plant_->identity(); }
+    void set_period(double period_s) override { plant_->set_period(period_s); }
+    void zero(const Vector3 &theta_rad) override { plant_->zero(theta_rad); }
+    void close() noexcept override { plant_->close(); }
+    void reconnect() override { plant_->reconnect(); }
 
     /// A period in which the servo does not come: the amplifiers hold what they have.
-    void pass_by() noexcept { static_cast<void>(plant_->exchange(heard_)); }
-    /// No answer in so many exchanges.
-    void stay_silent(int exchanges) { silent_ = exchanges; }
+    void pass_by() noexcept { static_cast<void>(plant_->read()); }
+    /// Lost for so many reads.
+    void stay_lost(int reads) { lost_ = reads; }
+    /// Nothing arrives in so many reads.
+    void stay_silent(int reads) { silent_ = reads; }
     /// The hand is gone with its mass, wherever the tip is and whatever the currents are.
     void let_go();
 
@@ -41,8 +54,10 @@ private:
     SimulationOptions options_;
     std::optional<SimulatedPhantom> plant_;
     DeviceCommand heard_;
-    DeviceState answer_;
+    Measurement answer_;
     int silent_ = 0;
+    int lost_ = 0;
+    std::uint64_t numbers_before_ = 0; ///< of plants before this one
 };
 
 /// What the servo is to hold, and who the device.
@@ -79,7 +94,6 @@ private:
     Vector3 target_m_;
     HapticSurface walls_;
     ServoLoop loop_;
-    int in_a_row_ = 0;
 };
 
 } // namespace springdrive

@@ -27,13 +27,16 @@ public:
 
     void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
 
-    [[nodiscard]] DeviceCommand command(const std::array<std::int32_t, 3> &counts) {
+    [[nodiscard]] PlantCommand command(const std::array<std::int32_t, 3> &counts) {
         const Vector3 theta_rad = law_.theta_rad(counts);
         const Vector3 rate = filter_.update(
             theta_rad, velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s),
             which_.period_s);
         const Configuration now = law_.configuration(theta_rad, rate);
-        return which_.drive == AmplifierKind::current_drive ? current(now) : spring(now);
+        if (which_.drive == AmplifierKind::current_drive) {
+            return {DeviceCommand::braking(), current_A(now)};
+        }
+        return {spring(now), Vector3::Zero()};
     }
 
 private:
@@ -55,16 +58,15 @@ private:
         return law_(now, contact, which_.tuning, global_alpha_).command;
     }
 
-    [[nodiscard]] DeviceCommand current(const Configuration &now) const {
-        DeviceCommand command;
+    [[nodiscard]] Vector3 current_A(const Configuration &now) const {
         if (is_below(now)) {
             const double push_N = which_.wall.stiffness_N_per_m * (height_m_ - now.tip_m.y()) -
                                   which_.wall.damping_Ns_per_m * now.tip_velocity_m_per_s().y();
             // A wall does not pull.
             const Vector3 force_N = std::max(0.0, push_N) * Vector3::UnitY();
-            command.current_A = Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
+            return Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
         }
-        return command;
+        return Vector3::Zero();
     }
 
     const StabilityCase &which_;
@@ -112,20 +114,20 @@ Impact impact_at(const StabilityCase &which, double speed_m_per_s, double lower_
                              start_m);
     WallServo servo(which, phantom.description(), height_m);
     servo.rest_at(phantom.truth().theta_rad);
-    DeviceState state = phantom.exchange(DeviceCommand::braking());
+    Measurement state = phantom.advance(DeviceCommand::braking());
     const SimulatedPhantom::Truth &now = phantom.truth();
     double last_m = now.tip_m.y();
     double idle_N = 0.0; // what the motors push in free space, by the filter's lag
     while (now.tip_m.y() >= height_m && now.time_s < kLongest_s) {
         last_m = now.tip_m.y();
         idle_N = motors_push_N(which, phantom);
-        state = phantom.exchange(servo.command(state.counts));
+        state = phantom.advance(servo.command(state.counts));
     }
     const double speed = (last_m - now.tip_m.y()) / which.period_s;
     const double contact_s = now.time_s - (height_m - now.tip_m.y()) / speed;
     Impact seen;
     do {
-        state = phantom.exchange(servo.command(state.counts));
+        state = phantom.advance(servo.command(state.counts));
         const double grown_N = motors_push_N(which, phantom) - idle_N;
         const double since_s = now.time_s - contact_s;
         seen.greatest_force_N = std::max(seen.greatest_force_N, grown_N);
@@ -169,14 +171,14 @@ double apparent_mass_kg(const StabilityCase &which) {
     SimulatedPhantom phantom(which.device, options_of(held, path), start_m);
     WallServo servo(held, phantom.description(), -HUGE_VAL);
     servo.rest_at(phantom.truth().theta_rad);
-    DeviceState state = phantom.exchange(DeviceCommand::braking());
+    Measurement state = phantom.advance(DeviceCommand::braking());
     // F = m a + b v + c along the vertical, by the parts of force and motion at 5 Hz.
     double force_in = 0.0;
     double force_square = 0.0;
     double way_in = 0.0;
     double way_square = 0.0;
     while (phantom.truth().time_s < kPeriods / kFrequency_hz - 0.5 * which.period_s) {
-        state = phantom.exchange(servo.command(state.counts));
+        state = phantom.advance(servo.command(state.counts));
         const SimulatedPhantom::Truth &truth = phantom.truth();
         if (truth.time_s > 2.0 / kFrequency_hz + 0.5 * which.period_s) {
             // The force is a mean over the last period: that of its middle.

@@ -155,31 +155,29 @@ public:
         tie_.eta = 0.0;
     }
 
-    [[nodiscard]] DeviceCommand command(const Vector3 &theta_rad) {
+    [[nodiscard]] PlantCommand command(const Vector3 &theta_rad) {
         const double pole = velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s);
         const Vector3 rate = filter_.update(theta_rad, pole, which_.period_s);
         const Configuration now = law_.configuration(theta_rad, rate);
         if (which_.drive == AmplifierKind::current_drive) {
-            return current_command(now);
+            return {DeviceCommand::braking(), current_A(now)};
         }
         DeviceCommand command = law_(now, tie_, which_.tuning, global_alpha_).command;
         for (Eigen::Index j = 0; j < 3; ++j) {
             const MotorParameters &motor = which_.device.motor[static_cast<std::size_t>(j)];
             command.cancelled_resistance_Ohm[j] = motor.resistance_Ohm - which_.dR_Ohm(motor);
         }
-        return command;
+        return {command, Vector3::Zero()};
     }
 
     void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
 
 private:
-    [[nodiscard]] DeviceCommand current_command(const Configuration &now) const {
+    [[nodiscard]] Vector3 current_A(const Configuration &now) const {
         const Vector3 force_N =
             (1.0 - which_.tuning.eta) * (which_.wall.stiffness_N_per_m * (tie_.x0_m - now.tip_m) -
                                          which_.wall.damping_Ns_per_m * now.tip_velocity_m_per_s());
-        DeviceCommand command;
-        command.current_A = Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
-        return command;
+        return Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
     }
 
     const StabilityCase &which_;
@@ -221,7 +219,7 @@ Trial three_motor_trial(const StabilityCase &which, const LoopMember &member,
     const double start_rad = options.start_m / motor_jacobian(geometry, which.q_rad).norm();
     const Watch watch = how_to_watch(which, member, options, start_rad);
     return watched(watch, per_count, which.period_s, [&] {
-        const DeviceState state = phantom.exchange(tip.command(theta_rad));
+        const Measurement state = phantom.advance(tip.command(theta_rad));
         theta_rad = per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
         const SimulatedPhantom::Truth &truth = phantom.truth();
         return Motion{truth.theta_rad, truth.theta_rate_rad_per_s.cwiseAbs().maxCoeff()};

@@ -128,7 +128,7 @@ public:
         : equations_(equations), geometry_(press.device.geometry),
           device_(press.device, options, press.start_m) {}
 
-    void advance(int, const DeviceCommand &command) override { device_.exchange(command); }
+    void advance(int, const DeviceCommand &command) override { device_.advance(command); }
     [[nodiscard]] PressSample sample() const override {
         const SimulatedPhantom::Truth &truth = device_.truth();
         PlantState y;

@@ -26,7 +26,7 @@ public:
         }
     }
 
-    void advance(int, const DeviceCommand &command) override { state_ = device_.exchange(command); }
+    void advance(int, const DeviceCommand &command) override { state_ = device_.advance(command); }
     [[nodiscard]] PressSample sample() const override {
         const auto &counts = state_.counts;
         return {rad_per_count_ * Vector3(counts[0], counts[1], counts[2]),
@@ -36,7 +36,7 @@ public:
 private:
     SimulatedPhantom device_;
     double rad_per_count_;
-    DeviceState state_;
+    Measurement state_;
 };
 
 WorkPoint model_point(const ContactPress &press, const PlantModel &model, bool planar,

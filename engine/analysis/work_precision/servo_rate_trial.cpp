@@ -52,13 +52,14 @@ struct TouchedSphere {
 };
 
 /// What the servo measured, tick by tick.
-std::vector<DeviceState> recorded_states(const ChartSetting &setting, const TouchedSphere &sphere) {
+std::vector<Measurement> recorded_states(const ChartSetting &setting, const TouchedSphere &sphere) {
     SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
     ServoLoop loop(device, kPeriod_s);
-    std::vector<DeviceState> states;
+    std::vector<Measurement> states;
     for (std::size_t i = 0; i < kTicks; ++i) {
-        states.push_back(loop.exchange());
+        states.push_back(loop.read());
         const ServoSample sample = loop.update(states.back(), sphere.sealed_inputs);
+        loop.write();
         if (sample.safety.state == SafetyState::tripped) {
             throw InputError("the safety monitor stops the servo while it is timed: " +
                              description(sample.safety) + "; choose another tuning");
@@ -111,11 +112,11 @@ bool is_stable_on_all_motors(const DeviceDescription &device, const Tuning &tuni
 
 Cost cost_of_servo_tick(const ChartSetting &setting) {
     const TouchedSphere sphere(setting);
-    const std::vector<DeviceState> states = recorded_states(setting, sphere);
+    const std::vector<Measurement> states = recorded_states(setting, sphere);
     SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
     return cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
         ServoLoop loop(device, kPeriod_s);
-        for (const DeviceState &state : states) {
+        for (const Measurement &state : states) {
             keep(loop.update(state, sphere.sealed_inputs));
         }
     });

@@ -34,9 +34,8 @@ LimiterInputs limiter_inputs(const ServoSample &sample, const Configuration &now
 
 } // namespace
 
-Replay::Replay(const DeviceDescription &device, double period_s,
-               const std::optional<Tuning> &tuning)
-    : device_(device), period_s_(period_s), tuning_(tuning), law_(device) {
+Replay::Replay(const DeviceDescription &device, const std::optional<Tuning> &tuning)
+    : device_(device), tuning_(tuning), law_(device) {
     constexpr std::array<const char *, 9> kNames{
         "theta_rad", "theta_rate_rad_per_s", "tip_m", "eta",      "alpha_rad2_per_m2",
         "x_Sd_m",    "theta_Sd_rad",         "e_W_V", "R_hat_Ohm"};
@@ -50,9 +49,10 @@ std::optional<ReplayedTick> Replay::take(const ServoSample &sample) {
     const bool follows = before_ && before_->tick + 1 == sample.tick;
     VelocityFilter filter; // a servo starts at rest
     filter.reset(theta_rad);
-    if (follows) {
+    if (follows && has_measured_) {
         filter = VelocityFilter(before_->theta_rad, before_->theta_rate_rad_per_s);
     }
+    has_measured_ = has_measured_ || sample.tick != 0 || sample.since_last_s > 0.0;
     before_ = sample;
     if (!follows && sample.tick != 0) {
         ++skipped_;
@@ -60,18 +60,25 @@ std::optional<ReplayedTick> Replay::take(const ServoSample &sample) {
     }
     ++replayed_;
     const Tuning &tuning = tuning_ ? *tuning_ : sample.tuning;
-    const double since_last_s = (1.0 + sample.missed_deadlines) * period_s_;
-    const double pole = velocity_filter_pole(tuning.lambda_rad_per_s, since_last_s);
+    const bool has_news = sample.since_last_s > 0.0;
+    Vector3 theta_rate_rad_per_s = filter.velocity_rad_per_s();
+    if (has_news) {
+        const double pole = velocity_filter_pole(tuning.lambda_rad_per_s, sample.since_last_s);
+        theta_rate_rad_per_s = filter.update(theta_rad, pole, sample.since_last_s);
+    }
     ReplayedTick tick;
-    tick.now = law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s));
+    tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
     tick.found = law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2);
-    if (reaches_the_motors(sample.safety)) {
+    if (!reaches_the_motors(sample.safety)) {
+        tick.command = DeviceCommand::braking();
+    } else if (has_news) {
         DeviceCommand wanted = tick.found.command;
         wanted.e_W_V += sample.carried_V;
         tick.command = limited(device_, wanted, limiter_inputs(sample, tick.now)).command;
-    } else {
-        tick.command = DeviceCommand::braking();
+    } else { // nothing new was measured: what was in force stands
+        tick.command = command_;
     }
+    command_ = tick.command;
     compare(sample, tick);
     return tick;
 }

@@ -6,7 +6,8 @@
 //
 // What the proxy found, what the monitor decided (its state, ramp and limits) and what a change of
 // tuning still carried is taken from the record; all else is computed by the servo's own code. A
-// tick whose predecessor is missing is the filter's memory only.
+// tick whose predecessor is missing is the filter's memory only. Where nothing new was measured, the
+// law is asked of the last state again, and the last command stands.
 #pragma once
 
 #include "device/device_file.h"
@@ -37,10 +38,9 @@ struct ReplayedQuantity {
 
 class Replay {
 public:
-    /// @param period_s  T of the record
-    /// @param tuning    instead of the record's, if given
-    Replay(const DeviceDescription &device, double period_s,
-           const std::optional<Tuning> &tuning = std::nullopt);
+    /// @param tuning  instead of the record's, if given
+    explicit Replay(const DeviceDescription &device,
+                    const std::optional<Tuning> &tuning = std::nullopt);
 
     /// The next tick of a record: what the law makes of it, or nothing where the one before is
     /// missing and the filter's memory with it.
@@ -60,10 +60,11 @@ private:
                  const Vector3 &replayed);
 
     DeviceDescription device_;
-    double period_s_;
     std::optional<Tuning> tuning_;
     HapticLaw law_;
     std::optional<ServoSample> before_;
+    DeviceCommand command_ = DeviceCommand::braking(); ///< of the tick before
+    bool has_measured_ = false; ///< whether anything was, since the servo began
     std::uint64_t replayed_ = 0;
     std::uint64_t skipped_ = 0;
     std::array<ReplayedQuantity, 9> quantities_;

@@ -33,6 +33,10 @@ template <typename Scalar> constexpr ColumnType type_of() {
 template <typename Enum> std::vector<std::string> names_of() {
     if constexpr (std::is_same_v<Enum, DeviceHealth>) {
         return {"ok", "lost"};
+    } else if constexpr (std::is_same_v<Enum, Arrival>) {
+        return {"fresh", "late", "repeated", "corrupt", "absent"};
+    } else if constexpr (std::is_same_v<Enum, CommandMode>) {
+        return {"brake", "drive", "open"};
     } else if constexpr (std::is_same_v<Enum, MotionMap>) {
         return {kMotionMapNames.begin(), kMotionMapNames.end()};
     } else if constexpr (std::is_same_v<Enum, AlphaMode>) {

@@ -103,7 +103,7 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"theta_Sd1_rad", "theta_Sd2_rad", "theta_Sd3_rad"}, "rad", s.theta_Sd_rad);
     visit("inverse_possible", "1", s.inverse_possible);
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
-    // A spring drive does not look at command.current_A.
+    visit("command_mode", "1", s.command.mode); // its number is that of the measurement
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
     visit_three(visit, {"R_hat1_Ohm", "R_hat2_Ohm", "R_hat3_Ohm"}, "Ω",
                 s.command.cancelled_resistance_Ohm);
@@ -150,8 +150,14 @@ template <typename Sample, typename Visit> void for_each_column(Sample &sample, 
     using columns::visit_three;
     visit("tick", "1", sample.tick);
     visit("time_s", "s", sample.time_s);
-    visit_three(visit, {"counts1", "counts2", "counts3"}, "1", sample.counts);
+    visit("measurement_number", "1", sample.measurement_number);
+    visit("measured_s", "s", sample.measured_s);
+    visit("arrival", "1", sample.arrival);
     visit("health", "1", sample.health);
+    visit("board_faults", "1", sample.board_faults);
+    visit("supply_V", "V", sample.supply_V);
+    visit("since_last_s", "s", sample.since_last_s);
+    visit_three(visit, {"counts1", "counts2", "counts3"}, "1", sample.counts);
     visit_three(visit, {"theta1_rad", "theta2_rad", "theta3_rad"}, "rad", sample.theta_rad);
     visit_three(visit, {"theta_rate1_rad_per_s", "theta_rate2_rad_per_s", "theta_rate3_rad_per_s"},
                 "rad/s", sample.theta_rate_rad_per_s);
@@ -163,11 +169,13 @@ template <typename Sample, typename Visit> void for_each_column(Sample &sample, 
     columns::of_safety(sample, visit);
     visit("missed_deadlines", "1", sample.missed_deadlines);
     visit("missed_in_a_row", "1", sample.missed_in_a_row);
+    visit("missed_periods", "1", sample.missed_periods);
     visit("clock_s", "s", sample.clock_s);
     visit("lateness_s", "s", sample.lateness_s);
     visit("period_s", "s", sample.period_s);
-    visit("exchange_s", "s", sample.exchange_s);
+    visit("read_s", "s", sample.read_s);
     visit("compute_s", "s", sample.compute_s);
+    visit("write_s", "s", sample.write_s);
 }
 
 } // namespace springdrive

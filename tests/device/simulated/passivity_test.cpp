@@ -65,7 +65,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
         const double scale_J = std::abs(before_J) + 0.1;
         double total_rise_J = 0.0;
         for (int k = 0; k < 1000; ++k) {
-            device.exchange(DeviceCommand::braking());
+            device.advance(DeviceCommand::braking());
             const double now_J = device.stored_energy_J();
             // 10 sub-steps of some tens of operations each, every one of round-off ε.
             ASSERT_LE(now_J - before_J, 10 * 50 * std::numeric_limits<double>::epsilon() * scale_J)
@@ -100,7 +100,7 @@ TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
     device.set_in_motion(300.0 * Vector3(0.6, 0.64, -0.48), Vector3::Zero());
     const double initial_J = device.stored_energy_J();
     for (int k = 0; k < 1000; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
         ASSERT_LE(device.stored_energy_J(), initial_J * (1.0 + 1e-12)) << "period " << k;
     }
     EXPECT_NEAR(device.stored_energy_J(), initial_J, 1e-9 * initial_J);
@@ -118,7 +118,7 @@ TEST(Lossless, FreeRunningKeepsItsEnergy) {
         device.set_in_motion(testing::random_vector(random, 6.0), Vector3::Zero());
         const double initial_J = device.stored_energy_J();
         for (int k = 0; k < 1000; ++k) {
-            device.exchange(DeviceCommand::braking());
+            device.advance(DeviceCommand::braking());
             // 100,000 sub-steps whose round-off adds up like a random walk.
             ASSERT_NEAR(device.stored_energy_J(), initial_J, 1e-12 * (std::abs(initial_J) + 0.1));
         }
@@ -153,9 +153,9 @@ TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
         options.longest_step_s = 5e-4;
         SimulatedPhantom device(description, options, kStart_m);
         const Vector3 start_rad = device.truth().theta_rad;
-        const DeviceState first = device.exchange(DeviceCommand::braking());
+        const Measurement first = device.advance(DeviceCommand::braking());
         for (int k = 0; k < 60'000; ++k) {
-            ASSERT_EQ(device.exchange(DeviceCommand::braking()).counts, first.counts);
+            ASSERT_EQ(device.advance(DeviceCommand::braking()).counts, first.counts);
         }
         EXPECT_EQ(device.truth().theta_rad, start_rad);
         EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
@@ -170,7 +170,7 @@ TEST(Friction, GivesWayAboveBreakaway) {
         SimulatedPhantom device(description, pulled(force_N), kStart_m);
         const Vector3 start_rad = device.truth().theta_rad;
         for (int k = 0; k < 1000; ++k) {
-            device.exchange(DeviceCommand::braking());
+            device.advance(DeviceCommand::braking());
         }
         EXPECT_EQ(device.truth().theta_rad != start_rad, share > 1.0);
     }
@@ -184,11 +184,11 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
     SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
     device.set_in_motion(Vector3(2.0, -3.0, 2.5), Vector3::Zero());
     for (int k = 0; k < 3000; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
     }
     const Vector3 rest_rad = device.truth().theta_rad;
     for (int k = 0; k < 3000; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
         ASSERT_EQ(device.truth().theta_rad, rest_rad);
         ASSERT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
     }
@@ -207,7 +207,7 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     Vector3 way_rad = Vector3::Zero();
     Vector3 before_rad = device.truth().theta_rad;
     for (int k = 0; k < 400; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
         way_rad += (device.truth().theta_rad - before_rad).cwiseAbs();
         before_rad = device.truth().theta_rad;
     }
@@ -226,7 +226,7 @@ TEST(JointStops, HoldALinkageThatFallsIntoThem) {
     const JointLimits &limits = device.description().joint_limits;
     double deepest_rad = 0.0;
     for (int k = 0; k < 5000; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
         const Vector3 q = joint_from_motor(device.description().geometry, device.truth().theta_rad);
         deepest_rad = std::max({deepest_rad, (q - limits.highest_rad).maxCoeff(),
                                 (limits.lowest_rad - q).maxCoeff(),

@@ -40,11 +40,12 @@ SimulationOptions bare(PlantDynamics dynamics) {
 DeviceCommand voltage(const Vector3 &e_W_V) { return {e_W_V, Vector3::Constant(kCancelled_Ohm)}; }
 
 /// The tip's way from its start, under a constant command.
+template <typename Command>
 Vector3 moved_m(const DeviceDescription &device, const SimulationOptions &options,
-                const DeviceCommand &command, int periods = kPeriods) {
+                const Command &command, int periods = kPeriods) {
     SimulatedPhantom plant(device, options, kStart_m);
     for (int k = 0; k < periods; ++k) {
-        plant.exchange(command);
+        plant.advance(command);
     }
     return plant.truth().tip_m - kStart_m;
 }
@@ -78,7 +79,7 @@ TEST(RigidBody, RunsUpAsARotorBehindADamper) {
     const double tau_s = base.inertia_kg_m2(options.hand.mass_kg) / base.drive_Nms_per_rad;
     const DeviceCommand command = voltage(Vector3(kSmall, 0.0, 0.0));
     for (int k = 1; k <= kPeriods; ++k) {
-        const DeviceState state = plant.exchange(command);
+        const Measurement state = plant.advance(command);
         const double rate = kSmall / base.k_T * (1.0 - std::exp(-1e-3 * k / tau_s));
         // Second order: (h/τ)²/12 = 5e-6 of the way, τ being 13 ms.
         ASSERT_NEAR(plant.truth().theta_rate_rad_per_s[0], rate, 1e-5 * kSmall / base.k_T);
@@ -99,7 +100,7 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
                          (options.hand.stiffness_N_per_m * r_squared);
     double before_m = 0.0;
     for (int k = 1; k <= kPeriods; ++k) {
-        plant.exchange(voltage(Vector3::Zero()));
+        plant.advance(voltage(Vector3::Zero()));
         const double way_m = (plant.truth().tip_m - kStart_m).dot(sideways);
         ASSERT_NEAR(way_m, kSmall * (1.0 - std::exp(-1e-3 * k / tau_s)), 1e-5 * kSmall);
         // The hand's force is what the drive takes.
@@ -113,7 +114,7 @@ TEST(Coupling, WithACurrentDriveTheHandAloneHoldsTheTip) {
     SimulationOptions options = bare(PlantDynamics::coupling);
     options.amplifier = AmplifierKind::current_drive;
     const BaseJoint base;
-    DeviceCommand command;
+    PlantCommand command;
     command.current_A[0] = kSmall;
     // At rest k x = J⁻ᵀ N k_T i, after ten time constants b/k of 20 ms.
     const Vector3 end_m = moved_m(base.device, options, command, 400);
@@ -252,7 +253,7 @@ TEST_P(ReducedPlant, IsMetAtSecondOrder) {
             SimulatedPhantom plant(device, options, start_m);
             plant.set_in_motion(start_rate, Vector3::Zero());
             for (int k = 0; k < kPeriods; ++k) {
-                plant.exchange(command);
+                plant.advance(command);
             }
             return (plant.truth().tip_m - truth_m).norm();
         };
@@ -343,8 +344,8 @@ TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
             Vector3 e_W_V = testing::random_vector(random, 1.0);
             e_W_V[0] = 0.0;
             for (int k = 0; k < kPeriods; ++k) {
-                whole.exchange(voltage(e_W_V));
-                planar.exchange(voltage(e_W_V));
+                whole.advance(voltage(e_W_V));
+                planar.advance(voltage(e_W_V));
                 const SimulatedPhantom::Truth &a = whole.truth();
                 const SimulatedPhantom::Truth &b = planar.truth();
                 // 400 sub-steps, each with round-off in angles and currents of about 1.
@@ -369,9 +370,9 @@ TEST(Planar, TheBaseStandsStillWhateverPushes) {
         plant.set_in_motion(Vector3(1.0, 0.0, 0.0), Vector3(1.0, 0.0, 0.0));
         plant.set_hand_target(kStart_m + Vector3(0.05, 0.0, 0.0));
         const double start_rad = plant.truth().theta_rad[0];
-        const DeviceState first = plant.exchange(voltage(Vector3(1.0, 0.0, 0.0)));
+        const Measurement first = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
         for (int k = 0; k < kPeriods; ++k) {
-            const DeviceState state = plant.exchange(voltage(Vector3(1.0, 0.0, 0.0)));
+            const Measurement state = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
             ASSERT_EQ(state.counts[0], first.counts[0]);
             ASSERT_EQ(state.current_A[0], 0.0);
             ASSERT_EQ(plant.truth().theta_rad[0], start_rad);
@@ -401,7 +402,7 @@ TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
         double before_J = plant.stored_energy_J();
         const double scale_J = std::abs(before_J) + 0.1;
         for (int k = 0; k < 100; ++k) {
-            plant.exchange(DeviceCommand::braking());
+            plant.advance(DeviceCommand::braking());
             const double now_J = plant.stored_energy_J();
             // 10 sub-steps of some tens of operations each, every one of round-off ε.
             ASSERT_LE(now_J - before_J, 10 * 50 * std::numeric_limits<double>::epsilon() * scale_J)
@@ -424,7 +425,7 @@ TEST(ReducedPlants, StandWhateverStepAndHand) {
             SimulatedPhantom plant(testing::phantom_1_0(), options, kStart_m);
             plant.set_hand_target(kStart_m + Vector3(0.01, 0.01, -0.01));
             for (int k = 0; k < 300; ++k) {
-                plant.exchange(voltage(Vector3(0.05, -0.05, 0.05)));
+                plant.advance(voltage(Vector3(0.05, -0.05, 0.05)));
                 ASSERT_TRUE(plant.truth().tip_m.allFinite()) << model.name;
                 ASSERT_LT((plant.truth().tip_m - kStart_m).norm(), 0.5) << model.name;
             }

@@ -25,11 +25,11 @@ SimulationOptions simulating(const PlantModel &model, bool planar = false) {
     return options;
 }
 
-DeviceState run(SimulatedPhantom &device, int ticks,
+Measurement run(SimulatedPhantom &device, int ticks,
                 const DeviceCommand &command = DeviceCommand::braking()) {
-    DeviceState state;
+    Measurement state;
     for (int k = 0; k < ticks; ++k) {
-        state = device.exchange(command);
+        state = device.advance(command);
     }
     return state;
 }
@@ -79,7 +79,7 @@ TEST(PlantExchange, TheSameAgainChangesNothing) {
             }
             const DeviceCommand command{Vector3(0.6, -0.4, 0.5) * std::sin(0.05 * k),
                                         Vector3::Constant(1.5)};
-            EXPECT_EQ(once.exchange(command).counts, again.exchange(command).counts);
+            EXPECT_EQ(once.advance(command).counts, again.advance(command).counts);
             ASSERT_EQ(once.truth().tip_m, again.truth().tip_m) << model.name << " at " << k;
             ASSERT_EQ(once.truth().current_A, again.truth().current_A);
         }
@@ -91,10 +91,10 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
         for (const PlantModel &to : kPlantModels) {
             SimulatedPhantom device(testing::phantom_1_0(), simulating(from), kStart_m);
             device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
-            DeviceState last = run(device, 60);
+            Measurement last = run(device, 60);
             device.simulate_as(simulating(to));
             for (int k = 0; k < 200; ++k) {
-                const DeviceState state = device.exchange(DeviceCommand::braking());
+                const Measurement state = device.advance(DeviceCommand::braking());
                 for (std::size_t j = 0; j < 3; ++j) {
                     // Twice as fast as the hand's target goes, 0.8 m/s, is some 50 counts of a
                     // motor a tick.

@@ -150,7 +150,7 @@ Ending simulated(const Trial &trial, double step_s) {
                            tip_position_m(trial.device.geometry, trial.start_q_rad));
     plant.set_in_motion(trial.start_rate, trial.start_current_A);
     for (int k = 0; k < kPeriods; ++k) {
-        plant.exchange(trial.command);
+        plant.advance(trial.command);
     }
     const SimulatedPhantom::Truth &t = plant.truth();
     return {t.theta_rad, t.tip_m, t.current_A, t.hand_force_N};

@@ -7,6 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 
@@ -35,9 +39,9 @@ SimulationOptions held() {
 
 TEST(SimulatedPhantom, StaysAtRestWhereItStarts) {
     SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
-    const DeviceState first = device.exchange(DeviceCommand::braking());
+    const Measurement first = device.advance(DeviceCommand::braking());
     for (int i = 0; i < 2000; ++i) {
-        EXPECT_EQ(device.exchange(DeviceCommand::braking()).counts, first.counts);
+        EXPECT_EQ(device.advance(DeviceCommand::braking()).counts, first.counts);
     }
     EXPECT_LT((device.truth().tip_m - kStart_m).norm(), 1e-12);
 }
@@ -50,7 +54,7 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
     const MotorParameters &m = device.description().motor[0];
     const DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
     for (int k = 1; k <= 10; ++k) {
-        const DeviceState state = device.exchange(command);
+        const Measurement state = device.advance(command);
         const Vector3 expected =
             command.e_W_V / dR * (1.0 - std::exp(-dR * k * 1e-3 / m.inductance_H));
         // The vice gives by 1 µm per kN; what is left of k_T θ̇ is below 1e-7 of e_W.
@@ -68,14 +72,14 @@ TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
     const DeviceCommand command = voltage(Vector3(1e-3, 0.0, 0.0), m.resistance_Ohm - dR);
     double before = 0.0;
     for (int k = 1; k <= 8; ++k) {
-        const double current = device.exchange(command).current_A[0];
+        const double current = device.advance(command).current_A[0];
         EXPECT_NEAR(current, 1e-3 / dR * (1.0 - std::exp(-dR * k * 1e-3 / m.inductance_H)),
                     1e-6 * current);
         EXPECT_GT(current, before);
         before = current;
     }
     for (int k = 0; k < 200; ++k) {
-        before = device.exchange(command).current_A[0];
+        before = device.advance(command).current_A[0];
     }
     // On the rail the winding sees the supply through its whole resistance.
     EXPECT_LE(before, m.supply_V / m.resistance_Ohm * (1.0 + 1e-9));
@@ -88,7 +92,7 @@ TEST(SimulatedPhantom, ConvergesAtSecondOrder) {
         options.longest_step_s = step_s;
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
         for (int k = 0; k < 40; ++k) {
-            device.exchange(voltage(Vector3(0.4, -0.3, 0.2) * std::sin(0.3 * k), 1.6));
+            device.advance(voltage(Vector3(0.4, -0.3, 0.2) * std::sin(0.3 * k), 1.6));
         }
         return device.truth().tip_m;
     };
@@ -103,7 +107,7 @@ TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
     for (int k = 0; k < 500; ++k) {
-        const DeviceState state = device.exchange(DeviceCommand::braking());
+        const Measurement state = device.advance(DeviceCommand::braking());
         const double rad_per_count = 2.0 * std::numbers::pi / 4096;
         for (int j = 0; j < 3; ++j) {
             ASSERT_LE(std::abs(state.counts[static_cast<std::size_t>(j)] * rad_per_count -
@@ -121,12 +125,123 @@ TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
         const DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
         int silent = 0;
-        while (device.exchange(kick).current_A[0] < 1e-9) { // round-off of the rest at the start
+        while (device.advance(kick).current_A[0] < 1e-9) { // round-off of the rest at the start
             ++silent;
         }
         EXPECT_EQ(silent, delay);
         EXPECT_EQ(device.delay_periods(), delay);
     }
+}
+
+TEST(SimulatedPhantom, AFractionOfADelaySplitsAPeriodExactly) {
+    // The closed form of a held rotor again, from (k + d) T on.
+    std::mt19937 random(5);
+    for (int run = 0; run < 20; ++run) {
+        SimulationOptions options = held();
+        options.delay_periods = std::uniform_real_distribution<double>(0.0, 3.0)(random);
+        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        const double dR = 0.3;
+        const MotorParameters &m = device.description().motor[0];
+        const DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
+        for (int k = 1; k <= 8; ++k) {
+            const Vector3 current_A = device.advance(command).current_A;
+            const double since_s = std::max(0.0, k - options.delay_periods) * 1e-3;
+            const Vector3 expected_A =
+                command.e_W_V / dR * (1.0 - std::exp(-dR * since_s / m.inductance_H));
+            // The vice gives by 1 µm per kN; what is left of k_T θ̇ is below 1e-7 of e_W.
+            EXPECT_LT((current_A - expected_A).norm(), 1e-6 * expected_A.norm() + 1e-12)
+                << "d = " << options.delay_periods << ", k = " << k;
+        }
+        EXPECT_NEAR(device.truth().time_s, 8e-3, 1e-15 * 100); // round-off of the sub-steps
+    }
+}
+
+TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
+    SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
+    double time_s = 0.0;
+    std::uint64_t number = 0;
+    for (const double period_s : {1e-3, 0.25e-3, 4e-3, 1e-3}) {
+        device.set_period(period_s);
+        for (int i = 0; i < 7; ++i) {
+            const Measurement measured = device.read();
+            time_s += period_s;
+            EXPECT_EQ(measured.number, ++number);
+            EXPECT_NEAR(measured.time_s, time_s, 1e-15 * static_cast<double>(number));
+            EXPECT_NEAR(device.truth().time_s, time_s, 1e-12);
+            EXPECT_EQ(measured.arrival, Arrival::fresh);
+        }
+    }
+    EXPECT_THROW(device.set_period(0.0), InputError);
+    EXPECT_THROW(device.set_period(NAN), InputError);
+}
+
+TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
+    SimulatedPhantom written(testing::phantom_1_0(), {}, kStart_m);
+    SimulatedPhantom held_on(testing::phantom_1_0(), {}, kStart_m);
+    const DeviceCommand command = voltage(Vector3(0.3, -0.2, 0.1), 1.0);
+    held_on.write(command);
+    for (int i = 0; i < 50; ++i) {
+        EXPECT_EQ(written.advance(command).counts, held_on.read().counts);
+    }
+    EXPECT_EQ(written.truth().tip_m, held_on.truth().tip_m);
+}
+
+TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
+    SimulationOptions options = bare();
+    options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
+    DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // looks at none of them
+    open.mode = CommandMode::open;
+    DeviceCommand brake = open;
+    brake.mode = CommandMode::brake;
+    const Vector3 rate(0.5, 0.4, -0.3);
+    SimulatedPhantom coasting(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom braking(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom shorted(testing::phantom_1_0(), options, kStart_m);
+    for (SimulatedPhantom *const device : {&coasting, &braking, &shorted}) {
+        device->set_in_motion(rate, Vector3::Zero());
+    }
+    const double energy_J = coasting.stored_energy_J();
+    for (int i = 0; i < 100; ++i) {
+        EXPECT_TRUE(coasting.advance(open).current_A.isZero(0.0));
+        braking.advance(brake);
+        shorted.advance(DeviceCommand::braking());
+    }
+    EXPECT_NEAR(coasting.stored_energy_J(), energy_J, 1e-9 * energy_J); // round-off: no loss at all
+    EXPECT_LT(braking.stored_energy_J(), 0.9 * energy_J);
+    EXPECT_EQ(braking.truth().theta_rad, shorted.truth().theta_rad);
+}
+
+TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    const Measurement before = device.read();
+    const double per_count = device.description().rad_per_count();
+    const Vector3 theta_rad = device.truth().theta_rad;
+    device.zero(theta_rad + Vector3(1.0, -2.0, 3.0));
+    const Measurement after = device.read();
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double moved = per_count * (after.counts[j] - before.counts[j]);
+        EXPECT_NEAR(moved, (std::array{1.0, -2.0, 3.0}[j]), 2.0 * per_count);
+    }
+}
+
+TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    const DeviceCommand command = voltage(Vector3(0.3, 0.0, 0.0), 1.0);
+    for (int i = 0; i < 20; ++i) {
+        device.advance(command);
+    }
+    device.close();
+    for (int i = 0; i < 500; ++i) {
+        const Measurement measured = device.advance(command);
+        EXPECT_EQ(measured.health, DeviceHealth::lost);
+        EXPECT_EQ(measured.arrival, Arrival::absent);
+    }
+    EXPECT_LT(device.truth().current_A.norm(), 1e-3); // nothing drives it
+    device.reconnect();
+    const Measurement back = device.read();
+    EXPECT_EQ(back.health, DeviceHealth::ok);
+    EXPECT_EQ(back.counts, (std::array<std::int32_t, 3>{}));
+    EXPECT_FALSE(device.identity().kind.empty());
 }
 
 TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
@@ -137,14 +252,14 @@ TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
     const double greatest = options.hand.greatest_force_N + 2.0 * options.hand.damping_Ns_per_m *
                                                                 options.hand.greatest_speed_m_per_s;
     for (int k = 0; k < 300; ++k) {
-        device.exchange(DeviceCommand::braking());
+        device.advance(DeviceCommand::braking());
         ASSERT_LT(device.truth().hand_force_N.norm(), greatest);
     }
 }
 
 TEST(SimulatedPhantom, ACommandThatIsNotFiniteBrakes) {
     SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
-    device.exchange(voltage(Vector3(NAN, 1.0, INFINITY), 1.0));
+    device.advance(voltage(Vector3(NAN, 1.0, INFINITY), 1.0));
     EXPECT_LT(device.truth().current_A.norm(), 1e-12); // round-off of the rest at the start
     EXPECT_TRUE(device.truth().tip_m.allFinite());
 }

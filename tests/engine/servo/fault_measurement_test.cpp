@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <numbers>
 #include <random>
 
@@ -45,6 +47,43 @@ TEST(FaultInjection, DeviceLost) {
         FaultRig rig(random_case(random, i, Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         see_through(rig, FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
+    }
+}
+
+/// What only keeps silent, repeats itself or garbles what it says is borne for the budget's time.
+TEST(FaultInjection, StaleMeasurements) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(24);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        constexpr std::array<FaultKind, 3> kKinds{FaultKind::absent, FaultKind::corrupt,
+                                                  FaultKind::repeated};
+        rig.run_to_fault();
+        rig.force_is_bounded = false; // the hand moves on behind a held e_W
+        rig.commit(kKinds[static_cast<std::size_t>(i) % kKinds.size()], Vector3::Zero());
+        const double budget_s = rig.device.description().limits.stale_s;
+        rig.run_to_trip(budget_s + 2.0 / rig.what.servo_hz);
+        rig.expect_tripped_by(TripCause::stale_measurement);
+        rig.force_is_bounded = true;
+        rig.expect_latched();
+        rig.expect_reset_trips_again(TripCause::stale_measurement, 0.01);
+        rig.device.mend();
+        rig.expect_latched();
+        rig.expect_recovery();
+    }
+}
+
+TEST(FaultInjection, BoardFault) {
+    RecordProperty("faults", kFaults);
+    std::mt19937 random(25);
+    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+        FaultRig rig(random_case(random, i, Place::anywhere));
+        SCOPED_TRACE(rig.what.description());
+        // An amplifier's own fault opens the windings, where no brake bounds the hand.
+        const double bits =
+            static_cast<double>(2 * std::uniform_int_distribution<int>(1, 31)(random));
+        see_through(rig, FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
     }
 }
 

@@ -104,7 +104,7 @@ TEST(FaultInjection, MissedDeadlines) {
         };
         rig.run_to_trip(0.1);
         rig.expect_tripped_by(TripCause::missed_deadlines);
-        EXPECT_EQ(rig.last().safety.measured, in_a_row);
+        EXPECT_NEAR(rig.last().safety.measured, in_a_row / rig.what.servo_hz, 1e-9);
         rig.force_is_bounded = true;
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::missed_deadlines, 0.01);

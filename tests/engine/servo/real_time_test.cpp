@@ -58,7 +58,7 @@ struct Rig {
         for (int i = 0; i < ticks; ++i) {
             inputs.emergency_stop = i == ticks - 200;
             inputs.reset_count = i > ticks - 100 ? 1U : 0U;
-            const ServoSample sample = loop.update(loop.exchange(), sealed(inputs));
+            const ServoSample sample = loop.tick(sealed(inputs));
             touching += sample.contact.touching ? 1 : 0;
         }
         return touching;

@@ -30,7 +30,8 @@ TEST(SafetyLimits, AreThoseOfTheDeviceFile) {
     EXPECT_EQ(limits.tip_speed_m_per_s, 2.0);
     EXPECT_NEAR(limits.beyond_stops_rad, 3.0 * 3.141592653589793 / 180.0, 1e-15);
     EXPECT_EQ(limits.generated_energy_J, 0.03);
-    EXPECT_EQ(limits.missed_deadlines, 50.0);
+    EXPECT_DOUBLE_EQ(limits.late_s, 0.05);
+    EXPECT_DOUBLE_EQ(limits.stale_s, 0.005);
     EXPECT_EQ(limits.window_silence_s, 2.0);
 }
 

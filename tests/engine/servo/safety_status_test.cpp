@@ -21,8 +21,8 @@ TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
     EXPECT_EQ(told(TripCause::tip_speed, 2.5, 2.0), "tip speed 2.50 m/s, limit 2.00 m/s");
     EXPECT_EQ(told(TripCause::winding_temperature, 100.26, 100.0),
               "winding temperature, upper estimate, 100.3 °C, limit 100.0 °C");
-    EXPECT_EQ(told(TripCause::missed_deadlines, 51.0, 50.0),
-              "deadlines missed in a row 51, limit 50");
+    EXPECT_EQ(told(TripCause::missed_deadlines, 0.051, 0.05),
+              "deadlines missed in a row for 51.0 ms, limit 50.0 ms");
     EXPECT_EQ(told(TripCause::window_silent, 2.001, 2.0),
               "no sign of life of the window for 2.00 s, limit 2.00 s");
     EXPECT_EQ(told(TripCause::encoder_jump, 0.0123, 0.004),

@@ -114,7 +114,7 @@ TEST_F(SafetyTrips, EmergencyStop) {
 
 TEST_F(SafetyTrips, ALostDevice) {
     Tick lost = fine();
-    lost.seen.health = DeviceHealth::lost;
+    lost.seen.link.health = DeviceHealth::lost;
     expect_line(fine(), lost, TripCause::device_lost);
 }
 
@@ -158,10 +158,10 @@ TEST_F(SafetyTrips, WhateverIsNotFinite) {
 TEST_F(SafetyTrips, MissedDeadlines) {
     Tick within = fine();
     Tick beyond = fine();
-    within.seen.missed_in_a_row = 50;
-    beyond.seen.missed_in_a_row = 51;
+    within.seen.link.missed_in_a_row = 50;
+    beyond.seen.link.missed_in_a_row = 51;
     expect_line(within, beyond, TripCause::missed_deadlines);
-    expect_numbers(beyond, 51.0, 50.0);
+    expect_numbers(beyond, 0.051, 0.05);
 }
 
 TEST_F(SafetyTrips, AWindowThatGivesNoSignOfLife) {
@@ -200,7 +200,7 @@ TEST_F(SafetyTrips, MissedTicksCountAsSilenceToo) {
     Tick tick = fine();
     tick.orders.heartbeat = 1;
     pass_tick(tick);
-    tick.seen.missed_deadlines = 9; // ten periods each
+    tick.seen.missed_periods = 9; // ten periods each
     for (int i = 0; i < 199; ++i) {
         pass_tick(tick);
         ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
@@ -230,7 +230,7 @@ TEST_F(SafetyTrips, EncodersThatJump) {
             Tick tick = fine();
             tick.orders.limits.tip_speed_m_per_s = 0.01; // lowering that makes no jump of a step
             tick.seen.now.tip_m.x() += share * limit_m;
-            tick.seen.missed_deadlines = missed;
+            tick.seen.missed_periods = missed;
             pass_tick(tick);
             EXPECT_EQ(monitor.status().state == SafetyState::tripped, share > 1.0);
             if (share > 1.0) {
@@ -348,9 +348,9 @@ TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
     Tick tick = with_speed(0.8 * of_device.tip_speed_m_per_s);
     tick.seen.tip_force_N = Vector3(0.8 * of_device.tip_force_N, 0.0, 0.0);
     tick.seen.current_A = Vector3(0.8 * of_device.current_A, 0.0, 0.0);
-    tick.seen.missed_in_a_row = 40;
+    tick.seen.link.missed_in_a_row = 40;
     const std::vector<std::pair<double SafetyLimits::*, TripCause>> limits{
-        {&SafetyLimits::missed_deadlines, TripCause::missed_deadlines},
+        {&SafetyLimits::late_s, TripCause::missed_deadlines},
         {&SafetyLimits::current_A, TripCause::current},
         {&SafetyLimits::tip_force_N, TripCause::tip_force},
         {&SafetyLimits::tip_speed_m_per_s, TripCause::tip_speed}};
@@ -383,7 +383,7 @@ TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
         beyond.seen.now.theta_rate_rad_per_s *= 1.3;
         beyond.seen.tip_force_N *= 1.3;
         beyond.seen.current_A *= 1.3;
-        beyond.seen.missed_in_a_row = 52;
+        beyond.seen.link.missed_in_a_row = 52;
         for (const SafetyLimit &every : kSafetyLimits) {
             beyond.orders.limits.*every.value = 1e9;
         }
@@ -407,10 +407,17 @@ TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
     // Everything from one cause on to the last, all in one tick.
     const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
         {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},
-        {TripCause::device_lost, [](Tick &t) { t.seen.health = DeviceHealth::lost; }},
+        {TripCause::device_lost, [](Tick &t) { t.seen.link.health = DeviceHealth::lost; }},
+        {TripCause::board_fault,
+         [](Tick &t) { t.seen.link.faults.bits = BoardFaults::kTemperature; }},
+        {TripCause::stale_measurement,
+         [](Tick &t) {
+             t.seen.link.arrival = Arrival::late;
+             t.orders.limits.stale_s = 0.5e-3;
+         }},
         {TripCause::not_finite, [](Tick &t) { t.seen.all_finite = false; }},
         {TripCause::torn_inputs, [](Tick &t) { t.orders.are_whole = false; }},
-        {TripCause::missed_deadlines, [](Tick &t) { t.seen.missed_in_a_row = 51; }},
+        {TripCause::missed_deadlines, [](Tick &t) { t.seen.link.missed_in_a_row = 51; }},
         {TripCause::window_silent, [](Tick &t) { t.orders.limits.window_silence_s = 1e-3; }},
         {TripCause::encoder_jump, [](Tick &t) { t.seen.now.tip_m.x() += 0.1; }},
         {TripCause::current, [](Tick &t) { t.seen.current_A[0] = 9.0; }},

@@ -1,5 +1,6 @@
 // Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and inputs
 // that arrive torn.
+#include "device/forwarding_device.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/parameters.h"
 #include "engine/control/velocity_filter.h"
@@ -26,6 +27,7 @@ using testing::following;
 using testing::kPeriod_s;
 using testing::kStart_m;
 using testing::kStartUp_s;
+using testing::plate;
 using testing::Rig;
 
 constexpr double kBound_V = kGreatestChange_V_per_s * kPeriod_s;
@@ -284,7 +286,7 @@ TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
         ASSERT_TRUE(before.contact.touching);
         const ServoInputs torn = torn_from(rig.inputs)[which];
         for (int tick = 0; tick < 3; ++tick) {
-            const ServoSample sample = rig.loop.update(rig.loop.exchange(), torn);
+            const ServoSample sample = rig.loop.tick(torn);
             EXPECT_EQ(sample.safety.state, SafetyState::tripped);
             EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
             EXPECT_EQ(sample.command.e_W_V, Vector3::Zero());
@@ -303,24 +305,190 @@ TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
 TEST(ServoLoopChanges, TornInputsAtTheVeryFirstTickAreNotUsedEither) {
     for (const ServoInputs &torn : torn_from({})) {
         Rig rig(firm_contact());
-        const ServoSample sample = rig.loop.update(rig.loop.exchange(), torn);
+        const ServoSample sample = rig.loop.tick(torn);
         EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
         EXPECT_EQ(sample.scene_id, 0U);
         EXPECT_EQ(sample.tuning.K_P_V_per_rad, Tuning{}.K_P_V_per_rad);
     }
 }
 
-TEST(ServoLoopChanges, MissedDeadlinesReachSampleAndMonitor) {
-    FirmRig rig;
-    rig.run(kStartUp_s);
+/// By its own clock, as hardware has it: it moves on by as many periods as it is told.
+class AsHardware final : public ForwardingDevice {
+public:
+    using ForwardingDevice::ForwardingDevice;
+
+    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::own; }
+    [[nodiscard]] Measurement read() noexcept override {
+        Measurement measured = ForwardingDevice::read();
+        for (int i = 0; i < missed; ++i) {
+            measured = ForwardingDevice::read();
+        }
+        measured.time_s += 17.0; // its zero is no business of the servo's
+        return measured;
+    }
+
+    int missed = 0;
+};
+
+TEST(ServoLoopChanges, MissedDeadlinesOfADeviceThatDoesNotWaitReachSampleAndMonitor) {
+    SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
+    AsHardware device(phantom);
+    ServoLoop loop(device, kPeriod_s);
     const auto tick = [&](std::uint32_t missed, std::uint32_t in_a_row) {
-        return rig.loop.update(rig.loop.exchange(), sealed(rig.inputs), {missed, in_a_row});
+        device.missed = static_cast<int>(missed);
+        return loop.tick(sealed({}), {missed, in_a_row});
     };
+    for (int i = 0; i < 1200; ++i) {
+        static_cast<void>(tick(0, 0));
+    }
     const ServoSample within = tick(2, 50);
     EXPECT_EQ(within.missed_deadlines, 2U);
     EXPECT_EQ(within.missed_in_a_row, 50U);
+    EXPECT_EQ(within.missed_periods, 2U);
+    EXPECT_NEAR(within.since_last_s, 3e-3, 1e-12);
     EXPECT_EQ(within.safety.state, SafetyState::running);
     EXPECT_EQ(tick(1, 51).safety.cause, TripCause::missed_deadlines);
+}
+
+TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
+    FirmRig rig;
+    rig.run(kStartUp_s + 0.8);
+    FirmRig punctual;
+    punctual.run(kStartUp_s + 0.8);
+    for (const std::uint32_t missed : {1U, 99U, 2000U}) {
+        const ServoSample late = rig.loop.tick(sealed(rig.inputs), {missed, missed});
+        const ServoSample sample = punctual.tick();
+        EXPECT_EQ(late.missed_deadlines, missed); // counted all the same
+        EXPECT_EQ(late.missed_periods, 0U);
+        EXPECT_EQ(late.safety.state, SafetyState::running);
+        EXPECT_EQ(late.command.e_W_V, sample.command.e_W_V);
+        EXPECT_EQ(late.theta_rate_rad_per_s, sample.theta_rate_rad_per_s);
+    }
+}
+
+/// Says what it is told to say of how its measurements come.
+class Unsteady final : public ForwardingDevice {
+public:
+    using ForwardingDevice::ForwardingDevice;
+
+    [[nodiscard]] Measurement read() noexcept override {
+        Measurement measured = ForwardingDevice::read();
+        if (!has_news(arrival)) {
+            const std::uint64_t number =
+                arrival == Arrival::repeated ? last_.number : measured.number;
+            measured = last_;
+            measured.number = number;
+        }
+        measured.arrival = arrival;
+        measured.faults = faults;
+        last_ = measured;
+        return measured;
+    }
+
+    Arrival arrival = Arrival::fresh;
+    BoardFaults faults;
+
+private:
+    Measurement last_;
+};
+
+struct UnsteadyRig {
+    UnsteadyRig()
+        : phantom(testing::phantom_1_0(), firm_contact(), kStart_m), device(phantom),
+          loop(device, kPeriod_s), surface(plate()) {
+        inputs.surface = &surface;
+        for (int i = 0; i < 2000; ++i) {
+            last = loop.tick(sealed(inputs));
+        }
+    }
+    ServoSample tick() { return last = loop.tick(sealed(inputs)); }
+
+    SimulatedPhantom phantom;
+    Unsteady device;
+    ServoLoop loop;
+    HapticSurface surface;
+    ServoInputs inputs;
+    ServoSample last;
+};
+
+TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBudget) {
+    for (const Arrival arrival : {Arrival::repeated, Arrival::corrupt, Arrival::absent}) {
+        UnsteadyRig rig;
+        ASSERT_TRUE(rig.last.contact.touching);
+        ASSERT_EQ(rig.last.safety.state, SafetyState::running);
+        const ServoSample before = rig.last;
+        rig.device.arrival = arrival;
+        for (int tick = 0; tick < 5; ++tick) { // 5 ms are borne
+            const ServoSample stale = rig.tick();
+            EXPECT_EQ(stale.arrival, arrival);
+            EXPECT_EQ(stale.since_last_s, 0.0);
+            EXPECT_EQ(stale.safety.state, SafetyState::running);
+            EXPECT_EQ(stale.command.e_W_V, before.command.e_W_V);
+            EXPECT_EQ(stale.theta_rad, before.theta_rad);
+            EXPECT_EQ(stale.theta_rate_rad_per_s, before.theta_rate_rad_per_s);
+            EXPECT_EQ(stale.contact.x0_m, before.contact.x0_m);
+        }
+        UnsteadyRig mended; // the same, but it is news again in the sixth tick
+        mended.device.arrival = arrival;
+        for (int tick = 0; tick < 5; ++tick) {
+            mended.tick();
+        }
+        mended.device.arrival = Arrival::fresh;
+        const ServoSample fresh = mended.tick();
+        EXPECT_EQ(fresh.safety.state, SafetyState::running);
+        EXPECT_EQ(fresh.missed_periods, 5U);
+        EXPECT_DOUBLE_EQ(fresh.since_last_s, 6.0 * kPeriod_s);
+
+        const ServoSample tripped = rig.tick();
+        EXPECT_EQ(tripped.safety.cause, TripCause::stale_measurement);
+        EXPECT_NEAR(tripped.safety.measured, 6.0 * kPeriod_s, 1e-9);
+        EXPECT_EQ(tripped.command.mode, CommandMode::brake);
+        EXPECT_TRUE(tripped.command.e_W_V.isZero(0.0));
+    }
+}
+
+TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
+    UnsteadyRig rig;
+    rig.device.arrival = Arrival::late;
+    for (int tick = 0; tick < 5; ++tick) {
+        const ServoSample sample = rig.tick();
+        EXPECT_EQ(sample.safety.state, SafetyState::running);
+        EXPECT_DOUBLE_EQ(sample.since_last_s, kPeriod_s);
+    }
+    EXPECT_EQ(rig.tick().safety.cause, TripCause::stale_measurement);
+}
+
+TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) {
+    for (int bit = 0; bit < 6; ++bit) {
+        UnsteadyRig rig;
+        rig.device.faults.bits = static_cast<std::uint16_t>(1U << static_cast<unsigned>(bit));
+        const ServoSample sample = rig.tick();
+        EXPECT_EQ(sample.safety.cause, TripCause::board_fault);
+        EXPECT_EQ(sample.board_faults, rig.device.faults.bits);
+        EXPECT_EQ(sample.command.mode, rig.device.faults.has(BoardFaults::kAmplifier)
+                                           ? CommandMode::open
+                                           : CommandMode::brake);
+        EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
+        EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
+        rig.device.faults = {}; // mended: it brakes again, until somebody resets it
+        EXPECT_EQ(rig.tick().command.mode, CommandMode::brake);
+    }
+}
+
+TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
+    SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
+    Unsteady device(phantom);
+    device.arrival = Arrival::absent;
+    ServoLoop loop(device, kPeriod_s);
+    for (int i = 0; i < 3; ++i) {
+        const ServoSample sample = loop.tick(sealed({}));
+        EXPECT_EQ(sample.command.mode, CommandMode::brake);
+        EXPECT_NE(sample.safety.state, SafetyState::running);
+    }
+    device.arrival = Arrival::fresh;
+    const ServoSample first = loop.tick(sealed({}));
+    EXPECT_TRUE(first.theta_rate_rad_per_s.isZero(0.0));
+    EXPECT_EQ(first.safety.state, SafetyState::waiting);
 }
 
 } // namespace

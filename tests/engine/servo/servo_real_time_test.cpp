@@ -1,5 +1,6 @@
 // Covers engine/servo/servo.cpp: its thread, once started, only computes, sleeps and reads the
 // clock. And the watch that says so (tests/support/real_time_watch.h) sees what would be wrong.
+#include "device/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/scenario/test_surfaces.h"
@@ -94,21 +95,17 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
 }
 
 /// A device whose driver does something on the servo's thread, in its twentieth tick.
-class Driver final : public HapticDevice {
+class Driver final : public ForwardingDevice {
 public:
     explicit Driver(std::function<void()> deed)
-        : deed_(std::move(deed)),
+        : ForwardingDevice(phantom_), deed_(std::move(deed)),
           phantom_(testing::phantom_1_0(), {}, testing::phantom_1_0().workspace.centre_m) {}
 
-    [[nodiscard]] const DeviceDescription &description() const override {
-        return phantom_.description();
-    }
-    [[nodiscard]] double delay_periods() const override { return 0; }
-    DeviceState exchange(const DeviceCommand &command) noexcept override {
+    [[nodiscard]] Measurement read() noexcept override {
         if (++ticks_ == 20) {
             deed_();
         }
-        return phantom_.exchange(command);
+        return ForwardingDevice::read();
     }
 
 private:

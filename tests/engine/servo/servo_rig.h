@@ -26,7 +26,7 @@ struct Rig {
         inputs.surface = &mesh;
     }
 
-    ServoSample tick() { return loop.update(loop.exchange(), sealed(inputs)); }
+    ServoSample tick() { return loop.tick(sealed(inputs)); }
 
     void run(double seconds) {
         for (int i = 0; i < static_cast<int>(std::round(seconds / loop.period_s())); ++i) {

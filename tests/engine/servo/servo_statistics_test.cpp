@@ -17,7 +17,7 @@ TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
     ServoStatistics statistics;
     std::vector<double> period_s;
     std::vector<double> lateness_s;
-    double exchange_s = 0.0;
+    double read_s = 0.0;
     double longest_compute_s = 0.0;
     std::uint64_t missed = 0;
     constexpr int kTicks = 2000;
@@ -31,8 +31,8 @@ TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
         }
         sample.lateness_s = duration_s(random);
         lateness_s.push_back(sample.lateness_s);
-        sample.exchange_s = duration_s(random);
-        exchange_s += sample.exchange_s;
+        sample.read_s = duration_s(random);
+        read_s += sample.read_s;
         sample.compute_s = duration_s(random);
         longest_compute_s = std::max(longest_compute_s, sample.compute_s);
         statistics.add(sample);
@@ -43,7 +43,7 @@ TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
     EXPECT_EQ(statistics.period().longest_s(), *std::max_element(period_s.begin(), period_s.end()));
     EXPECT_EQ(statistics.lateness().longest_s(),
               *std::max_element(lateness_s.begin(), lateness_s.end()));
-    EXPECT_NEAR(statistics.exchange().mean_s(), exchange_s / kTicks, 1e-12);
+    EXPECT_NEAR(statistics.read().mean_s(), read_s / kTicks, 1e-12);
     EXPECT_EQ(statistics.compute().longest_s(), longest_compute_s);
     std::sort(lateness_s.begin(), lateness_s.end());
     EXPECT_NEAR(std::log2(statistics.lateness().quantile_s(0.5) / lateness_s[kTicks / 2 - 1]), 0.0,
@@ -59,7 +59,7 @@ TEST(ServoStatistics, InLockstepThereIsNoTimeToAddUp) {
     EXPECT_EQ(statistics.missed_deadlines(), 0U);
     EXPECT_EQ(statistics.period().count(), 0U);
     EXPECT_EQ(statistics.lateness().count(), 0U);
-    EXPECT_EQ(statistics.exchange().count(), 0U);
+    EXPECT_EQ(statistics.read().count(), 0U);
     EXPECT_EQ(statistics.compute().count(), 0U);
 }
 

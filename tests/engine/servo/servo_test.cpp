@@ -2,9 +2,11 @@
 #include "engine/servo/servo.h"
 
 #include "base/input_error.h"
+#include "device/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/servo/record/telemetry_columns.h"
 #include "tests/support/devices.h"
+#include "tests/support/own_clock_device.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
@@ -20,24 +22,22 @@ namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
-/// Passes everything on to a simulated device and remembers the last command.
-class Witness final : public HapticDevice {
+/// A simulated device that remembers the last command.
+class Witness final : public ForwardingDevice {
 public:
-    [[nodiscard]] const DeviceDescription &description() const override {
-        return device_.description();
-    }
-    [[nodiscard]] double delay_periods() const override { return 0; }
-    DeviceState exchange(const DeviceCommand &command) noexcept override {
+    Witness() : ForwardingDevice(phantom_) {}
+
+    void write(const DeviceCommand &command) noexcept override {
         last_command = command;
-        ++exchanges;
-        return device_.exchange(command);
+        ++commands;
+        ForwardingDevice::write(command);
     }
 
     DeviceCommand last_command;
-    int exchanges = 0;
+    int commands = 0;
 
 private:
-    SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
+    SimulatedPhantom phantom_{testing::phantom_1_0(), {}, kStart_m};
 };
 
 /// All that a sample tells, as bytes.
@@ -62,9 +62,9 @@ TEST(Servo, SendsTheSafeStateLast) {
         servo.publish({});
         servo.advance(1200);
         ASSERT_GT(device.last_command.cancelled_resistance_Ohm.minCoeff(), 1.0); // R̂ is up
-        ASSERT_EQ(device.exchanges, 1200);
+        ASSERT_EQ(device.commands, 1200);
     }
-    EXPECT_EQ(device.exchanges, 1201);
+    EXPECT_EQ(device.commands, 1201);
     EXPECT_EQ(device.last_command.e_W_V, Vector3::Zero());
     EXPECT_EQ(device.last_command.cancelled_resistance_Ohm, Vector3::Zero());
 }
@@ -81,7 +81,7 @@ TEST(Servo, SendsTheSafeStateLastFromItsThreadToo) {
         servo.stop();
         servo.stop(); // harmless
     }
-    EXPECT_GE(device.exchanges, 1301);
+    EXPECT_GE(device.commands, 1301);
     EXPECT_EQ(device.last_command.e_W_V, Vector3::Zero());
     EXPECT_EQ(device.last_command.cancelled_resistance_Ohm, Vector3::Zero());
 }
@@ -149,6 +149,168 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
                 EXPECT_EQ(sample.tuning.map == MotionMap::inverse, sample.scene_id == 2);
             }
         });
+    }
+    servo.stop();
+}
+
+/// The host does not let the servo run for some time, once, in its tick of that number.
+class StalledHost final : public ForwardingDevice {
+public:
+    StalledHost(HapticDevice &device, std::chrono::milliseconds stall, int at_tick)
+        : ForwardingDevice(device), stall_(stall), at_tick_(at_tick) {}
+
+    [[nodiscard]] Measurement read() noexcept override {
+        if (++ticks_ == at_tick_) {
+            std::this_thread::sleep_for(stall_);
+        }
+        return ForwardingDevice::read();
+    }
+
+private:
+    std::chrono::milliseconds stall_;
+    int at_tick_;
+    int ticks_ = 0;
+};
+
+constexpr int kStalledTick = 1500;
+constexpr std::chrono::milliseconds kStall{300};
+
+/// Until so many ticks after the stall, or a trip.
+std::vector<ServoSample> through_a_stall(HapticDevice &device) {
+    StalledHost host(device, kStall, kStalledTick);
+    Servo servo(host, 1000.0);
+    servo.publish({});
+    servo.start();
+    std::vector<ServoSample> samples;
+    while (samples.size() < kStalledTick + 200 &&
+           (samples.empty() || samples.back().safety.state != SafetyState::tripped)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        servo.drain([&samples](const ServoSample &sample) { samples.push_back(sample); });
+    }
+    servo.stop();
+    return samples;
+}
+
+TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    const std::vector<ServoSample> samples = through_a_stall(device);
+    std::uint64_t missed = 0;
+    for (const ServoSample &sample : samples) {
+        EXPECT_NE(sample.safety.state, SafetyState::tripped) << description(sample.safety);
+        EXPECT_EQ(sample.missed_periods, 0U);
+        EXPECT_DOUBLE_EQ(sample.since_last_s, 1e-3);
+        EXPECT_NEAR(sample.measured_s, (static_cast<double>(sample.tick) + 1.0) * 1e-3, 1e-9);
+        missed += sample.missed_deadlines;
+    }
+    EXPECT_GE(missed, 290U); // counted all the same
+    EXPECT_EQ(samples.back().safety.state, SafetyState::running);
+}
+
+TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    testing::OwnClockDevice hardware(device, 1e-3);
+    const std::vector<ServoSample> samples = through_a_stall(hardware);
+    ASSERT_EQ(samples.back().safety.state, SafetyState::tripped);
+    EXPECT_EQ(samples.back().safety.cause, TripCause::missed_deadlines);
+    EXPECT_TRUE(samples.back().command.e_W_V.isZero(0.0));
+    // In the very tick that is late by more than the limit, if no busy host made an earlier one so.
+    EXPECT_GT(samples.back().missed_in_a_row, 50U);
+    EXPECT_LE(samples.size(), static_cast<std::size_t>(kStalledTick) + 1);
+}
+
+/// Beats for a while, then is silent for longer than the monitor bears, then beats again.
+std::vector<ServoSample> through_a_silence(HapticDevice &device) {
+    Servo servo(device, 1000.0);
+    ServoInputs inputs;
+    inputs.limits.window_silence_s = 0.2;
+    servo.start();
+    std::vector<ServoSample> samples;
+    const auto frame = [&](bool beats) {
+        inputs.heartbeat += beats ? 1U : 0U;
+        servo.publish(inputs);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        servo.drain([&samples](const ServoSample &sample) { samples.push_back(sample); });
+    };
+    const auto frames = [&](int count, bool beat) {
+        for (int i = 0; i < count; ++i) {
+            frame(beat);
+        }
+    };
+    frames(20, true);
+    frames(100, false);
+    frames(20, true);
+    servo.stop();
+    return samples;
+}
+
+TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    const std::vector<ServoSample> samples = through_a_silence(device);
+    std::uint64_t missed = 0;
+    for (const ServoSample &sample : samples) {
+        EXPECT_NE(sample.safety.state, SafetyState::tripped) << description(sample.safety);
+        missed += sample.missed_deadlines;
+    }
+    EXPECT_GE(missed, 300U); // of the half second of silence all but 0.1 s, and a busy host's
+}
+
+TEST(Servo, AnotherDeviceStopsWhenTheWindowIsSilent) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    testing::OwnClockDevice hardware(device, 1e-3);
+    const std::vector<ServoSample> samples = through_a_silence(hardware);
+    EXPECT_EQ(samples.back().safety.state, SafetyState::tripped);
+    // A busy host may be the first cause; the stop is what counts.
+    EXPECT_TRUE(samples.back().safety.cause == TripCause::window_silent ||
+                samples.back().safety.cause == TripCause::missed_deadlines);
+}
+
+TEST(Servo, AnotherRateGoesOnWhereTheOldOneWas) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    Servo servo(device, 1000.0);
+    servo.publish({});
+    servo.advance(1500);
+    servo.set_rate(4000.0);
+    servo.advance(400);
+    EXPECT_THROW(servo.set_rate(1.0), InputError);
+    EXPECT_EQ(servo.rate_hz(), 4000.0);
+    servo.set_rate(500.0);
+    servo.advance(50);
+    std::vector<ServoSample> samples;
+    servo.drain([&samples](const ServoSample &sample) { samples.push_back(sample); });
+    ASSERT_EQ(samples.size(), 1950U);
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+        const double period_s = i < 1500 ? 1e-3 : (i < 1900 ? 0.25e-3 : 2e-3);
+        EXPECT_DOUBLE_EQ(samples[i].since_last_s, period_s);
+        // The servo's time counts a tick's length from its start, the device's to its end.
+        EXPECT_NEAR(samples[i].measured_s - samples[i - 1].measured_s, period_s, 1e-12);
+        EXPECT_EQ(samples[i].tick, i);
+    }
+    EXPECT_NEAR(samples.back().time_s, 1.5 + 0.1 + 49 * 2e-3, 1e-9);
+    EXPECT_EQ(samples.back().safety.state, SafetyState::running);
+}
+
+TEST(Servo, AnotherRateOnItsThreadLosesNoSampleAndNoMemory) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    Servo servo(device, 1000.0);
+    servo.publish({});
+    servo.start();
+    std::uint64_t next = 0;
+    SafetyState state = SafetyState::waiting;
+    const auto run_to = [&](std::uint64_t tick) {
+        while (next < tick) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            servo.drain([&](const ServoSample &sample) {
+                EXPECT_EQ(sample.tick, next++);
+                state = sample.safety.state;
+            });
+        }
+    };
+    run_to(1300);
+    EXPECT_EQ(state, SafetyState::running);
+    for (const double rate_hz : {2000.0, 250.0, 1000.0}) {
+        servo.set_rate(rate_hz);
+        run_to(next + 100);
+        EXPECT_EQ(state, SafetyState::running);
     }
     servo.stop();
 }

@@ -150,7 +150,7 @@ TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
     const double asked_Ohm = motor().resistance_Ohm - inputs.tuning.dR_Ohm;
     int over_cancelled_without = 0;
     for (int tick = 0; tick < 2100; ++tick) {
-        const ServoSample sample = loop.update(loop.exchange(), sealed(inputs));
+        const ServoSample sample = loop.tick(sealed(inputs));
         ASSERT_NE(sample.safety.state, SafetyState::tripped) << description(sample.safety);
         const Vector3 &R_Ohm = device.truth().resistance_Ohm;
         const Vector3 dR_Ohm = R_Ohm - sample.command.cancelled_resistance_Ohm;

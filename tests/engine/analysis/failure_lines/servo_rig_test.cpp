@@ -23,25 +23,34 @@ TEST(FailingDevice, IsTheSimulatedOneUntilItFails) {
     FailingDevice device(description, {}, start_m);
     DeviceCommand command;
     command.e_W_V = Vector3(0.3, -0.2, 0.1);
-    DeviceState answer;
+    Measurement answer;
     for (int i = 0; i < 50; ++i) {
-        const DeviceState expected = truth.exchange(command);
-        answer = device.exchange(command);
+        const Measurement expected = truth.advance(command);
+        device.write(command);
+        answer = device.read();
         EXPECT_EQ(answer.counts, expected.counts);
         EXPECT_EQ(answer.current_A, expected.current_A);
         EXPECT_EQ(answer.health, DeviceHealth::ok);
     }
     device.pass_by(); // as if the same had been said again
-    static_cast<void>(truth.exchange(command));
+    static_cast<void>(truth.advance(command));
     EXPECT_EQ(device.truth().tip_m, truth.truth().tip_m);
-    device.stay_silent(2);
+    device.stay_lost(2);
     for (const DeviceHealth health : {DeviceHealth::lost, DeviceHealth::lost, DeviceHealth::ok}) {
-        const DeviceState last = answer;
-        answer = device.exchange(DeviceCommand::braking());
+        const Measurement last = answer;
+        device.write(DeviceCommand::braking());
+        answer = device.read();
         EXPECT_EQ(answer.health, health);
         EXPECT_EQ(answer.counts == last.counts, health == DeviceHealth::lost);
         EXPECT_TRUE(device.heard().e_W_V.isZero(0.0));
     }
+    device.stay_silent(1);
+    const Measurement last = answer;
+    answer = device.read();
+    EXPECT_EQ(answer.arrival, Arrival::absent);
+    EXPECT_EQ(answer.health, DeviceHealth::ok);
+    EXPECT_EQ(answer.counts, last.counts);
+    EXPECT_EQ(device.read().number, last.number + 2);
 }
 
 TEST(FailingDevice, StaysWhereItIsWhenTheHandLetsGo) {
@@ -75,9 +84,9 @@ TEST(ServoRig, PressesIntoACornerUntilForcesBalance) {
 
 TEST(ServoRig, TellsTheServoOfMissedDeadlines) {
     ServoRig rig({held_by_a_hand()});
-    EXPECT_EQ(rig.tick(3).missed_deadlines, 3U);
-    EXPECT_EQ(rig.tick(2).missed_in_a_row, 5U);
-    EXPECT_EQ(rig.tick().missed_in_a_row, 0U);
+    EXPECT_EQ(rig.tick(3).missed_periods, 3U);
+    EXPECT_DOUBLE_EQ(rig.tick(2).since_last_s, 3e-3);
+    EXPECT_EQ(rig.tick().missed_periods, 0U);
     EXPECT_EQ(rig.tick(50).safety.cause, TripCause::none);
     EXPECT_EQ(rig.tick(1).safety.cause, TripCause::missed_deadlines);
 }

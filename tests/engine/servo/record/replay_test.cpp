@@ -52,13 +52,13 @@ std::vector<ServoSample> eventful_run(unsigned seed, double period_s) {
         }
         inputs.emergency_stop = tick == ticks * 3 / 4;
         inputs.reset_count = tick > ticks * 3 / 4 + 10 ? 1 : 0;
-        samples.push_back(loop.update(loop.exchange(), sealed(inputs)));
+        samples.push_back(loop.tick(sealed(inputs)));
     }
     return samples;
 }
 
-Replay replay_of(const std::vector<ServoSample> &samples, double period_s) {
-    Replay replay(testing::phantom_1_0(), period_s);
+Replay replay_of(const std::vector<ServoSample> &samples) {
+    Replay replay(testing::phantom_1_0());
     for (const ServoSample &sample : samples) {
         static_cast<void>(replay.take(sample));
     }
@@ -69,7 +69,7 @@ TEST(Replay, GivesTheServosOwnBitsAgain) {
     for (const unsigned seed : {1U, 2U, 3U, 4U}) {
         const double period_s = seed % 2 == 0 ? 1e-3 : 0.25e-3;
         const std::vector<ServoSample> samples = eventful_run(seed, period_s);
-        const Replay replay = replay_of(samples, period_s);
+        const Replay replay = replay_of(samples);
         EXPECT_EQ(replay.replayed(), samples.size());
         EXPECT_EQ(replay.skipped(), 0U);
         EXPECT_TRUE(replay.is_identical());
@@ -88,7 +88,7 @@ TEST(Replay, StartsAnywhereAndAcrossGaps) {
     std::vector<ServoSample> samples = eventful_run(5, 1e-3);
     samples.erase(samples.begin() + 2000, samples.begin() + 2003); // lost
     samples.erase(samples.begin(), samples.begin() + 1300);        // recorded from there on
-    const Replay replay = replay_of(samples, 1e-3);
+    const Replay replay = replay_of(samples);
     EXPECT_EQ(replay.skipped(), 2U);
     EXPECT_EQ(replay.replayed(), samples.size() - 2);
     EXPECT_TRUE(replay.is_identical());
@@ -99,7 +99,7 @@ TEST(Replay, FindsASingleBit) {
     constexpr std::size_t kTick = 1700;
     std::vector<ServoSample> changed = samples;
     changed[kTick].command.e_W_V[1] = std::nextafter(changed[kTick].command.e_W_V[1], 100.0);
-    const Replay replay = replay_of(changed, 1e-3);
+    const Replay replay = replay_of(changed);
     EXPECT_FALSE(replay.is_identical());
     for (const ReplayedQuantity &quantity : replay.quantities()) {
         const bool is_voltage = std::string(quantity.name) == "e_W_V";
@@ -111,14 +111,14 @@ TEST(Replay, FindsASingleBit) {
 TEST(Replay, AnotherCountIsAnotherMotion) {
     std::vector<ServoSample> samples = eventful_run(7, 1e-3);
     ++samples[1800].counts[0];
-    EXPECT_FALSE(replay_of(samples, 1e-3).is_identical());
+    EXPECT_FALSE(replay_of(samples).is_identical());
 }
 
 TEST(Replay, AnotherTuningAsksForOtherVoltages) {
     const std::vector<ServoSample> samples = eventful_run(8, 1e-3);
     Tuning stiffer = Tuning{};
     stiffer.K_P_V_per_rad = 15.0;
-    Replay replay(testing::phantom_1_0(), 1e-3, stiffer);
+    Replay replay(testing::phantom_1_0(), stiffer);
     for (const ServoSample &sample : samples) {
         static_cast<void>(replay.take(sample));
     }

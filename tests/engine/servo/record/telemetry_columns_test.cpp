@@ -21,11 +21,11 @@ std::map<const char *, std::size_t> places(const ServoSample &sample) {
     return found;
 }
 
-TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndTheCurrentDrivesCommand) {
+TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndTheNumberOfItsCommand) {
     const ServoSample sample;
     auto found = places(sample);
     const auto *const begin = reinterpret_cast<const char *>(&sample);
-    found.emplace(reinterpret_cast<const char *>(&sample.command.current_A), 3 * sizeof(double));
+    found.emplace(reinterpret_cast<const char *>(&sample.command.number), sizeof(std::uint64_t));
     found.emplace(begin + sizeof sample, 0);
     const char *at = begin;
     for (const auto &[address, bytes] : found) {
@@ -39,18 +39,19 @@ TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndTheCurrentDrivesComma
 // see to it that the list has it, then name it here.
 TEST(TelemetryColumns, KnowEveryMember) {
     const ServoSample sample;
-    [[maybe_unused]] const auto &[tick, time, counts, health, theta, rate, tip, contact, scene,
-                                  tuning, eta, global_alpha, alpha, bound, x_Sd, theta_Sd,
-                                  inverse_possible, carried, command, current, force, rendered,
-                                  inverse, transpose, safety, held_back, limits, energy, winding,
-                                  missed, in_a_row, clock, lateness, period, exchange, compute] =
+    [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
+                                  since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
+                                  global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
+                                  carried, command, current, force, rendered, inverse, transpose,
+                                  safety, held_back, limits, energy, winding, missed, in_a_row,
+                                  missed_periods, clock, lateness, period, read, compute, write] =
         sample;
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
     [[maybe_unused]] const auto &[state, cause, measured, limit, ramp] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
-    [[maybe_unused]] const auto &[e_W, R_hat, current_drive] = command;
+    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
     [[maybe_unused]] const auto &[least, greatest, R_hat_limit, is_limited] = winding[0];
     EXPECT_EQ(sizeof limits, kSafetyLimits.size() * sizeof(double));
 }

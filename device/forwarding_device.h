@@ -1,0 +1,31 @@
+// Passes everything on to another device: what a device is to do otherwise, a class derived from
+// this one says.
+#pragma once
+
+#include "device/haptic_device.h"
+
+namespace springdrive {
+
+class ForwardingDevice : public HapticDevice {
+public:
+    /// @param device  must outlive this one
+    explicit ForwardingDevice(HapticDevice &device) : device_(&device) {}
+
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return device_->description();
+    }
+    [[nodiscard]] DeviceClock clock() const override { return device_->clock(); }
+    [[nodiscard]] double delay_periods() const override { return device_->delay_periods(); }
+    [[nodiscard]] Measurement read() noexcept override { return device_->read(); }
+    void write(const DeviceCommand &command) noexcept override { device_->write(command); }
+    [[nodiscard]] DeviceIdentity identity() const override { return device_->identity(); }
+    void set_period(double period_s) override { device_->set_period(period_s); }
+    void zero(const Vector3 &theta_rad) override { device_->zero(theta_rad); }
+    void close() noexcept override { device_->close(); }
+    void reconnect() override { device_->reconnect(); }
+
+private:
+    HapticDevice *device_;
+};
+
+} // namespace springdrive
