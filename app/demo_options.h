@@ -1,7 +1,7 @@
 // What the demo was asked to do, as plain values.
 #pragma once
 
-#include "app/session_options.h"
+#include "engine/session/session_options.h"
 
 #include <filesystem>
 

@@ -26,7 +26,7 @@ void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view)
     if (over_view && !was_dragging) {
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
             dragging_ = Drag::hand;
-            grabbed_m_ = session.hand_target_m();
+            grabbed_m_ = session.hand().target_m();
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
             dragging_ = Drag::orbit;
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) {
@@ -37,14 +37,14 @@ void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view)
     const double dx = was_dragging ? io.MouseDelta.x : 0.0;
     const double dy = was_dragging ? io.MouseDelta.y : 0.0;
     const double height = view.size.y;
-    const bool may_move_hand = !session.hand_follows_path();
+    const bool may_move_hand = !session.hand().follows_path();
     switch (dragging_) {
     case Drag::hand:
         if (may_move_hand) {
             const double pixel_m = camera.metres_per_pixel(grabbed_m_, height);
             grabbed_m_ += pixel_m * (dx * camera.right() - dy * camera.up()) +
                           io.MouseWheel * kDepthPerNotch_m * camera.forward();
-            session.move_hand_to(grabbed_m_);
+            session.hand().move_to(grabbed_m_);
         }
         break;
     case Drag::orbit:

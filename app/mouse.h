@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/panels/layout.h"
-#include "app/session.h"
 #include "app/view/camera.h"
+#include "engine/session/session.h"
 
 namespace springdrive {
 

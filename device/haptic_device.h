@@ -63,12 +63,12 @@ enum class Arrival : std::uint8_t {
 
 /// What a board says is wrong with it, one bit each.
 struct BoardFaults {
-    static constexpr std::uint16_t kAmplifier = 1U << 0U;    ///< a power stage: opens the windings
-    static constexpr std::uint16_t kOverCurrent = 1U << 1U;  ///< the board's own limit was met
-    static constexpr std::uint16_t kTemperature = 1U << 2U;  ///< of its power stages
-    static constexpr std::uint16_t kSupply = 1U << 3U;       ///< too high or too low
-    static constexpr std::uint16_t kEncoder = 1U << 4U;      ///< its signals make no sense
-    static constexpr std::uint16_t kNoCommand = 1U << 5U;    ///< none came in time: it brakes
+    static constexpr std::uint16_t kAmplifier = 1U << 0U;   ///< a power stage: opens the windings
+    static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was met
+    static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages
+    static constexpr std::uint16_t kSupply = 1U << 3U;      ///< too high or too low
+    static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< its signals make no sense
+    static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: it brakes
 
     std::uint16_t bits = 0;
 

@@ -1,9 +1,9 @@
 #include "app/commands/inspect_command.h"
 
+#include "app/choice_line.h"
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
 #include "app/load_lines.h"
-#include "app/model_choices.h"
 #include "device/device_file.h"
 #include "engine/scenario/touch_scene.h"
 
@@ -39,7 +39,8 @@ ModelChoice model_of_scene(const Typed &typed, const Scene &scene,
                            const DeviceDescription &device) {
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
-    return choice_with_progress({&scene, device, {}, 1e-3, 0}, device_text, typed.fresh);
+    return choice_with_line({&scene, device, {}, 1e-3, 0.0}, {device_text, SPRINGDRIVE_VERSION},
+                            typed.fresh);
 }
 
 void run(const Typed &typed) {

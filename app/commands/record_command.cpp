@@ -3,9 +3,9 @@
 #include "app/commands/typed_session.h"
 #include "app/ending_signal.h"
 #include "app/frame_pace.h"
-#include "app/session.h"
-#include "app/session_report.h"
+#include "app/open_session.h"
 #include "base/input_error.h"
+#include "engine/session/session_report.h"
 
 #include <CLI/CLI.hpp>
 
@@ -28,12 +28,13 @@ struct Typed {
 /// Until the time is over, somebody asks for the end, or the record cannot go on.
 void play(Session &session, bool lockstep, double seconds) {
     FramePace pace;
-    for (int frame = 0; !asked_to_end() && session.is_recording(); ++frame) {
+    for (int frame = 0; !asked_to_end() && session.recording().is_running(); ++frame) {
         const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
         if (elapsed_s >= seconds - 1e-9) {
             return;
         }
         session.advance(kFrame_s);
+        print_new_remarks(session);
         if (!lockstep) {
             pace.wait();
         }
@@ -49,22 +50,20 @@ void run(const Typed &typed) {
     check_writable(typed.json);
     check_other_file(typed.json, options.record);
     options.plays_script = true;
-    Session session(options);
+    Session session = open_session(options);
     note_ending_signals();
-    for (const std::string &remark : session.start()) {
-        std::cerr << "springdrive: " << remark << '\n';
-    }
+    session.start();
+    print_new_remarks(session);
     play(session, options.lockstep, typed.seconds);
     session.stop();
     if (typed.json != "-") {
-        write_session_report(std::cout, options, session);
+        write_session_report(std::cout, session);
     }
     if (!typed.json.empty()) {
-        write_output(typed.json,
-                     [&](std::ostream &out) { write_session_json(out, options, session); });
+        write_output(typed.json, [&](std::ostream &out) { write_session_json(out, session); });
     }
-    const bool recorded = record_is_whole(session);
-    if (was_stopped(session) || !recorded) {
+    const bool recorded = record_is_whole(session, std::cerr);
+    if (was_stopped(session, std::cerr) || !recorded) {
         throw CLI::RuntimeError(1);
     }
 }

@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
+#include "device/device_file.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -63,7 +64,7 @@ void TypedSession::add_to(CLI::App &command) {
                     "sim: the simulated device (usb: not in this "
                     "version)")
         ->check(CLI::IsMember({"sim", "usb"}));
-    add_device_file_option(command, options.device_file);
+    add_device_file_option(command, options.device.file);
     tuning.add_to(command);
     effects.add_to(command);
     model.add_to(command);
@@ -71,8 +72,7 @@ void TypedSession::add_to(CLI::App &command) {
         ->type_name("HZ");
     command
         .add_option("--delay", options.delay_periods,
-                    "periods from reading θ to applying e_W, a real number 0 to 8, simulated "
-                    "[0]")
+                    "whole samples from reading θ to applying e_W, simulated [0]")
         ->type_name("D");
     command
         .add_option("--path", options.path,
@@ -90,13 +90,13 @@ void TypedSession::add_to(CLI::App &command) {
 }
 
 SessionOptions TypedSession::session() const {
-    if (device == "usb") {
-        throw InputError("--device usb: this version drives the simulated device only; leave the "
-                         "option out");
-    }
     static_cast<void>(servo_period_s(options.servo_hz));
     SessionOptions session = options;
+    session.program_version = SPRINGDRIVE_VERSION;
+    session.device.kind = *device_kind_named(device);
     if (late_limit_ms) {
+        const double greatest_ms = 1e3 * read_device_file(session.device.file).limits.late_s;
+        check_range("--late-limit-ms", *late_limit_ms, 1e-3, greatest_ms);
         session.late_limit_s = 1e-3 * *late_limit_ms;
     }
     session.tuning = tuning.tuning();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/commands/common_options.h"
-#include "app/session_options.h"
+#include "engine/session/session_options.h"
 
 #include <optional>
 #include <string>
@@ -32,8 +32,8 @@ struct TypedSession {
     TuningOptions tuning;
     EffectOptions effects;
     ModelTyped model;
-    std::optional<double> late_limit_ms;
     std::string device = "sim";
+    std::optional<double> late_limit_ms;
 
     void add_to(CLI::App &command);
 

@@ -13,8 +13,8 @@ constexpr double kNoticeable_deg = 25.0;
 
 void draw_force_direction_panel(const Session &session, const Rectangle &place) {
     begin_panel("Force direction", place);
-    const History &history = session.history();
-    const bool transpose = session.tuning().map == MotionMap::transpose;
+    const History &history = session.servo().history();
+    const bool transpose = session.servo().inputs().tuning.map == MotionMap::transpose;
 
     Plot error;
     error.title = "angle force–normal [°]";

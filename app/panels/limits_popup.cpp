@@ -47,14 +47,14 @@ void draw_limits_popup(Session &session) {
         return;
     }
     ImGui::Text("The device is stopped above");
-    const SafetyLimits device = limits_of(session.device());
-    SafetyLimits wishes = session.lowered_limits();
+    const SafetyLimits device = limits_of(session.description());
+    SafetyLimits wishes = session.servo().inputs().limits;
     bool changed = false;
     for (const SafetyLimit &limit : kSafetyLimits) {
         changed |= edit_limit(limit, device.*limit.value, wishes.*limit.value);
     }
     if (changed) {
-        session.lower_limits(wishes);
+        session.servo().lower_limits(wishes);
     }
     ImGui::TextColored(kFaintInk, "The device file sets them; here they can only be lowered.");
     ImGui::EndPopup();

@@ -86,9 +86,10 @@ void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
 
 /// What of a planar scene's model runs: a tip that does not leave its plane is to be no riddle.
 void draw_joints(const Session &session) {
-    if (session.is_planar()) {
+    if (session.simulation().planar) {
         ImGui::TextWrapped("The device moves in a plane only, as this scene asks for.");
-    } else if (session.runs_choice() && model_of(*session.model_choice()).planar) {
+    } else if (session.scenes().now().choice.has_value() &&
+               model_of(*session.models().choice()).planar) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("All three joints move: a base that was free before is not held. Start "
                            "with this scene to simulate two.");
@@ -97,7 +98,7 @@ void draw_joints(const Session &session) {
 }
 
 void draw_whether_it_runs(Session &session) {
-    if (session.runs_choice()) {
+    if (session.scenes().now().choice.has_value()) {
         ImGui::TextColored(kGood, "this model runs");
         return;
     }
@@ -133,11 +134,11 @@ void draw_choice(const ModelChoice &choice) {
 } // namespace
 
 void draw_model_tab(Session &session) {
-    const ModelMeasurement &measurement = session.model_measurement();
+    const ModelMeasurement &measurement = session.models().measurement();
     if (measurement.is_running()) {
         ImGui::TextWrapped("measuring: %s", measurement.progress().c_str());
         if (ImGui::Button("give up")) {
-            session.give_up_measuring();
+            session.models().give_up_measuring();
         }
         return;
     }
@@ -146,16 +147,16 @@ void draw_model_tab(Session &session) {
         ImGui::TextWrapped("%s", measurement.error().c_str());
         ImGui::PopStyleColor();
     }
-    if (session.model_choice()) {
+    if (session.models().choice()) {
         draw_whether_it_runs(session);
         draw_joints(session);
-        draw_choice(*session.model_choice());
+        draw_choice(*session.models().choice());
     } else {
         ImGui::TextWrapped("The cheapest model that this scene's tolerance allows is found by "
                            "measuring, which takes some seconds of one processor.");
     }
-    if (ImGui::Button(session.model_choice() ? "Measure again" : "Measure")) {
-        session.measure_model(session.model_choice().has_value());
+    if (ImGui::Button(session.models().choice() ? "Measure again" : "Measure")) {
+        session.measure_model(session.models().choice().has_value());
     }
     explain("in the background; what was measured before on this machine is remembered");
 }

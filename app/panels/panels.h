@@ -3,7 +3,7 @@
 
 #include "app/panels/layout.h"
 #include "app/panels/stability_tab.h"
-#include "app/session.h"
+#include "engine/session/session.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -18,7 +18,7 @@ void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::TextWrapped("Stopped: %s. The motors brake.", description(safety).c_str());
     if (ImGui::Button("All is clear: reset")) {
-        session.reset_safety();
+        session.servo().reset_safety();
     }
     ImGui::End();
     ImGui::PopStyleColor();
@@ -30,7 +30,7 @@ void draw_scene_overlay(Session &session, const Rectangle &view, float scale) {
     if (session.latest().safety.state == SafetyState::tripped) {
         draw_trip_banner(session, view, scale);
     }
-    const char *help = session.hand_follows_path()
+    const char *help = session.hand().follows_path()
                            ? "the hand follows a path · right drag: orbit · middle drag: pan · "
                              "wheel: zoom · space: emergency stop"
                            : "left drag: move the hand, wheel meanwhile: depth · right drag: orbit "

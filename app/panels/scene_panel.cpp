@@ -8,7 +8,7 @@ namespace springdrive {
 namespace {
 
 void draw_scene_tab(Session &session, ScenePanelState &state) {
-    const LoadedScene &shown = session.scene();
+    const LoadedScene &shown = session.scenes().now();
     ImGui::SetNextItemWidth(-1.0F);
     if (ImGui::BeginCombo("##files", shown.scene.file.filename().c_str())) {
         for (const std::filesystem::path &file : state.files) {
@@ -23,13 +23,13 @@ void draw_scene_tab(Session &session, ScenePanelState &state) {
                                  ImGuiInputTextFlags_EnterReturnsTrue)) {
         session.request_scene(state.typed);
     }
-    if (session.is_loading()) {
+    if (session.scenes().is_loading()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
-        ImGui::TextWrapped("loading: %s", session.loading_progress().c_str());
+        ImGui::TextWrapped("loading: %s", session.scenes().progress().c_str());
         ImGui::PopStyleColor();
-    } else if (!session.scene_error().empty()) {
+    } else if (!session.scenes().error().empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
-        ImGui::TextWrapped("%s", session.scene_error().c_str());
+        ImGui::TextWrapped("%s", session.scenes().error().c_str());
         ImGui::PopStyleColor();
     }
     const Vector3 size_mm = 1000.0 * (shown.scene.upper_m - shown.scene.lower_m);
@@ -41,7 +41,7 @@ void draw_scene_tab(Session &session, ScenePanelState &state) {
         ImGui::TextColored(kFaintInk, "scale: 1 unit = %.4g mm, fitted to the workspace",
                            1000.0 * shown.scene.metres_per_unit);
     }
-    if (session.is_planar()) {
+    if (session.simulation().planar) {
         ImGui::TextColored(kFaintInk, "planar: the tip stays in the linkage's plane");
     }
     for (const std::string &remark : shown.scene.remarks) {

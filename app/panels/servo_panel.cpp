@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 
 #include <array>
+#include <cstdint>
 #include <ctime>
 #include <string>
 
@@ -26,6 +27,9 @@ void show_state(const Session &session) {
     case SafetyState::running:
         ImGui::TextColored(kGood, "running");
         break;
+    case SafetyState::releasing:
+        ImGui::TextColored(kWarning, "letting go, gains at %.0f %%", 100.0 * now.safety.ramp);
+        break;
     case SafetyState::tripped:
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
         ImGui::TextWrapped("stopped: %s", description(now.safety).c_str());
@@ -40,7 +44,7 @@ void show_state(const Session &session) {
                                                    : "voltage held at its limit");
     }
     ImGui::SameLine();
-    ImGui::TextColored(kFaintInk, "%s", session.device().name.c_str());
+    ImGui::TextColored(kFaintInk, "%s", session.description().name.c_str());
 }
 
 void show_duration(const char *name, const DurationHistogram &durations, const char *explanation) {
@@ -71,23 +75,31 @@ void show_durations(const ServoStatistics &statistics) {
         show_duration("period", statistics.period(), "from the start of a tick to the next one's");
         show_duration("jitter", statistics.lateness(), "from a tick's deadline to its start");
         show_duration("compute", statistics.compute(),
-                      "from the device's answer to the next command");
+                      "from a measurement to the command that answers it");
         ImGui::EndTable();
     }
 }
 
 void show_rate(const Session &session) {
-    const ServoStatistics &statistics = session.statistics();
-    ImGui::TextColored(kFaintInk, "asked %.0f Hz", session.servo_hz());
+    const ServoStatistics &statistics = session.servo().statistics();
+    ImGui::TextColored(kFaintInk, "asked %.0f Hz", session.servo().rate_hz());
     if (statistics.period().count() > 0) {
         ImGui::SameLine();
         ImGui::Text("got %.1f Hz", 1.0 / statistics.period().mean_s());
     }
     ImGui::SameLine();
-    const bool all_well = statistics.missed_deadlines() == 0 && session.lost_samples() == 0;
+    const std::uint64_t lost = session.servo().lost_samples();
+    if (session.device().device().clock() == DeviceClock::servo) {
+        // Nothing of it was missed: a simulated world waits.
+        ImGui::TextColored(lost == 0 ? kFaintInk : kWarning, "stood still %.0f ms  lost %llu",
+                           1e3 * session.servo().stood_still().seconds,
+                           static_cast<unsigned long long>(lost));
+        return;
+    }
+    const bool all_well = statistics.missed_deadlines() == 0 && lost == 0;
     ImGui::TextColored(all_well ? kFaintInk : kWarning, "missed %llu  lost %llu",
                        static_cast<unsigned long long>(statistics.missed_deadlines()),
-                       static_cast<unsigned long long>(session.lost_samples()));
+                       static_cast<unsigned long long>(lost));
 }
 
 /// "springdrive-20240531-123456.rec", in the folder in which the program was started.
@@ -102,8 +114,8 @@ std::string name_of_new_record() {
 
 void toggle_recording(Session &session, ServoPanelState &state) {
     state.record_error.clear();
-    if (session.is_recording()) {
-        session.stop_recording();
+    if (session.recording().is_running()) {
+        session.recording().stop();
         return;
     }
     try {
@@ -114,7 +126,7 @@ void toggle_recording(Session &session, ServoPanelState &state) {
 }
 
 void show_recording(Session &session, ServoPanelState &state) {
-    const bool recording = session.is_recording();
+    const bool recording = session.recording().is_running();
     // As wide in both states: what stands beside it must not move under the mouse.
     const float width = ImGui::CalcTextSize("stop recording").x + ImGui::GetFontSize();
     if (ImGui::Button(recording ? "stop recording" : "record", {width, 0.0F})) {
@@ -128,20 +140,20 @@ void show_recording(Session &session, ServoPanelState &state) {
         ImGui::OpenPopup("limits");
     }
     draw_limits_popup(session);
-    const RecorderStatus status = session.record_status();
+    const RecorderStatus status = session.recording().status();
     const std::string &error = state.record_error.empty() ? status.error : state.record_error;
     if (!error.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
         ImGui::TextWrapped("%s", error.c_str());
         ImGui::PopStyleColor();
-    } else if (!session.record_file().empty()) {
+    } else if (!session.recording().file().empty()) {
         ImGui::SameLine();
         ImGui::TextColored(recording ? kDanger : kFaintInk, "%s %.1f s, %.1f MB",
                            recording ? "recorded" : "saved",
-                           static_cast<double>(status.rows) / session.servo_hz(),
+                           static_cast<double>(status.rows) / session.servo().rate_hz(),
                            1e-6 * static_cast<double>(status.bytes));
         if (ImGui::IsItemHovered()) {
-            ImGui::SetTooltip("%s, %llu ticks lost", session.record_file().c_str(),
+            ImGui::SetTooltip("%s, %llu ticks lost", session.recording().file().c_str(),
                               static_cast<unsigned long long>(status.lost));
         }
     }
@@ -152,10 +164,10 @@ void show_recording(Session &session, ServoPanelState &state) {
 void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle &place) {
     begin_panel("Servo", place);
     show_state(session);
-    show_durations(session.statistics());
+    show_durations(session.servo().statistics());
     show_rate(session);
     show_recording(session, state);
-    for (const std::string &remark : session.remarks()) {
+    for (const std::string &remark : session.remarks().all()) {
         // What is the matter; the remedy, behind the semicolon, under the mouse.
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("%s", remark.substr(0, remark.find(';')).c_str());

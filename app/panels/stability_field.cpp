@@ -27,7 +27,9 @@ bool has_same_field(const StabilityCase &a, const StabilityCase &b) {
     Tuning same = a.tuning;
     same.K_P_V_per_rad = b.tuning.K_P_V_per_rad;
     same.dR_Ohm = b.tuning.dR_Ohm;
-    return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad;
+    return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad &&
+           a.period_s == b.period_s && a.delay_periods == b.delay_periods &&
+           a.device.name == b.device.name;
 }
 
 /// Green where it is stable, the darker the slower a motion dies out; red where it grows.
@@ -112,7 +114,7 @@ StabilityGrid stability_grid(const StabilityCase &which, BackgroundTalk &talk) {
         there.net_resistance_Ohm = StabilityGrid::dR_Ohm(row);
         for (int column = 0; column < StabilityGrid::kColumns; ++column) {
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
-            grid.eigenvalue.push_back(talk.is_wanted ? worst_member(there).eigenvalue : 0.0);
+            grid.eigenvalue.push_back(talk.is_wanted() ? worst_member(there).eigenvalue : 0.0);
         }
         talk.share = (row + 1.0) / StabilityGrid::kRows;
     }

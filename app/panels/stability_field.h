@@ -1,7 +1,7 @@
 // A small picture in the stability tab: where over K_P and dR the loop is predicted to be stable.
 #pragma once
 
-#include "app/background.h"
+#include "base/background.h"
 #include "engine/analysis/stability/stability_case.h"
 
 #include <optional>

@@ -139,12 +139,12 @@ void show_found(Session &session, StabilityTabState &state) {
     if (!state.found()) {
         return;
     }
-    const bool in_force = session.tuning() == state.found_tuning();
+    const bool in_force = session.servo().inputs().tuning == state.found_tuning();
     ImGui::TextColored(in_force ? kGood : kFaintInk, in_force ? "found, in force" : "found");
     ImGui::SameLine();
     show_margins(*state.found());
     if (ImGui::Button(in_force ? "back to what was" : "put in force")) {
-        session.tune(in_force ? state.before() : state.found_tuning());
+        session.servo().tune(in_force ? state.before() : state.found_tuning());
     }
     explain(in_force ? "the tuning before the search" : "the tuning that was found");
     ImGui::SameLine();
@@ -160,7 +160,7 @@ void show_found(Session &session, StabilityTabState &state) {
 void draw_stability_tab(Session &session, StabilityTabState &state) {
     state.update(session);
     if (const std::optional<Tuning> tuning = state.take_new_tuning()) {
-        session.tune(*tuning);
+        session.servo().tune(*tuning);
     }
     if (state.outlook()) {
         show_outlook(*state.outlook());
@@ -171,7 +171,7 @@ void draw_stability_tab(Session &session, StabilityTabState &state) {
     show_search(session, state);
     show_found(session, state);
     ImGui::Separator();
-    state.field().draw(session.tuning());
+    state.field().draw(session.servo().inputs().tuning);
 }
 
 } // namespace springdrive

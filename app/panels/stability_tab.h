@@ -1,10 +1,10 @@
 // What the stability tab remembers between frames, and what it works out beside them.
 #pragma once
 
-#include "app/background.h"
 #include "app/panels/stability_field.h"
-#include "app/session.h"
+#include "base/background.h"
 #include "engine/analysis/stability/auto_tune.h"
+#include "engine/session/session.h"
 
 #include <optional>
 #include <string>
@@ -57,8 +57,7 @@ public:
 private:
     Background<StabilityOutlook> watch_;
     std::optional<StabilityOutlook> outlook_;
-    std::optional<Tuning> looked_at_;
-    Vector3 looked_at_q_rad_{Vector3::Zero()};
+    std::optional<StabilityCase> looked_at_;
     StabilityField field_;
     Background<AutoTuned> search_;
     std::optional<AutoTuned> found_;

@@ -21,6 +21,7 @@ constexpr double kMoved_rad = 0.03; // below that, limits stay as they are
 /// not.
 StabilityRoom room_of(const StabilityCase &which, bool is_stable, const char *name, bool upwards) {
     const StabilityParameter &parameter = *stability_parameter_named(name);
+    stop_if_given_up();
     StabilityRoom room;
     room.now = parameter.get(which);
     const bool looks_up = upwards == is_stable;
@@ -55,14 +56,21 @@ std::string name_of_new_tuning() {
     return text.data();
 }
 
+/// Device, rate and tuning can all be exchanged.
+bool is_another(const StabilityCase &before, const StabilityCase &now) {
+    return (now.q_rad - before.q_rad).cwiseAbs().maxCoeff() > kMoved_rad ||
+           before.tuning != now.tuning || before.period_s != now.period_s ||
+           before.delay_periods != now.delay_periods || before.device.name != now.device.name;
+}
+
 } // namespace
 
 StabilityCase stability_case_of(const Session &session) {
     StabilityCase which;
-    which.device = session.device();
-    which.tuning = session.tuning();
-    which.period_s = 1.0 / session.servo_hz();
-    which.delay_periods = session.delay_periods();
+    which.device = session.description();
+    which.tuning = session.servo().inputs().tuning;
+    which.period_s = 1.0 / session.servo().rate_hz();
+    which.delay_periods = session.device().device().delay_periods();
     which.q_rad = joint_from_motor(which.device.geometry, session.latest().theta_rad);
     return which;
 }
@@ -73,7 +81,7 @@ void StabilityTabState::update(const Session &session) {
             outlook_ = std::move(outlook);
         }
         if (std::optional<AutoTuned> found = search_.take()) {
-            before_ = session.tuning();
+            before_ = session.servo().inputs().tuning;
             found_tuning_ = found->tuning;
             found_tuning_.eta = before_.eta; // any is stable
             new_tuning_ = found_tuning_;
@@ -85,10 +93,8 @@ void StabilityTabState::update(const Session &session) {
     }
     const StabilityCase now = stability_case_of(session);
     field_.update(now);
-    const bool moved = (now.q_rad - looked_at_q_rad_).cwiseAbs().maxCoeff() > kMoved_rad;
-    if (!watch_.is_busy() && (!looked_at_ || moved || *looked_at_ != now.tuning)) {
-        looked_at_ = now.tuning;
-        looked_at_q_rad_ = now.q_rad;
+    if (!watch_.is_busy() && (!looked_at_ || is_another(*looked_at_, now))) {
+        looked_at_ = now;
         watch_.start([now](BackgroundTalk &) { return outlook_of(now); });
     }
 }
@@ -100,7 +106,7 @@ void StabilityTabState::start_tuning(const Session &session) {
         [request = AutoTuneRequest{stability_case_of(session), margin}](BackgroundTalk &talk) {
             return auto_tune(request, [&talk](double share) {
                 talk.share = share;
-                return talk.is_wanted.load();
+                return talk.is_wanted();
             });
         });
 }

@@ -126,30 +126,31 @@ bool choose_preset(Tuning &tuning) {
 
 /// The dR that is in force: more than was asked for where cold windings may not bear that.
 double dR_in_force_Ohm(const Session &session) {
-    double dR_Ohm = session.tuning().dR_Ohm;
+    double dR_Ohm = session.servo().inputs().tuning.dR_Ohm;
     for (std::size_t j = 0; j < 3; ++j) {
         const WindingStatus &winding = session.latest().winding[j];
         if (winding.is_limited) {
-            dR_Ohm = std::max(dR_Ohm,
-                              session.device().motor[j].resistance_Ohm - winding.R_hat_limit_Ohm);
+            dR_Ohm = std::max(dR_Ohm, session.description().motor[j].resistance_Ohm -
+                                          winding.R_hat_limit_Ohm);
         }
     }
     return dR_Ohm;
 }
 
 void show_consequences(const Session &session) {
-    Tuning tuning = session.tuning();
+    Tuning tuning = session.servo().inputs().tuning;
     tuning.dR_Ohm = dR_in_force_Ohm(session);
     const ServoSample &now = session.latest();
-    Coupling c = coupling(session.device().motor.front(), tuning, 1.0 / session.servo_hz(),
-                          session.delay_periods());
+    Coupling c =
+        coupling(session.description().motor.front(), tuning, 1.0 / session.servo().rate_hz(),
+                 session.device().device().delay_periods());
     // What the rotors' added inertia is at the tip, as a mean over directions.
     const Matrix3 J_inverse =
-        motor_jacobian(session.device().geometry,
-                       joint_from_motor(session.device().geometry, now.theta_rad))
+        motor_jacobian(session.description().geometry,
+                       joint_from_motor(session.description().geometry, now.theta_rad))
             .inverse();
     const double added_mass_g = 1000.0 * c.added_inertia_kg_m2 * J_inverse.squaredNorm() / 3.0;
-    c.K_DC_Nm_per_rad = mean_static_stiffness_Nm_per_rad(session.device(), tuning);
+    c.K_DC_Nm_per_rad = mean_static_stiffness_Nm_per_rad(session.description(), tuning);
     const double stiffness = tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
 
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
@@ -168,7 +169,7 @@ void show_consequences(const Session &session) {
          "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
     show("α in force", "%.0f", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
     ImGui::EndTable();
-    if (tuning.dR_Ohm > session.tuning().dR_Ohm) {
+    if (tuning.dR_Ohm > session.servo().inputs().tuning.dR_Ohm) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",
                            tuning.dR_Ohm);
     }
@@ -180,7 +181,7 @@ void show_consequences(const Session &session) {
 }
 
 void draw_tuning_tab(Session &session, TuningPanelState &state) {
-    Tuning tuning = session.tuning();
+    Tuning tuning = session.servo().inputs().tuning;
     const float font = ImGui::GetFontSize();
     bool changed = choose_preset(tuning);
     ImGui::SetNextItemWidth(9.0F * font);
@@ -201,7 +202,7 @@ void draw_tuning_tab(Session &session, TuningPanelState &state) {
         }
     }
     if (changed) {
-        session.tune(tuning);
+        session.servo().tune(tuning);
     }
     ImGui::Separator();
     show_consequences(session);

@@ -128,8 +128,8 @@ Measurement SimulatedPhantom::measurement() const noexcept {
     }
     measured.current_A = truth_.current_A;
     measured.number = periods_;
-    measured.time_s = clock_base_s_ + static_cast<double>(periods_ - clock_base_periods_) *
-                                          options_.servo_period_s;
+    measured.time_s = clock_base_s_ +
+                      static_cast<double>(periods_ - clock_base_periods_) * options_.servo_period_s;
     if (!connected_) {
         measured.arrival = Arrival::absent;
         measured.health = DeviceHealth::lost;
@@ -282,9 +282,8 @@ CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCommand &co
     }
     const bool drives = spring.mode == CommandMode::drive;
     const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
-    const double cancelled_Ohm =
-        std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
-                   description_.amplifier.greatest_cancelled_Ohm);
+    const double cancelled_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
+                                            description_.amplifier.greatest_cancelled_Ohm);
     return at_once ? spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
                    : spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }

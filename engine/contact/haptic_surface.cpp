@@ -1,6 +1,7 @@
 #include "engine/contact/haptic_surface.h"
 
 #include "base/parallel.h"
+#include "base/wanted.h"
 #include "engine/contact/near_list.h"
 
 #include <algorithm>
@@ -68,6 +69,7 @@ HapticSurface::HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shape
     tree_ = BoxTree(boxes_of(prepared.facets), all_processors());
     facets_.reserve(prepared.facets.size());
     for (const std::uint32_t source : tree_.order()) {
+        stop_if_given_up(facets_.size());
         facets_.emplace_back(prepared.facets[source]);
         has_two_sided_ = has_two_sided_ || facets_.back().sides() == FacetSides::two;
     }

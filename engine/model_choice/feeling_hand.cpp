@@ -1,5 +1,6 @@
 #include "engine/model_choice/feeling_hand.h"
 
+#include "base/wanted.h"
 #include "engine/scenario/surface_probe.h"
 
 #include <algorithm>
@@ -65,6 +66,7 @@ std::vector<HandPath::Point> points_of(const SurfaceProbe &probe, const Figure &
     const double begin_s = how.rest_s + how.approach_s;
     const long count = std::lround(std::ceil((how.duration_s - begin_s) / kTick_s));
     for (long i = 0; i < count; ++i) {
+        stop_if_given_up();
         const double since_s = static_cast<double>(i) * kTick_s;
         Vector3 point_m = figure.at(phase);
         const double most_m = how.climb_m_per_s * kTick_s;

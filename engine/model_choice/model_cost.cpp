@@ -1,5 +1,6 @@
 #include "engine/model_choice/model_cost.h"
 
+#include "base/wanted.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/analysis/work_precision/timing.h"
 #include "engine/contact/proxy.h"
@@ -28,6 +29,7 @@ public:
     template <typename Tick> void repeat(const Tick &tick) {
         double sum_ns = 0.0;
         for (std::size_t piece = 0; piece < least_ns_.size(); ++piece) {
+            stop_if_given_up();
             const auto start = std::chrono::steady_clock::now();
             for (std::size_t i = 0; i < kPieceTicks; ++i) {
                 tick(piece * kPieceTicks + i);

@@ -1,5 +1,6 @@
 #include "engine/model_choice/model_run.h"
 
+#include "base/wanted.h"
 #include "engine/contact/proxy.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
@@ -62,6 +63,7 @@ ModelRun run_model(const ModelSetting &setting, const Model &model, const Haptic
     ModelRun run;
     const std::size_t ticks = ticks_of(setting);
     for (std::size_t tick = 0; tick < ticks; ++tick) {
+        stop_if_given_up();
         run.commands.push_back(command);
         const Vector3 theta_rad = law.theta_rad(device->advance(command).counts);
         run.force_N.emplace_back(-device->truth().hand_force_N);

@@ -1,5 +1,6 @@
 #include "engine/model_choice/scene_model.h"
 
+#include "base/wanted.h"
 #include "engine/model_choice/contact_shapes.h"
 #include "engine/model_choice/feeling_hand.h"
 #include "engine/model_choice/model_cost.h"
@@ -38,6 +39,7 @@ public:
         tell("surfaces");
         shapes_ = contact_shapes_of(*question.scene);
         for (const ContactShape &shape : shapes_) {
+            stop_if_given_up();
             surfaces_.push_back(haptic_surface_of(*question.scene, shape));
         }
         for (int steps = 1;; steps *= 2) {

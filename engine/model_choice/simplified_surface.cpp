@@ -1,5 +1,7 @@
 #include "engine/model_choice/simplified_surface.h"
 
+#include "base/wanted.h"
+
 #include <meshoptimizer.h>
 
 #include <array>
@@ -22,6 +24,7 @@ struct WeldedVertices {
     explicit WeldedVertices(const TriangleSoup &soup) {
         std::map<Point, unsigned> known;
         for (const Vector3 &vertex_m : soup.vertices_m) {
+            stop_if_given_up(place_of_vertex.size());
             const Point point = {static_cast<float>(vertex_m.x()), static_cast<float>(vertex_m.y()),
                                  static_cast<float>(vertex_m.z())};
             const auto [entry, is_new] =

@@ -1,6 +1,7 @@
 #include "engine/scene/gltf.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_gather.h"
@@ -31,6 +32,7 @@ constexpr double kFarthest_m = 1000.0; // beyond this, "metres" must be a mistak
 BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
     BoundingBox box;
     for (const PlacedPrimitive &primitive : primitives) {
+        stop_if_given_up();
         for (const Triangle &triangle : primitive.geometry->triangles) {
             for (const std::uint32_t corner : triangle) {
                 box.include(primitive.positions[corner]);
@@ -186,9 +188,13 @@ Scene load(const std::filesystem::path &file, const Workspace &workspace, LoadPr
 Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
                 LoadProgress *progress) {
     LoadProgress unwatched;
+    LoadProgress &watched = progress != nullptr ? *progress : unwatched;
+    const GivenUpBy given_up(&watched.is_given_up());
     const std::string place = gltf::one_line(file.string(), 1000) + ": ";
     try {
-        return load(file, workspace, progress != nullptr ? *progress : unwatched);
+        return load(file, workspace, watched);
+    } catch (const NotWanted &) {
+        throw; // no fault of the file's
     } catch (const InputError &error) {
         throw InputError(place + gltf::one_line(error.what(), 500));
     } catch (const std::bad_alloc &) {

@@ -39,6 +39,7 @@ namespace springdrive {
 ///        coordinates that are not finite, needs an extension that we lack, has no triangle, or
 ///        says something else about touch than the above.
 ///        Also for a scene that takes more than 8 GiB to load.
+/// @throw NotWanted soon after `progress` was given up
 /// @param progress told how far it is, if somebody wants to know
 [[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
                               LoadProgress *progress = nullptr);

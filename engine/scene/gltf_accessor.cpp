@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_accessor.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 
 #include <tiny_gltf.h>
 
@@ -200,6 +201,7 @@ Attribute read_attribute(const tinygltf::Model &model, int index, Scaling scalin
         }
     };
     for (std::size_t i = 0; has_view && i < accessor.count; ++i) {
+        stop_if_given_up(i);
         load_element(i, elements[i]);
     }
     for_each_sparse(model, accessor, width * size, place, load_element);
@@ -219,6 +221,7 @@ std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int index)
         find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count, size, place);
     std::vector<std::uint32_t> indices(accessor.count);
     for (std::size_t i = 0; i < accessor.count; ++i) {
+        stop_if_given_up(i);
         indices[i] = load_index(elements[i], type);
     }
     for_each_sparse(model, accessor, size, place, [&](std::size_t i, const unsigned char *bytes) {

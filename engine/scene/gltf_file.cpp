@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 #include "engine/scene/gltf_json.h"
 #include "engine/scene/gltf_parse.h"
 #include "engine/scene/gltf_text.h"
@@ -132,7 +133,12 @@ Bytes read_bytes(const std::filesystem::path &file) {
     }
     Bytes bytes(size);
     std::ifstream stream(file, std::ios::binary);
-    stream.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(size));
+    constexpr std::size_t kBlock = std::size_t{16} << 20U;
+    for (std::size_t at = 0; stream && at < bytes.size(); at += kBlock) {
+        stop_if_given_up();
+        stream.read(reinterpret_cast<char *>(&bytes[at]),
+                    static_cast<std::streamsize>(std::min(kBlock, bytes.size() - at)));
+    }
     if (!stream) {
         throw InputError("cannot be read; check its permissions");
     }

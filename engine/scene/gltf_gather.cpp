@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_gather.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 #include "engine/scene/load_allowance.h"
 #include "engine/scene/smooth_nodes.h"
 
@@ -63,6 +64,7 @@ void remark_on(const PlacedMesh &node, const PrimitiveGeometry &geometry,
 std::vector<Vector3> world_positions(const PlacedMesh &node, const PrimitiveGeometry &geometry) {
     std::vector<Vector3> positions(geometry.position.count());
     for (std::size_t i = 0; i < positions.size(); ++i) {
+        stop_if_given_up(i);
         positions[i] = node.to_world * Vector3(geometry.position[i].data());
         if (!positions[i].allFinite()) {
             throw InputError(node.label + ": its transform takes vertex " + std::to_string(i) +
@@ -140,6 +142,7 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
                                            "pose that it was modelled in");
         }
         for (const PrimitiveData &primitive : cache.primitives(node.mesh)) {
+            stop_if_given_up();
             const PrimitiveGeometry &geometry = *primitive.geometry;
             remark_on(node, geometry, remarks);
             if (!geometry.triangles.empty()) {

@@ -1,5 +1,6 @@
 #include "engine/scene/gltf_mesh.h"
 
+#include "base/wanted.h"
 #include "engine/scene/visual_pieces.h"
 
 #include <algorithm>
@@ -64,6 +65,7 @@ void add_smooth(const PlacedPrimitive &primitive, VisualMesh &mesh) {
     mesh.vertices.reserve(primitive.positions.size());
     mesh.indices.reserve(3 * primitive.geometry->triangles.size());
     for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
+        stop_if_given_up(i);
         VisualVertex vertex = visual_vertex(primitive, i);
         vertex.normal = unit_or_up(world_normal(primitive, i));
         mesh.vertices.push_back(vertex);
@@ -81,6 +83,7 @@ void add_flat(const PlacedPrimitive &primitive, VisualMesh &mesh) {
     mesh.indices.reserve(3 * primitive.geometry->triangles.size());
     for (const Triangle &local : primitive.geometry->triangles) {
         const Triangle triangle = wound_outwards(local, mirrored);
+        stop_if_given_up(mesh.vertices.size() / 3);
         const Vector3 &corner = primitive.positions[triangle[0]];
         const Vector3 edge_1 = primitive.positions[triangle[1]] - corner;
         const Vector3 edge_2 = primitive.positions[triangle[2]] - corner;
@@ -130,6 +133,7 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, Trian
     const bool mirrored = mirrors(*primitive.node);
     for (const Triangle &local : primitive.geometry->triangles) {
         const Triangle triangle = wound_outwards(local, mirrored);
+        stop_if_given_up(surface.triangles.size());
         surface.triangles.push_back(
             {first + triangle[0], first + triangle[1], first + triangle[2]});
         surface.material_of_triangle.push_back(material);

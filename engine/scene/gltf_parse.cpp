@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_parse.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_text.h"
 
@@ -69,6 +70,8 @@ tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
             const auto *const text = reinterpret_cast<const char *>(bytes.data());
             done = reader.LoadASCIIFromString(&model, &error, &warning, text, size, base);
         }
+    } catch (const NotWanted &) {
+        throw;
     } catch (const std::bad_alloc &) {
         throw; // no fault of the file's grammar
     } catch (const std::exception &problem) {

@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_primitive.h"
 
 #include "base/input_error.h"
+#include "base/wanted.h"
 #include "engine/scene/gltf_draco.h"
 
 #include <tiny_gltf.h>
@@ -188,6 +189,7 @@ PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::P
     read_triangles(model, primitive, source.draco(), geometry);
     check_in_range(geometry.triangles, count);
 
+    stop_if_given_up();
     const std::string set = "TEXCOORD_" + std::to_string(texture_set);
     geometry.normal = source.read("NORMAL", Scaling::unit_range);
     geometry.colour = source.read("COLOR_0", Scaling::unit_range);

@@ -1,4 +1,4 @@
-// How far the loading of a scene has come.
+// How far the loading of a scene has come, and whether anybody still wants it.
 #pragma once
 
 #include <atomic>
@@ -33,11 +33,18 @@ public:
     /// For people: "gathering triangles, 40 %".
     [[nodiscard]] std::string text() const;
 
+    /// Any thread: nobody waits for the scene any more. Loading ends with NotWanted where it next
+    /// looks, which it does many times a second.
+    void give_up() noexcept { is_given_up_ = true; }
+    /// For whoever loads, see GivenUpBy.
+    [[nodiscard]] const std::atomic<bool> &is_given_up() const noexcept { return is_given_up_; }
+
 private:
     static constexpr float kUnknown = -1.0F;
 
     std::atomic<Stage> stage_{Stage::reading};
     std::atomic<float> fraction_{kUnknown};
+    std::atomic<bool> is_given_up_{false};
 };
 
 } // namespace springdrive

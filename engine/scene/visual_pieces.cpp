@@ -1,5 +1,7 @@
 #include "engine/scene/visual_pieces.h"
 
+#include "base/wanted.h"
+
 #include <limits>
 #include <span>
 #include <utility>
@@ -69,6 +71,7 @@ std::vector<VisualMesh> in_pieces(VisualMesh mesh, std::size_t most_vertices) {
     }
     Cutter cutter(mesh, most_vertices);
     for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+        stop_if_given_up(i);
         cutter.add(std::span(mesh.indices).subspan(i, 3));
     }
     return cutter.take();

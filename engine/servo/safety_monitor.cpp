@@ -208,12 +208,20 @@ void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
     check_motion(seen);
 }
 
-/// From waiting over starting to running.
-void SafetyMonitor::proceed() noexcept {
+/// From waiting over starting to running; asked to release, from there back to waiting.
+void SafetyMonitor::proceed(bool release) noexcept {
+    if (release && lets_pass()) {
+        status_.ramp = std::max(0.0, status_.ramp - period_s_ / kRampTime_s);
+        status_.state = status_.ramp > 0.0 ? SafetyState::releasing : SafetyState::waiting;
+        return;
+    }
     switch (status_.state) {
     case SafetyState::waiting:
-        status_.state = rest_.is_at_rest() ? SafetyState::starting : SafetyState::waiting;
+        if (!release && rest_.is_at_rest()) {
+            status_.state = SafetyState::starting;
+        }
         break;
+    case SafetyState::releasing: // not any more
     case SafetyState::starting:
         status_.ramp = std::min(1.0, status_.ramp + period_s_ / kRampTime_s);
         status_.state = status_.ramp < 1.0 ? SafetyState::starting : SafetyState::running;
@@ -252,7 +260,7 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation
     check(wanted, seen, orders);
     tip_m_ = seen.now.tip_m;
     knows_tip_ = true;
-    proceed();
+    proceed(orders.release);
     if (!lets_pass()) {
         return safe_state();
     }

@@ -6,9 +6,13 @@
 //      ▲                                       └────────┬────────────┘
 //      └──────────── a deliberate reset ──── tripped ◄──┘
 //
+// Asked to let go of the device it does that as it starts, the other way round: from starting or
+// running over releasing, where gains fall as they rose, to waiting, for as long as it is asked.
+//
 // A trip latches: the device gets the safe state until a deliberate reset. That is braking (e_W = 0
-// and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come from the device file, and may be lowered, never raised; that of R̂ moves with
-// what is known of each winding's temperature, see winding_guard.h.
+// and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come from the device
+// file, and may be lowered, never raised; that of R̂ moves with what is known of each winding's
+// temperature, see winding_guard.h.
 #pragma once
 
 #include "device/haptic_device.h"
@@ -54,9 +58,9 @@ struct Observation {
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
     /// The same under the tuning of the last tick: another one only while a tuning changes.
     Vector3 spring_force_before_N{Vector3::Zero()};
-    bool scene_is_new = false;          ///< what the spring holds is none of the last tick's
-    bool all_finite = true;             ///< of everything else on the signal path
-    std::uint32_t missed_periods = 0;   ///< since the last measurement that told anything
+    bool scene_is_new = false;        ///< what the spring holds is none of the last tick's
+    bool all_finite = true;           ///< of everything else on the signal path
+    std::uint32_t missed_periods = 0; ///< since the last measurement that told anything
 };
 
 /// What the window asks of the monitor.
@@ -65,6 +69,7 @@ struct SafetyOrders {
     bool emergency_stop = false;
     std::uint32_t heartbeat = 0;
     bool are_whole = true; ///< false: torn on their way
+    bool release = false;  ///< to let go of the device, at a bounded rate
 };
 
 class SafetyMonitor {
@@ -89,7 +94,8 @@ public:
 
     /// Whether what is wanted reaches the motors, at least in part.
     [[nodiscard]] bool lets_pass() const {
-        return status_.state == SafetyState::starting || status_.state == SafetyState::running;
+        return status_.state == SafetyState::starting || status_.state == SafetyState::running ||
+               status_.state == SafetyState::releasing;
     }
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
@@ -116,7 +122,7 @@ private:
     void check_voltage(const LimitedCommand &passed) noexcept;
     [[nodiscard]] LimitedCommand limited_by_what_stands(const DeviceCommand &wanted,
                                                         const Configuration &now) noexcept;
-    void proceed() noexcept;
+    void proceed(bool release) noexcept;
 
     DeviceDescription device_;
     double period_s_;
@@ -131,8 +137,8 @@ private:
     double cut_off_s_ = 0.0;         ///< how long e_W has been cut off at the supply
     std::uint32_t heartbeat_ = 0;
     double window_silent_s_ = 0.0;
-    double stale_s_ = 0.0;              ///< since the last fresh measurement
-    std::uint32_t held_ticks_ = 0;      ///< since the last one that told anything
+    double stale_s_ = 0.0;               ///< since the last fresh measurement
+    std::uint32_t held_ticks_ = 0;       ///< since the last one that told anything
     bool amplifier_is_at_fault_ = false; ///< as its board last said
     HeldBack held_back_;
     double force_share_ = 1.0; ///< that the limiter let through in the last tick

@@ -12,7 +12,8 @@ enum class SafetyState : std::uint8_t {
     waiting,  ///< braking, until the tip has been at rest in free space
     starting, ///< gains rise from nothing
     running,
-    tripped, ///< braking, until a deliberate reset
+    tripped,   ///< braking, until a deliberate reset
+    releasing, ///< gains fall to nothing, since the device is to be let go of
 };
 
 /// In the order in which they are looked for: a fault of the measurement comes before what it makes
@@ -39,10 +40,10 @@ enum class TripCause : std::uint8_t {
 
 /// Their names in records, by their number.
 inline constexpr std::array<std::string_view, 17> kTripCauseNames{
-    "none",        "emergency_stop",    "device_lost",      "board_fault",
-    "stale_measurement", "not_finite", "torn_inputs",  "missed_deadlines", "window_silent", "encoder_jump",
-    "current",      "tip_force",        "tip_speed",     "winding_temperature",
-    "beyond_stops", "energy",           "voltage"};
+    "none",       "emergency_stop", "device_lost",      "board_fault",         "stale_measurement",
+    "not_finite", "torn_inputs",    "missed_deadlines", "window_silent",       "encoder_jump",
+    "current",    "tip_force",      "tip_speed",        "winding_temperature", "beyond_stops",
+    "energy",     "voltage"};
 
 struct SafetyStatus {
     SafetyState state = SafetyState::waiting;

@@ -42,6 +42,7 @@ std::uint32_t checksum(const ServoInputs &inputs) noexcept {
     mix.add(std::uint64_t{inputs.emergency_stop});
     mix.add(std::uint64_t{inputs.stop_count});
     mix.add(std::uint64_t{inputs.reset_count});
+    mix.add(std::uint64_t{inputs.release});
     mix.add(std::uint64_t{inputs.heartbeat});
     return mix.sum();
 }

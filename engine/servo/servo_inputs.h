@@ -18,6 +18,7 @@ struct ServoInputs {
     bool emergency_stop = false;            ///< trips the safety monitor while it is set
     std::uint32_t stop_count = 0;  ///< a change trips it too, even if a reset comes with it
     std::uint32_t reset_count = 0; ///< a change resets a tripped monitor, if its cause is gone
+    bool release = false; ///< to let go of the device: gains fall, and stay down while it is set
     /// A window that lives changes it again and again; zero for whoever runs without one.
     std::uint32_t heartbeat = 0;
     std::uint32_t checksum = 0; ///< of all above, see `sealed`

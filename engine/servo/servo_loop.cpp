@@ -72,6 +72,7 @@ void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     inputs_.reset_count = inputs.reset_count;
     inputs_.stop_count = inputs.stop_count;
     inputs_.emergency_stop = inputs.emergency_stop;
+    inputs_.release = inputs.release;
     inputs_.heartbeat = inputs.heartbeat;
 }
 
@@ -229,7 +230,7 @@ void ServoLoop::guard(DeviceCommand wanted, const Observation &seen, bool inputs
 
 SafetyOrders ServoLoop::orders(bool inputs_are_whole) const noexcept {
     return {inputs_.limits, inputs_.emergency_stop || stops_now_, inputs_.heartbeat,
-            inputs_are_whole};
+            inputs_are_whole, inputs_.release};
 }
 
 /// By the device's clock: numbers where it keeps the servo's, else its own time.
@@ -299,8 +300,8 @@ ServoSample ServoLoop::hold(const Measurement &measured, const ServoInputs &inpu
     sample.current_A = measured_.current_A;
     sample.carried_V = change_over_.carried_V();
     if (has_measured_) {
-        const Configuration then = law_.configuration(
-            velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
+        const Configuration then =
+            law_.configuration(velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
         note_motion(then, sample);
         sample.contact = contact_;
         static_cast<void>(law(then, sample));

@@ -104,8 +104,8 @@ private:
 
     HapticDevice &device_;
     double period_s_;
-    double since_last_s_ = period_s_; ///< from the last measurement to this one
-    double time_base_s_ = 0.0;        ///< the servo's time when its period was last set,
+    double since_last_s_ = period_s_;  ///< from the last measurement to this one
+    double time_base_s_ = 0.0;         ///< the servo's time when its period was last set,
     std::uint64_t time_base_tick_ = 0; ///< and its tick
     HapticLaw law_;
     Vector3 supply_V_;
@@ -123,8 +123,8 @@ private:
     Vector3 last_e_W_V_{Vector3::Zero()}; ///< as wanted in the last tick
     SafetyMonitor safety_;
     DeviceCommand command_ = DeviceCommand::braking(); ///< in force
-    Measurement measured_;   ///< the last that told anything
-    Contact contact_;        ///< that it was in
+    Measurement measured_;                             ///< the last that told anything
+    Contact contact_;                                  ///< that it was in
     bool has_measured_ = false;
     std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device that keeps the servo's clock
     std::uint32_t held_ticks_ = 0;       ///< since the last measurement that told anything

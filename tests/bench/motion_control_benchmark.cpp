@@ -112,7 +112,7 @@ void plant(benchmark::State &state) {
     for ([[maybe_unused]] const auto iteration : state) {
         const Vector3 e_W_V =
             0.3 * std::sin(10.0 * period++ * options.servo_period_s) * Vector3(1.0, -1.0, 1.0);
-        benchmark::DoNotOptimize(phantom.advance({e_W_V, R_hat_Ohm}));
+        benchmark::DoNotOptimize(phantom.advance(DeviceCommand{e_W_V, R_hat_Ohm}));
     }
     state.counters["per_sub_step"] = benchmark::Counter(
         steps, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -179,7 +179,22 @@ TEST(DeviceFile, RefusesLimitsThatCannotBe) {
     expect_range("limits", {"generated_energy_J", "0.03", {"1e-4", "10.0"}, {"9e-5", "10.1"}});
     expect_range("limits",
                  {"late_ms", "50.0", {"0.1", "10000.0"}, {"0.0", "10001.0", "-1.0", "nan"}});
+    expect_range("limits",
+                 {"stale_ms", "5.0", {"0.1", "10000.0"}, {"0.0", "10001.0", "-1.0", "nan"}});
     expect_range("limits", {"window_silence_s", "2.0", {"0.05", "60.0"}, {"0.04", "60.1"}});
+}
+
+TEST(DeviceFile, ReadsTheLimitsOfOlderFiles) {
+    std::string text = good_text();
+    const std::size_t late = text.find("late_ms");
+    const std::size_t silence = text.find("window_silence_s");
+    const std::string both = text.substr(late, silence - late);
+    text.replace(late, silence - late, "missed_deadlines = 40\n");
+    const DeviceDescription device = read_device_text(text, "older.toml");
+    EXPECT_DOUBLE_EQ(device.limits.late_s, 0.04); // at 1 kHz
+    EXPECT_DOUBLE_EQ(device.limits.stale_s, 0.005);
+    text.insert(late, both);
+    EXPECT_THROW(static_cast<void>(read_device_text(text, "both.toml")), InputError);
 }
 
 TEST(DeviceFile, RefusesAFileThatIsNotThere) {

@@ -66,6 +66,7 @@ void FailingDevice::let_go() {
     plant_.emplace(device_, options_, before.tip_m);
     plant_->set_in_motion(joint_from_motor(device_.geometry, before.theta_rate_rad_per_s),
                           before.current_A);
+    plant_->write(heard_); // the amplifiers hold it
 }
 
 ServoRig::ServoRig(const ServoRigOptions &options)

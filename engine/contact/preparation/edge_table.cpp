@@ -1,6 +1,7 @@
 #include "engine/contact/preparation/edge_table.h"
 
 #include "base/parallel.h"
+#include "base/wanted.h"
 
 namespace springdrive {
 
@@ -27,12 +28,14 @@ EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t ver
         std::vector<std::uint32_t> &counts = next_of_chunk[chunk];
         counts.assign(vertices, 0);
         for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
             for_each_side(triangles[i].vertices,
                           [&](std::uint32_t lower, auto...) { ++counts[lower]; });
         }
     });
     std::uint32_t total = 0;
     for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+        stop_if_given_up(vertex);
         first_use_[vertex] = total;
         for (std::vector<std::uint32_t> &next : next_of_chunk) {
             const std::uint32_t count = next[vertex];
@@ -44,6 +47,7 @@ EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t ver
     in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
         std::vector<std::uint32_t> &next = next_of_chunk[chunk];
         for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
             for_each_side(triangles[i].vertices, [&](std::uint32_t lower, std::uint32_t upper,
                                                      std::uint32_t side, bool is_forward) {
                 uses_[next[lower]++] =
@@ -53,6 +57,7 @@ EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t ver
     });
     in_chunks(vertices, threads, [&](unsigned, std::size_t first, std::size_t last) {
         for (std::size_t vertex = first; vertex < last; ++vertex) {
+            stop_if_given_up(vertex);
             std::sort(uses_.data() + first_use_[vertex], uses_.data() + first_use_[vertex + 1]);
         }
     });

@@ -3,6 +3,7 @@
 
 #include "engine/contact/preparation/mesh_triangle.h"
 
+#include "base/wanted.h"
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -66,6 +67,7 @@ public:
     template <typename Visit>
     void for_each(std::size_t first_vertex, std::size_t last_vertex, Visit visit) const {
         for (std::size_t vertex = first_vertex; vertex < last_vertex; ++vertex) {
+            stop_if_given_up(vertex);
             const EdgeUse *use = uses_.data() + first_use_[vertex];
             const EdgeUse *const end = uses_.data() + first_use_[vertex + 1];
             while (use != end) {

@@ -1,5 +1,6 @@
 #include "engine/contact/preparation/mesh_preparation.h"
 
+#include "base/wanted.h"
 #include "engine/contact/preparation/crack_closing.h"
 #include "engine/contact/preparation/edge_splitting.h"
 #include "engine/contact/preparation/edge_table.h"
@@ -145,6 +146,7 @@ private:
         std::vector<MeshTriangle> welded;
         welded.reserve(soup_.triangles.size());
         for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+            stop_if_given_up(i);
             const auto &[a, b, c] = soup_.triangles[i];
             const VertexTriple vertices = {stands_for[a], stands_for[b], stands_for[c]};
             const bool is_collapsed = vertices[0] == vertices[1] || vertices[1] == vertices[2] ||

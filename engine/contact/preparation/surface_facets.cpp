@@ -1,6 +1,7 @@
 #include "engine/contact/preparation/surface_facets.h"
 
 #include "base/parallel.h"
+#include "base/wanted.h"
 
 #include <algorithm>
 #include <array>
@@ -27,6 +28,7 @@ struct Sliver {
     std::vector<std::vector<Sliver>> slivers_of_chunk(threads);
     in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
             // Not finite is no height either.
             const double height_m = smallest_height_m(corners_m(triangles[i], vertices_m));
             if (!(height_m >= kLeastHeight_m)) {
@@ -90,6 +92,7 @@ std::vector<FacetSource> make_facets(const std::vector<MeshTriangle> &triangles,
         auto facet = facets.begin() + static_cast<std::ptrdiff_t>(first) -
                      (next_left_out - left_out.begin());
         for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
             if (next_left_out != left_out.end() && *next_left_out == i) {
                 ++next_left_out;
                 continue;

@@ -1,5 +1,6 @@
 #include "engine/contact/preparation/triangle_orientation.h"
 
+#include "base/wanted.h"
 #include "engine/contact/preparation/triangle_sets.h"
 
 #include <Eigen/Geometry>
@@ -102,6 +103,7 @@ public:
 private:
     template <typename Visit> void for_each(Visit visit) {
         for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+            stop_if_given_up(i);
             const TriangleSets::Place place = sets_.place_of(i);
             visit(triangles_[i], patches_[patch_of_root_[place.root]], place.is_opposite);
         }

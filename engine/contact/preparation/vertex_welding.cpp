@@ -1,6 +1,7 @@
 #include "engine/contact/preparation/vertex_welding.h"
 
 #include "base/parallel.h"
+#include "base/wanted.h"
 #include "engine/contact/preparation/vertex_grid.h"
 
 #include <algorithm>
@@ -26,12 +27,14 @@ std::vector<std::uint32_t> weld_vertices(const std::vector<Vector3> &vertices_m,
     std::vector<VertexGrid::Home> homes(count);
     in_chunks(count, threads, [&](unsigned, std::size_t first, std::size_t last) {
         for (std::size_t vertex = first; vertex < last; ++vertex) {
+            stop_if_given_up(vertex);
             homes[vertex] = grid.home_of(static_cast<std::uint32_t>(vertex));
         }
     });
 
     std::vector<std::uint32_t> stands_for(count);
     for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
+        stop_if_given_up(vertex);
         grid.prefetch(homes[std::min(vertex + kAhead, count - 1)]);
         stands_for[vertex] = vertex;
         const auto take_its_place = [&](std::uint32_t earlier) {

@@ -1,5 +1,6 @@
 #include "engine/contact/search/box_split.h"
 
+#include "base/wanted.h"
 #include "engine/contact/search/box_bins.h"
 
 #include <algorithm>
@@ -52,6 +53,7 @@ BoxFork BoxSplitter::fork(const BoxRun &whole, SplitRule rule) const {
         if (!too_large) {
             break;
         }
+        stop_if_given_up();
         split(fork, *too_large, rule);
     }
     while (fork.size < kBoxLanes) {

@@ -23,8 +23,9 @@
 // The payload of rows is count × row_bytes: each row holds its columns one after the other. Their
 // order, types and offsets within a row stand in the JSON header, types in numpy's codes. The
 // payload of a note is a JSON text: something that happened between two rows, such as another
-// scene. A chunk has at most `chunk_rows` rows; a writer may end one early. Ticks grow from row to
-// row; where they skip, samples were lost.
+// scene, or another servo rate: {"servo_hz": 2000.0, "from_tick": 1234}. A chunk has at most
+// `chunk_rows` rows; a writer may end one early. Ticks grow from row to row; where they skip,
+// samples were lost.
 //
 // A file whose writer was killed ends in the midst of a chunk or before one: read up to the first
 // chunk that is incomplete or whose CRC does not fit. Nothing after that is of use.

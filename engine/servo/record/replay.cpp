@@ -21,7 +21,8 @@ bool same_bits(const Vector3 &a, const Vector3 &b) {
 }
 
 bool reaches_the_motors(const SafetyStatus &safety) {
-    return safety.state == SafetyState::starting || safety.state == SafetyState::running;
+    return safety.state == SafetyState::starting || safety.state == SafetyState::running ||
+           safety.state == SafetyState::releasing;
 }
 
 LimiterInputs limiter_inputs(const ServoSample &sample, const Configuration &now) {

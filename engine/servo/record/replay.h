@@ -6,8 +6,8 @@
 //
 // What the proxy found, what the monitor decided (its state, ramp and limits) and what a change of
 // tuning still carried is taken from the record; all else is computed by the servo's own code. A
-// tick whose predecessor is missing is the filter's memory only. Where nothing new was measured, the
-// law is asked of the last state again, and the last command stands.
+// tick whose predecessor is missing is the filter's memory only. Where nothing new was measured,
+// the law is asked of the last state again, and the last command stands.
 #pragma once
 
 #include "device/device_file.h"

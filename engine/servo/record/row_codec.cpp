@@ -42,7 +42,7 @@ template <typename Enum> std::vector<std::string> names_of() {
     } else if constexpr (std::is_same_v<Enum, AlphaMode>) {
         return {kAlphaModeNames.begin(), kAlphaModeNames.end()};
     } else if constexpr (std::is_same_v<Enum, SafetyState>) {
-        return {"waiting", "starting", "running", "tripped"};
+        return {"waiting", "starting", "running", "tripped", "releasing"};
     } else {
         static_assert(std::is_same_v<Enum, TripCause>, "name the values of this enum here");
         return {kTripCauseNames.begin(), kTripCauseNames.end()};

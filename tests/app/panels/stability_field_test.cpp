@@ -48,7 +48,7 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
 
 TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
     BackgroundTalk talk;
-    talk.is_wanted = false;
+    talk.is_given_up = true;
     const StabilityGrid grid = stability_grid(firm(), talk);
     EXPECT_EQ(grid.at(3, 3), 0.0); // not worked out
 }

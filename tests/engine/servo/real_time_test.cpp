@@ -1,10 +1,10 @@
 // Covers engine/servo/servo_loop.cpp and all that it calls: a tick allocates nothing, locks
 // nothing and makes no system call. For the thread that ticks, see servo_real_time_test.cpp.
-#include "app/session.h"
 #include "device/simulated/plant_model.h"
 #include "engine/contact/proxy.h"
 #include "engine/scenario/scripted_touch.h"
 #include "engine/servo/servo_loop.h"
+#include "engine/session/scene_loader.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
 

@@ -103,6 +103,7 @@ std::vector<Bit> every_bit() {
     }
     bits.push_back({"emergency_stop",
                     [](ServoInputs &inputs) { inputs.emergency_stop = !inputs.emergency_stop; }});
+    bits.push_back({"release", [](ServoInputs &inputs) { inputs.release = !inputs.release; }});
     return bits;
 }
 
@@ -136,7 +137,7 @@ TEST(ServoInputs, SealingChangesNothingElse) {
 TEST(ServoInputs, AnySingleBitThatIsFlippedIsNoticed) {
     std::mt19937_64 random(9);
     const std::vector<Bit> bits = every_bit();
-    EXPECT_EQ(bits.size(), 64U * (6 + 9 + 2) + 32U * 4 + 8U * 2 + 1);
+    EXPECT_EQ(bits.size(), 64U * (6 + 10 + 2) + 32U * 4 + 8U * 2 + 2);
     for (int run = 0; run < 200; ++run) {
         const ServoInputs whole = sealed(run == 0 ? ServoInputs{} : any_inputs(random));
         for (const Bit &bit : bits) {

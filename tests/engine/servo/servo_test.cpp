@@ -11,7 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -210,12 +212,15 @@ TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     testing::OwnClockDevice hardware(device, 1e-3);
     const std::vector<ServoSample> samples = through_a_stall(hardware);
-    ASSERT_EQ(samples.back().safety.state, SafetyState::tripped);
-    EXPECT_EQ(samples.back().safety.cause, TripCause::missed_deadlines);
-    EXPECT_TRUE(samples.back().command.e_W_V.isZero(0.0));
+    const auto trip = std::find_if(samples.begin(), samples.end(), [](const ServoSample &sample) {
+        return sample.safety.state == SafetyState::tripped;
+    });
+    ASSERT_NE(trip, samples.end());
+    EXPECT_EQ(trip->safety.cause, TripCause::missed_deadlines);
+    EXPECT_TRUE(trip->command.e_W_V.isZero(0.0));
     // In the very tick that is late by more than the limit, if no busy host made an earlier one so.
-    EXPECT_GT(samples.back().missed_in_a_row, 50U);
-    EXPECT_LE(samples.size(), static_cast<std::size_t>(kStalledTick) + 1);
+    EXPECT_GT(trip->missed_in_a_row, 50U);
+    EXPECT_LE(trip->tick, static_cast<std::uint64_t>(kStalledTick));
 }
 
 /// Beats for a while, then is silent for longer than the monitor bears, then beats again.

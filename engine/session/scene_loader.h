@@ -1,7 +1,7 @@
 // Loads scenes in the background, so that neither window nor servo waits for one.
 #pragma once
 
-#include "app/background.h"
+#include "base/background.h"
 #include "engine/contact/haptic_surface.h"
 #include "engine/model_choice/model_choice.h"
 #include "engine/scene/load_progress.h"
@@ -26,10 +26,12 @@ struct LoadedScene {
 
 /// Loads a glTF file and prepares its surface. Any thread.
 /// @throw InputError as `load_gltf` does.
+/// @throw NotWanted soon after `progress` was given up
 [[nodiscard]] std::unique_ptr<LoadedScene>
 load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress);
 
-/// Of one thread.
+/// Of one thread. Going away waits until what is being loaded has ended, unfinished, which takes
+/// a second at the most.
 class SceneLoader {
 public:
     /// What is still to be done with a loaded scene, in the background too: it owns all it uses,
@@ -37,6 +39,12 @@ public:
     using Finish = std::function<void(LoadedScene &, LoadProgress &, BackgroundTalk &)>;
 
     explicit SceneLoader(Workspace workspace) : workspace_(std::move(workspace)) {}
+    ~SceneLoader() { progress_->give_up(); }
+    SceneLoader(const SceneLoader &) = delete;
+    SceneLoader &operator=(const SceneLoader &) = delete;
+
+    /// That scenes requested from now on are fitted into.
+    void set_workspace(const Workspace &workspace) { workspace_ = workspace; }
 
     /// Loads this one next; of several asked for meanwhile the last wins.
     void request(const std::filesystem::path &file, const Finish &finish);
@@ -55,10 +63,10 @@ private:
     };
 
     Workspace workspace_;
-    Background<std::unique_ptr<LoadedScene>> loading_;
     std::shared_ptr<LoadProgress> progress_ = std::make_shared<LoadProgress>();
     std::optional<Request> next_; ///< asked for while another was loading
     std::string error_;
+    Background<std::unique_ptr<LoadedScene>> loading_; ///< the last, so that it is joined first
 };
 
 } // namespace springdrive

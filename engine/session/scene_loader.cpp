@@ -1,5 +1,6 @@
-#include "app/scene_loader.h"
+#include "engine/session/scene_loader.h"
 
+#include "base/wanted.h"
 #include "engine/contact/preparation/mesh_remarks.h"
 #include "engine/scene/gltf.h"
 #include "engine/servo/record/file_hash.h"
@@ -13,6 +14,7 @@ namespace springdrive {
 
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const Workspace &workspace, LoadProgress &progress) {
+    const GivenUpBy given_up(&progress.is_given_up());
     Scene scene = load_gltf(file, workspace, &progress);
     progress.begin(LoadProgress::Stage::preparing, false);
     HapticSurface surface(scene.surface, scene.shapes);
@@ -26,6 +28,7 @@ void SceneLoader::request(const std::filesystem::path &file, const Finish &finis
     if (is_loading()) {
         next_ = Request{file, finish};
         loading_.ask_to_end();
+        progress_->give_up();
         return;
     }
     error_.clear();
@@ -33,7 +36,10 @@ void SceneLoader::request(const std::filesystem::path &file, const Finish &finis
     loading_.start(
         [file, finish, workspace = workspace_, progress = progress_](BackgroundTalk &talk) {
             std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
-            finish(*loaded, *progress, talk);
+            if (finish) {
+                const GivenUpBy given_up(&progress->is_given_up());
+                finish(*loaded, *progress, talk);
+            }
             return loaded;
         });
 }

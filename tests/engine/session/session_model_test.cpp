@@ -1,12 +1,11 @@
-// Covers app/session_model.cpp, app/model_choices.cpp and the models of app/commands/
-// typed_session.cpp. Measures models of several scenes: some seconds each.
-#include "app/session.h"
+// Covers engine/session/scene_models.cpp and model_measurement.cpp. Measures models of several
+// scenes: some seconds each.
+#include "engine/session/session.h"
 
 #include "base/input_error.h"
 #include "engine/model_choice/choice_cache.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
-#include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 
@@ -20,6 +19,7 @@ namespace springdrive {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 60.0;
+constexpr const char *kVersion = "a version";
 
 /// Every test has a cache of its own, so that none finds what another remembered.
 class SessionModel : public ::testing::Test {
@@ -34,9 +34,10 @@ protected:
     [[nodiscard]] static SessionOptions headless(const std::string &scene) {
         SessionOptions options;
         options.scene = testing::assets() / "scenes" / scene;
-        options.device_file = testing::assets() / "devices/phantom_1_0.toml";
+        options.device.file = testing::assets() / "devices/phantom_1_0.toml";
         options.lockstep = true;
         options.plays_script = true;
+        options.program_version = kVersion;
         return options;
     }
 
@@ -57,9 +58,9 @@ int frames_in_contact(Session &session) {
 
 TEST_F(SessionModel, ByDefaultIsTheFullestAndNothingIsMeasured) {
     const Session session(headless("sphere.gltf"));
-    EXPECT_FALSE(session.model_choice());
-    EXPECT_FALSE(session.runs_choice());
-    EXPECT_EQ(session.scene().surface.report().triangles_given, 20'480U);
+    EXPECT_FALSE(session.models().choice());
+    EXPECT_FALSE(session.scenes().now().choice);
+    EXPECT_EQ(session.scenes().now().surface.report().triangles_given, 20'480U);
     EXPECT_TRUE(is_empty());
 }
 
@@ -68,11 +69,11 @@ TEST_F(SessionModel, AutomaticOnesTouchAndDoNotTrip) {
         SessionOptions options = headless(name);
         options.model.automatic = true;
         Session session(options);
-        ASSERT_TRUE(session.model_choice()) << name;
-        EXPECT_TRUE(session.runs_choice());
-        const Model model = model_of(*session.model_choice());
-        EXPECT_EQ(session.tuning().map, model.controller.map);
-        EXPECT_EQ(session.tuning().alpha_mode, model.controller.alpha_mode);
+        ASSERT_TRUE(session.models().choice()) << name;
+        EXPECT_TRUE(session.scenes().now().choice);
+        const Model model = model_of(*session.models().choice());
+        EXPECT_EQ(session.servo().inputs().tuning.map, model.controller.map);
+        EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, model.controller.alpha_mode);
         EXPECT_GT(frames_in_contact(session), 50) << name;
         EXPECT_EQ(session.latest().safety.state, SafetyState::running)
             << name << ": " << description(session.latest().safety);
@@ -85,7 +86,7 @@ TEST_F(SessionModel, WhatWasMeasuredOnceIsNotMeasuredAgain) {
     options.model.automatic = true;
     const Session once(options);
     const Session again(options);
-    EXPECT_EQ(again.model_choice()->cost_ns, once.model_choice()->cost_ns); // to the last bit
+    EXPECT_EQ(again.models().choice()->cost_ns, once.models().choice()->cost_ns); // to the last bit
 }
 
 TEST_F(SessionModel, ATunedControllerStays) {
@@ -94,7 +95,7 @@ TEST_F(SessionModel, ATunedControllerStays) {
     options.model.automatic = true;
     options.model.takes_controller = false;
     const Session session(options);
-    EXPECT_EQ(session.tuning().map, MotionMap::inverse);
+    EXPECT_EQ(session.servo().inputs().tuning.map, MotionMap::inverse);
 }
 
 TEST_F(SessionModel, EachPartCanBeSetByItself) {
@@ -103,10 +104,11 @@ TEST_F(SessionModel, EachPartCanBeSetByItself) {
     options.model.plant = *plant_model_named("rigid_tip");
     options.model.longest_step_s = 1e-3;
     Session session(options);
-    EXPECT_LE(session.scene().surface.report().triangles_given, 20'480U / 16);
-    EXPECT_EQ(session.scene().scene.surface.triangles.size(), 20'480U); // what is drawn is not
+    EXPECT_LE(session.scenes().now().surface.report().triangles_given, 20'480U / 16);
+    EXPECT_EQ(session.scenes().now().scene.surface.triangles.size(),
+              20'480U); // what is drawn is not
     EXPECT_GT(frames_in_contact(session), 50);
-    EXPECT_FALSE(session.runs_choice());
+    EXPECT_FALSE(session.scenes().now().choice);
     EXPECT_TRUE(is_empty());
 
     SessionOptions impossible = headless("stepped_block.gltf");
@@ -118,25 +120,25 @@ TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
     Session session(headless("plate.gltf"));
     session.start();
     session.measure_model();
-    EXPECT_TRUE(session.model_measurement().is_running());
-    while (session.model_measurement().is_running()) {
+    EXPECT_TRUE(session.models().measurement().is_running());
+    while (session.models().measurement().is_running()) {
         session.advance(kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    ASSERT_TRUE(session.model_choice()) << session.model_measurement().error();
-    EXPECT_FALSE(session.runs_choice());
+    ASSERT_TRUE(session.models().choice()) << session.models().measurement().error();
+    EXPECT_FALSE(session.scenes().now().choice);
     EXPECT_FALSE(is_empty());
 
     Session later(headless("plate.gltf")); // finds it remembered
     later.measure_model();
-    EXPECT_FALSE(later.model_measurement().is_running());
-    EXPECT_TRUE(later.model_choice());
+    EXPECT_FALSE(later.models().measurement().is_running());
+    EXPECT_TRUE(later.models().choice());
 }
 
 /// Remembers for a scene of the project a model that nobody measured.
 void remember(const SessionOptions &options, const std::string &scene, const char *plant,
               const char *joints, const char *controller) {
-    const DeviceDescription device = read_device_file(options.device_file);
+    const DeviceDescription device = read_device_file(options.device.file);
     LoadProgress progress;
     const auto loaded = load_scene(options.scene.parent_path() / scene, device.workspace, progress);
     ModelChoice choice;
@@ -146,9 +148,8 @@ void remember(const SessionOptions &options, const std::string &scene, const cha
           std::pair("surface", "given"), std::pair("controller", controller)}) {
         choice.axes.push_back({axis, {{name, {}, {}}}, 0, {}});
     }
-    const std::string key =
-        model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
-                         testing::contents_of(options.device_file), SPRINGDRIVE_VERSION);
+    const std::string key = model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
+                                             testing::contents_of(options.device.file), kVersion);
     ASSERT_TRUE(write_model_choice(model_cache_folder(), key, choice));
 }
 
@@ -170,23 +171,23 @@ void run(Session &session, double seconds) {
 
 void show(Session &session, const std::string &scene) {
     session.request_scene(testing::assets() / "scenes" / scene);
-    while (session.is_loading()) {
+    while (session.scenes().is_loading()) {
         session.advance(kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    ASSERT_EQ(session.scene_error(), "");
-    ASSERT_EQ(session.scene().scene.file.filename(), scene);
+    ASSERT_EQ(session.scenes().error(), "");
+    ASSERT_EQ(session.scenes().now().scene.file.filename(), scene);
     run(session, 0.1);
 }
 
 void move_hand_sideways(Session &session) {
-    session.move_hand_to(session.hand_target_m() + Vector3(0.02, 0.0, 0.0));
+    session.hand().move_to(session.hand().target_m() + Vector3(0.02, 0.0, 0.0));
     run(session, 2.0);
 }
 
 /// How far the tip is from where the hand wants it, sideways.
 double behind_m(const Session &session) {
-    return std::abs(session.latest().tip_m.x() - session.hand_target_m().x());
+    return std::abs(session.latest().tip_m.x() - session.hand().target_m().x());
 }
 
 /// What the arm's weight of some 0.5 N may make of a hand of 300 N/m.
@@ -196,25 +197,25 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
     run(session, 2.5); // wait and ramp
-    EXPECT_TRUE(session.is_planar());
-    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::global);
+    EXPECT_TRUE(session.simulation().planar);
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
     const double plane_m = session.latest().tip_m.x();
     move_hand_sideways(session);
     EXPECT_EQ(session.latest().tip_m.x(), plane_m);
 
     show(session, "plate.gltf");
-    EXPECT_FALSE(session.is_planar());
-    EXPECT_TRUE(session.runs_choice());
-    EXPECT_EQ(session.model_choice()->chosen(ModelAspect::plant), "electromechanical");
-    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::on_the_fly);
+    EXPECT_FALSE(session.simulation().planar);
+    EXPECT_TRUE(session.scenes().now().choice);
+    EXPECT_EQ(session.models().choice()->chosen(ModelAspect::plant), "electromechanical");
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::on_the_fly);
     move_hand_sideways(session);
     EXPECT_LT(behind_m(session), kNearTheHand_m);
     EXPECT_EQ(session.latest().safety.state, SafetyState::running)
         << description(session.latest().safety);
 
     show(session, "profile.gltf"); // a base that moves is not seized
-    EXPECT_TRUE(session.runs_choice());
-    EXPECT_FALSE(session.is_planar());
+    EXPECT_TRUE(session.scenes().now().choice);
+    EXPECT_FALSE(session.simulation().planar);
     move_hand_sideways(session);
     EXPECT_LT(behind_m(session), kNearTheHand_m);
 }
@@ -226,20 +227,20 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     Session session(options);
     session.start();
     session.measure_model();
-    ASSERT_TRUE(session.model_choice());
-    EXPECT_FALSE(session.runs_choice());
-    EXPECT_NE(session.tuning().alpha_mode, AlphaMode::global);
+    ASSERT_TRUE(session.models().choice());
+    EXPECT_FALSE(session.scenes().now().choice);
+    EXPECT_NE(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
 
     session.choose_models();
-    while (session.is_loading()) {
+    while (session.scenes().is_loading()) {
         session.advance(kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_EQ(session.scene_error(), "");
-    EXPECT_TRUE(session.runs_choice());
-    EXPECT_EQ(session.tuning().alpha_mode, AlphaMode::global);
+    EXPECT_EQ(session.scenes().error(), "");
+    EXPECT_TRUE(session.scenes().now().choice);
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
     show(session, "profile.gltf"); // and from now on every scene has its own
-    EXPECT_TRUE(session.runs_choice());
+    EXPECT_TRUE(session.scenes().now().choice);
 }
 
 TEST_F(SessionModel, IsThatForTheGainsInForce) {
@@ -249,36 +250,36 @@ TEST_F(SessionModel, IsThatForTheGainsInForce) {
     remember(tuned, "plate.gltf", "rigid_tip", "3", "transpose_global");
     Session session(options);
     session.start();
-    session.tune(tuned.tuning);
+    session.servo().tune(tuned.tuning);
     session.measure_model();
-    ASSERT_TRUE(session.model_choice()); // remembered for these
-    EXPECT_EQ(session.model_choice()->chosen(ModelAspect::plant), "rigid_tip");
+    ASSERT_TRUE(session.models().choice()); // remembered for these
+    EXPECT_EQ(session.models().choice()->chosen(ModelAspect::plant), "rigid_tip");
 }
 
 TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
-    Tuning tuning = session.tuning();
+    Tuning tuning = session.servo().inputs().tuning;
     tuning.map = MotionMap::inverse;
-    session.tune(tuning);
+    session.servo().tune(tuning);
     show(session, "plate.gltf");
-    EXPECT_EQ(session.tuning().map, MotionMap::inverse);
+    EXPECT_EQ(session.servo().inputs().tuning.map, MotionMap::inverse);
 }
 
 TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
     session.request_scene(testing::assets() / "scenes/sphere.gltf");
-    while (session.loading_progress().find("measuring models") == std::string::npos) {
+    while (session.scenes().progress().find("measuring models") == std::string::npos) {
         session.advance(kFrame_s);
-        ASSERT_TRUE(session.is_loading());
+        ASSERT_TRUE(session.scenes().is_loading());
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_EQ(session.scene().scene.file.filename(), "profile.gltf");
+    EXPECT_EQ(session.scenes().now().scene.file.filename(), "profile.gltf");
     // Nobody waits for a measurement that is not wanted any more.
     show(session, "plate.gltf");
-    EXPECT_EQ(session.scene_id(), 2U);
-    EXPECT_EQ(session.scene_error(), "");
+    EXPECT_EQ(session.scenes().id(), 2U);
+    EXPECT_EQ(session.scenes().error(), "");
 }
 
 TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
@@ -287,18 +288,18 @@ TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
     Session session(options);
     session.start();
     show(session, "organic.gltf");
-    const LoadedScene &shown = session.scene();
+    const LoadedScene &shown = session.scenes().now();
     EXPECT_LE(shown.surface.report().triangles_given, shown.scene.surface.triangles.size() / 16);
 }
 
 TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
     const Session session(headless("plate.gltf"));
     ModelQuestion impossible;
-    impossible.scene = &session.scene().scene;
-    impossible.device = session.device();
+    impossible.scene = &session.scenes().now().scene;
+    impossible.device = session.description();
     impossible.delay_periods = SimulationOptions::kLongestDelay + 1;
     ModelMeasurement measurement;
-    measurement.begin(impossible, "");
+    measurement.begin(impossible, {});
     while (measurement.is_running()) {
         EXPECT_FALSE(measurement.take());
         std::this_thread::yield();
@@ -306,26 +307,6 @@ TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
     EXPECT_NE(measurement.error().find("delay"), std::string::npos) << measurement.error();
     measurement.forget();
     EXPECT_EQ(measurement.error(), "");
-    EXPECT_TRUE(is_empty());
-}
-
-TEST_F(SessionModel, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
-    const auto expect_refused = [](std::vector<std::string> options, const std::string &names) {
-        const std::string file = testing::fresh_folder("refused") / "touch.rec";
-        options.insert(options.begin(), {"record", file, "--lockstep", "--seconds", "0.01"});
-        const testing::Ending ending = testing::run_program(options);
-        EXPECT_GT(ending.exit_status, 0) << names;
-        EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-        EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    };
-    expect_refused({"--model", "auto", "--without", "gravity"}, "give one or the other");
-    expect_refused({"--plant-model", "full", "--with", "gravity"}, "give one or the other");
-    expect_refused({"--plant-model", "fullest"}, "--plant-model");
-    expect_refused({"--step-us", "0.5"}, "--step-us is 0.5; it must be from 1 to 4000");
-    expect_refused({"--contact-shape", "simplified_1"}, "--contact-shape simplified_1");
-    expect_refused({"--contact-shape", "primitives", "--scene",
-                    testing::assets() / "scenes/stepped_block.gltf"},
-                   "cannot be touched as 'primitives'");
     EXPECT_TRUE(is_empty());
 }
 

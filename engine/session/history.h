@@ -1,10 +1,11 @@
 // The last seconds of what the panels plot.
 #pragma once
 
+#include "base/vector.h"
 #include "engine/servo/servo_sample.h"
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace springdrive {
@@ -17,16 +18,16 @@ struct PlotSample {
     double force_N = 0.0;         ///< rendered
 };
 
-/// A ring that forgets the oldest.
+/// A ring that forgets the oldest, of at most a thousand samples a second.
 class History {
 public:
-    explicit History(std::size_t capacity) : samples_(std::max<std::size_t>(1, capacity)) {}
+    /// @param servo_hz  as `servo_period_s` allows it
+    explicit History(double servo_hz) { set_rate(servo_hz); }
 
-    void add(const PlotSample &sample) {
-        samples_[next_] = sample;
-        next_ = (next_ + 1) % samples_.size();
-        size_ = std::min(size_ + 1, samples_.size());
-    }
+    /// Another rate from the next sample on; what is plotted stays.
+    void set_rate(double servo_hz);
+
+    void add(const ServoSample &sample);
 
     [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -36,6 +37,12 @@ public:
     }
 
 private:
+    [[nodiscard]] PlotSample plotted(const ServoSample &sample);
+    void keep(const PlotSample &sample);
+
+    double servo_hz_ = 0.0;
+    std::uint64_t stride_ = 1;              ///< one of so many ticks is plotted
+    Vector3 felt_force_N_{Vector3::Zero()}; ///< rendered force below 30 Hz while touching
     std::vector<PlotSample> samples_;
     std::size_t next_ = 0;
     std::size_t size_ = 0;

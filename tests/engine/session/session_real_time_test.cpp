@@ -1,9 +1,9 @@
-// Covers app/session.cpp with the servo on its own thread: whatever the
+// Covers engine/session with the servo on its own thread: whatever the
 // hand, the panels, the loader and the recorder do meanwhile, that thread allocates nothing, locks
 // nothing, and makes no system call but to read the clock and to sleep.
-#include "app/session.h"
 #include "engine/control/parameters.h"
 #include "engine/scenario/scripted_touch.h"
+#include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/real_time_watch.h"
@@ -49,7 +49,7 @@ template <typename Step> bool step_until(const std::function<bool()> &is_so, Ste
 SessionOptions options(const std::string &scene) {
     SessionOptions chosen;
     chosen.scene = testing::assets() / "scenes" / (scene + ".gltf");
-    chosen.device_file = testing::assets() / "devices/phantom_1_0.toml";
+    chosen.device.file = testing::assets() / "devices/phantom_1_0.toml";
     return chosen;
 }
 
@@ -74,18 +74,18 @@ public:
     /// Lifts the tip, leaves a trip if there is one, and waits until the motors have their voltage.
     void stand_above() {
         const Vector3 above_m = path().at(0.0).position_m;
-        session_.move_hand_to(above_m);
+        session_.hand().move_to(above_m);
         EXPECT_TRUE(until([&] { return (latest().tip_m - above_m).norm() < 5e-3; }));
         if (latest().safety.state == SafetyState::tripped) {
-            session_.reset_safety();
+            session_.servo().reset_safety();
         }
         EXPECT_TRUE(until([&] { return latest().safety.state == SafetyState::running; }));
     }
     void press() {
-        session_.move_hand_to(path().at(2.0).position_m);
+        session_.hand().move_to(path().at(2.0).position_m);
         EXPECT_TRUE(until([&] {
-            return latest().contact.touching && latest().scene_id == session_.scene_id();
-        })) << session_.scene().scene.file;
+            return latest().contact.touching && latest().scene_id == session_.scenes().id();
+        })) << session_.scenes().now().scene.file;
         ticks(100);
     }
     /// After an attempt on its stability.
@@ -97,7 +97,7 @@ public:
     }
 
     void switch_to(const std::string &scene) {
-        const std::uint32_t next = session_.scene_id() + 1;
+        const std::uint32_t next = session_.scenes().id() + 1;
         session_.request_scene(testing::assets() / "scenes" / (scene + ".gltf"));
         EXPECT_TRUE(until([&] { return latest().scene_id == next; })) << scene;
         ticks(50);
@@ -105,10 +105,10 @@ public:
 
 private:
     [[nodiscard]] HandPath path() const {
-        const LoadedScene &loaded = session_.scene();
+        const LoadedScene &loaded = session_.scenes().now();
         const Vector3 start_m =
-            start_above(session_.device(), loaded.scene.lower_m, loaded.scene.upper_m);
-        return scripted_touch(session_.device(), loaded.surface, loaded.scene.lower_m,
+            start_above(session_.description(), loaded.scene.lower_m, loaded.scene.upper_m);
+        return scripted_touch(session_.description(), loaded.surface, loaded.scene.lower_m,
                               loaded.scene.upper_m, start_m, {});
     }
 
@@ -130,7 +130,7 @@ void turn_every_knob(Touch &touch) {
             Tuning tuning;
             tuning.map = map;
             tuning.alpha_mode = mode;
-            touch.session().tune(tuning);
+            touch.session().servo().tune(tuning);
             touch.ticks(60);
         }
     }
@@ -138,10 +138,10 @@ void turn_every_knob(Touch &touch) {
         for (const double value : {parameter.lowest, parameter.highest}) {
             Tuning tuning;
             tuning.*parameter.value = value;
-            touch.session().tune(tuning);
+            touch.session().servo().tune(tuning);
             touch.ticks(100);
         }
-        touch.session().tune({});
+        touch.session().servo().tune({});
         touch.recover();
     }
 }
@@ -149,10 +149,10 @@ void turn_every_knob(Touch &touch) {
 void lower_and_raise_every_limit(Touch &touch) {
     for (const SafetyLimit &limit : kSafetyLimits) {
         SafetyLimits lower = unlowered();
-        lower.*limit.value = 0.7 * limits_of(touch.session().device()).*limit.value;
-        touch.session().lower_limits(lower);
+        lower.*limit.value = 0.7 * limits_of(touch.session().description()).*limit.value;
+        touch.session().servo().lower_limits(lower);
         touch.ticks(40);
-        touch.session().lower_limits(unlowered());
+        touch.session().servo().lower_limits(unlowered());
         touch.ticks(10);
     }
     touch.recover();
@@ -161,7 +161,7 @@ void lower_and_raise_every_limit(Touch &touch) {
 void trip(Touch &touch, const std::function<void()> &how, TripCause cause) {
     how();
     EXPECT_TRUE(touch.until([&] { return touch.latest().safety.cause == cause; }));
-    touch.session().lower_limits(unlowered());
+    touch.session().servo().lower_limits(unlowered());
     touch.stand_above();
     touch.press();
 }
@@ -169,11 +169,11 @@ void trip(Touch &touch, const std::function<void()> &how, TripCause cause) {
 void trip_and_reset(Touch &touch) {
     Session &session = touch.session();
     trip(
-        touch, [&] { session.emergency_stop(); }, TripCause::emergency_stop);
+        touch, [&] { session.servo().emergency_stop(); }, TripCause::emergency_stop);
     SafetyLimits weak = unlowered();
     weak.tip_force_N = 0.05;
     trip(
-        touch, [&] { session.lower_limits(weak); }, TripCause::tip_force);
+        touch, [&] { session.servo().lower_limits(weak); }, TripCause::tip_force);
 }
 
 class RealTimeSession : public ::testing::Test {
@@ -194,13 +194,13 @@ TEST_F(RealTimeSession, NothingThatIsDoneToItMakesTheServoAllocateLockOrCall) {
         touch.press();
         touch_every_scene(touch);
         turn_every_knob(touch);
-        touch.session().stop_recording();
+        touch.session().recording().stop();
         touch.session().start_recording(folder / "safety.rec");
         lower_and_raise_every_limit(touch);
         trip_and_reset(touch);
-        touch.session().stop_recording();
-        EXPECT_EQ(touch.session().record_status().error, "");
-        EXPECT_GT(touch.session().record_status().rows, 1000U);
+        touch.session().recording().stop();
+        EXPECT_EQ(touch.session().recording().status().error, "");
+        EXPECT_GT(touch.session().recording().status().rows, 1000U);
         expect_nothing_caught();
         testing::end_this_child();
     });
@@ -220,7 +220,7 @@ TEST_F(RealTimeSession, AHandOnAPathAtTheFastestRateMakesItNeither) {
         Touch touch(chosen);
         EXPECT_TRUE(touch.until([&] { return touch.latest().contact.touching; }));
         touch.ticks(2000);
-        touch.session().stop_recording();
+        touch.session().recording().stop();
         expect_nothing_caught();
         testing::end_this_child();
     });

@@ -1,8 +1,9 @@
-// Covers app/background.h.
-#include "app/background.h"
+// Covers base/background.h.
+#include "base/background.h"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
 #include <stdexcept>
 
@@ -44,10 +45,10 @@ TEST(Background, TellsWorkThatNobodyWaits) {
     {
         Background<int> background;
         background.start([ended](BackgroundTalk &talk) {
-            while (talk.is_wanted) {
+            while (talk.is_wanted()) {
                 std::this_thread::yield();
             }
-            ended->set_value(talk.is_wanted);
+            ended->set_value(talk.is_wanted());
             return 0;
         });
     }
@@ -83,13 +84,33 @@ TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
 TEST(Background, ANewPieceReplacesTheOld) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) {
-        while (talk.is_wanted) {
+        while (talk.is_wanted()) {
             std::this_thread::yield();
         }
         return 1;
     });
     background.start([](BackgroundTalk &) { return 2; });
     EXPECT_EQ(waited_for(background), 2);
+}
+
+TEST(Background, GivingUpDoesNotWaitButGoingAwayDoes) {
+    std::atomic<int> ended{0};
+    std::atomic<bool> may_end{false};
+    {
+        Background<int> background;
+        for (int i = 0; i < 3; ++i) { // two are given up while the third runs
+            background.start([&](BackgroundTalk &talk) {
+                while (talk.is_wanted() || !may_end) {
+                    std::this_thread::yield();
+                }
+                ++ended;
+                return 0;
+            });
+        }
+        EXPECT_EQ(ended, 0);
+        may_end = true;
+    }
+    EXPECT_EQ(ended, 3);
 }
 
 } // namespace

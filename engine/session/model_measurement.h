@@ -1,7 +1,7 @@
 // The model that a scene gets: remembered from earlier, or measured, at once or in the background.
 #pragma once
 
-#include "app/background.h"
+#include "base/background.h"
 #include "engine/model_choice/scene_model.h"
 
 #include <optional>
@@ -12,30 +12,29 @@ namespace springdrive {
 /// A scene without what is only drawn: all that a choice needs, and light enough to be copied.
 [[nodiscard]] Scene without_looks(const Scene &scene);
 
+/// By what a choice is remembered, beside its question.
+struct ModelMemory {
+    std::string device_text; ///< of the device's file
+    std::string program_version;
+};
+
 /// What was measured before on this machine, by this program, for just this.
-/// @param device_text  of the device's file
 [[nodiscard]] std::optional<ModelChoice> remembered_choice(const ModelQuestion &question,
-                                                           const std::string &device_text);
+                                                           const ModelMemory &memory);
 
 /// Measures now, whatever is remembered, and remembers that.
-[[nodiscard]] ModelChoice measured_choice(const ModelQuestion &question,
-                                          const std::string &device_text,
+[[nodiscard]] ModelChoice measured_choice(const ModelQuestion &question, const ModelMemory &memory,
                                           const ModelProgress &progress = {});
 
 /// Remembered, or else measured.
-[[nodiscard]] ModelChoice known_choice(const ModelQuestion &question,
-                                       const std::string &device_text,
+[[nodiscard]] ModelChoice known_choice(const ModelQuestion &question, const ModelMemory &memory,
                                        const ModelProgress &progress);
-
-/// The same with a line of progress on standard error if that is a terminal.
-[[nodiscard]] ModelChoice choice_with_progress(const ModelQuestion &question,
-                                               const std::string &device_text, bool fresh);
 
 /// Measures in the background, one scene at a time. Of one thread.
 class ModelMeasurement {
 public:
     /// What is still being measured is let go of.
-    void begin(const ModelQuestion &question, const std::string &device_text);
+    void begin(const ModelQuestion &question, const ModelMemory &memory);
 
     [[nodiscard]] bool is_running() const { return measuring_.is_busy(); }
 

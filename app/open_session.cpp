@@ -1,0 +1,22 @@
+#include "app/open_session.h"
+
+#include "app/load_lines.h"
+
+#include <iostream>
+#include <string>
+
+namespace springdrive {
+
+Session open_session(const SessionOptions &options) {
+    LoadProgress progress;
+    const LoadLines lines(options.scene.filename().string(), progress, std::cerr);
+    return Session(options, &progress); // in place: a session cannot be moved
+}
+
+void print_new_remarks(Session &session) {
+    for (const std::string &remark : session.remarks().take_new()) {
+        std::cerr << "springdrive: " << remark << '\n';
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,145 @@
+#include "app/screen.h"
+
+#include "app/asset_folder.h"
+#include "app/frame_pace.h"
+#include "device/phantom/kinematics.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kUploadPerFrame_s = 0.25 * kFrame_s; // a large scene takes several frames
+
+/// The glTF files of a folder, in order of their names.
+std::vector<std::filesystem::path> scenes_in(const std::filesystem::path &folder) {
+    std::vector<std::filesystem::path> files;
+    std::error_code ignored;
+    for (const auto &entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const std::string ending = entry.path().extension().string();
+        if (ending == ".gltf" || ending == ".glb") {
+            files.push_back(entry.path());
+        }
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// What lies around the scene asked for, and the project's own.
+std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &scene) {
+    const std::filesystem::path own = asset_folder() / "scenes";
+    std::vector<std::filesystem::path> files = scenes_in(own);
+    std::error_code ignored;
+    if (!std::filesystem::equivalent(scene.parent_path().empty() ? "." : scene.parent_path(), own,
+                                     ignored)) {
+        const std::vector<std::filesystem::path> beside =
+            scenes_in(scene.parent_path().empty() ? "." : scene.parent_path());
+        files.insert(files.end(), beside.begin(), beside.end());
+    }
+    return files;
+}
+
+} // namespace
+
+Screen::Screen(const DemoOptions &options, Session &session)
+    : window_("springdrive", {options.width, options.height}, options.scale), session_(session) {
+    scene_panel_.files = offered_scenes(options.session.scene);
+    window_.keep_frames(!options.screenshot.empty());
+    if (!window_.font_remark().empty()) {
+        std::cerr << "springdrive: " << window_.font_remark() << '\n';
+    }
+    show_scene();
+    renderer_.upload(std::numeric_limits<double>::infinity()); // the first frame shows it
+}
+
+void Screen::take_orders() {
+    if (window_.take_emergency_stop()) {
+        session_.servo().emergency_stop();
+    }
+    for (const std::filesystem::path &file : window_.take_dropped_files()) {
+        session_.request_scene(file);
+    }
+}
+
+void Screen::draw_frame() {
+    window_.begin_frame();
+    take_orders();
+    if (shown_scene_ != session_.scenes().id()) {
+        show_scene();
+    }
+    renderer_.upload(kUploadPerFrame_s);
+    const Layout places = current_layout();
+    mouse_.apply(session_, camera_, places.scene_view);
+    window_.clear();
+    draw_scene(places.scene_view);
+    draw_tuning_panel(session_, tuning_panel_, places.tuning);
+    draw_servo_panel(session_, servo_panel_, places.servo);
+    draw_scene_panel(session_, scene_panel_, places.scene);
+    draw_force_direction_panel(session_, places.force_direction);
+    draw_scene_overlay(session_, places.scene_view, window_.scale());
+    window_.end_frame();
+}
+
+Layout Screen::current_layout() const {
+    const Window::Size size = window_.size();
+    return layout({static_cast<float>(size.width), static_cast<float>(size.height)},
+                  window_.scale());
+}
+
+void Screen::show_scene() {
+    const Scene &scene = session_.scenes().now().scene;
+    const Layout places = current_layout();
+    renderer_.set_scene(scene);
+    // All of the scene, and of the device at least up to its motors.
+    const double motors_m = session_.description().geometry.forearm_m;
+    const Vector3 upper_m =
+        scene.upper_m.cwiseMax(Vector3(scene.upper_m.x(), motors_m + 0.03, scene.upper_m.z()));
+    camera_.frame(scene.lower_m, upper_m,
+                  places.scene_view.size.x / std::max(1.0F, places.scene_view.size.y));
+    shown_scene_ = session_.scenes().id();
+    for (const std::string &remark : scene.remarks) {
+        std::cerr << "springdrive: " << scene.file.filename().string() << ": " << remark << '\n';
+    }
+}
+
+void Screen::draw_scene(const Rectangle &view) {
+    const Window::Size pixels = window_.framebuffer();
+    const Window::Size size = window_.size();
+    const float pixel_scale =
+        static_cast<float>(pixels.width) / static_cast<float>(std::max(1, size.width));
+    ViewportPixels viewport;
+    viewport.x = static_cast<int>(view.corner.x * pixel_scale);
+    viewport.y = pixels.height - static_cast<int>((view.corner.y + view.size.y) * pixel_scale);
+    viewport.width = static_cast<int>(view.size.x * pixel_scale);
+    viewport.height = static_cast<int>(view.size.y * pixel_scale);
+    if (viewport.width > 0 && viewport.height > 0) {
+        renderer_.draw(camera_, viewport, view_state(), pixel_scale * window_.scale());
+    }
+}
+
+ViewState Screen::view_state() const {
+    const ServoSample &now = session_.latest();
+    const DeviceDescription &device = session_.description();
+    ViewState state;
+    state.linkage = linkage_pose(device.geometry, joint_from_motor(device.geometry, now.theta_rad));
+    state.tip_m = now.tip_m;
+    state.proxy_m = now.contact.x0_m;
+    state.touching = now.contact.touching;
+    state.normal = now.contact.normal;
+    state.tip_force_N = now.tip_force_N;
+    state.hand_target_m = session_.hand().target_m();
+    state.hand_held = mouse_.holds_hand();
+    state.tripped = now.safety.state == SafetyState::tripped;
+    state.workspace = device.workspace;
+    state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
+    return state;
+}
+
+} // namespace springdrive

@@ -1,0 +1,45 @@
+// Everything that is on the screen, made once: the window, what is drawn in it, its panels.
+#pragma once
+
+#include "app/demo_options.h"
+#include "app/mouse.h"
+#include "app/panels/layout.h"
+#include "app/panels/panels.h"
+#include "app/view/camera.h"
+#include "app/view/renderer.h"
+#include "app/window.h"
+#include "engine/session/session.h"
+
+#include <cstdint>
+
+namespace springdrive {
+
+class Screen {
+public:
+    /// @param session  must outlive it
+    /// @throw InputError where no window can be had
+    Screen(const DemoOptions &options, Session &session);
+
+    void draw_frame();
+
+    [[nodiscard]] const Window &window() const { return window_; }
+
+private:
+    [[nodiscard]] Layout current_layout() const;
+    void take_orders();
+    void show_scene();
+    void draw_scene(const Rectangle &view);
+    [[nodiscard]] ViewState view_state() const;
+
+    Window window_;
+    Session &session_;
+    Renderer renderer_;
+    Camera camera_;
+    MouseInView mouse_;
+    TuningPanelState tuning_panel_;
+    ServoPanelState servo_panel_;
+    ScenePanelState scene_panel_;
+    std::uint32_t shown_scene_ = 0;
+};
+
+} // namespace springdrive

@@ -1,0 +1,53 @@
+#include "engine/session/guided_hand.h"
+
+#include "device/phantom/kinematics.h"
+
+namespace springdrive {
+
+namespace {
+
+/// The last point in reach on the way from the workspace's centre to `wanted_m`.
+Vector3 nearest_in_reach(const PhantomGeometry &geometry, const Vector3 &centre_m,
+                         const Vector3 &wanted_m) {
+    if (joint_angles_rad(geometry, wanted_m)) {
+        return wanted_m;
+    }
+    double in_reach = 0.0;
+    double out_of_reach = 1.0;
+    const Vector3 way_m = wanted_m - centre_m;
+    for (int halving = 0; halving < 20; ++halving) {
+        const double middle = 0.5 * (in_reach + out_of_reach);
+        const bool reached = joint_angles_rad(geometry, centre_m + middle * way_m).has_value();
+        (reached ? in_reach : out_of_reach) = middle;
+    }
+    return centre_m + in_reach * way_m;
+}
+
+} // namespace
+
+void GuidedHand::take_hold(SimulatedWorld *world, const DeviceDescription &device,
+                           const std::optional<HandPath> &path, const Vector3 &target_m) {
+    world_ = world;
+    geometry_ = device.geometry;
+    workspace_ = device.workspace;
+    path_ = path;
+    target_m_ = target_m;
+}
+
+void GuidedHand::move_to(const Vector3 &target_m) {
+    const Vector3 lower_m = workspace_.centre_m - 0.5 * workspace_.size_m;
+    const Vector3 upper_m = workspace_.centre_m + 0.5 * workspace_.size_m;
+    target_m_ = nearest_in_reach(geometry_, workspace_.centre_m,
+                                 target_m.cwiseMax(lower_m).cwiseMin(upper_m));
+    if (world_ != nullptr) {
+        world_->set_hand_target(target_m_);
+    }
+}
+
+void GuidedHand::follow(double time_s) {
+    if (path_) {
+        target_m_ = path_->at(time_s).position_m;
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,79 @@
+#include "engine/session/recording.h"
+
+#include "base/input_error.h"
+
+#include <string>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+/// One after the other.
+RecorderStatus sum(const RecorderStatus &first, const RecorderStatus &second) {
+    return {first.rows + second.rows, first.bytes + second.bytes, first.lost + second.lost,
+            first.error.empty() ? second.error : first.error};
+}
+
+} // namespace
+
+std::filesystem::path name_of_part(const std::filesystem::path &first, std::size_t number) {
+    std::filesystem::path name = first.stem();
+    name += "-" + std::to_string(number);
+    name += first.extension();
+    return first.parent_path() / name;
+}
+
+Recording::Recording(ServoRun &servo)
+    : servo_(servo), recorder_(std::make_unique<Recorder>(servo.servo().record_ring())) {}
+
+void Recording::begin(const std::filesystem::path &file, const RecordHeader &header) {
+    recorder_->start(file, header,
+                     servo_.is_in_lockstep() ? Recorder::Mode::pumped : Recorder::Mode::own_thread);
+    servo_.servo().feed_recorder(true);
+}
+
+void Recording::start(const std::filesystem::path &file, const RecordHeader &header) {
+    begin(file, header);
+    parts_ = {file};
+    ended_ = {};
+}
+
+void Recording::stop() {
+    servo_.servo().feed_recorder(false);
+    recorder_->stop();
+}
+
+void Recording::end_part(std::string_view last_note) {
+    goes_on_ = is_running();
+    servo_.servo().feed_recorder(false);
+    recorder_->stop(last_note);
+    ended_ = sum(ended_, recorder_->status());
+    recorder_.reset();
+}
+
+std::filesystem::path Recording::begin_part(const RecordHeader &header) {
+    recorder_ = std::make_unique<Recorder>(servo_.servo().record_ring());
+    if (!std::exchange(goes_on_, false)) {
+        return {};
+    }
+    std::size_t number = parts_.size() + 1;
+    while (std::filesystem::exists(name_of_part(parts_.front(), number))) {
+        ++number; // of an earlier recording: nothing is overwritten
+    }
+    std::filesystem::path file = name_of_part(parts_.front(), number);
+    try {
+        begin(file, header);
+    } catch (const InputError &error) {
+        ended_.error = error.what();
+        throw;
+    }
+    parts_.push_back(file);
+    return file;
+}
+
+RecorderStatus Recording::status() const {
+    return recorder_ ? sum(ended_, recorder_->status()) : ended_;
+}
+
+} // namespace springdrive

@@ -1,0 +1,34 @@
+// What a session has to say of itself beside what it is asked: each thing once.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+class Remarks {
+public:
+    /// One line, a remedy behind a semicolon. Nothing where it was said before.
+    void add(const std::string &text) {
+        if (std::ranges::find(all_, text) == all_.end()) {
+            all_.push_back(text);
+        }
+    }
+
+    [[nodiscard]] const std::vector<std::string> &all() const { return all_; }
+
+    /// Those that were not taken yet, to be printed.
+    [[nodiscard]] std::vector<std::string> take_new() {
+        const auto first = all_.begin() + static_cast<std::ptrdiff_t>(taken_);
+        taken_ = all_.size();
+        return {first, all_.end()};
+    }
+
+private:
+    std::vector<std::string> all_;
+    std::size_t taken_ = 0;
+};
+
+} // namespace springdrive

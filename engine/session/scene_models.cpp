@@ -1,0 +1,109 @@
+#include "engine/session/scene_models.h"
+
+#include "engine/model_choice/contact_shapes.h"
+
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+ModelQuestion question_on(const Scene &scene, const ModelGround &ground, const Tuning &tuning) {
+    return {&scene, ground.device, tuning, ground.period_s, ground.delay_periods};
+}
+
+/// As set by option, or else as chosen.
+void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
+    std::optional<ContactShape> shape;
+    if (loaded.choice) {
+        shape = model_of(*loaded.choice).shape;
+    }
+    if (wanted.surface) {
+        shape = wanted.surface;
+    }
+    if (shape && *shape != ContactShape{}) {
+        loaded.surface = haptic_surface_of(loaded.scene, *shape);
+    }
+}
+
+bool uses(const MotionController &controller, const Tuning &tuning) {
+    return tuning.map == controller.map && tuning.alpha_mode == controller.alpha_mode;
+}
+
+/// With another motion controller: that is what a model chooses.
+Tuning with_controller_of(const Tuning &started_with, Tuning tuning) {
+    tuning.map = started_with.map;
+    tuning.alpha_mode = started_with.alpha_mode;
+    return tuning;
+}
+
+} // namespace
+
+void SceneModels::set_ground(const ModelGround &ground) {
+    ground_ = ground;
+    measurement_.forget();
+}
+
+ModelQuestion SceneModels::question(const Scene &scene, const Tuning &tuning) const {
+    return question_on(scene, ground_, with_controller_of(started_with_, tuning));
+}
+
+SceneLoader::Finish SceneModels::finish(const Tuning &tuning) const {
+    return [wanted = wanted_, ground = ground_, tuning = with_controller_of(started_with_, tuning)](
+               LoadedScene &loaded, LoadProgress &progress, BackgroundTalk &talk) {
+        if (wanted.automatic) {
+            progress.begin(LoadProgress::Stage::measuring, true);
+            loaded.choice = known_choice(question_on(loaded.scene, ground, tuning), ground.memory,
+                                         [&](const std::string &what, double share) {
+                                             talk.tell(what, share);
+                                             progress.advance_to(share);
+                                         });
+        }
+        take_surface(loaded, wanted);
+    };
+}
+
+void SceneModels::note_shown(const LoadedScene &scene) {
+    measurement_.forget();
+    choice_ = scene.choice;
+}
+
+void SceneModels::apply_to(const LoadedScene &scene, const std::optional<ModelChoice> &before,
+                           bool may_hold_base, SimulationOptions &simulation,
+                           Tuning &tuning) const {
+    if (scene.choice) {
+        const Model model = model_of(*scene.choice);
+        apply(model, simulation);
+        simulation.planar = model.planar && may_hold_base;
+        const bool is_tuned = before && !uses(model_of(*before).controller, tuning);
+        if (wanted_.takes_controller && !is_tuned) {
+            tuning = with_controller(model.controller, tuning);
+        }
+    }
+    if (wanted_.plant) {
+        simulation.dynamics = wanted_.plant->dynamics;
+        simulation.effects = wanted_.plant->effects;
+    }
+    simulation.longest_step_s = wanted_.longest_step_s.value_or(simulation.longest_step_s);
+}
+
+void SceneModels::measure(const Scene &scene, const Tuning &tuning, bool fresh) {
+    const ModelQuestion asked = question(scene, tuning);
+    std::optional<ModelChoice> remembered;
+    if (!fresh) {
+        remembered = remembered_choice(asked, ground_.memory);
+    }
+    if (remembered) {
+        choice_ = std::move(remembered);
+    } else {
+        measurement_.begin(asked, ground_.memory);
+    }
+}
+
+void SceneModels::update() {
+    if (std::optional<ModelChoice> choice = measurement_.take()) {
+        choice_ = std::move(choice);
+    }
+}
+
+} // namespace springdrive

@@ -1,0 +1,165 @@
+#include "engine/session/servo_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive {
+
+namespace {
+
+bool reaches_the_motors(const SafetyStatus &safety) {
+    return safety.state != SafetyState::waiting && safety.state != SafetyState::tripped;
+}
+
+} // namespace
+
+ServoRun::ServoRun(HapticDevice &device, const ServoWay &way)
+    : way_(way), device_(&device), servo_(std::make_unique<Servo>(device, way.servo_hz)),
+      history_(way.servo_hz) {
+    publish();
+}
+
+void ServoRun::tune(const Tuning &tuning) {
+    inputs_.tuning = tuning;
+    publish();
+}
+
+void ServoRun::set_global_alpha(double alpha_rad2_per_m2) {
+    inputs_.global_alpha_rad2_per_m2 = alpha_rad2_per_m2;
+    publish();
+}
+
+void ServoRun::lower_limits(const SafetyLimits &limits) {
+    inputs_.limits = limits;
+    publish();
+}
+
+void ServoRun::emergency_stop() {
+    inputs_.emergency_stop = true;
+    ++inputs_.stop_count;
+    publish();
+}
+
+void ServoRun::reset_safety() {
+    inputs_.emergency_stop = false;
+    ++inputs_.reset_count;
+    publish();
+}
+
+void ServoRun::touch(const HapticSurface &surface, std::uint32_t scene_id, const Tuning &tuning) {
+    inputs_.tuning = tuning;
+    inputs_.surface = &surface;
+    inputs_.scene_id = scene_id;
+    publish();
+}
+
+void ServoRun::release(bool asked) {
+    inputs_.release = asked;
+    publish();
+}
+
+std::vector<std::string> ServoRun::start(const std::function<void()> &on_thread) {
+    if (way_.lockstep) {
+        return {};
+    }
+    return servo_->start({way_.cpu, on_thread});
+}
+
+void ServoRun::advance(double frame_s) {
+    inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
+    publish();
+    if (way_.lockstep) {
+        debt_ticks_ += frame_s * rate_hz();
+        const int due = static_cast<int>(std::floor(debt_ticks_ + 1e-9));
+        debt_ticks_ -= due;
+        servo_->advance(due);
+    }
+    take_in();
+}
+
+void ServoRun::take_in() {
+    servo_->drain([this](const ServoSample &sample) {
+        latest_ = sample;
+        next_tick_ = sample.tick + 1;
+        statistics_.add(sample);
+        history_.add(sample);
+        note_standstill(sample);
+    });
+}
+
+void ServoRun::note_standstill(const ServoSample &sample) {
+    if (device_->clock() != DeviceClock::servo || sample.missed_deadlines == 0) {
+        return;
+    }
+    ++stood_still_.times;
+    stood_still_.seconds += sample.missed_deadlines * period_s();
+    stood_still_.longest_s = std::max(stood_still_.longest_s, sample.missed_in_a_row * period_s());
+}
+
+void ServoRun::stop() {
+    servo_->stop();
+    take_in();
+}
+
+bool ServoRun::stop_if_released() {
+    if (reaches_the_motors(latest_.safety)) {
+        return false;
+    }
+    // What came back is a little old: look again where nothing can come after.
+    const bool ran = servo_->pause();
+    take_in();
+    if (reaches_the_motors(latest_.safety)) {
+        if (ran) {
+            servo_->resume();
+        }
+        return false;
+    }
+    stop();
+    return true;
+}
+
+void ServoRun::paused(const std::function<void()> &step) {
+    const bool ran = servo_->pause();
+    const auto go_on = [&] {
+        if (ran) {
+            servo_->resume();
+        }
+    };
+    take_in();
+    try {
+        step();
+    } catch (...) {
+        go_on();
+        throw;
+    }
+    go_on();
+}
+
+std::uint64_t ServoRun::set_rate(double servo_hz) {
+    const double before_hz = rate_hz();
+    paused([&] {
+        servo_->set_rate(servo_hz);
+        debt_ticks_ *= servo_hz / before_hz;
+        history_.set_rate(servo_hz);
+        statistics_ = {};
+        stood_still_ = {};
+    });
+    return next_tick_;
+}
+
+void ServoRun::renew(HapticDevice &device) {
+    const double servo_hz = rate_hz();
+    lost_ = lost_samples();
+    device_ = &device;
+    servo_ = std::make_unique<Servo>(device, servo_hz);
+    // Counts from zero on, as the new loop has them: only what differs is an order.
+    inputs_.stop_count = 0;
+    inputs_.reset_count = 0;
+    inputs_.release = false;
+    next_tick_ = 0;
+    statistics_ = {};
+    stood_still_ = {};
+    publish();
+}
+
+} // namespace springdrive

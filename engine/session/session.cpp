@@ -1,0 +1,170 @@
+#include "engine/session/session.h"
+
+#include "engine/control/motion_control.h"
+#include "engine/servo/real_time.h"
+#include "engine/session/session_parts.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace springdrive {
+
+namespace {
+
+/// So long in a row a simulated world may stand still before it is worth a remark.
+constexpr double kStandstillTold_s = 0.05;
+
+} // namespace
+
+Session::Session(const SessionOptions &options, LoadProgress *progress) : options_(options) {
+    if (options.cpu) {
+        check_cpu(*options.cpu);
+        keep_off_cpu(*options.cpu); // window, recorder and loader; the servo's thread goes there
+    }
+    static_cast<void>(servo_period_s(options.servo_hz));
+    const std::string text = text_of_device(options.device.file);
+    const DeviceDescription description = read_device_text(text, options.device.file);
+    models_ = std::make_unique<SceneModels>(options.model, options.tuning,
+                                            ground(text, description, options.servo_hz));
+    LoadProgress unwatched;
+    LoadProgress &watched = progress != nullptr ? *progress : unwatched;
+    BackgroundTalk nobody;
+    std::unique_ptr<LoadedScene> scene = load_scene(options.scene, description.workspace, watched);
+    models_->finish(options.tuning)(*scene, watched, nobody);
+    models_->note_shown(*scene);
+    scenes_ = std::make_unique<Scenes>(description.workspace, std::move(scene));
+
+    Tuning tuning = options.tuning;
+    Prepared first = prepare(options.device, text, tuning);
+    simulation_ = first.request.simulation;
+    device_ = std::make_unique<OpenDevice>(std::move(first.device));
+    servo_ = std::make_unique<ServoRun>(device_->device(),
+                                        ServoWay{options.servo_hz, options.lockstep, options.cpu});
+    recording_ = std::make_unique<Recording>(*servo_);
+    hand_.take_hold(device_->world(), description, simulation_.path, first.request.start_tip_m);
+    servo_->set_global_alpha(global_alpha_bound(description));
+    if (options.late_limit_s) {
+        SafetyLimits limits = unlowered();
+        limits.late_s = *options.late_limit_s;
+        servo_->lower_limits(limits);
+    }
+    servo_->touch(scenes_->now().surface, scenes_->id(), tuning);
+}
+
+Session::~Session() = default;
+
+void Session::start(const std::function<void()> &on_thread) {
+    if (!options_.record.empty()) {
+        start_recording(options_.record);
+    }
+    has_started_ = true;
+    on_thread_ = on_thread;
+    for (const std::string &refused : servo_->start(on_thread_)) {
+        remarks_.add(refused);
+    }
+}
+
+void Session::advance(double frame_s) {
+    servo_->advance(frame_s);
+    recording_->pump();
+    hand_.follow(latest().time_s);
+    scenes_->note_in_use(latest().scene_id);
+    note_standstill();
+    if (const LoadedScene *const before = scenes_->take_loaded()) {
+        show(*before);
+    }
+    models_->update();
+    go_on_with_exchange();
+}
+
+void Session::stop() {
+    servo_->stop();
+    recording_->stop();
+}
+
+void Session::note_standstill() {
+    const double longest_s = servo_->stood_still().longest_s;
+    if (!told_of_standstill_ && longest_s > kStandstillTold_s) {
+        told_of_standstill_ = true;
+        remarks_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
+                     " ms; the simulated world waited");
+    }
+}
+
+RecordHeader Session::header_of_record() const {
+    const LoadedScene &scene = scenes_->now();
+    RecordHeader header = record_header(servo_->rate_hz());
+    header.software = options_.program_version;
+    header.delay_periods = device_->device().delay_periods();
+    header.device_name = description().name;
+    header.device_file = options_.device.file.string();
+    header.device_toml = models_->ground().memory.device_text;
+    header.tuning = servo_->inputs().tuning;
+    header.scene_file = scene.scene.file.string();
+    header.scene_sha256 = scene.sha256;
+    header.scene_triangles = scene.scene.surface.triangles.size();
+    header.global_alpha_rad2_per_m2 = servo_->inputs().global_alpha_rad2_per_m2;
+    return header;
+}
+
+void Session::start_recording(const std::filesystem::path &file) {
+    recording_->start(file, header_of_record());
+}
+
+void Session::request_scene(const std::filesystem::path &file) {
+    scenes_->request(file, models_->finish(servo_->inputs().tuning));
+}
+
+void Session::choose_models() {
+    models_->choose_automatically();
+    request_scene(scenes_->now().scene.file);
+}
+
+/// On other ground the model that runs is none that was measured.
+void Session::choose_again() {
+    if (models_->is_automatic()) {
+        request_scene(scenes_->now().scene.file);
+    }
+}
+
+void Session::measure_model(bool fresh) {
+    models_->measure(scenes_->now().scene, servo_->inputs().tuning, fresh);
+}
+
+void Session::show(const LoadedScene &before) {
+    const LoadedScene &now = scenes_->now();
+    Tuning tuning = servo_->inputs().tuning;
+    models_->note_shown(now);
+    models_->apply_to(now, before.choice, simulation_.planar, simulation_, tuning);
+    if (now.choice && device_->world() != nullptr) {
+        device_->world()->simulate_as(simulation_);
+    }
+    servo_->touch(now.surface, scenes_->id(), tuning);
+    recording_->note(note_on_scene(scenes_->id(), now));
+    if (next_device_) {
+        prepare_again(); // to begin above this scene, not the one before
+    }
+}
+
+void Session::set_servo_rate(double servo_hz) {
+    const double before_hz = servo_->rate_hz();
+    const double period_s = servo_period_s(servo_hz);
+    if (next_device_) {
+        next_device_->device.device().set_period(period_s);
+    }
+    servo_->paused([&] {
+        const std::uint64_t from_tick = servo_->set_rate(servo_hz);
+        recording_->note(nlohmann::json{{"servo_hz", servo_hz}, {"from_tick", from_tick}}.dump());
+    });
+    if (servo_hz == before_hz) {
+        return;
+    }
+    simulation_.servo_period_s = period_s;
+    const ModelGround &old = models_->ground();
+    models_->set_ground(ground(old.memory.device_text, old.device, servo_hz));
+    choose_again();
+}
+
+} // namespace springdrive

@@ -1,0 +1,39 @@
+// What a session is to run on, as plain values: with a window or without.
+#pragma once
+
+#include "device/factory/device_factory.h"
+#include "device/simulated/simulation_options.h"
+#include "engine/control/tuning.h"
+#include "engine/session/model_options.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace springdrive {
+
+/// Which device, and the file that describes it.
+struct DeviceChoice {
+    std::filesystem::path file;
+    DeviceKind kind = DeviceKind::simulated;
+    std::string serial; ///< empty: the only one of its kind
+};
+
+struct SessionOptions {
+    std::filesystem::path scene;
+    DeviceChoice device;
+    Tuning tuning;
+    double servo_hz = 1000.0;
+    double delay_periods = 0.0; ///< of the simulated device
+    PlantEffects effects;       ///< of the simulated device
+    ModelOptions model;
+    std::filesystem::path path; ///< of the hand; empty: see `plays_script`
+    bool plays_script = false;  ///< without a path: the scripted touch, not `GuidedHand::move_to`
+    bool lockstep = false;      ///< the servo goes by `Session::advance`, not by a clock
+    std::optional<int> cpu;     ///< that the servo's thread is to stay on
+    std::optional<double> late_limit_s; ///< by deadlines missed in a row, lower than the device's
+    std::filesystem::path record;       ///< empty: nothing is recorded until asked for
+    std::string program_version;        ///< for records, and for what is remembered of models
+};
+
+} // namespace springdrive

@@ -1,0 +1,142 @@
+#include "engine/session/session_report.h"
+
+#include "base/print.h"
+
+#include <nlohmann/json.hpp>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+
+namespace {
+
+constexpr double kMicro = 1e6;
+constexpr double kMilli = 1e3;
+constexpr double kMega = 1e-6;
+
+void print_durations(std::ostream &out, const char *name, const DurationHistogram &durations) {
+    if (durations.count() > 0) {
+        print(out, "servo: %s median %.1f µs, 99 %% %.1f µs, 99.9 %% %.1f µs, longest %.1f µs\n",
+              name, kMicro * durations.quantile_s(0.5), kMicro * durations.quantile_s(0.99),
+              kMicro * durations.quantile_s(0.999), kMicro * durations.longest_s());
+    }
+}
+
+nlohmann::json json_of(const DurationHistogram &durations) {
+    return {{"count", durations.count()},
+            {"mean_s", durations.mean_s()},
+            {"p50_s", durations.quantile_s(0.5)},
+            {"p99_s", durations.quantile_s(0.99)},
+            {"p999_s", durations.quantile_s(0.999)},
+            {"longest_s", durations.longest_s()}};
+}
+
+/// One that keeps its own time misses deadlines; a world that waits stands still instead.
+void print_time(std::ostream &out, const Session &session) {
+    const ServoRun &servo = session.servo();
+    print(out, "servo: %llu ticks at %g Hz%s",
+          static_cast<unsigned long long>(servo.statistics().ticks()), servo.rate_hz(),
+          servo.is_in_lockstep() ? " in lockstep" : "");
+    if (session.device().device().clock() == DeviceClock::own) {
+        print(out, ", %llu deadlines missed",
+              static_cast<unsigned long long>(servo.statistics().missed_deadlines()));
+    }
+    print(out, "\n");
+    const StoodStill &still = servo.stood_still();
+    if (still.times > 0) {
+        print(out,
+              "world: stood still %llu times for %.1f ms in all, at most %.1f ms in a row, while "
+              "this computer was busy\n",
+              static_cast<unsigned long long>(still.times), kMilli * still.seconds,
+              kMilli * still.longest_s);
+    }
+}
+
+std::vector<std::string> names_of(const std::vector<std::filesystem::path> &files) {
+    return {files.begin(), files.end()};
+}
+
+} // namespace
+
+void write_session_report(std::ostream &out, const Session &session) {
+    print_time(out, session);
+    const ServoStatistics &servo = session.servo().statistics();
+    print_durations(out, "jitter", servo.lateness());
+    print_durations(out, "compute", servo.compute());
+    const SafetyStatus &safety = session.latest().safety;
+    if (safety.state == SafetyState::tripped) {
+        print(out, "safety: stopped, %s\n", description(safety).c_str());
+    }
+    if (!session.recording().parts().empty()) {
+        const RecorderStatus record = session.recording().status();
+        std::string files;
+        for (const std::filesystem::path &part : session.recording().parts()) {
+            files += part.string() + ", ";
+        }
+        print(out, "record: %s%llu ticks, %.1f MB, %llu lost\n", files.c_str(),
+              static_cast<unsigned long long>(record.rows),
+              kMega * static_cast<double>(record.bytes),
+              static_cast<unsigned long long>(record.lost));
+    }
+}
+
+void write_session_json(std::ostream &out, const Session &session) {
+    const ServoRun &run = session.servo();
+    const ServoStatistics &servo = run.statistics();
+    const SafetyStatus &safety = session.latest().safety;
+    const RecorderStatus record = session.recording().status();
+    const DeviceIdentity identity = session.device().identity();
+    nlohmann::json json;
+    json["device"] = {{"name", session.description().name},
+                      {"kind", identity.kind},
+                      {"serial", identity.serial},
+                      {"firmware", identity.firmware}};
+    json["servo_hz"] = run.rate_hz();
+    json["lockstep"] = run.is_in_lockstep();
+    json["ticks"] = servo.ticks();
+    json["missed_deadlines"] = servo.missed_deadlines();
+    json["stood_still"] = {{"times", run.stood_still().times},
+                           {"seconds", run.stood_still().seconds}};
+    json["period"] = json_of(servo.period());
+    json["jitter"] = json_of(servo.lateness());
+    json["read"] = json_of(servo.read());
+    json["compute"] = json_of(servo.compute());
+    json["write"] = json_of(servo.write());
+    json["refused"] = session.remarks().all();
+    json["trip"] = safety.state == SafetyState::tripped ? description(safety) : "";
+    json["record"] = {{"file", session.recording().file().string()},
+                      {"files", names_of(session.recording().parts())},
+                      {"rows", record.rows},
+                      {"bytes", record.bytes},
+                      {"lost", record.lost},
+                      {"error", record.error}};
+    out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+bool was_stopped(const Session &session, std::ostream &complaints) {
+    const SafetyStatus &safety = session.latest().safety;
+    if (safety.state != SafetyState::tripped) {
+        return false;
+    }
+    complaints << "springdrive: the servo was stopped: " << description(safety) << '\n';
+    return true;
+}
+
+bool record_is_whole(const Session &session, std::ostream &complaints) {
+    const RecorderStatus record = session.recording().status();
+    if (!record.error.empty()) {
+        complaints << "springdrive: " << record.error << '\n';
+        return false;
+    }
+    if (record.lost > 0) {
+        complaints << "springdrive: " << session.recording().file().string() << ": " << record.lost
+                   << " ticks are missing, the disk was too slow; record to a faster one, or at a "
+                      "lower --servo-hz\n";
+        return false;
+    }
+    return true;
+}
+
+} // namespace springdrive

@@ -1,0 +1,52 @@
+// Covers app/commands/typed_session.cpp: what it refuses, from outside.
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive {
+namespace {
+
+/// Models are remembered in a folder of its own.
+class TypedSession : public ::testing::Test {
+protected:
+    TypedSession() : cache_(testing::fresh_folder("typed_session_cache")) {
+        setenv("XDG_CACHE_HOME", cache_.c_str(), 1);
+    }
+    ~TypedSession() override { unsetenv("XDG_CACHE_HOME"); }
+
+    [[nodiscard]] bool is_empty() const { return std::filesystem::is_empty(cache_); }
+
+private:
+    std::filesystem::path cache_;
+};
+
+TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
+    const auto expect_refused = [](std::vector<std::string> options, const std::string &names) {
+        const std::string file = testing::fresh_folder("refused") / "touch.rec";
+        options.insert(options.begin(), {"record", file, "--lockstep", "--seconds", "0.01"});
+        const testing::Ending ending = testing::run_program(options);
+        EXPECT_GT(ending.exit_status, 0) << names;
+        EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+        EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    };
+    expect_refused({"--model", "auto", "--without", "gravity"}, "give one or the other");
+    expect_refused({"--plant-model", "full", "--with", "gravity"}, "give one or the other");
+    expect_refused({"--plant-model", "fullest"}, "--plant-model");
+    expect_refused({"--step-us", "0.5"}, "--step-us is 0.5; it must be from 1 to 4000");
+    expect_refused({"--contact-shape", "simplified_1"}, "--contact-shape simplified_1");
+    expect_refused({"--contact-shape", "primitives", "--scene",
+                    testing::assets() / "scenes/stepped_block.gltf"},
+                   "cannot be touched as 'primitives'");
+    EXPECT_TRUE(is_empty());
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,173 @@
+// Covers device/factory/device_factory.cpp: the life of a device, in every order.
+#include "device/factory/device_factory.h"
+
+#include "base/input_error.h"
+#include "device/phantom/kinematics.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace springdrive {
+namespace {
+
+const Vector3 kStart_m(0.01, 0.02, -0.01);
+const Vector3 kElsewhere_rad(0.3, -0.2, 0.1);
+
+DeviceRequest request() {
+    DeviceRequest asked;
+    asked.description = testing::phantom_1_0();
+    asked.start_tip_m = kStart_m;
+    return asked;
+}
+
+Vector3 theta_rad(const OpenDevice &open, const Measurement &measured) {
+    const double rad_per_count = open.device().description().rad_per_count();
+    return rad_per_count * Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
+}
+
+std::string complaint_about(const DeviceRequest &asked) {
+    try {
+        static_cast<void>(open_device(asked));
+    } catch (const InputError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(DeviceFactory, OpensWhatIsPresentByKindAndSerial) {
+    ASSERT_EQ(devices_present().size(), 1U);
+    DeviceRequest asked = request();
+    asked.serial = devices_present().front().serial;
+    OpenDevice open = open_device(asked);
+    EXPECT_EQ(open.identity().kind, "simulated");
+    EXPECT_EQ(open.identity().kind, devices_present().front().kind);
+    EXPECT_EQ(open.identity().serial, asked.serial);
+    EXPECT_EQ(open.state(), DeviceState::zeroed);
+    EXPECT_NE(open.world(), nullptr);
+    EXPECT_EQ(open.device().read().health, DeviceHealth::ok);
+}
+
+TEST(DeviceFactory, SaysInOneLineWhatIsNotThere) {
+    DeviceRequest asked = request();
+    asked.serial = "4711";
+    EXPECT_NE(complaint_about(asked).find("4711"), std::string::npos);
+    asked = request();
+    asked.kind = DeviceKind::usb;
+    EXPECT_NE(complaint_about(asked).find("usb"), std::string::npos);
+    asked = request();
+    asked.start_tip_m = Vector3(5.0, 0.0, 0.0);
+    EXPECT_NE(complaint_about(asked), "");
+    asked = request();
+    asked.period_s = -1.0;
+    EXPECT_NE(complaint_about(asked), "");
+    EXPECT_EQ(device_kind_named("sim"), DeviceKind::simulated);
+    EXPECT_EQ(device_kind_named("usb"), DeviceKind::usb);
+    EXPECT_FALSE(device_kind_named("serial"));
+}
+
+TEST(DeviceFactory, TheSimulatedOneKnowsWhereItStands) {
+    OpenDevice open = open_device(request());
+    const PhantomGeometry &geometry = open.device().description().geometry;
+    const Vector3 theta = theta_rad(open, open.device().read());
+    const Vector3 tip_m = tip_position_m(geometry, joint_from_motor(geometry, theta));
+    EXPECT_LT((tip_m - kStart_m).norm(), 1e-3); // to its counts, and what its weight bends the hand
+}
+
+/// What a device must be after a call, whatever came before.
+enum class Call : std::uint8_t { zero, close, reconnect };
+
+void make(Call call, OpenDevice &open, DeviceState &expected) {
+    switch (call) {
+    case Call::zero:
+        if (expected == DeviceState::closed) {
+            EXPECT_THROW(open.zero(kElsewhere_rad), InputError);
+        } else {
+            open.zero(kElsewhere_rad);
+            expected = DeviceState::zeroed;
+        }
+        break;
+    case Call::close:
+        open.close();
+        expected = DeviceState::closed;
+        break;
+    case Call::reconnect:
+        open.reconnect();
+        expected = DeviceState::open;
+        break;
+    }
+}
+
+TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
+    constexpr std::array kCalls{Call::zero, Call::close, Call::reconnect};
+    for (int order = 0; order < 81; ++order) {
+        OpenDevice open = open_device(request());
+        const HapticDevice *const device = &open.device();
+        DeviceState expected = DeviceState::zeroed;
+        for (int rest = order, n = 0; n < 4; ++n, rest /= 3) {
+            const Call call = kCalls[static_cast<std::size_t>(rest % 3)];
+            make(call, open, expected);
+            ASSERT_EQ(open.state(), expected) << order << ", call " << n;
+            const Measurement measured = open.device().read();
+            const bool is_closed = expected == DeviceState::closed;
+            ASSERT_EQ(measured.health, is_closed ? DeviceHealth::lost : DeviceHealth::ok);
+            ASSERT_EQ(has_news(measured.arrival), !is_closed);
+            const double tolerance_rad = 40.0 * device->description().rad_per_count();
+            if (call == Call::zero && !is_closed) {
+                ASSERT_LT((theta_rad(open, measured) - kElsewhere_rad).norm(), tolerance_rad);
+            } else if (call == Call::reconnect) { // it counts from where it stands
+                ASSERT_LT(theta_rad(open, measured).norm(), tolerance_rad);
+            }
+        }
+        EXPECT_EQ(&open.device(), device);
+    }
+}
+
+TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
+    OpenDevice open = open_device(request());
+    DeviceCommand command;
+    command.e_W_V = Vector3(2.0, 2.0, 2.0);
+    const auto greatest_current_A = [&] {
+        double greatest_A = 0.0;
+        for (int tick = 0; tick < 50; ++tick) {
+            open.device().write(command);
+            greatest_A = std::max(greatest_A, open.device().read().current_A.cwiseAbs().maxCoeff());
+        }
+        return greatest_A;
+    };
+    EXPECT_GT(greatest_current_A(), 0.5);
+    open.close();
+    greatest_current_A(); // while what moved comes to rest
+    EXPECT_LT(greatest_current_A(), 0.3);
+    open.reconnect(); // and a command of before is not in force any more
+    EXPECT_LT(open.device().read().current_A.cwiseAbs().maxCoeff(), 0.3);
+    EXPECT_GT(greatest_current_A(), 0.5);
+}
+
+TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {
+    OpenDevice open = open_device(request());
+    const Measurement before = open.device().read();
+    open.close();
+    static_cast<void>(open.device().read());
+    open.reconnect();
+    const Measurement after = open.device().read();
+    EXPECT_EQ(after.number, before.number + 2);
+    EXPECT_GT(after.time_s, before.time_s);
+}
+
+TEST(DeviceFactory, AssignmentClosesAndTakesOver) {
+    OpenDevice open = open_device(request());
+    OpenDevice other = open_device(request());
+    const HapticDevice *const taken = &other.device();
+    open = std::move(other);
+    EXPECT_EQ(&open.device(), taken);
+    EXPECT_EQ(open.state(), DeviceState::zeroed);
+    EXPECT_EQ(open.device().read().health, DeviceHealth::ok);
+}
+
+} // namespace
+} // namespace springdrive

@@ -1,0 +1,84 @@
+// Covers engine/servo/safety_monitor.cpp and servo_inputs.cpp: letting go of a device.
+#include "engine/servo/servo_inputs.h"
+#include "tests/engine/servo/safety_monitor_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace springdrive {
+namespace {
+
+using testing::SafetyMonitorTest;
+
+SafetyOrders to_release() {
+    SafetyOrders orders;
+    orders.release = true;
+    return orders;
+}
+
+TEST(ServoInputs, AreNotWholeWithAnotherWishToRelease) {
+    ServoInputs inputs = sealed({});
+    inputs.release = true;
+    EXPECT_FALSE(is_whole(inputs));
+    EXPECT_TRUE(is_whole(sealed(inputs)));
+}
+
+TEST_F(SafetyMonitorTest, LetsGoForASecondAsItCameUpAndThenBrakes) {
+    start_up();
+    double before_V = pass(calm()).e_W_V.cwiseAbs().maxCoeff();
+    int ticks = 0;
+    for (; ticks < 1100; ++ticks) {
+        const double now_V = pass(calm(), to_release()).e_W_V.cwiseAbs().maxCoeff();
+        EXPECT_LE(now_V, before_V);
+        EXPECT_LE(before_V - now_V, 0.3 * kPeriod_s / kRampTime_s + 1e-12); // of 0.3 V
+        before_V = now_V;
+        if (monitor.status().state == SafetyState::waiting) {
+            break;
+        }
+        EXPECT_EQ(monitor.status().state, SafetyState::releasing);
+        EXPECT_TRUE(monitor.lets_pass());
+    }
+    EXPECT_NEAR(ticks + 1, kRampTime_s / kPeriod_s, 1.0);
+    expect_braking(pass(calm(), to_release()));
+}
+
+TEST_F(SafetyMonitorTest, DoesNotStartAgainBeforeItMay) {
+    for (int tick = 0; tick < 3000; ++tick) {
+        pass(calm(), to_release());
+        ASSERT_EQ(monitor.status().state, SafetyState::waiting);
+    }
+    pass(calm());
+    EXPECT_EQ(monitor.status().state, SafetyState::starting);
+}
+
+TEST_F(SafetyMonitorTest, LetsGoFromWhereTheRampIsAndComesUpFromThereAgain) {
+    for (int tick = 0; tick < 600; ++tick) { // half-way up
+        pass(calm());
+    }
+    ASSERT_EQ(monitor.status().state, SafetyState::starting);
+    const double top = monitor.status().ramp;
+    for (int tick = 0; tick < 100; ++tick) {
+        pass(calm(), to_release());
+    }
+    EXPECT_NEAR(monitor.status().ramp, top - 0.1, 1e-9);
+    for (int tick = 0; tick < 100; ++tick) {
+        pass(calm());
+    }
+    EXPECT_NEAR(monitor.status().ramp, top, 1e-9);
+    EXPECT_EQ(monitor.status().state, SafetyState::starting);
+}
+
+TEST_F(SafetyMonitorTest, StillTripsWhileItLetsGoAndATripStays) {
+    start_up();
+    pass(calm(), to_release());
+    SafetyOrders stop = to_release();
+    stop.emergency_stop = true;
+    expect_braking(pass(calm(), stop));
+    EXPECT_EQ(monitor.status().cause, TripCause::emergency_stop);
+    pass(calm(), to_release());
+    EXPECT_EQ(monitor.status().state, SafetyState::tripped);
+}
+
+} // namespace
+} // namespace springdrive

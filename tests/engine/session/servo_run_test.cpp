@@ -1,0 +1,125 @@
+// Covers engine/session/servo_run.cpp and history.cpp, by themselves.
+#include "engine/session/servo_run.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+namespace springdrive {
+namespace {
+
+const Vector3 kStart_m(0.0, 0.02, 0.0);
+
+struct Rig {
+    SimulatedPhantom device{testing::phantom_1_0(), {}, kStart_m};
+    ServoRun run{device, {1000.0, true, std::nullopt}};
+};
+
+TEST(ServoRun, InLockstepOwesNoTickWhateverTheFrames) {
+    Rig rig;
+    for (int frame = 0; frame < 600; ++frame) {
+        rig.run.advance(1.0 / 60.0);
+    }
+    EXPECT_EQ(rig.run.latest().tick + 1, 10'000U);
+    rig.run.set_rate(2000.0);
+    for (int frame = 0; frame < 60; ++frame) {
+        rig.run.advance(1.0 / 60.0);
+    }
+    EXPECT_EQ(rig.run.latest().tick + 1, 12'000U);
+    EXPECT_NEAR(rig.run.latest().time_s, 11.0, 1e-3);
+}
+
+TEST(ServoRun, AnotherRateTellsItsFirstTick) {
+    Rig rig;
+    EXPECT_EQ(rig.run.set_rate(500.0), 0U);
+    rig.run.advance(0.1);
+    EXPECT_EQ(rig.run.set_rate(1000.0), 50U);
+    EXPECT_THROW(rig.run.set_rate(1.0), InputError);
+    EXPECT_EQ(rig.run.rate_hz(), 1000.0);
+}
+
+TEST(ServoRun, StopsOnlyWhatHasLetGo) {
+    Rig rig;
+    rig.run.advance(1.5);
+    ASSERT_EQ(rig.run.latest().safety.state, SafetyState::running);
+    EXPECT_FALSE(rig.run.stop_if_released());
+    rig.run.release(true);
+    rig.run.advance(0.9);
+    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::releasing);
+    EXPECT_FALSE(rig.run.stop_if_released());
+    rig.run.release(false); // and goes on as if nothing had been
+    rig.run.advance(1.1);
+    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::running);
+    rig.run.release(true);
+    rig.run.advance(1.1);
+    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    rig.run.advance(1.0); // and does not start again
+    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    EXPECT_TRUE(rig.run.stop_if_released());
+}
+
+TEST(ServoRun, BeginsAnewOnAnotherDevice) {
+    Rig rig;
+    rig.run.emergency_stop();
+    rig.run.reset_safety();
+    rig.run.advance(0.1);
+    rig.run.stop();
+    SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
+    rig.run.renew(other);
+    rig.run.advance(0.05);
+    EXPECT_EQ(rig.run.latest().tick, 49U);
+    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(rig.run.statistics().ticks(), 50U);
+}
+
+TEST(ServoRun, GoesOnAfterAPauseWhateverWasThrown) {
+    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    ServoRun run(device, {1000.0, false, std::nullopt});
+    static_cast<void>(run.start());
+    std::uint64_t tick = 0;
+    EXPECT_THROW(run.paused([&] {
+        tick = run.latest().tick;
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        run.take_in();
+        EXPECT_EQ(run.latest().tick, tick); // nothing ticks
+        throw std::runtime_error("no");
+    }),
+                 std::runtime_error);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (run.latest().tick < tick + 20 && std::chrono::steady_clock::now() < end) {
+        run.advance(0.0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_GE(run.latest().tick, tick + 20);
+}
+
+ServoSample sample_of_tick(std::uint64_t tick) {
+    ServoSample sample;
+    sample.tick = tick;
+    sample.time_s = static_cast<double>(tick);
+    return sample;
+}
+
+TEST(History, KeepsTenSecondsOfAThousandSamplesAtMost) {
+    History history(4000.0);
+    for (std::uint64_t tick = 0; tick < 80'000; ++tick) {
+        history.add(sample_of_tick(tick));
+    }
+    EXPECT_EQ(history.size(), 10'000U);
+    EXPECT_EQ(history[9999].time_s, 79'996.0);
+    history.set_rate(500.0); // of half as many, the newest
+    EXPECT_EQ(history.size(), 5000U);
+    EXPECT_EQ(history[4999].time_s, 79'996.0);
+    history.add(sample_of_tick(80'001));
+    EXPECT_EQ(history.size(), 5000U);
+    EXPECT_EQ(history[4999].time_s, 80'001.0);
+}
+
+} // namespace
+} // namespace springdrive

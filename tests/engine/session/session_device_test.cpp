@@ -1,0 +1,221 @@
+// Covers engine/session/session_device.cpp, and set_servo_rate: one exchange at a time, and what
+// stays as it was.
+#include "base/input_error.h"
+#include "engine/servo/record/record_reader.h"
+#include "engine/session/session_report.h"
+#include "tests/engine/session/session_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace springdrive {
+namespace {
+
+using testing::premium;
+using testing::run;
+using testing::run_into_contact;
+using testing::run_until;
+using testing::scripted;
+
+std::string notes_of(const std::filesystem::path &file) {
+    std::string notes;
+    for (RecordReader record(file); record.next();) {
+        notes += record.is_note() ? record.note() : "";
+    }
+    return notes;
+}
+
+bool exchange_to_the_end(Session &session, const DeviceChoice &choice) {
+    session.exchange_device(choice);
+    return run_until(
+        session, [&] { return !session.is_exchanging(); }, 5.0);
+}
+
+TEST(SessionDevice, AnotherOneBeginsAsAtAStart) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    const std::uint64_t tick = session.latest().tick;
+    session.exchange_device(premium());
+    EXPECT_TRUE(session.is_exchanging());
+    run(session, 0.5);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::releasing); // half-way down
+    EXPECT_NEAR(session.latest().safety.ramp, 0.5, 0.02);
+    ASSERT_TRUE(run_until(
+        session, [&] { return !session.is_exchanging(); }, 1.0));
+    EXPECT_NEAR(static_cast<double>(session.latest().tick - tick), 1000.0, 20.0);
+    EXPECT_EQ(session.description().name, read_device_file(premium().file).name);
+    session.advance(0.002);
+    EXPECT_LT(session.latest().tick, 2U);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::waiting);
+    EXPECT_FALSE(session.latest().contact.touching);
+    EXPECT_TRUE(run_into_contact(session));
+    EXPECT_EQ(session.servo().statistics().ticks(), session.latest().tick + 1);
+}
+
+TEST(SessionDevice, OneThatCannotBeOpenedLeavesTheOldOneAtWork) {
+    const std::filesystem::path folder = testing::fresh_folder("no_device");
+    std::ofstream(folder / "broken.toml") << "name = 7\n";
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    DeviceChoice usb = scripted().device;
+    usb.kind = DeviceKind::usb;
+    DeviceChoice unknown = scripted().device;
+    unknown.serial = "4711";
+    DeviceChoice broken;
+    broken.file = folder / "broken.toml";
+    for (const DeviceChoice &choice : {usb, unknown, broken}) {
+        EXPECT_THROW(session.exchange_device(choice), InputError);
+        EXPECT_FALSE(session.is_exchanging());
+        run(session, 0.1);
+        EXPECT_EQ(session.latest().safety.state, SafetyState::running);
+        EXPECT_EQ(session.device().state(), DeviceState::zeroed);
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, AnEmergencyStopThatWasGivenStaysGiven) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.servo().emergency_stop();
+    run(session, 0.1);
+    ASSERT_TRUE(exchange_to_the_end(session, premium())); // at once: it brakes already
+    run(session, 1.0);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    session.servo().reset_safety();
+    EXPECT_TRUE(run_into_contact(session));
+}
+
+TEST(SessionDevice, AStopThatWasResetBeforeDoesNotStopTheNextDevice) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.servo().emergency_stop();
+    run(session, 0.1);
+    session.servo().reset_safety();
+    run(session, 0.1);
+    ASSERT_TRUE(exchange_to_the_end(session, premium()));
+    EXPECT_TRUE(run_into_contact(session));
+}
+
+TEST(SessionDevice, TheRecordGoesOnInAFurtherFileOfTheOtherDevice) {
+    const std::filesystem::path folder = testing::fresh_folder("record_parts");
+    std::ofstream(folder / "touch-2.rec") << "of somebody else";
+    SessionOptions options = scripted();
+    options.record = folder / "touch.rec";
+    Session session(options);
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    ASSERT_TRUE(exchange_to_the_end(session, premium()));
+    run(session, 0.2);
+    ASSERT_TRUE(exchange_to_the_end(session, scripted().device));
+    run(session, 0.2);
+    session.stop();
+    const std::vector<std::filesystem::path> expected{folder / "touch.rec", folder / "touch-3.rec",
+                                                      folder / "touch-4.rec"};
+    ASSERT_EQ(session.recording().parts(), expected);
+    EXPECT_EQ(RecordReader(expected[0]).header().device_name, "PHANTOM 1.0");
+    EXPECT_EQ(RecordReader(expected[1]).header().device_toml, testing::contents_of(premium().file));
+    EXPECT_EQ(RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
+    EXPECT_NE(notes_of(expected[0]).find("exchanged"), std::string::npos);
+    EXPECT_NE(notes_of(expected[1]).find("touch.rec"), std::string::npos);
+    std::string remarks;
+    for (const std::string &remark : session.remarks().take_new()) {
+        remarks += remark;
+    }
+    EXPECT_NE(remarks.find("touch-3.rec"), std::string::npos);
+    EXPECT_EQ(testing::contents_of(folder / "touch-2.rec"), "of somebody else");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.device().close(); // as if somebody had pulled its plug
+    run(session, 0.05);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost);
+    const Vector3 tip_m = session.latest().tip_m;
+    session.reconnect_device();
+    EXPECT_EQ(session.device().state(), DeviceState::zeroed);
+    session.advance(0.001);
+    EXPECT_LT((session.latest().tip_m - tip_m).norm(), 1e-3); // where it was last known to be
+    run(session, 0.1);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost);
+    EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
+    session.servo().reset_safety();
+    run(session, 0.1);
+    EXPECT_NE(session.latest().safety.state, SafetyState::tripped)
+        << description(session.latest().safety);
+    session.reconnect_device(Vector3(0.1, 0.2, 0.3)); // or where somebody says that it is
+    session.advance(0.001);
+    EXPECT_LT((session.latest().theta_rad - Vector3(0.1, 0.2, 0.3)).norm(), 0.05);
+}
+
+TEST(SessionDevice, AnotherRateGoesOnInTheSameFileAndSaysFromWhere) {
+    const std::filesystem::path folder = testing::fresh_folder("record_rates");
+    SessionOptions options = scripted();
+    options.record = folder / "touch.rec";
+    Session session(options);
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    const std::uint64_t next = session.latest().tick + 1;
+    session.set_servo_rate(4000.0);
+    EXPECT_EQ(session.servo().rate_hz(), 4000.0);
+    EXPECT_EQ(session.servo().statistics().ticks(), 0U); // they are of one rate
+    run(session, 0.5);
+    EXPECT_NEAR(static_cast<double>(session.servo().statistics().ticks()), 2000.0, 1.0);
+    EXPECT_THROW(session.set_servo_rate(7.0), InputError);
+    EXPECT_EQ(session.servo().rate_hz(), 4000.0);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::running);
+    session.stop();
+    ASSERT_EQ(session.recording().parts().size(), 1U);
+    const std::string notes = notes_of(options.record);
+    const nlohmann::json note = nlohmann::json::parse(notes);
+    EXPECT_EQ(note.at("servo_hz"), 4000.0);
+    EXPECT_EQ(note.at("from_tick"), next);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, AnotherRateDoesNotMendWhatTripped) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.servo().emergency_stop();
+    run(session, 0.05);
+    session.servo().reset_safety();
+    session.servo().emergency_stop();
+    for (const double servo_hz : {500.0, 2000.0}) {
+        session.set_servo_rate(servo_hz);
+        run(session, 0.05);
+        EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop) << servo_hz;
+    }
+}
+
+TEST(SessionDevice, TheReportTellsWhichDeviceAndWhatStoodStill) {
+    Session session(scripted());
+    session.start();
+    run(session, 0.1);
+    session.stop();
+    std::ostringstream out;
+    write_session_json(out, session);
+    const nlohmann::json json = nlohmann::json::parse(out.str());
+    EXPECT_EQ(json.at("device").at("kind"), "simulated");
+    EXPECT_EQ(json.at("stood_still").at("times"), 0);
+    EXPECT_EQ(json.at("stood_still").at("seconds"), 0.0);
+    for (const char *key : {"read", "compute", "write", "jitter", "period"}) {
+        EXPECT_TRUE(json.at(key).contains("p99_s")) << key;
+    }
+    std::ostringstream text;
+    write_session_report(text, session);
+    EXPECT_EQ(text.str().find("missed"), std::string::npos); // nothing of a world that waits is
+}
+
+} // namespace
+} // namespace springdrive
