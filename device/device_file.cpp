@@ -120,19 +120,16 @@ DeviceLimits read_limits(StrictTomlTable table) {
     limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
     limits.beyond_stops_rad = kRadPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
     limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
-    if (table.has("missed_deadlines")) { // of an older file: at 1 kHz as many milliseconds
-        if (table.has("late_ms")) {
-            table.refuse("missed_deadlines", "says what late_ms says; leave it out");
+    if (table.has("missed_deadlines")) { // an older file: at 1 kHz as many milliseconds
+        if (table.has("late_ms") || table.has("stale_ms")) {
+            table.refuse("missed_deadlines", "is what late_ms says today; leave it out");
         }
         limits.late_s = kSecondsPerMillisecond * table.integer("missed_deadlines", 1, 10'000);
+        limits.stale_s = 5e-3;
     } else {
         limits.late_s = kSecondsPerMillisecond * table.number("late_ms", {0.1, 1e4});
+        limits.stale_s = kSecondsPerMillisecond * table.number("stale_ms", {0.1, 1e4});
     }
-    constexpr double kUsuallyStale_ms = 5.0; // older files do not say
-    limits.stale_s =
-        kSecondsPerMillisecond * (table.has("missed_deadlines") && !table.has("stale_ms")
-                                      ? kUsuallyStale_ms
-                                      : table.number("stale_ms", {0.1, 1e4}));
     limits.window_silence_s = table.number("window_silence_s", {0.05, 60.0});
     table.refuse_unknown_keys();
     return limits;

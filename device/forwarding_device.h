@@ -4,12 +4,17 @@
 
 #include "device/haptic_device.h"
 
+#include <memory>
+#include <utility>
+
 namespace springdrive {
 
 class ForwardingDevice : public HapticDevice {
 public:
     /// @param device  must outlive this one
     explicit ForwardingDevice(HapticDevice &device) : device_(&device) {}
+    explicit ForwardingDevice(std::unique_ptr<HapticDevice> device)
+        : owned_(std::move(device)), device_(owned_.get()) {}
 
     [[nodiscard]] const DeviceDescription &description() const override {
         return device_->description();
@@ -25,6 +30,7 @@ public:
     void reconnect() override { device_->reconnect(); }
 
 private:
+    std::unique_ptr<HapticDevice> owned_;
     HapticDevice *device_;
 };
 

@@ -10,9 +10,6 @@ namespace springdrive {
 
 namespace {
 
-/// The only one.
-DeviceIdentity simulated_identity() { return {"simulated", "sim-1", "simulated plant"}; }
-
 OpenDevice open_simulated(const DeviceRequest &request) {
     const std::string own_serial = simulated_identity().serial;
     if (!request.serial.empty() && request.serial != own_serial) {

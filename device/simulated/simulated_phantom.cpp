@@ -137,10 +137,6 @@ Measurement SimulatedPhantom::measurement() const noexcept {
     return measured;
 }
 
-DeviceIdentity SimulatedPhantom::identity() const {
-    return {"simulated", "sim-1", "simulated plant"};
-}
-
 void SimulatedPhantom::set_period(double period_s) {
     SimulationOptions wanted = options_;
     wanted.servo_period_s = period_s;

@@ -39,6 +39,11 @@ struct PlantCommand {
     Vector3 current_A{Vector3::Zero()};
 };
 
+/// There is one to choose.
+[[nodiscard]] inline DeviceIdentity simulated_identity() {
+    return {"simulated", "sim-1", "simulated plant"};
+}
+
 class SimulatedPhantom final : public HapticDevice, public SimulatedWorld {
 public:
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
@@ -52,7 +57,7 @@ public:
     [[nodiscard]] double delay_periods() const override { return options_.delay_periods; }
     [[nodiscard]] Measurement read() noexcept override;
     void write(const DeviceCommand &command) noexcept override;
-    [[nodiscard]] DeviceIdentity identity() const override;
+    [[nodiscard]] DeviceIdentity identity() const override { return simulated_identity(); }
     void set_period(double period_s) override;
     void zero(const Vector3 &theta_rad) override;
     void close() noexcept override { connected_ = false; }

@@ -97,10 +97,12 @@ void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) n
     window_silent_s_ = beats ? 0.0 : window_silent_s_ + elapsed_s;
 }
 
-/// A late measurement is news, but no sign that the device keeps up.
+/// A late measurement is news, but no sign that the device keeps up. That an amplifier is well
+/// again only news can tell.
 void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     stale_s_ = link.arrival == Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
-    amplifier_is_at_fault_ = link.faults.has(BoardFaults::kAmplifier);
+    amplifier_is_at_fault_ = link.faults.has(BoardFaults::kAmplifier) ||
+                             (amplifier_is_at_fault_ && !has_news(link.arrival));
 }
 
 /// The observer looks on while the gains stand; while they rise the spring is another every tick.

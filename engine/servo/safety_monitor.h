@@ -93,10 +93,7 @@ public:
     void reset() noexcept;
 
     /// Whether what is wanted reaches the motors, at least in part.
-    [[nodiscard]] bool lets_pass() const {
-        return status_.state == SafetyState::starting || status_.state == SafetyState::running ||
-               status_.state == SafetyState::releasing;
-    }
+    [[nodiscard]] bool lets_pass() const { return springdrive::lets_pass(status_.state); }
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
     [[nodiscard]] const SafetyLimits &limits() const { return limits_; }

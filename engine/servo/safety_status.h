@@ -16,6 +16,12 @@ enum class SafetyState : std::uint8_t {
     releasing, ///< gains fall to nothing, since the device is to be let go of
 };
 
+/// Whether what is wanted reaches the motors, at least in part.
+[[nodiscard]] constexpr bool lets_pass(SafetyState state) {
+    return state == SafetyState::starting || state == SafetyState::running ||
+           state == SafetyState::releasing;
+}
+
 /// In the order in which they are looked for: a fault of the measurement comes before what it makes
 /// of speed, force and energy.
 enum class TripCause : std::uint8_t {

@@ -35,8 +35,7 @@ double seconds(std::chrono::steady_clock::duration duration) {
 class WindowPatience {
 public:
     explicit WindowPatience(const HapticDevice &device)
-        : waits_(device.clock() == DeviceClock::servo),
-          longest_s_(device.description().limits.window_silence_s) {}
+        : waits_(device.clock() == DeviceClock::servo), limits_(limits_of(device.description())) {}
 
     [[nodiscard]] bool is_over(const ServoInputs &inputs, double now_s) noexcept {
         constexpr double kShare = 0.5;
@@ -45,12 +44,12 @@ public:
             beat_s_ = now_s;
         }
         return waits_ &&
-               now_s - beat_s_ > kShare * std::min(longest_s_, inputs.limits.window_silence_s);
+               now_s - beat_s_ > kShare * lowered(limits_, inputs.limits).window_silence_s;
     }
 
 private:
     bool waits_;
-    double longest_s_;
+    SafetyLimits limits_;
     std::uint32_t heartbeat_ = 0;
     double beat_s_ = 0.0;
 };

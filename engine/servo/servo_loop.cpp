@@ -55,8 +55,9 @@ void ServoLoop::stop() noexcept {
 
 void ServoLoop::set_period(double period_s) {
     device_.set_period(period_s);
-    time_base_s_ += static_cast<double>(tick_ - time_base_tick_) * period_s_;
-    time_base_tick_ = tick_;
+    const std::uint64_t last_tick = tick_ > 0 ? tick_ - 1 : 0; // the next is the new period later
+    time_base_s_ += static_cast<double>(last_tick - time_base_tick_) * period_s_;
+    time_base_tick_ = last_tick;
     period_s_ = period_s;
     greatest_dR_step_Ohm_ = greatest_dR_step_Ohm(device_.description(), period_s);
     change_over_.set_period(period_s);

@@ -5,14 +5,6 @@
 
 namespace springdrive {
 
-namespace {
-
-bool reaches_the_motors(const SafetyStatus &safety) {
-    return safety.state != SafetyState::waiting && safety.state != SafetyState::tripped;
-}
-
-} // namespace
-
 ServoRun::ServoRun(HapticDevice &device, const ServoWay &way)
     : way_(way), device_(&device), servo_(std::make_unique<Servo>(device, way.servo_hz)),
       history_(way.servo_hz) {
@@ -102,13 +94,13 @@ void ServoRun::stop() {
 }
 
 bool ServoRun::stop_if_released() {
-    if (reaches_the_motors(latest_.safety)) {
+    if (lets_pass(latest_.safety.state)) {
         return false;
     }
     // What came back is a little old: look again where nothing can come after.
     const bool ran = servo_->pause();
     take_in();
-    if (reaches_the_motors(latest_.safety)) {
+    if (lets_pass(latest_.safety.state)) {
         if (ran) {
             servo_->resume();
         }

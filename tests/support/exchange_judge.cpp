@@ -62,11 +62,8 @@ private:
         expect(now.tick == before.tick + 1, now, "a tick is missing");
         expect(now.measurement_number == before.measurement_number + 1, now,
                "a measurement is missing");
-        // The servo's clock still ends the old period where its device begins one of another rate.
-        const double passed_s = now.time_s - before.time_s;
-        expect(std::abs(passed_s - now.since_last_s) < 1e-9 ||
-                   std::abs(passed_s - before.since_last_s) < 1e-9,
-               now, "a time of another tick");
+        expect(std::abs(now.time_s - before.time_s - now.since_last_s) < 1e-9, now,
+               "a time of another tick");
         expect(std::abs(now.measured_s - before.measured_s - now.since_last_s) < 1e-9, now,
                "a time of another measurement");
         expect(now.scene_id >= before.scene_id, now, "a scene of before");

@@ -20,11 +20,6 @@ bool same_bits(const Vector3 &a, const Vector3 &b) {
     return true;
 }
 
-bool reaches_the_motors(const SafetyStatus &safety) {
-    return safety.state == SafetyState::starting || safety.state == SafetyState::running ||
-           safety.state == SafetyState::releasing;
-}
-
 LimiterInputs limiter_inputs(const ServoSample &sample, const Configuration &now) {
     LimiterInputs inputs{now, sample.limits, sample.safety.ramp, Vector3::Zero()};
     for (std::size_t j = 0; j < sample.winding.size(); ++j) {
@@ -70,7 +65,7 @@ std::optional<ReplayedTick> Replay::take(const ServoSample &sample) {
     ReplayedTick tick;
     tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
     tick.found = law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2);
-    if (!reaches_the_motors(sample.safety)) {
+    if (!lets_pass(sample.safety.state)) {
         tick.command = DeviceCommand::braking();
     } else if (has_news) {
         DeviceCommand wanted = tick.found.command;

@@ -470,7 +470,10 @@ TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) 
                                            : CommandMode::brake);
         EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
-        rig.device.faults = {}; // mended: it brakes again, until somebody resets it
+        rig.device.arrival = Arrival::absent; // what nobody hears of is not mended
+        rig.device.faults = {};
+        EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
+        rig.device.arrival = Arrival::fresh; // mended: it brakes again, until somebody resets it
         EXPECT_EQ(rig.tick().command.mode, CommandMode::brake);
     }
 }

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -98,8 +99,10 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
 class Driver final : public ForwardingDevice {
 public:
     explicit Driver(std::function<void()> deed)
-        : ForwardingDevice(phantom_), deed_(std::move(deed)),
-          phantom_(testing::phantom_1_0(), {}, testing::phantom_1_0().workspace.centre_m) {}
+        : ForwardingDevice(
+              std::make_unique<SimulatedPhantom>(testing::phantom_1_0(), SimulationOptions{},
+                                                 testing::phantom_1_0().workspace.centre_m)),
+          deed_(std::move(deed)) {}
 
     [[nodiscard]] Measurement read() noexcept override {
         if (++ticks_ == 20) {
@@ -110,7 +113,6 @@ public:
 
 private:
     std::function<void()> deed_;
-    SimulatedPhantom phantom_;
     int ticks_ = 0;
 };
 
