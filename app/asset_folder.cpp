@@ -2,11 +2,11 @@
 
 #include <cstdlib>
 
-namespace springdrive {
+namespace springdrive::app {
 
 std::filesystem::path asset_folder() {
     const char *chosen = std::getenv("SPRINGDRIVE_ASSETS"); // NOLINT(concurrency-mt-unsafe)
     return chosen != nullptr ? chosen : SPRINGDRIVE_ASSET_DIR;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

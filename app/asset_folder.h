@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// $SPRINGDRIVE_ASSETS, or the folder beside the sources.
 [[nodiscard]] std::filesystem::path asset_folder();
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,14 +4,16 @@
 
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
-ModelChoice choice_with_line(const ModelQuestion &question, const ModelMemory &memory, bool fresh) {
+model_selection::ModelChoice choice_with_line(const model_selection::ModelQuestion &question,
+                                              const session::ModelMemory &memory, bool fresh) {
     ProgressLine line;
-    const ModelProgress show = [&line](const std::string &what, double share) {
+    const model_selection::ModelProgress show = [&line](const std::string &what, double share) {
         line.show("springdrive: measuring models: " + what + ',', share);
     };
-    return fresh ? measured_choice(question, memory, show) : known_choice(question, memory, show);
+    return fresh ? session::measured_choice(question, memory, show)
+                 : session::known_choice(question, memory, show);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

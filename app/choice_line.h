@@ -3,11 +3,12 @@
 
 #include "engine/session/model_measurement.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Remembered, or else measured, with a line of progress on standard error if that is a terminal.
 /// @param fresh  measured even if it is remembered
-[[nodiscard]] ModelChoice choice_with_line(const ModelQuestion &question, const ModelMemory &memory,
-                                           bool fresh);
+[[nodiscard]] model_selection::ModelChoice
+choice_with_line(const model_selection::ModelQuestion &question, const session::ModelMemory &memory,
+                 bool fresh);
 
-} // namespace springdrive
+} // namespace springdrive::app

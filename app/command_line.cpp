@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -103,4 +103,4 @@ int run_command_line(int argc, char **argv) {
     return 0;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

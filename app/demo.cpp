@@ -8,12 +8,12 @@
 
 #include <iostream>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 /// Until the window is closed, the frames are over, or somebody asks for the end.
-void play(const DemoOptions &options, Session &session, Screen &screen) {
+void play(const DemoOptions &options, session::Session &session, Screen &screen) {
     FramePace pace;
     const bool lockstep = options.session.lockstep;
     for (int frame = 0; !asked_to_end() && !screen.window().is_closing(); ++frame) {
@@ -34,7 +34,7 @@ void play(const DemoOptions &options, Session &session, Screen &screen) {
 } // namespace
 
 bool run_demo(const DemoOptions &options) {
-    Session session = open_session(options.session);
+    session::Session session = open_session(options.session);
     Screen screen(options, session);
     note_ending_signals();
     session.start();
@@ -45,14 +45,14 @@ bool run_demo(const DemoOptions &options) {
         screen.window().write_screenshot(options.screenshot);
     }
     if (options.unattended()) {
-        write_session_report(std::cout, session);
+        session::write_session_report(std::cout, session);
         if (!options.screenshot.empty()) {
             std::cout << "screenshot: " << options.screenshot.string() << '\n';
         }
     }
     // Who sits before the window sees it stop.
-    const bool stopped = options.unattended() && was_stopped(session, std::cerr);
-    return record_is_whole(session, std::cerr) && !stopped;
+    const bool stopped = options.unattended() && session::was_stopped(session, std::cerr);
+    return session::record_is_whole(session, std::cerr) && !stopped;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,7 +3,7 @@
 
 #include "app/demo_options.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Runs until the window is closed, its frames are over, or SIGINT or SIGTERM arrives. False where
 /// its record is not whole, or an unattended run was stopped by the safety monitor.
@@ -11,4 +11,4 @@ namespace springdrive {
 ///        written, after it was stopped.
 [[nodiscard]] bool run_demo(const DemoOptions &options);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct DemoOptions {
-    SessionOptions session;
+    session::SessionOptions session;
     int frames = 0; ///< end after so many; 0: no end by frames
     double seconds =
         0.0; ///< end after so long, by frame time in lockstep, else by the clock; 0: no
@@ -21,4 +21,4 @@ struct DemoOptions {
     [[nodiscard]] bool unattended() const { return frames > 0 || seconds > 0.0; }
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -20,4 +20,4 @@ void note_ending_signals() {
 
 bool asked_to_end() { return asked != 0; }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,11 +2,11 @@
 // looks.
 #pragma once
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// From now on such signals are noted.
 void note_ending_signals();
 
 [[nodiscard]] bool asked_to_end();
 
-} // namespace springdrive
+} // namespace springdrive::app

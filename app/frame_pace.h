@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::app {
 
 inline constexpr double kFrame_s = 1.0 / 60.0;
 
@@ -30,4 +30,4 @@ private:
     Clock::time_point next_ = start_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

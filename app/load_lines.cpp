@@ -1,14 +1,14 @@
 #include "app/load_lines.h"
 
-#include "engine/scenario/touch_scene.h"
+#include "engine/lab/rig/scenario/touch_scene.h"
 
 #include <filesystem>
 #include <iostream>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::app {
 
-LoadLines::LoadLines(std::string file, const LoadProgress &progress, std::ostream &out,
+LoadLines::LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
                      std::chrono::milliseconds period)
     : file_(std::move(file)), progress_(progress), out_(out), period_(period),
       thread_([this] { print_each_period(); }) {}
@@ -29,10 +29,10 @@ void LoadLines::print_each_period() {
     }
 }
 
-Scene load_scene_with_lines(const std::string &name, const Workspace &workspace) {
-    LoadProgress progress;
+scene::Scene load_scene_with_lines(const std::string &name, const device::Workspace &workspace) {
+    scene::LoadProgress progress;
     const LoadLines lines(std::filesystem::path(name).filename().string(), progress, std::cerr);
-    return touch_scene(name, workspace, &progress);
+    return rig::touch_scene(name, workspace, &progress);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

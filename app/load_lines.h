@@ -11,14 +11,14 @@
 #include <string>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Prints "springdrive: big.glb: gathering triangles, 40 %" once a period while it lives, the first
 /// time after one: what loads faster goes without a word.
 class LoadLines {
 public:
     /// @param progress and `out` must outlive it
-    LoadLines(std::string file, const LoadProgress &progress, std::ostream &out,
+    LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
               std::chrono::milliseconds period = std::chrono::seconds(1));
     ~LoadLines();
     LoadLines(const LoadLines &) = delete;
@@ -28,7 +28,7 @@ private:
     void print_each_period();
 
     std::string file_;
-    const LoadProgress &progress_;
+    const scene::LoadProgress &progress_;
     std::ostream &out_;
     std::chrono::milliseconds period_;
     std::mutex mutex_;
@@ -38,6 +38,7 @@ private:
 };
 
 /// `touch_scene`, with such lines on standard error.
-[[nodiscard]] Scene load_scene_with_lines(const std::string &name, const Workspace &workspace);
+[[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
+                                                 const device::Workspace &workspace);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,7 +7,7 @@
 int main(int argc, char **argv) {
     using namespace springdrive;
     try {
-        const int status = run_command_line(argc, argv);
+        const int status = app::run_command_line(argc, argv);
         if (std::cout.flush()) {
             return status;
         }

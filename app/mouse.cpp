@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -11,7 +11,7 @@ constexpr double kDepthPerNotch_m = 0.002;
 
 } // namespace
 
-void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view) {
+void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
     // A drag ends before this frame's motion: where the mouse went after is no part of it.
@@ -61,4 +61,4 @@ void MouseInView::apply(Session &session, Camera &camera, const Rectangle &view)
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,13 +5,13 @@
 #include "app/view/camera.h"
 #include "engine/session/session.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Left drag moves the hand in the view plane, the wheel meanwhile in depth; right drag orbits,
 /// middle drag pans, the wheel zooms. A drag belongs to the view in which it began.
 class MouseInView {
 public:
-    void apply(Session &session, Camera &camera, const Rectangle &view);
+    void apply(session::Session &session, Camera &camera, const Rectangle &view);
 
     [[nodiscard]] bool holds_hand() const { return dragging_ == Drag::hand; }
 
@@ -22,4 +22,4 @@ private:
     Vector3 grabbed_m_{Vector3::Zero()}; ///< where the mouse wants the hand, in reach or not
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

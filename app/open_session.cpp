@@ -5,18 +5,18 @@
 #include <iostream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
-Session open_session(const SessionOptions &options) {
-    LoadProgress progress;
+session::Session open_session(const session::SessionOptions &options) {
+    scene::LoadProgress progress;
     const LoadLines lines(options.scene.filename().string(), progress, std::cerr);
-    return Session(options, &progress); // in place: a session cannot be moved
+    return session::Session(options, &progress); // in place: a session cannot be moved
 }
 
-void print_new_remarks(Session &session) {
+void print_new_remarks(session::Session &session) {
     for (const std::string &remark : session.remarks().take_new()) {
         std::cerr << "springdrive: " << remark << '\n';
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

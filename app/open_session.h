@@ -3,13 +3,13 @@
 
 #include "engine/session/session.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// With lines on standard error while its scene loads, if that takes long.
 /// @throw InputError as Session's constructor does
-[[nodiscard]] Session open_session(const SessionOptions &options);
+[[nodiscard]] session::Session open_session(const session::SessionOptions &options);
 
 /// On standard error, each once.
-void print_new_remarks(Session &session);
+void print_new_remarks(session::Session &session);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -238,4 +238,4 @@ void draw_plot(const Plot &plot, ImVec2 size) {
     show_values_under_mouse(plot, frame, first);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,7 +5,7 @@
 #include <imgui.h>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct PlotLine {
     const char *label = "";
@@ -33,4 +33,4 @@ struct Plot {
 /// Draws at the cursor, `size` large, and moves the cursor below. Under the mouse: time and values.
 void draw_plot(const Plot &plot, ImVec2 size);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,7 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/frame_pace.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -12,7 +12,7 @@
 #include <system_error>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -48,7 +48,7 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 
 } // namespace
 
-Screen::Screen(const DemoOptions &options, Session &session)
+Screen::Screen(const DemoOptions &options, session::Session &session)
     : window_("springdrive", {options.width, options.height}, options.scale), session_(session) {
     scene_panel_.files = offered_scenes(options.session.scene);
     window_.keep_frames(!options.screenshot.empty());
@@ -94,7 +94,7 @@ Layout Screen::current_layout() const {
 }
 
 void Screen::show_scene() {
-    const Scene &scene = session_.scenes().now().scene;
+    const scene::Scene &scene = session_.scenes().now().scene;
     const Layout places = current_layout();
     renderer_.set_scene(scene);
     // All of the scene, and of the device at least up to its motors.
@@ -125,10 +125,11 @@ void Screen::draw_scene(const Rectangle &view) {
 }
 
 ViewState Screen::view_state() const {
-    const ServoSample &now = session_.latest();
-    const DeviceDescription &device = session_.description();
+    const servo::ServoSample &now = session_.latest();
+    const device::DeviceDescription &device = session_.description();
     ViewState state;
-    state.linkage = linkage_pose(device.geometry, joint_from_motor(device.geometry, now.theta_rad));
+    state.linkage = device::linkage_pose(device.geometry,
+                                         device::joint_from_motor(device.geometry, now.theta_rad));
     state.tip_m = now.tip_m;
     state.proxy_m = now.contact.x0_m;
     state.touching = now.contact.touching;
@@ -136,10 +137,10 @@ ViewState Screen::view_state() const {
     state.tip_force_N = now.tip_force_N;
     state.hand_target_m = session_.hand().target_m();
     state.hand_held = mouse_.holds_hand();
-    state.tripped = now.safety.state == SafetyState::tripped;
+    state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;
     state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
     return state;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

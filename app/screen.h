@@ -12,13 +12,13 @@
 
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::app {
 
 class Screen {
 public:
     /// @param session  must outlive it
     /// @throw InputError where no window can be had
-    Screen(const DemoOptions &options, Session &session);
+    Screen(const DemoOptions &options, session::Session &session);
 
     void draw_frame();
 
@@ -32,7 +32,7 @@ private:
     [[nodiscard]] ViewState view_state() const;
 
     Window window_;
-    Session &session_;
+    session::Session &session_;
     Renderer renderer_;
     Camera camera_;
     MouseInView mouse_;
@@ -42,4 +42,4 @@ private:
     std::uint32_t shown_scene_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

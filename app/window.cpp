@@ -19,7 +19,7 @@
 #include <system_error>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -279,4 +279,4 @@ void Window::write_screenshot(const std::filesystem::path &file) const {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

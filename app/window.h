@@ -8,7 +8,7 @@
 
 struct GLFWwindow;
 
-namespace springdrive {
+namespace springdrive::app {
 
 class Window {
 public:
@@ -78,4 +78,4 @@ public:
     void keep_frames(bool keep) { keep_last_frame_ = keep; }
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,7 +2,7 @@
 
 #include "app/commands/common_options.h"
 #include "app/commands/progress_line.h"
-#include "engine/analysis/stability/drive_comparison.h"
+#include "engine/lab/limits/drive_comparison.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -23,25 +23,27 @@ struct Typed {
     std::optional<double> servo_hz;
     std::optional<double> delay_periods;
     std::optional<double> dR_Ohm;
-    double margin = AutoTuneRequest{}.margin;
+    double margin = limits::AutoTuneRequest{}.margin;
     std::string csv; ///< empty: a table for people
 };
 
 /// The usual ones, or those of them that have what was typed; and with all three typed that one.
-std::vector<ServoSetting> settings_of(const Typed &typed, const DeviceDescription &device) {
-    std::vector<ServoSetting> settings = usual_settings();
-    for (ServoSetting &setting : settings) {
+std::vector<limits::ServoSetting> settings_of(const Typed &typed,
+                                              const device::DeviceDescription &device) {
+    std::vector<limits::ServoSetting> settings = limits::usual_settings();
+    for (limits::ServoSetting &setting : settings) {
         setting.servo_hz = typed.servo_hz.value_or(setting.servo_hz);
         setting.delay_periods = typed.delay_periods.value_or(setting.delay_periods);
         setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
-        static_cast<void>(servo_period_s(setting.servo_hz)); // refuses what is out of range
-        check_range("--delay", setting.delay_periods, 0, SimulationOptions::kLongestDelay);
-        Tuning tuning;
+        static_cast<void>(servo::servo_period_s(setting.servo_hz)); // refuses what is out of range
+        check_range("--delay", setting.delay_periods, 0,
+                    simulated::SimulationOptions::kLongestDelay);
+        control::Tuning tuning;
         tuning.dR_Ohm = setting.dR_Ohm;
         check_dR(device, tuning);
     }
-    std::vector<ServoSetting> once;
-    for (const ServoSetting &setting : settings) {
+    std::vector<limits::ServoSetting> once;
+    for (const limits::ServoSetting &setting : settings) {
         if (std::find(once.begin(), once.end(), setting) == once.end()) {
             once.push_back(setting);
         }
@@ -50,22 +52,23 @@ std::vector<ServoSetting> settings_of(const Typed &typed, const DeviceDescriptio
 }
 
 void run(const Typed &typed) {
-    StabilityCase which;
-    which.device = read_device_file(typed.device_file);
+    loops::StabilityCase which;
+    which.device = device::read_device_file(typed.device_file);
     check_range("--margin", typed.margin, 1.0, 10.0);
     check_writable(typed.csv);
-    const std::vector<ServoSetting> settings = settings_of(typed, which.device);
-    std::vector<DriveComparison> all;
+    const std::vector<limits::ServoSetting> settings = settings_of(typed, which.device);
+    std::vector<limits::DriveComparison> all;
     {
         ProgressLine line;
-        all = compare_drives(which, typed.margin, settings,
-                             [&line](double share) { line.show("tuning both drives", share); });
+        all = limits::compare_drives(which, typed.margin, settings, [&line](double share) {
+            line.show("tuning both drives", share);
+        });
     }
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
         if (typed.csv.empty()) {
-            write_comparison_table(out, all);
+            limits::write_comparison_table(out, all);
         } else {
-            write_comparison_csv(out, all);
+            limits::write_comparison_csv(out, all);
         }
     });
 }
@@ -96,4 +99,4 @@ void add_baseline_command(CLI::App &app) {
     baseline.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

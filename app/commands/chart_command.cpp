@@ -5,10 +5,10 @@
 #include "app/commands/progress_line.h"
 #include "app/figures/gnuplot.h"
 #include "app/figures/work_precision_marks.h"
-#include "engine/analysis/work_precision/charts.h"
-#include "engine/analysis/work_precision/machine_name.h"
-#include "engine/analysis/work_precision/work_precision_csv.h"
+#include "base/machine_name.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/charts/charts.h"
+#include "engine/lab/charts/work_precision_csv.h"
 
 #include <CLI/CLI.hpp>
 
@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -28,14 +28,14 @@ struct Typed {
     std::filesystem::path device_file;
     std::filesystem::path tuning_file; ///< empty: the default tuning
     std::vector<std::string> only;     ///< empty: all charts
-    int repeats = ChartSetting{}.repeats;
+    int repeats = charts::ChartSetting{}.repeats;
 };
 
-ChartSetting setting_of(const Typed &typed) {
-    ChartSetting setting;
-    setting.device = read_device_file(typed.device_file);
+charts::ChartSetting setting_of(const Typed &typed) {
+    charts::ChartSetting setting;
+    setting.device = device::read_device_file(typed.device_file);
     if (!typed.tuning_file.empty()) {
-        setting.tuning = read_tuning_file(typed.tuning_file);
+        setting.tuning = control::read_tuning_file(typed.tuning_file);
     }
     check_dR(setting.device, setting.tuning);
     check_range("--repeats", typed.repeats, 1, kMostRepeats);
@@ -47,26 +47,27 @@ bool is_asked_for(const Typed &typed, std::string_view name) {
     return typed.only.empty() || std::ranges::find(typed.only, name) != typed.only.end();
 }
 
-std::string footnote(const ChartSetting &setting, const std::string &machine) {
+std::string footnote(const charts::ChartSetting &setting, const std::string &machine) {
     return machine + "; points: least of " + std::to_string(setting.repeats) +
            " repetitions; bars: to the greatest";
 }
 
 /// All numbers first, so that they are there even where nothing can be drawn.
 void make_charts(const Typed &typed) {
-    const ChartSetting setting = setting_of(typed);
+    const charts::ChartSetting setting = setting_of(typed);
     make_output_folder(typed.out);
     const std::string machine = machine_name();
     ProgressLine line;
     std::vector<Chart> pictures;
-    for (const ChartMaker &maker : kCharts) {
+    for (const charts::ChartMaker &maker : charts::kCharts) {
         if (!is_asked_for(typed, maker.name)) {
             continue;
         }
-        const WorkPrecisionChart chart =
+        const rig::WorkPrecisionChart chart =
             maker.make(setting, [&](double share) { line.show(maker.name, share); });
-        write_output((typed.out / (chart.name + ".csv")).string(),
-                     [&](std::ostream &out) { write_work_precision_csv(out, chart, machine); });
+        write_output((typed.out / (chart.name + ".csv")).string(), [&](std::ostream &out) {
+            charts::write_work_precision_csv(out, chart, machine);
+        });
         pictures.push_back({asset_folder() / "figures" / "work_precision.gnuplot",
                             work_precision_marks(chart, footnote(setting, machine)).assignments(),
                             typed.out, chart.name + ".csv", chart.name + ".svg"});
@@ -79,8 +80,8 @@ void make_charts(const Typed &typed) {
 
 std::vector<std::string> chart_names() {
     std::vector<std::string> names;
-    names.reserve(kCharts.size());
-    for (const ChartMaker &maker : kCharts) {
+    names.reserve(charts::kCharts.size());
+    for (const charts::ChartMaker &maker : charts::kCharts) {
         names.emplace_back(maker.name);
     }
     return names;
@@ -113,4 +114,4 @@ void add_chart_command(CLI::App &app) {
     chart->callback([typed] { make_charts(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,8 +2,8 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
+#include "device/core/motor/winding_guard.h"
 #include "engine/control/tuning_file.h"
-#include "engine/servo/winding_guard.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,12 +18,13 @@
 #include <system_error>
 #include <unistd.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
-bool shapes_the_coupling(const Parameter &parameter) {
-    return parameter.value != &Tuning::alpha_rad2_per_m2 && parameter.value != &Tuning::eta;
+bool shapes_the_coupling(const control::Parameter &parameter) {
+    return parameter.value != &control::Tuning::alpha_rad2_per_m2 &&
+           parameter.value != &control::Tuning::eta;
 }
 
 /// 0 where it worked.
@@ -67,8 +68,8 @@ void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
 void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
     command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
         ->type_name("FILE");
-    for (std::size_t i = 0; i < kParameters.size(); ++i) {
-        const Parameter &parameter = kParameters[i];
+    for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
+        const control::Parameter &parameter = control::kParameters[i];
         if (scope == TuningScope::coupling && !shapes_the_coupling(parameter)) {
             continue;
         }
@@ -81,15 +82,15 @@ void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
         return;
     }
     command.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
-        ->check(CLI::IsMember(list_of(kMotionMapNames)));
+        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
     command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
-        ->check(CLI::IsMember(list_of(kAlphaModeNames)));
+        ->check(CLI::IsMember(list_of(control::kAlphaModeNames)));
 }
 
 void EffectOptions::add_to(CLI::App &command) {
     std::set<std::string> names{"all"};
     std::string list;
-    for (const PlantEffect &effect : kPlantEffects) {
+    for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
         names.emplace(effect.name);
         list += (list.empty() ? "" : ", ") + std::string(effect.name);
     }
@@ -106,10 +107,10 @@ void EffectOptions::add_to(CLI::App &command) {
         ->check(CLI::IsMember(names));
 }
 
-PlantEffects EffectOptions::effects() const {
-    PlantEffects effects;
+simulated::PlantEffects EffectOptions::effects() const {
+    simulated::PlantEffects effects;
     const auto set = [&effects](const std::vector<std::string> &names, bool on) {
-        for (const PlantEffect &effect : kPlantEffects) {
+        for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
             const bool named = std::any_of(names.begin(), names.end(), [&](const auto &name) {
                 return name == effect.name || name == "all";
             });
@@ -121,17 +122,19 @@ PlantEffects EffectOptions::effects() const {
     return effects;
 }
 
-Tuning TuningOptions::tuning() const {
-    Tuning tuning = file.empty() ? Tuning{} : read_tuning_file(file);
-    for (std::size_t i = 0; i < kParameters.size(); ++i) {
-        tuning.*kParameters[i].value = value[i].value_or(tuning.*kParameters[i].value);
-        if (!lies_in_range(kParameters[i], tuning)) {
-            throw InputError("--" + std::string(kParameters[i].option) + ": " +
-                             what_is_wrong_with(tuning));
+control::Tuning TuningOptions::tuning() const {
+    control::Tuning tuning = file.empty() ? control::Tuning{} : control::read_tuning_file(file);
+    for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
+        tuning.*control::kParameters[i].value =
+            value[i].value_or(tuning.*control::kParameters[i].value);
+        if (!control::lies_in_range(control::kParameters[i], tuning)) {
+            throw InputError("--" + std::string(control::kParameters[i].option) + ": " +
+                             control::what_is_wrong_with(tuning));
         }
     }
-    tuning.map = map.empty() ? tuning.map : *motion_map_named(map);
-    tuning.alpha_mode = alpha_mode.empty() ? tuning.alpha_mode : *alpha_mode_named(alpha_mode);
+    tuning.map = map.empty() ? tuning.map : *control::motion_map_named(map);
+    tuning.alpha_mode =
+        alpha_mode.empty() ? tuning.alpha_mode : *control::alpha_mode_named(alpha_mode);
     return tuning;
 }
 
@@ -140,7 +143,8 @@ void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz
     if (tuning_file.empty()) {
         return;
     }
-    const std::optional<TuningMargins> margins = read_whole_tuning_file(tuning_file).margins;
+    const std::optional<control::TuningMargins> margins =
+        control::read_whole_tuning_file(tuning_file).margins;
     if (margins && (servo_hz < margins->servo_hz || delay_periods > margins->delay_periods)) {
         std::cerr << "springdrive: remark: " << tuning_file.string() << " was found for "
                   << margins->servo_hz << " Hz and a delay of " << margins->delay_periods
@@ -148,24 +152,24 @@ void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz
     }
 }
 
-void check_dR(const DeviceDescription &device, const Tuning &tuning) {
+void check_dR(const device::DeviceDescription &device, const control::Tuning &tuning) {
     for (std::size_t j = 0; j < device.motor.size(); ++j) {
-        const MotorParameters &motor = device.motor[j];
-        if (residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
+        const device::MotorParameters &motor = device.motor[j];
+        if (device::residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
             std::ostringstream message;
             message << "dR is " << tuning.dR_Ohm << " Ω; on motor " << j + 1 << " of "
                     << device.name << " it must be from "
-                    << kLeastResidualShare * motor.resistance_Ohm << " to its R, "
+                    << device::kLeastResidualShare * motor.resistance_Ohm << " to its R, "
                     << motor.resistance_Ohm << " Ω";
             throw InputError(message.str());
         }
     }
 }
 
-double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning) {
+double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tuning &tuning) {
     double least_Ohm = tuning.dR_Ohm;
-    for (const MotorParameters &motor : device.motor) {
-        least_Ohm = std::max(least_Ohm, least_cold_residual_Ohm(motor, device.amplifier));
+    for (const device::MotorParameters &motor : device.motor) {
+        least_Ohm = std::max(least_Ohm, device::least_cold_residual_Ohm(motor, device.amplifier));
     }
     if (least_Ohm > tuning.dR_Ohm) {
         std::cerr << "springdrive: remark: the servo holds dR at " << least_Ohm << " Ω, not at "
@@ -244,4 +248,4 @@ void write_output(const std::string &where, const std::function<void(std::ostrea
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

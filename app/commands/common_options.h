@@ -1,7 +1,7 @@
 // Options and outputs that several subcommands share.
 #pragma once
 
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning.h"
@@ -19,7 +19,7 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
@@ -38,7 +38,7 @@ enum class TuningScope : std::uint8_t {
 /// `--tuning-file`, and an option for each parameter that is given on top of it.
 struct TuningOptions {
     std::filesystem::path file; ///< empty: the default tuning
-    std::array<std::optional<double>, kParameters.size()> value;
+    std::array<std::optional<double>, control::kParameters.size()> value;
     std::string map;        ///< empty: as in the file
     std::string alpha_mode; ///< empty: as in the file
 
@@ -46,7 +46,7 @@ struct TuningOptions {
     void add_to(CLI::App &command, TuningScope scope = TuningScope::everything);
 
     /// @throw InputError for a file that cannot be used, or a value out of its range.
-    [[nodiscard]] Tuning tuning() const;
+    [[nodiscard]] control::Tuning tuning() const;
 };
 
 /// `--without` and `--with`: which effects the simulated device has.
@@ -57,7 +57,7 @@ struct EffectOptions {
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);
 
-    [[nodiscard]] PlantEffects effects() const;
+    [[nodiscard]] simulated::PlantEffects effects() const;
 };
 
 /// Says on standard error where a tuning file's margins are those of a faster servo or a shorter
@@ -66,11 +66,12 @@ void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz
                        double delay_periods);
 
 /// @throw InputError where dR is more than a motor has, or less than its amplifier leaves.
-void check_dR(const DeviceDescription &device, const Tuning &tuning);
+void check_dR(const device::DeviceDescription &device, const control::Tuning &tuning);
 
 /// The dR that the windings' guard gives motors that may be cold: the tuning's, or more, which is
 /// then said on standard error.
-[[nodiscard]] double cold_dR_Ohm(const DeviceDescription &device, const Tuning &tuning);
+[[nodiscard]] double cold_dR_Ohm(const device::DeviceDescription &device,
+                                 const control::Tuning &tuning);
 
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double lowest, double highest);
@@ -93,4 +94,4 @@ void make_output_folder(const std::filesystem::path &folder);
 /// @throw InputError where the file cannot be created, or not all of it could be written.
 void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -8,7 +8,7 @@
 
 #include <memory>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -74,4 +74,4 @@ void add_demo_command(CLI::App &app) {
     demo.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

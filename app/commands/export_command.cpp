@@ -3,8 +3,8 @@
 #include "app/commands/common_options.h"
 #include "base/input_error.h"
 #include "base/print.h"
-#include "engine/servo/record/record_export.h"
-#include "engine/servo/record/record_reader.h"
+#include "engine/record/record_export.h"
+#include "engine/record/record_reader.h"
 
 #include <CLI/CLI.hpp>
 
@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -22,22 +22,22 @@ struct Typed {
     std::string npy;
     std::string mat;
     bool list = false;
-    ExportSelection selection;
+    record::ExportSelection selection;
 };
 
 /// What a record is, and its columns.
-void write_contents(std::ostream &out, RecordReader &record) {
-    const RecordHeader &header = record.header();
+void write_contents(std::ostream &out, record::RecordReader &record) {
+    const record::RecordHeader &header = record.header();
     while (record.next()) {
     }
-    const RecordEnding &ending = record.ending();
+    const record::RecordEnding &ending = record.ending();
     print(out, "%s: %s, %g Hz, %s\n", record.path().c_str(), header.started_utc.c_str(),
           header.servo_hz, ending.text().c_str());
     print(out, "device   %s, %s\n", header.device_name.c_str(), header.device_file.c_str());
     print(out, "scene    %s, %llu triangles, sha256 %s\n", header.scene_file.c_str(),
           static_cast<unsigned long long>(header.scene_triangles), header.scene_sha256.c_str());
     print(out, "software %s, row of %u bytes\n", header.software.c_str(), header.row_bytes);
-    for (const RecordColumn &column : header.columns) {
+    for (const record::RecordColumn &column : header.columns) {
         print(out, "  %-32s %s\n", column.name.c_str(), column.unit.c_str());
     }
 }
@@ -47,9 +47,9 @@ int formats(const Typed &typed) {
 }
 
 template <typename Export>
-ExportSummary export_to(const std::string &where, RecordReader &record,
-                        const ExportSelection &selection, Export &&write) {
-    ExportSummary summary;
+record::ExportSummary export_to(const std::string &where, record::RecordReader &record,
+                                const record::ExportSelection &selection, Export &&write) {
+    record::ExportSummary summary;
     try {
         write_output(where, [&](std::ostream &out) { summary = write(record, selection, out); });
     } catch (const InputError &error) {
@@ -61,7 +61,7 @@ ExportSummary export_to(const std::string &where, RecordReader &record,
 }
 
 void run(const Typed &typed) {
-    RecordReader record(typed.record);
+    record::RecordReader record(typed.record);
     if (typed.list) {
         write_contents(std::cout, record);
         return;
@@ -79,14 +79,14 @@ void run(const Typed &typed) {
     if (typed.mat == "-") {
         throw InputError("--mat: writes to a file only; --csv and --npy can write to -");
     }
-    static_cast<void>(selected_columns(record.header(), typed.selection.columns));
-    ExportSummary summary;
+    static_cast<void>(record::selected_columns(record.header(), typed.selection.columns));
+    record::ExportSummary summary;
     if (!typed.csv.empty()) {
-        summary = export_to(typed.csv, record, typed.selection, export_csv);
+        summary = export_to(typed.csv, record, typed.selection, record::export_csv);
     } else if (!typed.npy.empty()) {
-        summary = export_to(typed.npy, record, typed.selection, export_npy);
+        summary = export_to(typed.npy, record, typed.selection, record::export_npy);
     } else {
-        summary = export_mat(record, typed.selection, typed.mat);
+        summary = record::export_mat(record, typed.selection, typed.mat);
     }
     print(std::cerr, "springdrive: %llu rows of %zu columns, from %s\n",
           static_cast<unsigned long long>(summary.rows), summary.columns,
@@ -118,4 +118,4 @@ void add_export_command(CLI::App &app) {
     command.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,10 +6,10 @@
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 #include "base/input_error.h"
-#include "engine/analysis/configuration.h"
-#include "engine/analysis/locked_device.h"
-#include "engine/analysis/stiffness_ellipse.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/limits/locked_device.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/rig/configuration.h"
 
 #include <CLI/CLI.hpp>
 
@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -38,9 +38,10 @@ struct Typed {
 /// Where friction can hold half of what the transpose map renders, directions are friction's too.
 void remark_on_friction(const FigureSetting &setting) {
     const double rendered_N =
-        planar_stiffness(setting.device, setting.tuning, setting.q_rad).transpose(0, 0) *
-        harmless_penetration_m(setting.device, setting.tuning, setting.q_rad, MotionMap::transpose);
-    const double friction_N = breakaway_force_N(setting.device, setting.q_rad);
+        loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad).transpose(0, 0) *
+        limits::harmless_penetration_m(setting.device, setting.tuning, setting.q_rad,
+                                       control::MotionMap::transpose);
+    const double friction_N = limits::breakaway_force_N(setting.device, setting.q_rad);
     if (2.0 * friction_N > rendered_N) {
         std::cerr << "springdrive: remark: friction can hold " << friction_N
                   << " N at the tip, not little beside the " << rendered_N
@@ -50,9 +51,9 @@ void remark_on_friction(const FigureSetting &setting) {
 
 FigureSetting setting_of(const Typed &typed) {
     FigureSetting setting;
-    setting.device = read_device_file(typed.device_file);
+    setting.device = device::read_device_file(typed.device_file);
     if (!typed.tuning_file.empty()) {
-        setting.tuning = read_tuning_file(typed.tuning_file);
+        setting.tuning = control::read_tuning_file(typed.tuning_file);
     }
     for (std::size_t j = 0; j < 3; ++j) {
         if (!std::isfinite(typed.q_deg[j])) {
@@ -65,7 +66,7 @@ FigureSetting setting_of(const Typed &typed) {
                          std::to_string(kLargestSpread).substr(0, 4));
     }
     setting.resistance_spread = typed.resistance_spread;
-    check_configuration(setting.device, setting.q_rad);
+    rig::check_configuration(setting.device, setting.q_rad);
     check_dR(setting.device, setting.tuning);
     setting.tuning.dR_Ohm = cold_dR_Ohm(setting.device, setting.tuning);
     remark_on_friction(setting);
@@ -119,4 +120,4 @@ void add_figures_command(CLI::App &app) {
     figures->callback([typed] { make_figures(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

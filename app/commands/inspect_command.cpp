@@ -4,8 +4,8 @@
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
 #include "app/load_lines.h"
-#include "device/device_file.h"
-#include "engine/scenario/touch_scene.h"
+#include "device/core/device_file.h"
+#include "engine/lab/rig/scenario/touch_scene.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,7 +18,7 @@
 #include <string>
 #include <system_error>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -35,8 +35,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// With the default tuning at 1 kHz, as `springdrive demo` begins.
-ModelChoice model_of_scene(const Typed &typed, const Scene &scene,
-                           const DeviceDescription &device) {
+model_selection::ModelChoice model_of_scene(const Typed &typed, const scene::Scene &scene,
+                                            const device::DeviceDescription &device) {
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
     return choice_with_line({&scene, device, {}, 1e-3, 0.0}, {device_text, SPRINGDRIVE_VERSION},
@@ -44,13 +44,13 @@ ModelChoice model_of_scene(const Typed &typed, const Scene &scene,
 }
 
 void run(const Typed &typed) {
-    const DeviceDescription device = read_device_file(typed.device_file);
+    const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const auto start = std::chrono::steady_clock::now();
-    const Scene scene = load_scene_with_lines(typed.scene, device.workspace);
+    const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
     InspectReport report;
     report.load_s = seconds_since(start);
     const auto loaded = std::chrono::steady_clock::now();
-    const HapticSurface surface = haptic_surface_of(scene);
+    const contact::HapticSurface surface = rig::haptic_surface_of(scene);
     report.preparation_s = seconds_since(loaded);
     report.name = typed.scene;
     report.scene = &scene;
@@ -58,7 +58,7 @@ void run(const Typed &typed) {
     std::error_code not_a_file;
     const std::uintmax_t bytes = std::filesystem::file_size(typed.scene, not_a_file);
     report.file_bytes = not_a_file ? 0 : bytes;
-    std::optional<ModelChoice> model;
+    std::optional<model_selection::ModelChoice> model;
     if (!typed.no_model) {
         model = model_of_scene(typed, scene, device);
         report.model = &*model;
@@ -94,4 +94,4 @@ void add_inspect_command(CLI::App &app) {
     inspect.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,14 +2,14 @@
 
 #include "app/commands/model_table.h"
 #include "base/print.h"
-#include "engine/contact/preparation/mesh_remarks.h"
-#include "engine/model_choice/choice_json.h"
+#include "engine/contact/mesh/mesh_remarks.h"
+#include "engine/lab/model_selection/choice_json.h"
 
 #include <nlohmann/json.hpp>
 
 #include <array>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -19,37 +19,37 @@ using Json = nlohmann::ordered_json;
 struct Finding {
     const char *key;
     const char *label;
-    std::size_t MeshReport::*count;
+    std::size_t contact::MeshReport::*count;
     const char *meaning;
 };
 
 constexpr std::array<Finding, 10> kFindings{{
-    {"triangles_given", "triangles given", &MeshReport::triangles_given, "in the file"},
-    {"triangles_kept", "triangles kept", &MeshReport::triangles_kept, "can be touched"},
-    {"degenerate_triangles", "degenerate", &MeshReport::degenerate_triangles,
+    {"triangles_given", "triangles given", &contact::MeshReport::triangles_given, "in the file"},
+    {"triangles_kept", "triangles kept", &contact::MeshReport::triangles_kept, "can be touched"},
+    {"degenerate_triangles", "degenerate", &contact::MeshReport::degenerate_triangles,
      "too thin to have a normal, or not finite: left out"},
-    {"duplicate_triangles", "duplicate", &MeshReport::duplicate_triangles,
+    {"duplicate_triangles", "duplicate", &contact::MeshReport::duplicate_triangles,
      "there twice: felt once"},
-    {"welded_vertices", "welded vertices", &MeshReport::welded_vertices,
+    {"welded_vertices", "welded vertices", &contact::MeshReport::welded_vertices,
      "in the place of another: joined, so that edges are shared"},
-    {"open_edges", "open edges", &MeshReport::open_edges,
+    {"open_edges", "open edges", &contact::MeshReport::open_edges,
      "of one triangle only: the rim of a sheet or hole, where the tip can go round"},
-    {"non_manifold_edges", "non-manifold edges", &MeshReport::non_manifold_edges,
+    {"non_manifold_edges", "non-manifold edges", &contact::MeshReport::non_manifold_edges,
      "of more than two triangles: touched as they stand"},
-    {"components", "surfaces", &MeshReport::components, "connected over edges"},
-    {"closed_components", "closed surfaces", &MeshReport::closed_components,
+    {"components", "surfaces", &contact::MeshReport::components, "connected over edges"},
+    {"closed_components", "closed surfaces", &contact::MeshReport::closed_components,
      "bound a volume: stop the tip from outside, and let it leave"},
-    {"inward_components", "inward surfaces", &MeshReport::inward_components,
+    {"inward_components", "inward surfaces", &contact::MeshReport::inward_components,
      "closed and facing inwards: stop the tip from within, as a room does"},
 }};
 
-const char *name_of(TouchSides sides) {
+const char *name_of(contact::TouchSides sides) {
     switch (sides) {
-    case TouchSides::one:
+    case contact::TouchSides::one:
         return "one";
-    case TouchSides::two:
+    case contact::TouchSides::two:
         return "two";
-    case TouchSides::automatic:
+    case contact::TouchSides::automatic:
         break;
     }
     return "automatic";
@@ -61,12 +61,12 @@ Json vector_json(const Vector3 &v) { return {v.x(), v.y(), v.z()}; }
 std::vector<std::string> remarks_of(const InspectReport &report) {
     std::vector<std::string> remarks = report.scene->remarks;
     const std::vector<std::string> of_mesh =
-        remarks_on(report.surface->report(), report.surface->materials());
+        contact::remarks_on(report.surface->report(), report.surface->materials());
     remarks.insert(remarks.end(), of_mesh.begin(), of_mesh.end());
     return remarks;
 }
 
-double bytes_per_triangle(const HapticSurface &surface) {
+double bytes_per_triangle(const contact::HapticSurface &surface) {
     const std::size_t kept = surface.report().triangles_kept;
     return kept == 0 ? 0.0 : static_cast<double>(surface.bytes()) / static_cast<double>(kept);
 }
@@ -75,7 +75,7 @@ Json nodes_json(const InspectReport &report) {
     const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
     Json nodes = Json::array();
     for (std::size_t i = 0; i < facets.size(); ++i) {
-        const SurfaceMaterial &material = report.surface->materials()[i];
+        const contact::SurfaceMaterial &material = report.surface->materials()[i];
         nodes.push_back({{"name", material.name},
                          {"triangles", facets[i].triangles},
                          {"eta", material.eta},
@@ -89,7 +89,7 @@ Json nodes_json(const InspectReport &report) {
 }
 
 void write_head(std::ostream &out, const InspectReport &report) {
-    const Scene &scene = *report.scene;
+    const scene::Scene &scene = *report.scene;
     out << report.name;
     if (report.file_bytes > 0) {
         print(out, ": %.1f kB", 1e-3 * static_cast<double>(report.file_bytes));
@@ -113,7 +113,7 @@ void write_nodes(std::ostream &out, const InspectReport &report) {
            "node\n";
     const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
     for (std::size_t i = 0; i < facets.size(); ++i) {
-        const SurfaceMaterial &material = report.surface->materials()[i];
+        const contact::SurfaceMaterial &material = report.surface->materials()[i];
         print(out, "%12zu%11zu%11zu%7.3g", facets[i].triangles, facets[i].one_sided,
               facets[i].two_sided, material.eta);
         print(out, "%17.3g%9.3g", material.static_friction, material.dynamic_friction);
@@ -123,22 +123,23 @@ void write_nodes(std::ostream &out, const InspectReport &report) {
 
 } // namespace
 
-std::vector<NodeFacets> facets_of_nodes(const Scene &scene, const HapticSurface &surface) {
+std::vector<NodeFacets> facets_of_nodes(const scene::Scene &scene,
+                                        const contact::HapticSurface &surface) {
     std::vector<NodeFacets> nodes(surface.materials().size());
     for (const std::uint16_t material : scene.surface.material_of_triangle) {
         ++nodes[material].triangles;
     }
     for (std::uint32_t i = 0; i < surface.report().triangles_kept; ++i) {
-        const Facet &facet = surface.facet(i);
+        const contact::Facet &facet = surface.facet(i);
         NodeFacets &node = nodes[scene.surface.material_of_triangle[facet.triangle()]];
-        ++(facet.sides() == FacetSides::one ? node.one_sided : node.two_sided);
+        ++(facet.sides() == contact::FacetSides::one ? node.one_sided : node.two_sided);
     }
     return nodes;
 }
 
 void write_inspect_json(std::ostream &out, const InspectReport &report) {
-    const Scene &scene = *report.scene;
-    const HapticSurface &surface = *report.surface;
+    const scene::Scene &scene = *report.scene;
+    const contact::HapticSurface &surface = *report.surface;
     Json json;
     json["file"] = report.name;
     json["file_bytes"] = report.file_bytes;
@@ -157,14 +158,14 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
     json["bytes_per_triangle"] = bytes_per_triangle(surface);
     json["planar"] = scene.planar;
     if (report.model != nullptr) {
-        json["model"] = json_of(*report.model);
+        json["model"] = model_selection::json_of(*report.model);
     }
     json["remarks"] = remarks_of(report);
     out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 
 void write_inspect_table(std::ostream &out, const InspectReport &report) {
-    const HapticSurface &surface = *report.surface;
+    const contact::HapticSurface &surface = *report.surface;
     write_head(out, report);
     write_nodes(out, report);
     out << '\n';
@@ -184,4 +185,4 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

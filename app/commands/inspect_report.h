@@ -1,7 +1,7 @@
 // What `springdrive inspect` tells of a scene, as JSON or for people.
 #pragma once
 
-#include "engine/model_choice/model_choice.h"
+#include "engine/lab/model_selection/model_choice.h"
 #include "engine/scene/scene.h"
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// What can be touched of one node.
 struct NodeFacets {
@@ -22,19 +22,20 @@ struct NodeFacets {
 struct InspectReport {
     std::string name;
     std::uintmax_t file_bytes = 0; ///< 0: made here, not read
-    const Scene *scene = nullptr;
-    const HapticSurface *surface = nullptr;
+    const scene::Scene *scene = nullptr;
+    const contact::HapticSurface *surface = nullptr;
     double load_s = 0.0;
     double preparation_s = 0.0;
-    const ModelChoice *model = nullptr; ///< that the scene would get; null: not asked for
+    const model_selection::ModelChoice *model =
+        nullptr; ///< that the scene would get; null: not asked for
 };
 
 /// In the order of the scene's materials.
-[[nodiscard]] std::vector<NodeFacets> facets_of_nodes(const Scene &scene,
-                                                      const HapticSurface &surface);
+[[nodiscard]] std::vector<NodeFacets> facets_of_nodes(const scene::Scene &scene,
+                                                      const contact::HapticSurface &surface);
 
 /// @pre scene and surface are set
 void write_inspect_json(std::ostream &out, const InspectReport &report);
 void write_inspect_table(std::ostream &out, const InspectReport &report);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,45 +5,47 @@
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// What else is known of a candidate: that it is the one, or how it did with the others as chosen.
-std::string further(const ModelAxis &axis, std::size_t candidate, const ModelTolerance &tolerance) {
+std::string further(const model_selection::ModelAxis &axis, std::size_t candidate,
+                    const scene::ModelTolerance &tolerance) {
     if (candidate == axis.chosen) {
         return "  <- chosen";
     }
-    for (const CheaperTrial &trial : axis.cheaper) {
+    for (const model_selection::CheaperTrial &trial : axis.cheaper) {
         if (trial.candidate == candidate) {
-            return "; with the rest as chosen: " + verdict(trial.error, tolerance);
+            return "; with the rest as chosen: " + model_selection::verdict(trial.error, tolerance);
         }
     }
     return "";
 }
 
-void write_axis(std::ostream &out, const ModelAxis &axis, const ModelTolerance &tolerance) {
+void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
+                const scene::ModelTolerance &tolerance) {
     for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
-        const Candidate &candidate = axis.candidates[i];
+        const model_selection::Candidate &candidate = axis.candidates[i];
         print(out, "%-11s%-21s%9.0f", i == 0 ? axis.name.c_str() : "", candidate.name.c_str(),
               candidate.cost.least_ns);
         print(out, "%10.3f%11.2f  ", candidate.error.force_N,
               candidate.error.direction_rad * kDegreesPerRadian);
-        print(out, "%s%s\n", verdict(candidate.error, tolerance).c_str(),
+        print(out, "%s%s\n", model_selection::verdict(candidate.error, tolerance).c_str(),
               further(axis, i, tolerance).c_str());
     }
 }
 
 } // namespace
 
-void write_model_table(std::ostream &out, const ModelChoice &choice) {
-    const ModelTolerance &tolerance = choice.tolerance;
+void write_model_table(std::ostream &out, const model_selection::ModelChoice &choice) {
+    const scene::ModelTolerance &tolerance = choice.tolerance;
     print(out, "\nmodel: force to %.3g N, direction to %.3g°, below %.3g Hz\n", tolerance.force_N,
           tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);
     out << "           candidate             cost [ns] force [N] direction [°]\n";
-    for (const ModelAxis &axis : choice.axes) {
+    for (const model_selection::ModelAxis &axis : choice.axes) {
         write_axis(out, axis, tolerance);
     }
     print(out, "chosen: %.3f N and %.2f° off the fullest, ", choice.error.force_N,
@@ -55,4 +57,4 @@ void write_model_table(std::ostream &out, const ModelChoice &choice) {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

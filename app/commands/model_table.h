@@ -1,12 +1,12 @@
 // A model choice for people: what was measured of each candidate, what is chosen, and why.
 #pragma once
 
-#include "engine/model_choice/model_choice.h"
+#include "engine/lab/model_selection/model_choice.h"
 
 #include <ostream>
 
-namespace springdrive {
+namespace springdrive::app {
 
-void write_model_table(std::ostream &out, const ModelChoice &choice);
+void write_model_table(std::ostream &out, const model_selection::ModelChoice &choice);
 
-} // namespace springdrive
+} // namespace springdrive::app

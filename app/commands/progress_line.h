@@ -6,7 +6,7 @@
 #include <string_view>
 #include <unistd.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// One line on standard error: rewritten in place where somebody watches, else left out.
 class ProgressLine {
@@ -35,4 +35,4 @@ private:
     long percent_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -26,7 +26,7 @@ struct Typed {
 };
 
 /// Until the time is over, somebody asks for the end, or the record cannot go on.
-void play(Session &session, bool lockstep, double seconds) {
+void play(session::Session &session, bool lockstep, double seconds) {
     FramePace pace;
     for (int frame = 0; !asked_to_end() && session.recording().is_running(); ++frame) {
         const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
@@ -43,27 +43,28 @@ void play(Session &session, bool lockstep, double seconds) {
 
 void run(const Typed &typed) {
     check_range("--seconds", typed.seconds, 1e-3, kLongest_s);
-    SessionOptions options = typed.session.session();
+    session::SessionOptions options = typed.session.session();
     if (options.record == "-") {
         throw InputError("record: writes to a file only; springdrive export can write to -");
     }
     check_writable(typed.json);
     check_other_file(typed.json, options.record);
     options.plays_script = true;
-    Session session = open_session(options);
+    session::Session session = open_session(options);
     note_ending_signals();
     session.start();
     print_new_remarks(session);
     play(session, options.lockstep, typed.seconds);
     session.stop();
     if (typed.json != "-") {
-        write_session_report(std::cout, session);
+        session::write_session_report(std::cout, session);
     }
     if (!typed.json.empty()) {
-        write_output(typed.json, [&](std::ostream &out) { write_session_json(out, session); });
+        write_output(typed.json,
+                     [&](std::ostream &out) { session::write_session_json(out, session); });
     }
-    const bool recorded = record_is_whole(session, std::cerr);
-    if (was_stopped(session, std::cerr) || !recorded) {
+    const bool recorded = session::record_is_whole(session, std::cerr);
+    if (session::was_stopped(session, std::cerr) || !recorded) {
         throw CLI::RuntimeError(1);
     }
 }
@@ -87,4 +88,4 @@ void add_record_command(CLI::App &app) {
     record.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

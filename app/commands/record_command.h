@@ -5,8 +5,8 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 void add_record_command(CLI::App &app);
 
-} // namespace springdrive
+} // namespace springdrive::app

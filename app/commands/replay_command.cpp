@@ -3,8 +3,8 @@
 #include "app/commands/common_options.h"
 #include "base/input_error.h"
 #include "base/print.h"
-#include "engine/servo/record/record_reader.h"
-#include "engine/servo/record/replay.h"
+#include "engine/record/record_reader.h"
+#include "engine/record/replay.h"
 
 #include <CLI/CLI.hpp>
 
@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -31,7 +31,8 @@ bool asks_for_a_tuning(const TuningOptions &typed) {
     return asks;
 }
 
-void write_row(std::ostream &out, const ServoSample &sample, const ReplayedTick &replayed) {
+void write_row(std::ostream &out, const servo::ServoSample &sample,
+               const record::ReplayedTick &replayed) {
     print(out, "%llu,%.17g", static_cast<unsigned long long>(sample.tick), sample.time_s);
     for (const Vector3 &e_W_V : {sample.command.e_W_V, replayed.command.e_W_V}) {
         print(out, ",%.17g,%.17g,%.17g", e_W_V[0], e_W_V[1], e_W_V[2]);
@@ -39,15 +40,15 @@ void write_row(std::ostream &out, const ServoSample &sample, const ReplayedTick 
     out << '\n';
 }
 
-void replay_all(RecordReader &record, Replay &replay, std::ostream *csv) {
+void replay_all(record::RecordReader &record, record::Replay &replay, std::ostream *csv) {
     if (csv != nullptr) {
         *csv << "tick,time_s,recorded_e_W1_V,recorded_e_W2_V,recorded_e_W3_V,replayed_e_W1_V,"
                 "replayed_e_W2_V,replayed_e_W3_V\n";
     }
     while (record.next()) {
         for (std::uint32_t row = 0; row < record.rows(); ++row) {
-            const ServoSample sample = record.read_sample(row);
-            const std::optional<ReplayedTick> replayed = replay.take(sample);
+            const servo::ServoSample sample = record.read_sample(row);
+            const std::optional<record::ReplayedTick> replayed = replay.take(sample);
             if (replayed && csv != nullptr) {
                 write_row(*csv, sample, *replayed);
             }
@@ -55,12 +56,12 @@ void replay_all(RecordReader &record, Replay &replay, std::ostream *csv) {
     }
 }
 
-void report(std::ostream &out, const RecordReader &record, const Replay &replay) {
+void report(std::ostream &out, const record::RecordReader &record, const record::Replay &replay) {
     print(out, "%s: %s\n", record.path().c_str(), record.ending().text().c_str());
     print(out, "replayed %llu ticks, %llu more for the filter's memory only\n",
           static_cast<unsigned long long>(replay.replayed()),
           static_cast<unsigned long long>(replay.skipped()));
-    for (const ReplayedQuantity &quantity : replay.quantities()) {
+    for (const record::ReplayedQuantity &quantity : replay.quantities()) {
         if (quantity.differing == 0) {
             print(out, "  %-22s equal to the last bit\n", quantity.name);
         } else {
@@ -72,12 +73,13 @@ void report(std::ostream &out, const RecordReader &record, const Replay &replay)
 }
 
 void run(const Typed &typed) {
-    RecordReader record(typed.record);
+    record::RecordReader record(typed.record);
     check_other_file(typed.csv, typed.record);
-    const RecordHeader &header = record.header();
+    const record::RecordHeader &header = record.header();
     const bool asks = asks_for_a_tuning(typed.tuning);
-    Replay replay(read_device_text(header.device_toml, typed.record.string() + ", device"),
-                  asks ? std::optional(typed.tuning.tuning()) : std::nullopt);
+    record::Replay replay(
+        device::read_device_text(header.device_toml, typed.record.string() + ", device"),
+        asks ? std::optional(typed.tuning.tuning()) : std::nullopt);
     if (typed.csv.empty()) {
         replay_all(record, replay, nullptr);
     } else {
@@ -109,4 +111,4 @@ void add_replay_command(CLI::App &app) {
     command.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,7 +6,7 @@
 #include "app/commands/stability_options.h"
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
-#include "engine/analysis/failure_lines/failure_lines.h"
+#include "engine/lab/limits/failure_lines/failure_lines.h"
 
 #include <CLI/CLI.hpp>
 
@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -39,20 +39,20 @@ struct Typed {
 StabilityReport report_of(const Typed &typed) {
     StabilityReport report;
     report.which = typed.loop.stability_case();
-    report.worst = worst_member(report.which);
-    report.stable_simulated =
-        is_stable_simulated(report.which, TrialOptions::with(SimulationEffects::electronics()));
+    report.worst = loops::worst_member(report.which);
+    report.stable_simulated = limits::is_stable_simulated(
+        report.which, limits::TrialOptions::with(limits::SimulationEffects::electronics()));
     if (!typed.vary.empty()) {
         report.varied = &typed_parameter("--vary", typed.vary);
         check_that_it_counts("--vary", *report.varied, report.which);
         report.range = {typed.from.value_or(report.varied->from),
                         typed.to.value_or(report.varied->to)};
         check_parameter_range("--vary", *report.varied, report.range.from, report.range.to);
-        report.limits = stability_limits(report.which, *report.varied, report.range);
+        report.limits = limits::stability_limits(report.which, *report.varied, report.range);
         if (report.limits.empty()) { // then every value of the range is like its first
-            StabilityCase first = report.which;
+            loops::StabilityCase first = report.which;
             report.varied->set(first, report.range.from);
-            report.stable_throughout = is_stable(first);
+            report.stable_throughout = loops::is_stable(first);
         }
     }
     return report;
@@ -73,9 +73,9 @@ void tell(const Typed &typed) {
 }
 
 /// `kp`, or `kp=0.5:50`.
-MapAxis axis_of(const std::string &text, int steps) {
+limits::MapAxis axis_of(const std::string &text, int steps) {
     const std::size_t equals = text.find('=');
-    MapAxis axis;
+    limits::MapAxis axis;
     axis.parameter = &typed_parameter("--map", text.substr(0, equals));
     axis.range = {axis.parameter->from, axis.parameter->to};
     axis.steps = steps;
@@ -92,7 +92,7 @@ MapAxis axis_of(const std::string &text, int steps) {
 }
 
 /// Whose hands: those of the family, or a single one where a property of the hand varies.
-std::string hands_text(const StabilityCase &which, bool is_one) {
+std::string hands_text(const loops::StabilityCase &which, bool is_one) {
     const std::size_t nobody = which.hands.front().mass_kg == 0.0 ? 1 : 0;
     const std::size_t hands = which.hands.size() - nobody;
     if (is_one || hands == 1) {
@@ -101,23 +101,25 @@ std::string hands_text(const StabilityCase &which, bool is_one) {
     return hands == 0 ? "no hand" : "no hand and " + std::to_string(hands) + " hands";
 }
 
-std::string loop_text(const StabilityCase &which, bool alpha_varies, bool is_one_hand) {
-    const bool transpose = which.tuning.map == MotionMap::transpose || alpha_varies;
-    std::string text = which.drive == AmplifierKind::current_drive ? "current drive"
-                       : transpose                                 ? "spring drive, transpose (23)"
-                                                                   : "spring drive, inverse (18)";
-    text += which.freedom == Freedom::one_motor ? ", each motor by itself" : ", all motors at once";
+std::string loop_text(const loops::StabilityCase &which, bool alpha_varies, bool is_one_hand) {
+    const bool transpose = which.tuning.map == control::MotionMap::transpose || alpha_varies;
+    std::string text = which.drive == device::AmplifierKind::current_drive ? "current drive"
+                       : transpose ? "spring drive, transpose (23)"
+                                   : "spring drive, inverse (18)";
+    text += which.freedom == loops::Freedom::one_motor ? ", each motor by itself"
+                                                       : ", all motors at once";
     return text + ", " + hands_text(which, is_one_hand);
 }
 
 /// What does not vary over the map.
-MapSetting setting_of(const StabilityCase &which, const MapAxis &x, const MapAxis &y) {
+MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &x,
+                      const limits::MapAxis &y) {
     const auto varies = [&](std::string_view start) {
         return x.parameter->name.starts_with(start) || y.parameter->name.starts_with(start);
     };
     std::ostringstream text;
     text << which.device.name;
-    const bool spring = which.drive == AmplifierKind::spring_drive;
+    const bool spring = which.drive == device::AmplifierKind::spring_drive;
     std::vector<std::string_view> told =
         spring ? std::vector<std::string_view>{"T", "d", "dR", "kp", "kd", "lambda", "eta"}
                : std::vector<std::string_view>{"T",      "d",  "wall-stiffness", "wall-damping",
@@ -128,7 +130,7 @@ MapSetting setting_of(const StabilityCase &which, const MapAxis &x, const MapAxi
         }
     }
     for (const std::string_view name : told) {
-        const StabilityParameter &parameter = *stability_parameter_named(name);
+        const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
         if (&parameter != x.parameter && &parameter != y.parameter) {
             text << ", " << parameter.symbol << ' ' << parameter.get(which);
             text << (parameter.unit == "–" ? "" : " ")
@@ -139,10 +141,10 @@ MapSetting setting_of(const StabilityCase &which, const MapAxis &x, const MapAxi
 }
 
 void draw_map(const Typed &typed) {
-    const StabilityCase which = typed.loop.stability_case();
-    const MapAxis x = axis_of(typed.map[0], typed.steps);
-    const MapAxis y = axis_of(typed.map[1], typed.steps);
-    for (const MapAxis *axis : {&x, &y}) {
+    const loops::StabilityCase which = typed.loop.stability_case();
+    const limits::MapAxis x = axis_of(typed.map[0], typed.steps);
+    const limits::MapAxis y = axis_of(typed.map[1], typed.steps);
+    for (const limits::MapAxis *axis : {&x, &y}) {
         check_that_it_counts("--map", *axis->parameter, which);
     }
     if (x.parameter == y.parameter) {
@@ -153,22 +155,22 @@ void draw_map(const Typed &typed) {
         throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
     }
     check_writable(typed.out);
-    std::vector<MapCell> cells;
+    std::vector<limits::MapCell> cells;
     {
         ProgressLine line;
-        cells = stability_map(which, x, y, [&](double share) { line.show("map", share); });
+        cells = limits::stability_map(which, x, y, [&](double share) { line.show("map", share); });
     }
     draw_stability_map(typed.out, setting_of(which, x, y), x, y, cells);
 }
 
 void write_table(const Typed &typed) {
-    const StabilityCase which = typed.loop.stability_case();
-    std::vector<FailureLine> lines;
+    const loops::StabilityCase which = typed.loop.stability_case();
+    std::vector<limits::FailureLine> lines;
     {
         ProgressLine line;
-        lines = failure_lines(which, [&](double share) { line.show("limits", share); });
+        lines = limits::failure_lines(which, [&](double share) { line.show("limits", share); });
     }
-    write_output("-", [&](std::ostream &out) { write_failure_lines(out, lines); });
+    write_output("-", [&](std::ostream &out) { limits::write_failure_lines(out, lines); });
 }
 
 void run(const Typed &typed) {
@@ -188,10 +190,11 @@ void add_stability_command(CLI::App &app) {
         "stability", "whether a loop is stable and where that ends, predicted and simulated");
     const auto typed = std::make_shared<Typed>();
     typed->loop.add_to(stability);
-    CLI::Option *vary = stability
-                            .add_option("--vary", typed->vary,
-                                        "find its limits: " + names_of_stability_parameters())
-                            ->type_name("NAME");
+    CLI::Option *vary =
+        stability
+            .add_option("--vary", typed->vary,
+                        "find its limits: " + loops::names_of_stability_parameters())
+            ->type_name("NAME");
     stability.add_option("--from", typed->from, "lowest value to look at")
         ->type_name("VALUE")
         ->needs(vary);
@@ -236,4 +239,4 @@ void add_stability_command(CLI::App &app) {
     stability.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -10,12 +10,12 @@
 #include <cstddef>
 #include <sstream>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 /// For gnuplot, which takes what follows an underscore for an index.
-std::string symbol_of(const StabilityParameter &parameter) {
+std::string symbol_of(const loops::StabilityParameter &parameter) {
     const std::string symbol(parameter.symbol);
     const std::size_t line = symbol.find('_');
     return line == std::string::npos
@@ -23,13 +23,13 @@ std::string symbol_of(const StabilityParameter &parameter) {
                : symbol.substr(0, line) + "_{" + symbol.substr(line + 1) + "}";
 }
 
-std::string axis_label(const StabilityParameter &parameter) {
+std::string axis_label(const loops::StabilityParameter &parameter) {
     return symbol_of(parameter) +
            (parameter.unit == "–" ? "" : "  (" + std::string(parameter.unit) + ")");
 }
 
 /// Half a cell, by which a picture reaches beyond the values at its sides.
-void add_axis(ChartMarks &marks, const std::string &name, const MapAxis &axis) {
+void add_axis(ChartMarks &marks, const std::string &name, const limits::MapAxis &axis) {
     const std::vector<double> values = axis.values();
     const bool by_ratio = axis.is_logarithmic();
     const double first = by_ratio ? std::log10(values.front()) : values.front();
@@ -50,15 +50,15 @@ std::string instead_of_a_line(const std::string &line, std::size_t stable, std::
 
 } // namespace
 
-std::string stability_map_csv(const MapAxis &x, const MapAxis &y,
-                              const std::vector<MapCell> &cells) {
+std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
+                              const std::vector<limits::MapCell> &cells) {
     std::ostringstream csv;
     csv.precision(9);
     csv << x.parameter->name << ',' << y.parameter->name
         << ",largest_eigenvalue,stable_simulated,remaining_m_per_s\n";
     const std::size_t columns = x.values().size();
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        const MapCell &cell = cells[i];
+        const limits::MapCell &cell = cells[i];
         csv << cell.x << ',' << cell.y << ',' << cell.eigenvalue << ',' << cell.stable << ','
             << cell.remaining_m_per_s << '\n';
         if ((i + 1) % columns == 0) {
@@ -69,7 +69,8 @@ std::string stability_map_csv(const MapAxis &x, const MapAxis &y,
 }
 
 void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
-                        const MapAxis &x, const MapAxis &y, const std::vector<MapCell> &cells) {
+                        const limits::MapAxis &x, const limits::MapAxis &y,
+                        const std::vector<limits::MapCell> &cells) {
     std::filesystem::path csv = svg;
     csv.replace_extension(".csv");
     write_output(csv.string(), [&](std::ostream &out) { out << stability_map_csv(x, y, cells); });
@@ -80,9 +81,10 @@ void draw_stability_map(const std::filesystem::path &svg, const MapSetting &sett
     marks.add("loop", setting.loop);
     add_axis(marks, "x", x);
     add_axis(marks, "y", y);
-    const auto predicted = static_cast<std::size_t>(
-        std::ranges::count_if(cells, [](const MapCell &cell) { return cell.eigenvalue < 1.0; }));
-    const auto by_trial = static_cast<std::size_t>(std::ranges::count_if(cells, &MapCell::stable));
+    const auto predicted = static_cast<std::size_t>(std::ranges::count_if(
+        cells, [](const limits::MapCell &cell) { return cell.eigenvalue < 1.0; }));
+    const auto by_trial =
+        static_cast<std::size_t>(std::ranges::count_if(cells, &limits::MapCell::stable));
     marks.add("no_predicted_line", instead_of_a_line("predicted", predicted, cells.size()));
     marks.add("no_trial_line", instead_of_a_line("by trial", by_trial, cells.size()));
     const std::filesystem::path folder =
@@ -91,4 +93,4 @@ void draw_stability_map(const std::filesystem::path &svg, const MapSetting &sett
           csv.filename().string(), svg.filename().string()});
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,17 +1,17 @@
 // A stability map as a picture and as numbers.
 #pragma once
 
-#include "engine/analysis/stability/stability_map.h"
+#include "engine/lab/limits/stability_map.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// A header and a row for each cell.
-[[nodiscard]] std::string stability_map_csv(const MapAxis &x, const MapAxis &y,
-                                            const std::vector<MapCell> &cells);
+[[nodiscard]] std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
+                                            const std::vector<limits::MapCell> &cells);
 
 /// What a map was made with, for the lines below its title.
 struct MapSetting {
@@ -22,6 +22,7 @@ struct MapSetting {
 /// Writes `svg`, and the numbers beside it with the ending .csv, these first.
 /// @throw InputError for what cannot be written or drawn.
 void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
-                        const MapAxis &x, const MapAxis &y, const std::vector<MapCell> &cells);
+                        const limits::MapAxis &x, const limits::MapAxis &y,
+                        const std::vector<limits::MapCell> &cells);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,8 +2,8 @@
 
 #include "app/commands/common_options.h"
 #include "base/input_error.h"
-#include "engine/analysis/configuration.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/rig/configuration.h"
 
 #include <CLI/CLI.hpp>
 
@@ -12,20 +12,22 @@
 #include <sstream>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 /// What option a parameter has: `--delay` and `--servo-hz` stand for d and T.
-std::string option_of(const StabilityParameter &parameter) {
+std::string option_of(const loops::StabilityParameter &parameter) {
     return parameter.name == "d"   ? "--delay"
            : parameter.name == "T" ? "--servo-hz"
                                    : "--" + std::string(parameter.name);
 }
 
-bool is_of_hand(const StabilityParameter &parameter) { return parameter.name.starts_with("hand"); }
+bool is_of_hand(const loops::StabilityParameter &parameter) {
+    return parameter.name.starts_with("hand");
+}
 
-void check(const std::string &option, const StabilityParameter &parameter, double value) {
+void check(const std::string &option, const loops::StabilityParameter &parameter, double value) {
     if (const std::string wrong = what_is_wrong_with(parameter, value); !wrong.empty()) {
         throw InputError(option + ": " + wrong);
     }
@@ -37,9 +39,9 @@ void StabilityOptions::add_to(CLI::App &command) {
     add_device_file_option(command, device_file);
     command.add_option("--tuning-file", tuning_file, "a tuning from assets/tunings, or your own")
         ->type_name("FILE");
-    values.resize(stability_parameters().size());
+    values.resize(loops::stability_parameters().size());
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const StabilityParameter &parameter = stability_parameters()[i];
+        const loops::StabilityParameter &parameter = loops::stability_parameters()[i];
         if (parameter.name == "T") {
             command.add_option("--servo-hz", servo_hz, "servo rate, 1 to 100000 [1000]")
                 ->type_name("HZ");
@@ -49,7 +51,7 @@ void StabilityOptions::add_to(CLI::App &command) {
             ->type_name(parameter.unit == "–" ? "VALUE" : std::string(parameter.unit));
     }
     command.add_option("--kinematics", kinematics, "inverse (18) or transpose (23) [as tuned]")
-        ->check(CLI::IsMember(list_of(kMotionMapNames)));
+        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
     command
         .add_option("--drive", drive,
                     "spring: the paper's; current: a virtual wall as others render it [spring]")
@@ -69,7 +71,7 @@ void StabilityOptions::add_to(CLI::App &command) {
 
 std::vector<std::string> StabilityOptions::options_of_drive_and_servo() {
     std::vector<std::string> options{"--tuning-file", "--kinematics", "--drive", "--motors"};
-    for (const StabilityParameter &parameter : stability_parameters()) {
+    for (const loops::StabilityParameter &parameter : loops::stability_parameters()) {
         if (!is_of_hand(parameter)) {
             options.push_back(option_of(parameter));
         }
@@ -77,15 +79,16 @@ std::vector<std::string> StabilityOptions::options_of_drive_and_servo() {
     return options;
 }
 
-StabilityCase StabilityOptions::stability_case() const {
-    StabilityCase which;
-    which.device = read_device_file(device_file);
-    which.tuning = tuning_file.empty() ? Tuning{} : read_tuning_file(tuning_file);
-    which.drive = drive == "spring" ? AmplifierKind::spring_drive : AmplifierKind::current_drive;
-    which.freedom = motors == 1 ? Freedom::one_motor : Freedom::three_motors;
+loops::StabilityCase StabilityOptions::stability_case() const {
+    loops::StabilityCase which;
+    which.device = device::read_device_file(device_file);
+    which.tuning = tuning_file.empty() ? control::Tuning{} : control::read_tuning_file(tuning_file);
+    which.drive = drive == "spring" ? device::AmplifierKind::spring_drive
+                                    : device::AmplifierKind::current_drive;
+    which.freedom = motors == 1 ? loops::Freedom::one_motor : loops::Freedom::three_motors;
     which.wall = {300.0, 2.0}; // firm enough to be felt, stable on both devices at 1 kHz
     if (!kinematics.empty()) {
-        which.tuning.map = *motion_map_named(kinematics);
+        which.tuning.map = *control::motion_map_named(kinematics);
     }
     for (std::size_t j = 0; j < 3; ++j) {
         if (!std::isfinite(q_deg[j])) {
@@ -93,16 +96,16 @@ StabilityCase StabilityOptions::stability_case() const {
         }
         which.q_rad[static_cast<Eigen::Index>(j)] = q_deg[j] * std::numbers::pi / 180.0;
     }
-    check_configuration(which.device, which.q_rad);
+    rig::check_configuration(which.device, which.q_rad);
     if (servo_hz) {
         check_range("--servo-hz", *servo_hz, 1.0, 1e5);
         which.period_s = 1.0 / *servo_hz;
     }
     if (no_hand) {
-        which.hands = {springdrive::no_hand()};
+        which.hands = {loops::no_hand()};
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const StabilityParameter &parameter = stability_parameters()[i];
+        const loops::StabilityParameter &parameter = loops::stability_parameters()[i];
         if (!values[i]) {
             continue;
         }
@@ -114,10 +117,10 @@ StabilityCase StabilityOptions::stability_case() const {
     return which;
 }
 
-void check_that_it_counts(const std::string &option, const StabilityParameter &parameter,
-                          const StabilityCase &which) {
+void check_that_it_counts(const std::string &option, const loops::StabilityParameter &parameter,
+                          const loops::StabilityCase &which) {
     const std::string_view name = parameter.name;
-    const bool current = which.drive == AmplifierKind::current_drive;
+    const bool current = which.drive == device::AmplifierKind::current_drive;
     const bool nobody = which.hands.size() == 1 && which.hands.front().mass_kg == 0.0 &&
                         which.hands.front().stiffness_N_per_m == 0.0;
     const auto refuse = [&](const std::string &why) {
@@ -130,10 +133,10 @@ void check_that_it_counts(const std::string &option, const StabilityParameter &p
     if (!current && name.starts_with("wall")) {
         refuse("is of a current drive; add --drive current");
     }
-    if (name == "alpha" && which.tuning.map == MotionMap::inverse) {
+    if (name == "alpha" && which.tuning.map == control::MotionMap::inverse) {
         refuse("is of the transpose map (23); leave out --kinematics inverse");
     }
-    if (which.freedom == Freedom::three_motors && (name == "inertia" || name == "damping")) {
+    if (which.freedom == loops::Freedom::three_motors && (name == "inertia" || name == "damping")) {
         refuse("is of one motor by itself; leave out --motors 3");
     }
     if (nobody && is_of_hand(parameter)) {
@@ -141,16 +144,17 @@ void check_that_it_counts(const std::string &option, const StabilityParameter &p
     }
 }
 
-const StabilityParameter &typed_parameter(const std::string &option, const std::string &name) {
-    const StabilityParameter *parameter = stability_parameter_named(name);
+const loops::StabilityParameter &typed_parameter(const std::string &option,
+                                                 const std::string &name) {
+    const loops::StabilityParameter *parameter = loops::stability_parameter_named(name);
     if (parameter == nullptr) {
         throw InputError(option + ": there is no \"" + name + "\"; it must be one of " +
-                         names_of_stability_parameters());
+                         loops::names_of_stability_parameters());
     }
     return *parameter;
 }
 
-void check_parameter_range(const std::string &option, const StabilityParameter &parameter,
+void check_parameter_range(const std::string &option, const loops::StabilityParameter &parameter,
                            double from, double to) {
     for (const double value : {from, to}) {
         check(option + ", from or to", parameter, value);
@@ -164,4 +168,4 @@ void check_parameter_range(const std::string &option, const StabilityParameter &
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

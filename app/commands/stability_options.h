@@ -1,7 +1,7 @@
 // What is typed to say which loop is meant: for the commands about stability.
 #pragma once
 
-#include "engine/analysis/stability/stability_parameters.h"
+#include "engine/lab/loops/stability_parameters.h"
 
 #include <filesystem>
 #include <optional>
@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct StabilityOptions {
     std::filesystem::path device_file;
@@ -32,19 +32,19 @@ struct StabilityOptions {
     [[nodiscard]] static std::vector<std::string> options_of_drive_and_servo();
 
     /// @throw InputError for a value out of its range, with the range.
-    [[nodiscard]] StabilityCase stability_case() const;
+    [[nodiscard]] loops::StabilityCase stability_case() const;
 };
 
 /// A parameter by its name. @throw InputError naming all that there are.
-[[nodiscard]] const StabilityParameter &typed_parameter(const std::string &option,
-                                                        const std::string &name);
+[[nodiscard]] const loops::StabilityParameter &typed_parameter(const std::string &option,
+                                                               const std::string &name);
 
 /// @throw InputError where the parameter means nothing to the case: gains to a current drive, say.
-void check_that_it_counts(const std::string &option, const StabilityParameter &parameter,
-                          const StabilityCase &which);
+void check_that_it_counts(const std::string &option, const loops::StabilityParameter &parameter,
+                          const loops::StabilityCase &which);
 
 /// A range of it. @throw InputError where it is outside of what the parameter can be, or empty.
-void check_parameter_range(const std::string &option, const StabilityParameter &parameter,
+void check_parameter_range(const std::string &option, const loops::StabilityParameter &parameter,
                            double from, double to);
 
-} // namespace springdrive
+} // namespace springdrive::app

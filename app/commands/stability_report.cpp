@@ -1,7 +1,7 @@
 #include "app/commands/stability_report.h"
 
 #include "base/print.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 
 #include <nlohmann/json.hpp>
@@ -11,39 +11,41 @@
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string who(const StabilityCase &which, const LoopMember &member) {
+std::string who(const loops::StabilityCase &which, const loops::LoopMember &member) {
     if (which.rotor) {
-        return "the motor given, " + hand_text(member.hand.name);
+        return "the motor given, " + loops::hand_text(member.hand.name);
     }
-    return which.freedom == Freedom::three_motors
-               ? "all motors, " + hand_text(member.hand.name)
-               : "motor " + std::to_string(member.motor + 1) + ", " + hand_text(member.hand.name);
+    return which.freedom == loops::Freedom::three_motors
+               ? "all motors, " + loops::hand_text(member.hand.name)
+               : "motor " + std::to_string(member.motor + 1) + ", " +
+                     loops::hand_text(member.hand.name);
 }
 
 void write_setting(std::ostream &out, const StabilityReport &report) {
-    const StabilityCase &which = report.which;
-    const Tuning &tuning = which.tuning;
+    const loops::StabilityCase &which = report.which;
+    const control::Tuning &tuning = which.tuning;
     print(out, "%s, servo %.6g Hz, delay %g, ", which.device.name.c_str(), 1.0 / which.period_s,
           which.delay_periods);
-    if (which.drive == AmplifierKind::current_drive) {
+    if (which.drive == device::AmplifierKind::current_drive) {
         print(out, "current drive: wall K %.4g N/m, B %.4g N·s/m, λ %.4g rad/s\n",
               which.wall.stiffness_N_per_m, which.wall.damping_Ns_per_m, tuning.lambda_rad_per_s);
     } else {
         print(out, "spring drive: dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, ",
               which.dR_Ohm(which.device.motor[0]), tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad);
         print(out, "λ %.4g rad/s, η %.3g, %s\n", tuning.lambda_rad_per_s, tuning.eta,
-              tuning.map == MotionMap::transpose ? "transpose (23)" : "inverse (18)");
+              tuning.map == control::MotionMap::transpose ? "transpose (23)" : "inverse (18)");
     }
     print(out, "hands: %zu, ", which.hands.size());
-    out << (which.rotor                              ? "one motor with an inertia of its own"
-            : which.freedom == Freedom::three_motors ? "the whole linkage, its tip held at a point"
-                                                     : "each motor by itself")
+    out << (which.rotor ? "one motor with an inertia of its own"
+            : which.freedom == loops::Freedom::three_motors
+                ? "the whole linkage, its tip held at a point"
+                : "each motor by itself")
         << "\n\n";
 }
 
@@ -53,7 +55,7 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
           who(report.which, report.worst.member).c_str());
     print(out, "simulated  %-8s  let go 1 mm aside, with encoder counts and supply limits\n",
           report.stable_simulated ? "stable" : "UNSTABLE");
-    if (report.which.drive == AmplifierKind::current_drive) {
+    if (report.which.drive == device::AmplifierKind::current_drive) {
         print(out,
               "2b/(T(1 + 2d) + 2/ω)  %.4g N/m at the tip: Colgate and Schenkel's line for a "
               "heavy device without hand and B,\n",
@@ -66,7 +68,7 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
     }
 }
 
-void write_found(std::ostream &out, const StabilityLimit &limit,
+void write_found(std::ostream &out, const limits::StabilityLimit &limit,
                  const std::optional<double> &found) {
     if (found) {
         print(out, "%11.5g", *found);
@@ -81,7 +83,7 @@ void write_found(std::ostream &out, const StabilityLimit &limit,
 }
 
 void write_limits(std::ostream &out, const StabilityReport &report) {
-    const StabilityParameter &varied = *report.varied;
+    const loops::StabilityParameter &varied = *report.varied;
     print(out, "\n%s from %.5g to %.5g %s: ", std::string(varied.symbol).c_str(), report.range.from,
           report.range.to, std::string(varied.unit).c_str());
     if (report.stable_throughout) {
@@ -92,12 +94,12 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
     out << (report.limits.size() == 1 ? "one limit\n\n" : "more than one limit\n\n");
     out << "  stable    predicted      no effects   ratio   counts, supply   + friction  "
            "limited by\n";
-    for (const StabilityLimit &limit : report.limits) {
+    for (const limits::StabilityLimit &limit : report.limits) {
         print(out, "  %-6s  %11.6g", limit.stable_below ? "up to" : "from", limit.predicted);
         write_found(out, limit, limit.simulated_linear);
         write_found(out, limit, limit.simulated);
         write_found(out, limit, limit.simulated_all);
-        StabilityCase there = report.which;
+        loops::StabilityCase there = report.which;
         varied.set(there, limit.predicted);
         out << "  " << who(there, limit.worst) << '\n';
     }
@@ -115,8 +117,8 @@ Json throughout_json(const std::optional<bool> &stable) {
     return stable ? Json(*stable ? "stable" : "unstable") : Json(nullptr);
 }
 
-Json member_json(const StabilityCase &which, const LoopMember &member) {
-    const bool one = which.freedom == Freedom::one_motor && !which.rotor;
+Json member_json(const loops::StabilityCase &which, const loops::LoopMember &member) {
+    const bool one = which.freedom == loops::Freedom::one_motor && !which.rotor;
     return {{"motor", one ? Json(member.motor + 1) : Json(nullptr)},
             {"hand", member.hand.name},
             {"hand_mass_kg", member.hand.mass_kg},
@@ -126,17 +128,17 @@ Json member_json(const StabilityCase &which, const LoopMember &member) {
 
 } // namespace
 
-double passive_wall_N_per_m(const StabilityCase &which) {
-    StabilityCase each = which;
-    each.freedom = Freedom::one_motor;
-    each.hands = {no_hand()};
-    const Matrix3 J = motor_jacobian(which.device.geometry, which.q_rad);
+double passive_wall_N_per_m(const loops::StabilityCase &which) {
+    loops::StabilityCase each = which;
+    each.freedom = loops::Freedom::one_motor;
+    each.hands = {loops::no_hand()};
+    const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     const double late_s =
         which.period_s * (1.0 + 2.0 * which.delay_periods) +
         2.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
     double least = HUGE_VAL;
-    for (const LoopMember &member : members(each)) {
-        const double b = driven_load(each, member).damping_Nms_per_rad(0, 0);
+    for (const loops::LoopMember &member : loops::members(each)) {
+        const double b = loops::driven_load(each, member).damping_Nms_per_rad(0, 0);
         least = std::min(least, 2.0 * b / late_s / J.col(member.motor).squaredNorm());
     }
     return least;
@@ -164,7 +166,7 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
         json["to"] = report.range.to;
         json["throughout"] = throughout_json(report.stable_throughout);
         json["limits"] = Json::array();
-        for (const StabilityLimit &limit : report.limits) {
+        for (const limits::StabilityLimit &limit : report.limits) {
             json["limits"].push_back(
                 {{"stable", limit.stable_below ? "below" : "above"},
                  {"predicted", limit.predicted},
@@ -180,4 +182,4 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
     out << json.dump(2) << '\n';
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

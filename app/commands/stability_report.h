@@ -1,21 +1,21 @@
 // What `springdrive stability` tells, for people or as JSON.
 #pragma once
 
-#include "engine/analysis/stability/stability_limits.h"
+#include "engine/lab/limits/stability_limits.h"
 
 #include <optional>
 #include <ostream>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct StabilityReport {
-    StabilityCase which;
-    WorstMember worst;
+    loops::StabilityCase which;
+    loops::WorstMember worst;
     bool stable_simulated = true; ///< with counts and supply
-    const StabilityParameter *varied = nullptr;
-    ParameterRange range;
-    std::vector<StabilityLimit> limits;
+    const loops::StabilityParameter *varied = nullptr;
+    limits::ParameterRange range;
+    std::vector<limits::StabilityLimit> limits;
     /// By the prediction; nothing where there are limits, or nothing varies.
     std::optional<bool> stable_throughout;
 
@@ -31,6 +31,6 @@ void write_stability_json(std::ostream &out, const StabilityReport &report);
 /// Colgate and Schenkel's line K = 2b/T, for a command that comes d periods late and an amplifier
 /// of bandwidth ω: 2b/(T(1 + 2d) + 2/ω), for a motor of a current drive without a hand and without
 /// B; the least of all motors [N/m at the tip].
-[[nodiscard]] double passive_wall_N_per_m(const StabilityCase &which);
+[[nodiscard]] double passive_wall_N_per_m(const loops::StabilityCase &which);
 
-} // namespace springdrive
+} // namespace springdrive::app

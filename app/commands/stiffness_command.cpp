@@ -3,10 +3,10 @@
 #include "app/commands/common_options.h"
 #include "app/commands/stiffness_report.h"
 #include "base/input_error.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 #include "device/simulated/simulation_options.h"
-#include "engine/analysis/stiffness_sweep.h"
-#include "engine/analysis/thermal_hold.h"
+#include "engine/lab/limits/thermal_hold.h"
+#include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -41,8 +41,8 @@ struct Typed {
 };
 
 /// The device with the motors that were typed.
-DeviceDescription device_of(const Typed &typed) {
-    DeviceDescription device = read_device_file(typed.device_file);
+device::DeviceDescription device_of(const Typed &typed) {
+    device::DeviceDescription device = device::read_device_file(typed.device_file);
     if (typed.motor.empty()) {
         return device;
     }
@@ -50,7 +50,7 @@ DeviceDescription device_of(const Typed &typed) {
     check_range("--motor: R [Ohm]", typed.motor[0], 0.01, 1000.0);
     check_range("--motor: L [H]", typed.motor[1], 1e-6, 0.1);
     check_range("--motor: kT [N·m/A]", typed.motor[2], 1e-4, 10.0);
-    for (MotorParameters &motor : device.motor) {
+    for (device::MotorParameters &motor : device.motor) {
         motor.resistance_Ohm = typed.motor[0];
         motor.inductance_H = typed.motor[1];
         motor.torque_constant_Nm_per_A = typed.motor[2];
@@ -58,14 +58,14 @@ DeviceDescription device_of(const Typed &typed) {
     return device;
 }
 
-Tuning tuning_for(const DeviceDescription &device, const Typed &typed) {
-    const Tuning tuning = typed.tuning.tuning();
+control::Tuning tuning_for(const device::DeviceDescription &device, const Typed &typed) {
+    const control::Tuning tuning = typed.tuning.tuning();
     check_dR(device, tuning);
     static_cast<void>(cold_dR_Ohm(device, tuning)); // the bench itself gives what was asked for
     return tuning;
 }
 
-SweepRange range_of(const Typed &typed) {
+loops::SweepRange range_of(const Typed &typed) {
     const double half_rate_hz = 0.5 * typed.servo_hz;
     const double highest_hz = typed.highest_hz.value_or(0.5 * half_rate_hz);
     check_range("--freq-from", typed.lowest_hz, kLowest_hz, half_rate_hz);
@@ -78,19 +78,20 @@ SweepRange range_of(const Typed &typed) {
 }
 
 void sweep(const Typed &typed) {
-    const DeviceDescription device = device_of(typed);
-    SpringDrive drive;
+    const device::DeviceDescription device = device_of(typed);
+    loops::SpringDrive drive;
     drive.motor = device.motor[0];
     drive.tuning = tuning_for(device, typed);
-    drive.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_periods, 0, SimulationOptions::kLongestDelay);
+    drive.period_s = servo::servo_period_s(typed.servo_hz);
+    check_range("--delay", typed.delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
     drive.delay_periods = typed.delay_periods;
-    const std::vector<StiffnessPoint> points = stiffness_sweep(drive, range_of(typed));
+    const std::vector<loops::StiffnessPoint> points =
+        loops::stiffness_sweep(drive, range_of(typed));
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
         if (typed.csv.empty()) {
             write_stiffness_report(out, device, drive, points);
         } else {
-            write_stiffness_csv(out, points);
+            loops::write_stiffness_csv(out, points);
         }
     });
 }
@@ -101,17 +102,17 @@ void hold(const Typed &typed) {
             throw InputError(option->get_name() + ": belongs to a sweep; leave it out with --hold");
         }
     }
-    const DeviceDescription device = device_of(typed);
-    ThermalHoldOptions options;
+    const device::DeviceDescription device = device_of(typed);
+    limits::ThermalHoldOptions options;
     options.tuning = tuning_for(device, typed);
     options.force_N = *typed.hold_N;
     options.seconds = typed.seconds.value_or(600.0);
-    const std::vector<ThermalRow> rows = thermal_hold(device, options);
+    const std::vector<limits::ThermalRow> rows = limits::thermal_hold(device, options);
     write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
         if (typed.csv.empty()) {
-            write_thermal_table(out, rows);
+            limits::write_thermal_table(out, rows);
         } else {
-            write_thermal_csv(out, rows);
+            limits::write_thermal_csv(out, rows);
         }
     });
 }
@@ -176,4 +177,4 @@ void add_stiffness_command(CLI::App &app) {
     stiffness.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,9 +5,9 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Adds `stiffness` with its options to the command line; it runs when it is what was asked for.
 void add_stiffness_command(CLI::App &app);
 
-} // namespace springdrive
+} // namespace springdrive::app

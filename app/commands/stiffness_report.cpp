@@ -1,37 +1,39 @@
 #include "app/commands/stiffness_report.h"
 
 #include "base/print.h"
-#include "engine/analysis/stability/sampled_loop.h"
 #include "engine/control/coupling.h"
+#include "engine/lab/loops/sampled_loop.h"
 
 #include <algorithm>
 #include <array>
 #include <numbers>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 double hz(double rad_per_s) { return rad_per_s / (2.0 * std::numbers::pi); }
 
 /// Of the three joints in rigid contact, the one nearest to instability, or furthest beyond.
-SampledLoop worst_joint(const DeviceDescription &device, SpringDrive drive) {
+loops::SampledLoop worst_joint(const device::DeviceDescription &device, loops::SpringDrive drive) {
     drive.tuning.eta = 0.0;
-    std::array<SampledLoop, 3> loops;
+    std::array<loops::SampledLoop, 3> loops;
     for (int joint = 0; joint < 3; ++joint) {
         drive.motor = device.motor[static_cast<std::size_t>(joint)];
-        loops[static_cast<std::size_t>(joint)] = {drive, device_load(device, joint), {}};
+        loops[static_cast<std::size_t>(joint)] = {drive, loops::device_load(device, joint), {}};
     }
     return *std::max_element(loops.begin(), loops.end(),
-                             [](const SampledLoop &a, const SampledLoop &b) {
-                                 return largest_eigenvalue(a) < largest_eigenvalue(b);
+                             [](const loops::SampledLoop &a, const loops::SampledLoop &b) {
+                                 return loops::largest_eigenvalue(a) < loops::largest_eigenvalue(b);
                              });
 }
 
-void write_head(std::ostream &out, const DeviceDescription &device, const SpringDrive &drive) {
-    const MotorParameters &motor = drive.motor;
-    const Tuning &tuning = drive.tuning;
-    const Coupling levels = coupling(motor, tuning, drive.period_s, drive.delay_periods);
+void write_head(std::ostream &out, const device::DeviceDescription &device,
+                const loops::SpringDrive &drive) {
+    const device::MotorParameters &motor = drive.motor;
+    const control::Tuning &tuning = drive.tuning;
+    const control::Coupling levels =
+        control::coupling(motor, tuning, drive.period_s, drive.delay_periods);
     print(out, "%s, first motor: R %.4g Ω, L %.4g mH, k_T %.4g mN·m/A\n", device.name.c_str(),
           motor.resistance_Ohm, 1e3 * motor.inductance_H, 1e3 * motor.torque_constant_Nm_per_A);
     print(out, "dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s, ", drive.dR_Ohm(),
@@ -42,26 +44,27 @@ void write_head(std::ostream &out, const DeviceDescription &device, const Spring
     print(out, "corners                 dR/L %.4g Hz, λ %.4g Hz, R/L %.4g Hz\n",
           hz(drive.dR_Ohm() / motor.inductance_H), hz(tuning.lambda_rad_per_s),
           hz(motor.resistance_Ohm / motor.inductance_H));
-    const SampledLoop worst = worst_joint(device, drive);
+    const loops::SampledLoop worst = worst_joint(device, drive);
     print(out, "rigid contact, no hand  %s: largest eigenvalue %.6f\n\n",
-          is_stable(worst) ? "stable" : "UNSTABLE", largest_eigenvalue(worst));
+          loops::is_stable(worst) ? "stable" : "UNSTABLE", loops::largest_eigenvalue(worst));
 }
 
 } // namespace
 
-void write_stiffness_report(std::ostream &out, const DeviceDescription &device,
-                            const SpringDrive &drive, const std::vector<StiffnessPoint> &points) {
+void write_stiffness_report(std::ostream &out, const device::DeviceDescription &device,
+                            const loops::SpringDrive &drive,
+                            const std::vector<loops::StiffnessPoint> &points) {
     write_head(out, device, drive);
     out << "  frequency      (12)               sampled            measured\n"
            "         Hz   N·m/rad      deg   N·m/rad      deg   N·m/rad      deg\n";
-    for (const StiffnessPoint &point : points) {
+    for (const loops::StiffnessPoint &point : points) {
         print(out, "%11.5g", point.frequency_hz);
         for (const std::complex<double> &stiffness :
              {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
-            print(out, "%10.5f %8.2f", std::abs(stiffness), phase_deg(stiffness));
+            print(out, "%10.5f %8.2f", std::abs(stiffness), loops::phase_deg(stiffness));
         }
         out << '\n';
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

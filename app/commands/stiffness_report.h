@@ -1,16 +1,17 @@
 // What `springdrive stiffness` tells people: levels, corners, stability, and a table.
 #pragma once
 
-#include "device/device_file.h"
-#include "engine/analysis/stiffness_sweep.h"
+#include "device/core/device_file.h"
+#include "engine/lab/loops/stiffness_sweep.h"
 
 #include <ostream>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// @param drive  the device's first motor and its tuning, of which `points` is the sweep
-void write_stiffness_report(std::ostream &out, const DeviceDescription &device,
-                            const SpringDrive &drive, const std::vector<StiffnessPoint> &points);
+void write_stiffness_report(std::ostream &out, const device::DeviceDescription &device,
+                            const loops::SpringDrive &drive,
+                            const std::vector<loops::StiffnessPoint> &points);
 
-} // namespace springdrive
+} // namespace springdrive::app

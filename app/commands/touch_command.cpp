@@ -4,10 +4,10 @@
 #include "app/commands/touch_report.h"
 #include "app/load_lines.h"
 #include "base/input_error.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"
-#include "engine/scenario/test_surfaces.h"
-#include "engine/scenario/touch_scene.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -35,12 +35,12 @@ struct Typed {
     std::string scene;
     std::filesystem::path device_file;
     std::string path = "slide";
-    TouchPathOptions how;
+    rig::TouchPathOptions how;
     int seed = 1;
     std::optional<int> steps; ///< 20000, or all that a file takes
     double servo_hz = 1000.0;
     int checks = 200;
-    double slack_m = kLeastSlack_m;
+    double slack_m = rig::kLeastSlack_m;
     std::vector<CLI::Option *> of_a_made_path; ///< which a file's path has no use for
     std::string csv;
     std::string json;
@@ -54,7 +54,7 @@ void check(const Typed &typed) {
     check_range("--seed", typed.seed, 0, std::numeric_limits<int>::max());
     check_range("--steps", typed.steps.value_or(1), 1, kMostSteps);
     check_range("--check", typed.checks, 0, kMostSteps);
-    check_range("--slack", typed.slack_m, kLeastSlack_m, 0.5 * kClearance_m);
+    check_range("--slack", typed.slack_m, rig::kLeastSlack_m, 0.5 * contact::kClearance_m);
     if (typed.csv == "-" && typed.json == "-") {
         throw InputError("--csv - and --json - would mix on standard output; give one a file");
     }
@@ -72,7 +72,8 @@ std::vector<Vector3> tips_of_file(const Typed &typed, double period_s) {
         throw InputError("--path " + typed.path +
                          ": neither a file nor press, slide, lissajous, rain or random");
     }
-    HandPath path = HandPath::read_csv(typed.path, HandPath::Header::optional);
+    simulated::HandPath path =
+        simulated::HandPath::read_csv(typed.path, simulated::HandPath::Header::optional);
     const double start_s = path.points().front().time_s;
     const double ticks = (path.points().back().time_s - start_s) / period_s + 1e-9;
     if (!typed.steps && ticks >= kMostSteps) {
@@ -90,9 +91,9 @@ std::vector<Vector3> tips_of_file(const Typed &typed, double period_s) {
 
 TouchReport touch(Typed typed) {
     check(typed);
-    typed.how.period_s = servo_period_s(typed.servo_hz);
-    const DeviceDescription device = read_device_file(typed.device_file);
-    const Scene scene = load_scene_with_lines(typed.scene, device.workspace);
+    typed.how.period_s = servo::servo_period_s(typed.servo_hz);
+    const device::DeviceDescription device = device::read_device_file(typed.device_file);
+    const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
 
     TouchReport report;
     report.surface = typed.scene;
@@ -100,7 +101,7 @@ TouchReport touch(Typed typed) {
     report.servo_hz = typed.servo_hz;
     report.radius_m = typed.how.radius_m;
     const auto start = std::chrono::steady_clock::now();
-    const HapticSurface surface = haptic_surface_of(scene);
+    const contact::HapticSurface surface = rig::haptic_surface_of(scene);
     report.preparation_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.mesh = surface.report();
@@ -108,26 +109,27 @@ TouchReport touch(Typed typed) {
     report.bytes = surface.bytes();
 
     std::vector<Vector3> tips_m;
-    if (const std::optional<TouchPathKind> kind = touch_path_named(typed.path)) {
+    if (const std::optional<rig::TouchPathKind> kind = rig::touch_path_named(typed.path)) {
         typed.how.kind = *kind;
         typed.how.seed = static_cast<std::uint64_t>(typed.seed);
         typed.how.steps = static_cast<std::size_t>(typed.steps.value_or(20'000));
-        tips_m = touch_path(surface, {scene.lower_m, scene.upper_m}, typed.how);
+        tips_m = rig::touch_path(surface, {scene.lower_m, scene.upper_m}, typed.how);
         report.how = typed.how;
     } else {
         tips_m = tips_of_file(typed, typed.how.period_s);
     }
-    report.run = run_touch(surface, tips_m, typed.how.radius_m, kRepeats);
+    report.run = rig::run_touch(surface, tips_m, typed.how.radius_m, kRepeats);
 
-    TouchCheckOptions options;
+    rig::TouchCheckOptions options;
     options.checks = static_cast<std::size_t>(typed.checks);
     options.slack_m = report.check_slack_m = typed.slack_m;
-    options.reach_m = std::max(typed.how.radius_m, kClearance_m);
-    report.findings = check_touch(
-        report.run, {plain_triangles(prepare_mesh(scene.surface).facets), surface.shapes()},
+    options.reach_m = std::max(typed.how.radius_m, contact::kClearance_m);
+    report.findings = rig::check_touch(
+        report.run,
+        {rig::plain_triangles(contact::prepare_mesh(scene.surface).facets), surface.shapes()},
         options);
-    if (names_test_sphere(typed.scene)) {
-        report.sphere_error_rad = sphere_direction_error_rad(report.run);
+    if (rig::names_test_sphere(typed.scene)) {
+        report.sphere_error_rad = rig::sphere_direction_error_rad(report.run);
     }
     return report;
 }
@@ -143,7 +145,7 @@ void run(const Typed &typed) {
     if (typed.csv.empty() && typed.json.empty()) {
         write_output("-", [&](std::ostream &out) { write_touch_table(out, report); });
     }
-    const TouchFindings &found = report.findings;
+    const rig::TouchFindings &found = report.findings;
     if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
         std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
                   << found.stuck.size() << " stuck steps\n";
@@ -212,4 +214,4 @@ void add_touch_command(CLI::App &app) {
     touch.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,9 +5,9 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Adds `touch` with its options to the command line; it runs when it is what was asked for.
 void add_touch_command(CLI::App &app);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -18,12 +18,12 @@ constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 /// As many steps of a kind are named.
 constexpr std::size_t kNamedSteps = 20;
 
-std::size_t steps_in_contact(const TouchRun &run) {
-    return static_cast<std::size_t>(std::ranges::count_if(run.steps, &TouchStep::is_touching));
+std::size_t steps_in_contact(const rig::TouchRun &run) {
+    return static_cast<std::size_t>(std::ranges::count_if(run.steps, &rig::TouchStep::is_touching));
 }
 
-Json times_json(const TouchRun &run, bool touching, double TouchStep::*time_ns) {
-    const std::optional<UpdateTimes> times = update_times(run, touching, time_ns);
+Json times_json(const rig::TouchRun &run, bool touching, double rig::TouchStep::*time_ns) {
+    const std::optional<rig::UpdateTimes> times = rig::update_times(run, touching, time_ns);
     if (!times) {
         return nullptr;
     }
@@ -42,19 +42,21 @@ Json optional_json(const std::optional<std::size_t> &value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
-Json value_json(const Greatest &greatest, double factor) {
+Json value_json(const rig::Greatest &greatest, double factor) {
     return greatest.step ? Json(greatest.value * factor) : Json(nullptr);
 }
 
-void print_times(std::ostream &out, const char *what, std::size_t steps, const TouchRun &run,
+void print_times(std::ostream &out, const char *what, std::size_t steps, const rig::TouchRun &run,
                  bool touching) {
-    const std::optional<UpdateTimes> first = update_times(run, touching, &TouchStep::first_ns);
-    const std::optional<UpdateTimes> least = update_times(run, touching, &TouchStep::least_ns);
+    const std::optional<rig::UpdateTimes> first =
+        rig::update_times(run, touching, &rig::TouchStep::first_ns);
+    const std::optional<rig::UpdateTimes> least =
+        rig::update_times(run, touching, &rig::TouchStep::least_ns);
     if (!first || !least) {
         print(out, "%-12s%10zu steps\n", what, steps);
         return;
     }
-    const auto row = [&](const UpdateTimes &times) {
+    const auto row = [&](const rig::UpdateTimes &times) {
         print(out, "%10.0f%10.0f%10.0f%10.0f\n", times.median_ns, times.p99_ns, times.p99_9_ns,
               times.max_ns);
     };
@@ -80,7 +82,7 @@ void print_steps(std::ostream &out, const char *what, const std::vector<std::siz
 void write_touch_csv(std::ostream &out, const TouchReport &report) {
     out << "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns\n";
     for (std::size_t i = 0; i < report.run.steps.size(); ++i) {
-        const TouchStep &step = report.run.steps[i];
+        const rig::TouchStep &step = report.run.steps[i];
         print(out, "%.9g", static_cast<double>(i) / report.servo_hz);
         for (const Vector3 &vector : {step.tip_m, step.proxy_m, step.normal}) {
             print(out, ",%.17g,%.17g,%.17g", vector.x(), vector.y(), vector.z());
@@ -90,8 +92,8 @@ void write_touch_csv(std::ostream &out, const TouchReport &report) {
 }
 
 void write_touch_json(std::ostream &out, const TouchReport &report) {
-    const TouchFindings &found = report.findings;
-    const TouchRun &run = report.run;
+    const rig::TouchFindings &found = report.findings;
+    const rig::TouchRun &run = report.run;
     Json json;
     json["surface"] = report.surface;
     json["triangles_given"] = report.mesh.triangles_given;
@@ -109,10 +111,10 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
     json["radius_m"] = report.radius_m;
     json["steps"] = run.steps.size();
     json["steps_in_contact"] = steps_in_contact(run);
-    json["contact_ns"] = times_json(run, true, &TouchStep::first_ns);
-    json["contact_floor_ns"] = times_json(run, true, &TouchStep::least_ns);
-    json["free_ns"] = times_json(run, false, &TouchStep::first_ns);
-    json["free_floor_ns"] = times_json(run, false, &TouchStep::least_ns);
+    json["contact_ns"] = times_json(run, true, &rig::TouchStep::first_ns);
+    json["contact_floor_ns"] = times_json(run, true, &rig::TouchStep::least_ns);
+    json["free_ns"] = times_json(run, false, &rig::TouchStep::first_ns);
+    json["free_floor_ns"] = times_json(run, false, &rig::TouchStep::least_ns);
     json["pop_throughs"] = found.pop_throughs.size();
     json["pop_through_steps"] = first_of(found.pop_throughs);
     json["stuck_steps"] = found.stuck.size();
@@ -140,8 +142,8 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
 }
 
 void write_touch_table(std::ostream &out, const TouchReport &report) {
-    const TouchFindings &found = report.findings;
-    const TouchRun &run = report.run;
+    const rig::TouchFindings &found = report.findings;
+    const rig::TouchRun &run = report.run;
     const std::size_t in_contact = steps_in_contact(run);
     print(out, "%s: %zu of %zu triangles, %zu shapes; prepared in %.3f s, %.1f MB\n",
           report.surface.c_str(), report.mesh.triangles_kept, report.mesh.triangles_given,
@@ -189,4 +191,4 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     print_steps(out, "lag over 1 µm", found.lagging);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,35 +1,35 @@
 // What `springdrive touch` tells: of each step as CSV, of all of them as JSON or for people.
 #pragma once
 
-#include "engine/analysis/touch_check.h"
-#include "engine/analysis/touch_run.h"
-#include "engine/contact/preparation/mesh_preparation.h"
-#include "engine/scenario/touch_path.h"
+#include "engine/contact/mesh/mesh_preparation.h"
+#include "engine/lab/rig/scenario/touch_path.h"
+#include "engine/lab/rig/touch_check.h"
+#include "engine/lab/rig/touch_run.h"
 
 #include <cstddef>
 #include <optional>
 #include <ostream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct TouchReport {
     std::string surface; ///< file, or name of a test surface
-    MeshReport mesh;
+    contact::MeshReport mesh;
     std::size_t shapes = 0;
     double preparation_s = 0.0;
     std::size_t bytes = 0;
 
-    std::string path;                    ///< file, or name of a generated one
-    std::optional<TouchPathOptions> how; ///< of a generated one
+    std::string path;                         ///< file, or name of a generated one
+    std::optional<rig::TouchPathOptions> how; ///< of a generated one
     double servo_hz = 0.0;
     double radius_m = 0.0; ///< of the proxy
 
     double check_slack_m = 0.0; ///< of TouchCheckOptions
 
-    TouchRun run;
-    TouchFindings findings;
-    std::optional<Greatest> sphere_error_rad; ///< of a sphere, whose true normals are known
+    rig::TouchRun run;
+    rig::TouchFindings findings;
+    std::optional<rig::Greatest> sphere_error_rad; ///< of a sphere, whose true normals are known
 };
 
 /// A header and a row for each step. SI units, but for the time of an update in nanoseconds.
@@ -40,4 +40,4 @@ void write_touch_json(std::ostream &out, const TouchReport &report);
 
 void write_touch_table(std::ostream &out, const TouchReport &report);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,7 +4,7 @@
 #include "app/commands/progress_line.h"
 #include "base/input_error.h"
 #include "base/print.h"
-#include "engine/analysis/stability/auto_tune.h"
+#include "engine/lab/limits/auto_tune.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -15,39 +15,39 @@
 #include <sstream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 struct Typed {
     std::filesystem::path device_file;
-    double dR_Ohm = Tuning{}.dR_Ohm;
+    double dR_Ohm = control::Tuning{}.dR_Ohm;
     double servo_hz = 1000.0;
     double delay_periods = 0.0;
-    double margin = AutoTuneRequest{}.margin;
-    std::string kinematics{name_of(MotionMap::transpose)};
+    double margin = limits::AutoTuneRequest{}.margin;
+    std::string kinematics{control::name_of(control::MotionMap::transpose)};
     std::string out; ///< empty: standard output, after what people want to know
 };
 
-AutoTuneRequest request_of(const Typed &typed) {
-    AutoTuneRequest request;
-    StabilityCase &which = request.which;
-    which.device = read_device_file(typed.device_file);
+limits::AutoTuneRequest request_of(const Typed &typed) {
+    limits::AutoTuneRequest request;
+    loops::StabilityCase &which = request.which;
+    which.device = device::read_device_file(typed.device_file);
     which.tuning.dR_Ohm = typed.dR_Ohm;
-    which.tuning.map = *motion_map_named(typed.kinematics);
-    if (const std::string wrong = what_is_wrong_with(which.tuning); !wrong.empty()) {
+    which.tuning.map = *control::motion_map_named(typed.kinematics);
+    if (const std::string wrong = control::what_is_wrong_with(which.tuning); !wrong.empty()) {
         throw InputError("--dR: " + wrong);
     }
     check_dR(which.device, which.tuning);
-    which.period_s = servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_periods, 0, SimulationOptions::kLongestDelay);
+    which.period_s = servo::servo_period_s(typed.servo_hz);
+    check_range("--delay", typed.delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
     which.delay_periods = typed.delay_periods;
     check_range("--margin", typed.margin, 1.0, 10.0);
     request.margin = typed.margin;
     return request;
 }
 
-std::string description_of(const Typed &typed, const AutoTuned &found) {
+std::string description_of(const Typed &typed, const limits::AutoTuned &found) {
     std::ostringstream text;
     text.precision(4);
     text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_periods
@@ -56,17 +56,17 @@ std::string description_of(const Typed &typed, const AutoTuned &found) {
     return text.str();
 }
 
-void tell(std::ostream &out, const AutoTuned &found) {
-    const TuningMargins &margins = found.margins;
+void tell(std::ostream &out, const limits::AutoTuned &found) {
+    const control::TuningMargins &margins = found.margins;
     print(out, "K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s: K_DC %.4g N·m/rad\n",
           found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
           margins.K_DC_Nm_per_rad);
     print(out, "stable on %zu loops: every hand, configuration and η\n", found.loops);
     print(out, "margins: K_P and K_D × %.3g (then it fails with %s at η %.2g)", margins.gain,
-          hand_text(margins.worst_hand).c_str(), margins.worst_eta);
+          loops::hand_text(margins.worst_hand).c_str(), margins.worst_eta);
     print(out, ", %d more whole periods of delay, dR down to %.3g Ω\n", margins.more_delay_periods,
           margins.least_dR_Ohm);
-    if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
         out << "K_P is at the end of its range: the loops would bear more\n";
     }
     if (found.taken_back > 0.0) {
@@ -78,19 +78,20 @@ void tell(std::ostream &out, const AutoTuned &found) {
 }
 
 void run(const Typed &typed) {
-    const AutoTuneRequest request = request_of(typed);
+    const limits::AutoTuneRequest request = request_of(typed);
     check_writable(typed.out);
-    AutoTuned found;
+    limits::AutoTuned found;
     {
         ProgressLine line;
-        found = auto_tune(request, [&line](double share) {
+        found = limits::auto_tune(request, [&line](double share) {
             line.show("tuning", share);
             return true;
         });
     }
     tell(typed.out.empty() ? std::cerr : std::cout, found);
     write_output(typed.out.empty() ? "-" : typed.out, [&](std::ostream &out) {
-        write_tuning_file(out, {found.tuning, description_of(typed, found), found.margins});
+        control::write_tuning_file(out,
+                                   {found.tuning, description_of(typed, found), found.margins});
     });
 }
 
@@ -112,7 +113,7 @@ void add_tune_command(CLI::App &app) {
                     "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     tune.add_option("--kinematics", typed->kinematics, "inverse (18) or transpose (23)")
-        ->check(CLI::IsMember(list_of(kMotionMapNames)));
+        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         ->type_name("FILE.toml");
     tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "
@@ -120,4 +121,4 @@ void add_tune_command(CLI::App &app) {
     tune.callback([typed] { run(*typed); });
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

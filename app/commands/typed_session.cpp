@@ -2,18 +2,18 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
 
 #include <set>
 
-namespace springdrive {
+namespace springdrive::app {
 
 void ModelTyped::add_to(CLI::App &command) {
     std::set<std::string> plants;
-    for (const PlantModel &plant_model : kPlantModels) {
+    for (const simulated::PlantModel &plant_model : simulated::kPlantModels) {
         plants.emplace(plant_model.name);
     }
     command
@@ -34,20 +34,20 @@ void ModelTyped::add_to(CLI::App &command) {
         ->type_name("NAME");
 }
 
-ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
-    ModelOptions options;
+session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
+    session::ModelOptions options;
     options.automatic = use == "auto";
     options.takes_controller =
         tuning.file.empty() && tuning.map.empty() && tuning.alpha_mode.empty();
     if (!plant.empty()) {
-        options.plant = *plant_model_named(plant);
+        options.plant = *model_selection::plant_model_named(plant);
     }
     if (step_us) {
         check_range("--step-us", *step_us, 1.0, 4000.0);
         options.longest_step_s = 1e-6 * *step_us;
     }
     if (!surface.empty()) {
-        options.surface = contact_shape_named(surface);
+        options.surface = model_selection::contact_shape_named(surface);
         if (!options.surface) {
             throw InputError("--contact-shape " + surface +
                              ": must be given, flat, primitives or simplified_N with N from 2");
@@ -89,13 +89,14 @@ void TypedSession::add_to(CLI::App &command) {
                      "drive the servo by frame time instead of the clock: the same run every time");
 }
 
-SessionOptions TypedSession::session() const {
-    static_cast<void>(servo_period_s(options.servo_hz));
-    SessionOptions session = options;
+session::SessionOptions TypedSession::session() const {
+    static_cast<void>(servo::servo_period_s(options.servo_hz));
+    session::SessionOptions session = options;
     session.program_version = SPRINGDRIVE_VERSION;
-    session.device.kind = *device_kind_named(device);
+    session.device.kind = *factory::device_kind_named(device);
     if (late_limit_ms) {
-        const double greatest_ms = 1e3 * read_device_file(session.device.file).limits.late_s;
+        const double greatest_ms =
+            1e3 * device::read_device_file(session.device.file).limits.late_s;
         check_range("--late-limit-ms", *late_limit_ms, 1e-3, greatest_ms);
         session.late_limit_s = 1e-3 * *late_limit_ms;
     }
@@ -111,4 +112,4 @@ SessionOptions TypedSession::session() const {
     return session;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

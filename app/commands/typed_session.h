@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// `--model` and what overrides it, part by part.
 struct ModelTyped {
@@ -23,12 +23,12 @@ struct ModelTyped {
     void add_to(CLI::App &command);
 
     /// @throw InputError for a part that is not known.
-    [[nodiscard]] ModelOptions options(const TuningOptions &tuning) const;
+    [[nodiscard]] session::ModelOptions options(const TuningOptions &tuning) const;
 };
 
 /// The options hold references to this: it must stay where it is until the parse is over.
 struct TypedSession {
-    SessionOptions options;
+    session::SessionOptions options;
     TuningOptions tuning;
     EffectOptions effects;
     ModelTyped model;
@@ -39,7 +39,7 @@ struct TypedSession {
 
     /// What was typed, as the session takes it.
     /// @throw InputError for what no session can run on.
-    [[nodiscard]] SessionOptions session() const;
+    [[nodiscard]] session::SessionOptions session() const;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,14 +1,14 @@
 // Fig. 2 of the paper.
 #include "app/figures/figure_text.h"
-#include "engine/analysis/stiffness_sweep.h"
 #include "engine/control/coupling.h"
+#include "engine/lab/loops/stiffness_sweep.h"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -19,26 +19,27 @@ constexpr int kDecades = 4; ///< 1 Hz to 10 kHz: below R/L and above it
 /// alias.
 constexpr double kHighestMeasured = 0.45;
 
-std::string row(const SpringDrive &drive, double wanted_hz) {
+std::string row(const loops::SpringDrive &drive, double wanted_hz) {
     const bool measurable = wanted_hz * drive.period_s <= kHighestMeasured;
-    const SweepWindow window = measurable ? sweep_window(wanted_hz, drive.period_s) : SweepWindow{};
+    const loops::SweepWindow window =
+        measurable ? loops::sweep_window(wanted_hz, drive.period_s) : loops::SweepWindow{};
     const double frequency_hz = measurable ? window.frequency_hz(drive.period_s) : wanted_hz;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const std::complex<double> measured =
-        measurable ? measured_stiffness(drive, window) : std::complex<double>(kNone, kNone);
+        measurable ? loops::measured_stiffness(drive, window) : std::complex<double>(kNone, kNone);
 
     const double omega = 2.0 * std::numbers::pi * frequency_hz;
-    const std::complex<double> unmodified = unmodified_stiffness(drive.motor, omega);
-    const std::complex<double> analytic = analytic_stiffness(drive, omega);
-    const std::complex<double> sampled = sampled_stiffness(drive, omega);
+    const std::complex<double> unmodified = loops::unmodified_stiffness(drive.motor, omega);
+    const std::complex<double> analytic = loops::analytic_stiffness(drive, omega);
+    const std::complex<double> sampled = loops::sampled_stiffness(drive, omega);
     return csv_line({frequency_hz, std::abs(unmodified), std::abs(analytic), std::abs(sampled),
-                     std::abs(measured), phase_deg(unmodified), phase_deg(analytic),
-                     phase_deg(sampled), phase_deg(measured)});
+                     std::abs(measured), loops::phase_deg(unmodified), loops::phase_deg(analytic),
+                     loops::phase_deg(sampled), loops::phase_deg(measured)});
 }
 
-ChartMarks marks(const FigureSetting &setting, const SpringDrive &drive) {
-    const Coupling levels =
-        coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_periods);
+ChartMarks marks(const FigureSetting &setting, const loops::SpringDrive &drive) {
+    const control::Coupling levels =
+        control::coupling(drive.motor, drive.tuning, drive.period_s, drive.delay_periods);
     const auto corner_hz = [&drive](double resistance_Ohm) {
         return resistance_Ohm / drive.motor.inductance_H / (2.0 * std::numbers::pi);
     };
@@ -58,8 +59,8 @@ ChartMarks marks(const FigureSetting &setting, const SpringDrive &drive) {
 
 Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &progress) {
     constexpr std::size_t kMotor = 1; // of q₂, the first that moves the tip in its plane
-    const SpringDrive drive{setting.device.motor[kMotor], setting.tuning, setting.servo_period_s,
-                            0};
+    const loops::SpringDrive drive{setting.device.motor[kMotor], setting.tuning,
+                                   setting.servo_period_s, 0};
     Figure figure;
     figure.csv = "freq_hz,unmodified_motor,analytic,sampled,measured,unmodified_motor_phase_deg,"
                  "analytic_phase_deg,sampled_phase_deg,measured_phase_deg\n";
@@ -72,4 +73,4 @@ Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &prog
     return figure;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

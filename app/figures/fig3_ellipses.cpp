@@ -1,14 +1,14 @@
 // Fig. 3 of the paper.
 #include "app/figures/figure_text.h"
-#include "device/phantom/kinematics.h"
-#include "engine/analysis/stiffness_ellipse.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -22,9 +22,10 @@ double round_number_below(double number) {
 /// The linkage in millimetres, outward and up from the base joint.
 void add_linkage(ChartMarks &marks, const FigureSetting &setting) {
     constexpr double kMillimetres = 1e3;
-    const LinkagePose pose = linkage_pose(setting.device.geometry, setting.q_rad);
+    const device::LinkagePose pose = device::linkage_pose(setting.device.geometry, setting.q_rad);
     const auto add = [&](const std::string &name, const Vector3 &point_m) {
-        const Vector2 in_plane = link_plane(setting.q_rad[0]).transpose() * (point_m - pose.base_m);
+        const loops::Vector2 in_plane =
+            loops::link_plane(setting.q_rad[0]).transpose() * (point_m - pose.base_m);
         marks.add(name + "_x", kMillimetres * in_plane.x());
         marks.add(name + "_y", kMillimetres * in_plane.y());
     };
@@ -35,8 +36,10 @@ void add_linkage(ChartMarks &marks, const FigureSetting &setting) {
 }
 
 /// How long the chart draws a stiffness: its longest axis as long as the links, about.
-void add_scale(ChartMarks &marks, const FigureSetting &setting, const PlanarStiffness &stiffness) {
-    const Eigen::SelfAdjointEigenSolver<Matrix2> axes(stiffness.inverse, Eigen::EigenvaluesOnly);
+void add_scale(ChartMarks &marks, const FigureSetting &setting,
+               const loops::PlanarStiffness &stiffness) {
+    const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(stiffness.inverse,
+                                                             Eigen::EigenvaluesOnly);
     const double longest_N_per_m = axes.eigenvalues().maxCoeff();
     const double link_mm = 0.6e3 * setting.device.geometry.upper_arm_m;
     const double bar_N_per_m = round_number_below(0.6 * longest_N_per_m);
@@ -52,12 +55,12 @@ void add_scale(ChartMarks &marks, const FigureSetting &setting, const PlanarStif
 } // namespace
 
 Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress) {
-    const PlanarStiffness stiffness =
-        planar_stiffness(setting.device, setting.tuning, setting.q_rad);
+    const loops::PlanarStiffness stiffness =
+        loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
     figure.csv = "angle_deg,inv_x,inv_y,trans_x,trans_y\n";
     constexpr int kPoints = 180;
-    for (const EllipsePoint &point : stiffness_ellipses(stiffness, kPoints)) {
+    for (const loops::EllipsePoint &point : loops::stiffness_ellipses(stiffness, kPoints)) {
         figure.csv += csv_line({kDegreesPerRadian * point.angle_rad, point.inverse_N_per_m.x(),
                                 point.inverse_N_per_m.y(), point.transpose_N_per_m.x(),
                                 point.transpose_N_per_m.y()});
@@ -71,4 +74,4 @@ Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progr
     return figure;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

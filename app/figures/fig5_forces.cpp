@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 Figure forces_figure(const FigureSetting &setting, const FigureProgress &progress) {
     constexpr double kDown_rad = -0.5 * std::numbers::pi; // a wall above the device
@@ -17,11 +17,13 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
         "map,penetration_mm,measured_outward_N,measured_up_N,predicted_outward_N,predicted_up_N,"
         "correct_outward,correct_up,error_deg,predicted_error_deg\n";
     double longest_N = 0.0;
-    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
-        const std::string name(name_of(map));
+    for (const control::MotionMap map :
+         {control::MotionMap::inverse, control::MotionMap::transpose}) {
+        const std::string name(control::name_of(map));
         // Each map its own, so that friction does not swamp the softer one.
-        const LockedDeviceOptions options = with_effects(setting, map);
-        const LockedForce force = press_locked_device(setting.device, options, map, kDown_rad);
+        const limits::LockedDeviceOptions options = with_effects(setting, map);
+        const limits::LockedForce force =
+            limits::press_locked_device(setting.device, options, map, kDown_rad);
         figure.csv += name + "," +
                       csv_line({1e3 * options.penetration_m, force.measured_N.x(),
                                 force.measured_N.y(), force.predicted_N.x(), force.predicted_N.y(),
@@ -31,14 +33,15 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
                                              number_text(kDegreesPerRadian * force.error_rad, 3) +
                                              "°");
         longest_N = std::max({longest_N, force.measured_N.norm(), force.predicted_N.norm()});
-        progress(map == MotionMap::inverse ? 0.5 : 1.0);
+        progress(map == control::MotionMap::inverse ? 0.5 : 1.0);
     }
     figure.marks.add("heading",
                      "Fig. 5: forces against a horizontal wall above, " + setting.device.name);
     figure.marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
-    figure.marks.add("conditions", effects_text(with_effects(setting, MotionMap::inverse)));
+    figure.marks.add("conditions",
+                     effects_text(with_effects(setting, control::MotionMap::inverse)));
     figure.marks.add("longest_N", longest_N);
     return figure;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,12 +1,12 @@
 // Fig. 6 of the paper.
 #include "app/figures/figure_text.h"
 #include "app/figures/locked_figures.h"
-#include "engine/analysis/stiffness_ellipse.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
 
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -16,20 +16,21 @@ struct Errors {
     double transpose_deg = 0.0;
 };
 
-using Conditions = LockedDeviceOptions (*)(const FigureSetting &, MotionMap);
+using Conditions = limits::LockedDeviceOptions (*)(const FigureSetting &, control::MotionMap);
 
 Errors errors_against(const FigureSetting &setting, Conditions conditions, double normal_rad) {
-    const auto error_deg = [&](MotionMap map) {
-        return kDegreesPerRadian *
-               press_locked_device(setting.device, conditions(setting, map), map, normal_rad)
-                   .error_rad;
+    const auto error_deg = [&](control::MotionMap map) {
+        return kDegreesPerRadian * limits::press_locked_device(
+                                       setting.device, conditions(setting, map), map, normal_rad)
+                                       .error_rad;
     };
-    return {error_deg(MotionMap::inverse), error_deg(MotionMap::transpose)};
+    return {error_deg(control::MotionMap::inverse), error_deg(control::MotionMap::transpose)};
 }
 
-ChartMarks marks(const FigureSetting &setting, const PlanarStiffness &stiffness) {
-    const LockedDeviceOptions inverse = with_effects(setting, MotionMap::inverse);
-    const LockedDeviceOptions transpose = with_effects(setting, MotionMap::transpose);
+ChartMarks marks(const FigureSetting &setting, const loops::PlanarStiffness &stiffness) {
+    const limits::LockedDeviceOptions inverse = with_effects(setting, control::MotionMap::inverse);
+    const limits::LockedDeviceOptions transpose =
+        with_effects(setting, control::MotionMap::transpose);
     ChartMarks marks;
     marks.add("heading", "Fig. 6: direction error of the force, " + setting.device.name);
     marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
@@ -47,8 +48,8 @@ ChartMarks marks(const FigureSetting &setting, const PlanarStiffness &stiffness)
 
 Figure direction_error_figure(const FigureSetting &setting, const FigureProgress &progress) {
     constexpr int kSurfaces = 24;
-    const PlanarStiffness stiffness =
-        planar_stiffness(setting.device, setting.tuning, setting.q_rad);
+    const loops::PlanarStiffness stiffness =
+        loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
     figure.csv = "normal_deg,inverse_error_deg,transpose_error_deg,inverse_predicted_deg,"
                  "inverse_ideal_deg,transpose_ideal_deg\n";
@@ -58,7 +59,7 @@ Figure direction_error_figure(const FigureSetting &setting, const FigureProgress
         const Errors ideal = errors_against(setting, without_effects, normal_rad);
         figure.csv +=
             csv_line({kDegreesPerRadian * normal_rad, real.inverse_deg, real.transpose_deg,
-                      kDegreesPerRadian * inverse_direction_error_rad(stiffness, normal_rad),
+                      kDegreesPerRadian * loops::inverse_direction_error_rad(stiffness, normal_rad),
                       ideal.inverse_deg, ideal.transpose_deg});
         progress((i + 1.0) / kSurfaces);
     }
@@ -66,4 +67,4 @@ Figure direction_error_figure(const FigureSetting &setting, const FigureProgress
     return figure;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,39 +1,40 @@
 // Figure 7, beyond the paper: what its section V says of high frequencies.
 #include "app/figures/figure_text.h"
-#include "engine/analysis/direction_spectrum.h"
-#include "engine/analysis/stiffness_ellipse.h"
 #include "engine/control/motion_control.h"
+#include "engine/lab/loops/direction_spectrum.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 constexpr std::array<double, 3> kFilters_rad_per_s{300.0, 1000.0, 3000.0};
 
-PlanarContact contact_in(const FigureSetting &setting) {
-    PlanarContact contact;
-    contact.J = planar_jacobian(setting.device.geometry, setting.q_rad);
+loops::PlanarContact contact_in(const FigureSetting &setting) {
+    loops::PlanarContact contact;
+    contact.J = loops::planar_jacobian(setting.device.geometry, setting.q_rad);
     contact.alpha_rad2_per_m2 =
-        planar_stiffness(setting.device, setting.tuning, setting.q_rad).alpha_rad2_per_m2;
-    contact.relative_stiffness = relative_stiffness(setting.device).tail<2>();
+        loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad).alpha_rad2_per_m2;
+    contact.relative_stiffness = control::relative_stiffness(setting.device).tail<2>();
     for (std::size_t j = 0; j < 2; ++j) {
         contact.drive[j] = {setting.device.motor[j + 1], setting.tuning, setting.servo_period_s, 0};
     }
     return contact;
 }
 
-double error_deg(PlanarContact contact, MotionMap map, double frequency_hz,
+double error_deg(loops::PlanarContact contact, control::MotionMap map, double frequency_hz,
                  double lambda_rad_per_s) {
-    for (SpringDrive &drive : contact.drive) {
+    for (loops::SpringDrive &drive : contact.drive) {
         drive.tuning.lambda_rad_per_s = lambda_rad_per_s;
     }
     const double omega = 2.0 * std::numbers::pi * frequency_hz;
-    return kDegreesPerRadian * worst_direction_error_rad(tip_stiffness(contact, map, omega));
+    return kDegreesPerRadian *
+           loops::worst_direction_error_rad(loops::tip_stiffness(contact, map, omega));
 }
 
 } // namespace
@@ -42,7 +43,7 @@ Figure direction_over_frequency_figure(const FigureSetting &setting,
                                        const FigureProgress &progress) {
     constexpr int kPointsPerDecade = 30;
     constexpr int kRows = 3 * kPointsPerDecade; // 1 Hz to 1 kHz
-    const PlanarContact contact = contact_in(setting);
+    const loops::PlanarContact contact = contact_in(setting);
     Figure figure;
     figure.csv = "freq_hz,inverse_deg";
     for (const double lambda : kFilters_rad_per_s) {
@@ -51,11 +52,11 @@ Figure direction_over_frequency_figure(const FigureSetting &setting,
     figure.csv += "\n";
     for (int i = 0; i <= kRows; ++i) {
         const double f_hz = std::pow(10.0, static_cast<double>(i) / kPointsPerDecade);
-        figure.csv +=
-            csv_line({f_hz, error_deg(contact, MotionMap::inverse, f_hz, kFilters_rad_per_s[0]),
-                      error_deg(contact, MotionMap::transpose, f_hz, kFilters_rad_per_s[0]),
-                      error_deg(contact, MotionMap::transpose, f_hz, kFilters_rad_per_s[1]),
-                      error_deg(contact, MotionMap::transpose, f_hz, kFilters_rad_per_s[2])});
+        figure.csv += csv_line(
+            {f_hz, error_deg(contact, control::MotionMap::inverse, f_hz, kFilters_rad_per_s[0]),
+             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[0]),
+             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[1]),
+             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[2])});
         progress(static_cast<double>(i) / kRows);
     }
     figure.marks.add("heading", "Fig. 7: direction error over frequency, worst over the normals, " +
@@ -65,4 +66,4 @@ Figure direction_over_frequency_figure(const FigureSetting &setting,
     return figure;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

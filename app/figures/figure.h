@@ -4,24 +4,25 @@
 // figure looks, or to change that, look there.
 #pragma once
 
-#include "device/device_file.h"
-#include "engine/analysis/locked_device.h"
+#include "device/core/device_file.h"
 #include "engine/control/tuning.h"
+#include "engine/lab/limits/locked_device.h"
 
 #include <array>
 #include <functional>
 #include <string>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// What the figures are of.
 struct FigureSetting {
-    DeviceDescription device;
-    Tuning tuning;
+    device::DeviceDescription device;
+    control::Tuning tuning;
     Vector3 q_rad{Vector3::Zero()}; ///< base locked in figures 3 and 5 to 7
     double servo_period_s = 1e-3;
-    double resistance_spread = LockedDeviceOptions{}.resistance_spread; ///< of figures 5 and 6
+    double resistance_spread =
+        limits::LockedDeviceOptions{}.resistance_spread; ///< of figures 5 and 6
 };
 
 /// Names and values for a gnuplot script, as assignments in gnuplot's own language.
@@ -75,4 +76,4 @@ inline constexpr std::array<FigureMaker, 5> kFigures{{
     {"fig7_direction_over_frequency", direction_over_frequency_figure},
 }};
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 void ChartMarks::add(std::string_view name, double number) {
     assignments_ += std::string(name) + " = " + number_text(number, 17) + "; ";
@@ -41,7 +41,7 @@ std::string csv_line(std::initializer_list<double> cells) {
 }
 
 std::string gains_text(const FigureSetting &setting) {
-    const Tuning &tuning = setting.tuning;
+    const control::Tuning &tuning = setting.tuning;
     return "dR " + number_text(tuning.dR_Ohm, 4) + " Ω, K_P " +
            number_text(tuning.K_P_V_per_rad, 4) + " V/rad, K_D " +
            number_text(tuning.K_D_Vs_per_rad, 4) + " V·s/rad, servo " +
@@ -63,4 +63,4 @@ std::string angles_text(const FigureSetting &setting) {
     return text;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
@@ -26,4 +26,4 @@ inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 /// The joint angles: "q 0°, 20°, −15°".
 [[nodiscard]] std::string angles_text(const FigureSetting &setting);
 
-} // namespace springdrive
+} // namespace springdrive::app

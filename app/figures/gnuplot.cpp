@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -149,4 +149,4 @@ void draw(const Chart &chart) {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

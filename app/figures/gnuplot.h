@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// A chart that gnuplot is to draw.
 struct Chart {
@@ -21,4 +21,4 @@ struct Chart {
 ///        own last word.
 void draw(const Chart &chart);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,34 +4,34 @@
 
 #include <algorithm>
 
-namespace springdrive {
+namespace springdrive::app {
 
-LockedDeviceOptions with_effects(const FigureSetting &setting, MotionMap map) {
-    LockedDeviceOptions options;
+limits::LockedDeviceOptions with_effects(const FigureSetting &setting, control::MotionMap map) {
+    limits::LockedDeviceOptions options;
     options.q_rad = setting.q_rad;
     options.tuning = setting.tuning;
     options.servo_period_s = setting.servo_period_s;
     options.resistance_spread = setting.resistance_spread;
     options.penetration_m =
-        harmless_penetration_m(setting.device, setting.tuning, setting.q_rad, map);
+        limits::harmless_penetration_m(setting.device, setting.tuning, setting.q_rad, map);
     return options;
 }
 
-LockedDeviceOptions without_effects(const FigureSetting &setting, MotionMap map) {
+limits::LockedDeviceOptions without_effects(const FigureSetting &setting, control::MotionMap map) {
     constexpr double kLinear_m = 1e-4; // bends the inverse map's force by Δx/l, 0.04°
-    LockedDeviceOptions options = with_effects(setting, map);
+    limits::LockedDeviceOptions options = with_effects(setting, map);
     options.effects = false;
     options.penetration_m = std::min(options.penetration_m, kLinear_m);
     return options;
 }
 
-std::string effects_text(const LockedDeviceOptions &options) {
+std::string effects_text(const limits::LockedDeviceOptions &options) {
     return "with encoders, weight, friction, warming windings, R of motors 2 and 3 at ∓" +
            number_text(100.0 * options.resistance_spread, 2) + " %";
 }
 
-std::string penetration_text(const LockedDeviceOptions &options) {
+std::string penetration_text(const limits::LockedDeviceOptions &options) {
     return number_text(1e3 * options.penetration_m, 2) + " mm";
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

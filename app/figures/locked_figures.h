@@ -2,22 +2,24 @@
 #pragma once
 
 #include "app/figures/figure.h"
-#include "engine/analysis/locked_device.h"
+#include "engine/lab/limits/locked_device.h"
 
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// As on a real device, pressed as far as its limits let this map be without harm.
-[[nodiscard]] LockedDeviceOptions with_effects(const FigureSetting &setting, MotionMap map);
+[[nodiscard]] limits::LockedDeviceOptions with_effects(const FigureSetting &setting,
+                                                       control::MotionMap map);
 
 /// As the equations have it, pressed so little that their linearity in Δx holds.
-[[nodiscard]] LockedDeviceOptions without_effects(const FigureSetting &setting, MotionMap map);
+[[nodiscard]] limits::LockedDeviceOptions without_effects(const FigureSetting &setting,
+                                                          control::MotionMap map);
 
 /// Which effects were on: "encoders, friction, …".
-[[nodiscard]] std::string effects_text(const LockedDeviceOptions &options);
+[[nodiscard]] std::string effects_text(const limits::LockedDeviceOptions &options);
 
 /// "1.2 mm"
-[[nodiscard]] std::string penetration_text(const LockedDeviceOptions &options);
+[[nodiscard]] std::string penetration_text(const limits::LockedDeviceOptions &options);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -96,4 +96,4 @@ std::vector<std::optional<NameCorner>> name_corners(const std::vector<PointName>
     return corners;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// A place in a chart, as shares of its frame from the lower left corner.
 struct Spot {
@@ -36,4 +36,4 @@ struct PointName {
 name_corners(const std::vector<PointName> &names, const std::vector<Spot> &points,
              const std::vector<Stroke> &strokes);
 
-} // namespace springdrive
+} // namespace springdrive::app

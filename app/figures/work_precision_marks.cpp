@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -45,9 +45,9 @@ private:
 constexpr double kRoundOffGap_decades = 6.0;
 
 /// The greatest error that is round-off; 0 where none is, but for errors of 0.
-double round_off_of(const WorkPrecisionChart &chart) {
+double round_off_of(const rig::WorkPrecisionChart &chart) {
     std::vector<double> decades;
-    for (const WorkPoint &point : chart.points) {
+    for (const rig::WorkPoint &point : chart.points) {
         if (point.error > 0.0 && std::isfinite(point.error)) {
             decades.push_back(std::log10(point.error));
         }
@@ -81,13 +81,13 @@ struct Frame {
     }
 };
 
-Frame frame_of(const WorkPrecisionChart &chart) {
+Frame frame_of(const rig::WorkPrecisionChart &chart) {
     LogRange cost_ns;
     LogRange error;
     const double round_off = round_off_of(chart);
     bool has_zero = false;
     bool has_none = false;
-    for (const WorkPoint &point : chart.points) {
+    for (const rig::WorkPoint &point : chart.points) {
         cost_ns.include(point.cost.least_ns);
         cost_ns.include(point.cost.greatest_ns);
         has_zero |= point.error <= round_off;
@@ -115,9 +115,9 @@ Frame frame_of(const WorkPrecisionChart &chart) {
 }
 
 /// The methods' names, each once, in the order in which they come.
-std::vector<std::string> methods_of(const WorkPrecisionChart &chart) {
+std::vector<std::string> methods_of(const rig::WorkPrecisionChart &chart) {
     std::vector<std::string> methods;
-    for (const WorkPoint &point : chart.points) {
+    for (const rig::WorkPoint &point : chart.points) {
         if (std::ranges::find(methods, point.method) == methods.end()) {
             methods.push_back(point.method);
         }
@@ -135,10 +135,10 @@ std::string words_of(const std::vector<std::string> &methods) {
 }
 
 /// For each row the number of its method, from 1.
-std::string method_of_rows(const WorkPrecisionChart &chart,
+std::string method_of_rows(const rig::WorkPrecisionChart &chart,
                            const std::vector<std::string> &methods) {
     std::string numbers;
-    for (const WorkPoint &point : chart.points) {
+    for (const rig::WorkPoint &point : chart.points) {
         const auto found = std::ranges::find(methods, point.method);
         numbers += std::to_string(found - methods.begin() + 1) + ' ';
     }
@@ -146,10 +146,10 @@ std::string method_of_rows(const WorkPrecisionChart &chart,
 }
 
 /// All that names had better not cross: the lines between points, and the bars of their times.
-std::vector<Stroke> strokes_of(const WorkPrecisionChart &chart, const Frame &frame) {
+std::vector<Stroke> strokes_of(const rig::WorkPrecisionChart &chart, const Frame &frame) {
     std::vector<Stroke> strokes;
-    const WorkPoint *before = nullptr; // of the same line
-    for (const WorkPoint &point : chart.points) {
+    const rig::WorkPoint *before = nullptr; // of the same line
+    for (const rig::WorkPoint &point : chart.points) {
         if (!point.stable) {
             continue;
         }
@@ -170,7 +170,7 @@ std::size_t letters_in(const std::string &text) {
 
 /// For each corner, in their order, the rows whose names stand there, as numbers between spaces:
 /// the first and the last point of each method, but for those that have no room.
-std::array<std::string, 4> named_rows(const WorkPrecisionChart &chart, const Frame &frame) {
+std::array<std::string, 4> named_rows(const rig::WorkPrecisionChart &chart, const Frame &frame) {
     const auto &points = chart.points;
     std::vector<std::size_t> rows;
     std::vector<PointName> names;
@@ -196,7 +196,7 @@ std::array<std::string, 4> named_rows(const WorkPrecisionChart &chart, const Fra
 
 } // namespace
 
-ChartMarks work_precision_marks(const WorkPrecisionChart &chart, const std::string &footnote) {
+ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart, const std::string &footnote) {
     const Frame frame = frame_of(chart);
     const std::vector<std::string> methods = methods_of(chart);
     ChartMarks marks;
@@ -212,7 +212,8 @@ ChartMarks work_precision_marks(const WorkPrecisionChart &chart, const std::stri
     for (std::size_t i = 0; i < rows.size(); ++i) {
         marks.add("named_" + std::string(kCorners[i]), rows[i]);
     }
-    const bool fails = std::ranges::any_of(chart.points, std::logical_not<>(), &WorkPoint::stable);
+    const bool fails =
+        std::ranges::any_of(chart.points, std::logical_not<>(), &rig::WorkPoint::stable);
     marks.add("has_failures", fails ? 1.0 : 0.0);
     marks.add("cost_low_s", 1e-9 * frame.cost_low_ns);
     marks.add("cost_high_s", 1e-9 * frame.cost_high_ns);
@@ -224,4 +225,4 @@ ChartMarks work_precision_marks(const WorkPrecisionChart &chart, const std::stri
     return marks;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

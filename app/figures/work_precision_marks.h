@@ -2,17 +2,17 @@
 #pragma once
 
 #include "app/figures/figure.h"
-#include "engine/analysis/work_precision/work_point.h"
+#include "engine/lab/rig/work_point.h"
 
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Title, labels, methods, the ranges of both axes and which points are named in the picture.
 ///
 /// The ranges hold every point. An error of 0, which no logarithmic axis has, stands apart at the
 /// bottom; one that is not finite on the upper edge.
-[[nodiscard]] ChartMarks work_precision_marks(const WorkPrecisionChart &chart,
+[[nodiscard]] ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart,
                                               const std::string &footnote);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,7 +2,7 @@
 #include "app/panels/panels.h"
 #include "app/plot.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -11,10 +11,10 @@ constexpr double kNoticeable_deg = 25.0;
 
 } // namespace
 
-void draw_force_direction_panel(const Session &session, const Rectangle &place) {
+void draw_force_direction_panel(const session::Session &session, const Rectangle &place) {
     begin_panel("Force direction", place);
-    const History &history = session.servo().history();
-    const bool transpose = session.servo().inputs().tuning.map == MotionMap::transpose;
+    const session::History &history = session.servo().history();
+    const bool transpose = session.servo().inputs().tuning.map == control::MotionMap::transpose;
 
     Plot error;
     error.title = "angle force–normal [°]";
@@ -47,4 +47,4 @@ void draw_force_direction_panel(const Session &session, const Rectangle &place) 
     ImGui::End();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <imgui.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct Rectangle {
     ImVec2 corner; ///< top left
@@ -58,4 +58,4 @@ inline void begin_panel(const char *title, const Rectangle &place) {
                      ImGuiWindowFlags_NoSavedSettings);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 constexpr double kLeastShare = 0.02; // of the device's own: what is lower stops everything
 
 /// A slider from next to nothing up to the device's own limit, and a button back to that.
-bool edit_limit(const SafetyLimit &limit, double device_value, double &wish) {
+bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &wish) {
     const double scale = limit.shown_per_si;
     const float font = ImGui::GetFontSize();
     double shown = scale * std::min(device_value, wish);
@@ -42,15 +42,15 @@ bool edit_limit(const SafetyLimit &limit, double device_value, double &wish) {
 
 } // namespace
 
-void draw_limits_popup(Session &session) {
+void draw_limits_popup(session::Session &session) {
     if (!ImGui::BeginPopup("limits")) {
         return;
     }
     ImGui::Text("The device is stopped above");
-    const SafetyLimits device = limits_of(session.description());
-    SafetyLimits wishes = session.servo().inputs().limits;
+    const servo::SafetyLimits device = servo::limits_of(session.description());
+    servo::SafetyLimits wishes = session.servo().inputs().limits;
     bool changed = false;
-    for (const SafetyLimit &limit : kSafetyLimits) {
+    for (const servo::SafetyLimit &limit : servo::kSafetyLimits) {
         changed |= edit_limit(limit, device.*limit.value, wishes.*limit.value);
     }
     if (changed) {
@@ -60,4 +60,4 @@ void draw_limits_popup(Session &session) {
     ImGui::EndPopup();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,6 +1,6 @@
 #include "app/panels/look.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 void apply_look(float scale) {
     ImGuiStyle &style = ImGui::GetStyle();
@@ -37,4 +37,4 @@ void apply_look(float scale) {
     colours[ImGuiCol_CheckMark] = colours[ImGuiCol_SliderGrab];
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,7 +3,7 @@
 
 #include <imgui.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 inline const ImVec4 kInk{0.90F, 0.92F, 0.94F, 1.0F};
 inline const ImVec4 kFaintInk{0.60F, 0.64F, 0.69F, 1.0F};
@@ -17,4 +17,4 @@ inline const ImVec4 kDanger{1.0F, 0.38F, 0.34F, 1.0F};
 /// Dark, quiet, sized for `scale`. After ImGui::CreateContext, and again when the scale changes.
 void apply_look(float scale);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -28,23 +28,26 @@ const char *meaning_of(const std::string &axis) {
 }
 
 /// Why a candidate was chosen, or not.
-std::string reason_of(const ModelAxis &axis, std::size_t index, const ModelTolerance &tolerance) {
-    const Candidate &candidate = axis.candidates[index];
+std::string reason_of(const model_selection::ModelAxis &axis, std::size_t index,
+                      const scene::ModelTolerance &tolerance) {
+    const model_selection::Candidate &candidate = axis.candidates[index];
     if (index == axis.chosen) {
         return "chosen: the cheapest with which the whole meets the scene's tolerance";
     }
-    std::string reason = "by itself: " + verdict(candidate.error, tolerance);
-    for (const CheaperTrial &trial : axis.cheaper) {
+    std::string reason = "by itself: " + model_selection::verdict(candidate.error, tolerance);
+    for (const model_selection::CheaperTrial &trial : axis.cheaper) {
         if (trial.candidate == index) {
-            reason += "\nwith the rest as chosen: " + verdict(trial.error, tolerance);
+            reason +=
+                "\nwith the rest as chosen: " + model_selection::verdict(trial.error, tolerance);
         }
     }
     return reason;
 }
 
 /// A candidate's line: what it costs and how far it is off by itself.
-void draw_candidate(const ModelAxis &axis, std::size_t index, const ModelTolerance &tolerance) {
-    const Candidate &candidate = axis.candidates[index];
+void draw_candidate(const model_selection::ModelAxis &axis, std::size_t index,
+                    const scene::ModelTolerance &tolerance) {
+    const model_selection::Candidate &candidate = axis.candidates[index];
     const bool is_chosen = index == axis.chosen;
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
@@ -54,8 +57,9 @@ void draw_candidate(const ModelAxis &axis, std::size_t index, const ModelToleran
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.least_ns);
     ImGui::TableNextColumn();
-    ImGui::TextColored(meets(candidate.error, tolerance) ? kFaintInk : kWarning, "%.2f N, %.1f°",
-                       candidate.error.force_N, candidate.error.direction_rad * kDegreesPerRadian);
+    ImGui::TextColored(model_selection::meets(candidate.error, tolerance) ? kFaintInk : kWarning,
+                       "%.2f N, %.1f°", candidate.error.force_N,
+                       candidate.error.direction_rad * kDegreesPerRadian);
 }
 
 void draw_headings() {
@@ -67,7 +71,7 @@ void draw_headings() {
     }
 }
 
-void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
+void draw_axis(const model_selection::ModelAxis &axis, const scene::ModelTolerance &tolerance) {
     const bool is_open = ImGui::TreeNode(axis.name.c_str(), "%s: %s", axis.name.c_str(),
                                          axis.candidates[axis.chosen].name.c_str());
     explain(meaning_of(axis.name));
@@ -85,11 +89,11 @@ void draw_axis(const ModelAxis &axis, const ModelTolerance &tolerance) {
 }
 
 /// What of a planar scene's model runs: a tip that does not leave its plane is to be no riddle.
-void draw_joints(const Session &session) {
+void draw_joints(const session::Session &session) {
     if (session.simulation().planar) {
         ImGui::TextWrapped("The device moves in a plane only, as this scene asks for.");
     } else if (session.scenes().now().choice.has_value() &&
-               model_of(*session.models().choice()).planar) {
+               model_selection::model_of(*session.models().choice()).planar) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("All three joints move: a base that was free before is not held. Start "
                            "with this scene to simulate two.");
@@ -97,7 +101,7 @@ void draw_joints(const Session &session) {
     }
 }
 
-void draw_whether_it_runs(Session &session) {
+void draw_whether_it_runs(session::Session &session) {
     if (session.scenes().now().choice.has_value()) {
         ImGui::TextColored(kGood, "this model runs");
         return;
@@ -112,8 +116,8 @@ void draw_whether_it_runs(Session &session) {
             "without mass cannot shake, whatever the gains");
 }
 
-void draw_choice(const ModelChoice &choice) {
-    const ModelTolerance &tolerance = choice.tolerance;
+void draw_choice(const model_selection::ModelChoice &choice) {
+    const scene::ModelTolerance &tolerance = choice.tolerance;
     ImGui::TextWrapped("%.3f N and %.1f° off, %.3g N and %.3g° allowed", choice.error.force_N,
                        choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
                        tolerance.direction_rad * kDegreesPerRadian);
@@ -121,7 +125,7 @@ void draw_choice(const ModelChoice &choice) {
             "usual tolerance holds");
     ImGui::TextWrapped("%.2f µs of a processor a tick, the fullest takes %.2f µs",
                        1e-3 * choice.cost_ns, 1e-3 * choice.fullest_cost_ns);
-    for (const ModelAxis &axis : choice.axes) {
+    for (const model_selection::ModelAxis &axis : choice.axes) {
         draw_axis(axis, tolerance);
     }
     for (const std::string &remark : choice.remarks) {
@@ -133,8 +137,8 @@ void draw_choice(const ModelChoice &choice) {
 
 } // namespace
 
-void draw_model_tab(Session &session) {
-    const ModelMeasurement &measurement = session.models().measurement();
+void draw_model_tab(session::Session &session) {
+    const session::ModelMeasurement &measurement = session.models().measurement();
     if (measurement.is_running()) {
         ImGui::TextWrapped("measuring: %s", measurement.progress().c_str());
         if (ImGui::Button("give up")) {
@@ -161,4 +165,4 @@ void draw_model_tab(Session &session) {
     explain("in the background; what was measured before on this machine is remembered");
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// What the tuning panel remembers between frames: a number is in force only once it is typed to
 /// its end, since on the way from 1 to 0.5 stands 0.
@@ -22,10 +22,10 @@ struct TuningPanelState {
 };
 
 /// The six parameters with what follows from them, and behind a second tab how stable they are.
-void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place);
+void draw_tuning_panel(session::Session &session, TuningPanelState &state, const Rectangle &place);
 
 /// The angle between rendered force and surface normal over time, with both maps.
-void draw_force_direction_panel(const Session &session, const Rectangle &place);
+void draw_force_direction_panel(const session::Session &session, const Rectangle &place);
 
 /// What the servo panel remembers between frames.
 struct ServoPanelState {
@@ -33,22 +33,22 @@ struct ServoPanelState {
 };
 
 /// State, rate, jitter, compute time, recording, limits, and what the system refused.
-void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle &place);
+void draw_servo_panel(session::Session &session, ServoPanelState &state, const Rectangle &place);
 
 /// The safety limits, to lower them; opened by the servo panel.
-void draw_limits_popup(Session &session);
+void draw_limits_popup(session::Session &session);
 
 /// What the scene panel remembers between frames.
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
 };
-void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place);
+void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place);
 
 /// Within the scene panel: which model the scene would get by its tolerance, and what runs.
-void draw_model_tab(Session &session);
+void draw_model_tab(session::Session &session);
 
 /// Over the scene: how to use the mouse, and a banner after a safety trip.
-void draw_scene_overlay(Session &session, const Rectangle &view, float scale);
+void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale);
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
-void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
-    const SafetyStatus &safety = session.latest().safety;
+void draw_trip_banner(session::Session &session, const Rectangle &view, float scale) {
+    const servo::SafetyStatus &safety = session.latest().safety;
     const float width = std::min(0.9F * view.size.x, 520.0F * scale);
     ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), 16.0F * scale});
     ImGui::SetNextWindowSize({width, 0.0F});
@@ -16,7 +16,7 @@ void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
     ImGui::Begin("stopped", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
-    ImGui::TextWrapped("Stopped: %s. The motors brake.", description(safety).c_str());
+    ImGui::TextWrapped("Stopped: %s. The motors brake.", servo::description(safety).c_str());
     if (ImGui::Button("All is clear: reset")) {
         session.servo().reset_safety();
     }
@@ -26,8 +26,8 @@ void draw_trip_banner(Session &session, const Rectangle &view, float scale) {
 
 } // namespace
 
-void draw_scene_overlay(Session &session, const Rectangle &view, float scale) {
-    if (session.latest().safety.state == SafetyState::tripped) {
+void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale) {
+    if (session.latest().safety.state == servo::SafetyState::tripped) {
         draw_trip_banner(session, view, scale);
     }
     const char *help = session.hand().follows_path()
@@ -46,4 +46,4 @@ void draw_scene_overlay(Session &session, const Rectangle &view, float scale) {
     list.PopClipRect();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -3,12 +3,12 @@
 
 #include <imgui_stdlib.h>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
-void draw_scene_tab(Session &session, ScenePanelState &state) {
-    const LoadedScene &shown = session.scenes().now();
+void draw_scene_tab(session::Session &session, ScenePanelState &state) {
+    const session::LoadedScene &shown = session.scenes().now();
     ImGui::SetNextItemWidth(-1.0F);
     if (ImGui::BeginCombo("##files", shown.scene.file.filename().c_str())) {
         for (const std::filesystem::path &file : state.files) {
@@ -53,7 +53,7 @@ void draw_scene_tab(Session &session, ScenePanelState &state) {
 
 } // namespace
 
-void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle &place) {
+void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place) {
     begin_panel("Scene", place);
     if (ImGui::BeginTabBar("##tabs")) {
         if (ImGui::BeginTabItem("What it is")) {
@@ -69,4 +69,4 @@ void draw_scene_panel(Session &session, ScenePanelState &state, const Rectangle 
     ImGui::End();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

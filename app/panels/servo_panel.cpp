@@ -7,32 +7,32 @@
 #include <ctime>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
 constexpr double kMicro = 1e6;
 
-void show_state(const Session &session) {
-    const ServoSample &now = session.latest();
+void show_state(const session::Session &session) {
+    const servo::ServoSample &now = session.latest();
     switch (now.safety.state) {
-    case SafetyState::waiting:
+    case servo::SafetyState::waiting:
         ImGui::TextColored(kWarning, "%s",
                            now.contact.touching ? "waiting: lift the tip off the surface"
                                                 : "waiting for the tip to rest in free space");
         break;
-    case SafetyState::starting:
+    case servo::SafetyState::starting:
         ImGui::TextColored(kWarning, "starting, gains at %.0f %%", 100.0 * now.safety.ramp);
         break;
-    case SafetyState::running:
+    case servo::SafetyState::running:
         ImGui::TextColored(kGood, "running");
         break;
-    case SafetyState::releasing:
+    case servo::SafetyState::releasing:
         ImGui::TextColored(kWarning, "letting go, gains at %.0f %%", 100.0 * now.safety.ramp);
         break;
-    case SafetyState::tripped:
+    case servo::SafetyState::tripped:
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
-        ImGui::TextWrapped("stopped: %s", description(now.safety).c_str());
+        ImGui::TextWrapped("stopped: %s", servo::description(now.safety).c_str());
         ImGui::PopStyleColor();
         return;
     }
@@ -47,7 +47,8 @@ void show_state(const Session &session) {
     ImGui::TextColored(kFaintInk, "%s", session.description().name.c_str());
 }
 
-void show_duration(const char *name, const DurationHistogram &durations, const char *explanation) {
+void show_duration(const char *name, const servo::DurationHistogram &durations,
+                   const char *explanation) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%s", name);
@@ -65,7 +66,7 @@ void show_duration(const char *name, const DurationHistogram &durations, const c
     }
 }
 
-void show_durations(const ServoStatistics &statistics) {
+void show_durations(const servo::ServoStatistics &statistics) {
     if (ImGui::BeginTable("durations", 5, ImGuiTableFlags_SizingStretchProp)) {
         ImGui::TableNextRow();
         for (const char *title : {"all in µs", "median", "99 %", "99.9 %", "longest"}) {
@@ -80,8 +81,8 @@ void show_durations(const ServoStatistics &statistics) {
     }
 }
 
-void show_rate(const Session &session) {
-    const ServoStatistics &statistics = session.servo().statistics();
+void show_rate(const session::Session &session) {
+    const servo::ServoStatistics &statistics = session.servo().statistics();
     ImGui::TextColored(kFaintInk, "asked %.0f Hz", session.servo().rate_hz());
     if (statistics.period().count() > 0) {
         ImGui::SameLine();
@@ -89,7 +90,7 @@ void show_rate(const Session &session) {
     }
     ImGui::SameLine();
     const std::uint64_t lost = session.servo().lost_samples();
-    if (session.device().device().clock() == DeviceClock::servo) {
+    if (session.device().device().clock() == device::DeviceClock::servo) {
         // Nothing of it was missed: a simulated world waits.
         ImGui::TextColored(lost == 0 ? kFaintInk : kWarning, "stood still %.0f ms  lost %llu",
                            1e3 * session.servo().stood_still().seconds,
@@ -112,7 +113,7 @@ std::string name_of_new_record() {
     return text.data();
 }
 
-void toggle_recording(Session &session, ServoPanelState &state) {
+void toggle_recording(session::Session &session, ServoPanelState &state) {
     state.record_error.clear();
     if (session.recording().is_running()) {
         session.recording().stop();
@@ -125,7 +126,7 @@ void toggle_recording(Session &session, ServoPanelState &state) {
     }
 }
 
-void show_recording(Session &session, ServoPanelState &state) {
+void show_recording(session::Session &session, ServoPanelState &state) {
     const bool recording = session.recording().is_running();
     // As wide in both states: what stands beside it must not move under the mouse.
     const float width = ImGui::CalcTextSize("stop recording").x + ImGui::GetFontSize();
@@ -140,7 +141,7 @@ void show_recording(Session &session, ServoPanelState &state) {
         ImGui::OpenPopup("limits");
     }
     draw_limits_popup(session);
-    const RecorderStatus status = session.recording().status();
+    const record::RecorderStatus status = session.recording().status();
     const std::string &error = state.record_error.empty() ? status.error : state.record_error;
     if (!error.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
@@ -161,7 +162,7 @@ void show_recording(Session &session, ServoPanelState &state) {
 
 } // namespace
 
-void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle &place) {
+void draw_servo_panel(session::Session &session, ServoPanelState &state, const Rectangle &place) {
     begin_panel("Servo", place);
     show_state(session);
     show_durations(session.servo().statistics());
@@ -179,4 +180,4 @@ void draw_servo_panel(Session &session, ServoPanelState &state, const Rectangle 
     ImGui::End();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -23,8 +23,8 @@ double share(double value, double least, double greatest) {
                       1.0);
 }
 
-bool has_same_field(const StabilityCase &a, const StabilityCase &b) {
-    Tuning same = a.tuning;
+bool has_same_field(const loops::StabilityCase &a, const loops::StabilityCase &b) {
+    control::Tuning same = a.tuning;
     same.K_P_V_per_rad = b.tuning.K_P_V_per_rad;
     same.dR_Ohm = b.tuning.dR_Ohm;
     return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad &&
@@ -76,7 +76,7 @@ void draw_cells(const StabilityGrid &grid, ImVec2 corner, ImVec2 size) {
     }
 }
 
-void draw_cross(const Tuning &now, ImVec2 corner, ImVec2 size) {
+void draw_cross(const control::Tuning &now, ImVec2 corner, ImVec2 size) {
     const float x =
         corner.x +
         size.x * static_cast<float>(share(now.K_P_V_per_rad, StabilityGrid::kLeast_K_P_V_per_rad,
@@ -106,22 +106,23 @@ double StabilityGrid::at(int column, int row) const {
                          static_cast<std::size_t>(column));
 }
 
-StabilityGrid stability_grid(const StabilityCase &which, BackgroundTalk &talk) {
+StabilityGrid stability_grid(const loops::StabilityCase &which, BackgroundTalk &talk) {
     StabilityGrid grid;
     grid.period_s = which.period_s;
-    StabilityCase there = which;
+    loops::StabilityCase there = which;
     for (int row = 0; row < StabilityGrid::kRows; ++row) {
         there.net_resistance_Ohm = StabilityGrid::dR_Ohm(row);
         for (int column = 0; column < StabilityGrid::kColumns; ++column) {
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
-            grid.eigenvalue.push_back(talk.is_wanted() ? worst_member(there).eigenvalue : 0.0);
+            grid.eigenvalue.push_back(talk.is_wanted() ? loops::worst_member(there).eigenvalue
+                                                       : 0.0);
         }
         talk.share = (row + 1.0) / StabilityGrid::kRows;
     }
     return grid;
 }
 
-void StabilityField::update(const StabilityCase &now) {
+void StabilityField::update(const loops::StabilityCase &now) {
     if (std::optional<StabilityGrid> grid = work_.take()) {
         grid_ = std::move(grid);
     }
@@ -131,7 +132,7 @@ void StabilityField::update(const StabilityCase &now) {
     }
 }
 
-void StabilityField::draw(const Tuning &now) const {
+void StabilityField::draw(const control::Tuning &now) const {
     if (!grid_) {
         return;
     }
@@ -148,4 +149,4 @@ void StabilityField::draw(const Tuning &now) const {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "base/background.h"
-#include "engine/analysis/stability/stability_case.h"
+#include "engine/lab/loops/stability_case.h"
 
 #include <optional>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Largest eigenvalues over a grid, even in the logarithms of K_P and dR.
 struct StabilityGrid {
@@ -28,20 +28,20 @@ struct StabilityGrid {
 };
 
 /// All but K_P and dR as the case has them. @param talk  told how far it is; ends where not wanted
-[[nodiscard]] StabilityGrid stability_grid(const StabilityCase &which, BackgroundTalk &talk);
+[[nodiscard]] StabilityGrid stability_grid(const loops::StabilityCase &which, BackgroundTalk &talk);
 
 class StabilityField {
 public:
     /// Starts anew, in the background, where what the field depends on changed.
-    void update(const StabilityCase &now);
+    void update(const loops::StabilityCase &now);
 
     /// As wide as there is room, with a cross where the tuning is.
-    void draw(const Tuning &now) const;
+    void draw(const control::Tuning &now) const;
 
 private:
     Background<StabilityGrid> work_;
     std::optional<StabilityGrid> grid_;
-    std::optional<StabilityCase> of_;
+    std::optional<loops::StabilityCase> of_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

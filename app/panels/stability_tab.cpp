@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -60,7 +60,7 @@ void show_verdict(const StabilityOutlook &outlook) {
     ImGui::SameLine();
     const double rate = std::log(outlook.worst.eigenvalue) / outlook.period_s;
     const std::string who = "motor " + std::to_string(outlook.worst.member.motor + 1) + ", " +
-                            hand_text(outlook.worst.member.hand.name);
+                            loops::hand_text(outlook.worst.member.hand.name);
     if (stable) {
         ImGui::TextUnformatted("with every hand");
         ImGui::TextColored(kFaintInk, "slowest to rest: %.0f ms, %s", -1000.0 / rate, who.c_str());
@@ -86,7 +86,7 @@ void show_outlook(const StabilityOutlook &outlook) {
     }
 }
 
-void show_search(const Session &session, StabilityTabState &state) {
+void show_search(const session::Session &session, StabilityTabState &state) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.0F * font);
     ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kLeastMargin,
@@ -112,8 +112,8 @@ void show_search(const Session &session, StabilityTabState &state) {
             "takes seconds, is in force at once, and can be taken back");
 }
 
-void show_margins(const AutoTuned &found) {
-    const TuningMargins &margins = found.margins;
+void show_margins(const limits::AutoTuned &found) {
+    const control::TuningMargins &margins = found.margins;
     ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
     explain("static stiffness k_T K_P/dR (13) at the motor");
     ImGui::TextWrapped("room: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
@@ -121,9 +121,9 @@ void show_margins(const AutoTuned &found) {
     explain("what it would bear, one at a time, all else as it is: larger K_P and K_D, a lower\n"
             "dR, whole periods of delay. With larger gains it fails\n"
             "first with " +
-            hand_text(margins.worst_hand) + ". Held stable: " + std::to_string(found.loops) +
+            loops::hand_text(margins.worst_hand) + ". Held stable: " + std::to_string(found.loops) +
             " loops, of all hands, places and η");
-    if (found.tuning.K_P_V_per_rad >= AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
         ImGui::TextColored(kFaintInk, "K_P is at the end of its range: more would be stable");
     }
     if (found.taken_back > 0.0) {
@@ -132,7 +132,7 @@ void show_margins(const AutoTuned &found) {
     }
 }
 
-void show_found(Session &session, StabilityTabState &state) {
+void show_found(session::Session &session, StabilityTabState &state) {
     if (!state.message().empty()) {
         ImGui::TextWrapped("%s", state.message().c_str());
     }
@@ -157,9 +157,9 @@ void show_found(Session &session, StabilityTabState &state) {
 
 } // namespace
 
-void draw_stability_tab(Session &session, StabilityTabState &state) {
+void draw_stability_tab(session::Session &session, StabilityTabState &state) {
     state.update(session);
-    if (const std::optional<Tuning> tuning = state.take_new_tuning()) {
+    if (const std::optional<control::Tuning> tuning = state.take_new_tuning()) {
         session.servo().tune(*tuning);
     }
     if (state.outlook()) {
@@ -174,4 +174,4 @@ void draw_stability_tab(Session &session, StabilityTabState &state) {
     state.field().draw(session.servo().inputs().tuning);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -1,6 +1,6 @@
 #include "app/panels/stability_tab.h"
-#include "device/phantom/kinematics.h"
-#include "engine/analysis/stability/stability_limits.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/lab/limits/stability_limits.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -19,28 +19,29 @@ constexpr double kMoved_rad = 0.03; // below that, limits stay as they are
 
 /// Where the parameter may go to, or must go back to, in the direction of its failing: upwards or
 /// not.
-StabilityRoom room_of(const StabilityCase &which, bool is_stable, const char *name, bool upwards) {
-    const StabilityParameter &parameter = *stability_parameter_named(name);
+StabilityRoom room_of(const loops::StabilityCase &which, bool is_stable, const char *name,
+                      bool upwards) {
+    const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
     stop_if_given_up();
     StabilityRoom room;
     room.now = parameter.get(which);
     const bool looks_up = upwards == is_stable;
-    for (const StabilityLimit &limit :
-         predicted_limits(which, parameter, {parameter.from, parameter.to})) {
+    for (const limits::StabilityLimit &limit :
+         limits::predicted_limits(which, parameter, {parameter.from, parameter.to})) {
         const bool is_ahead = looks_up ? limit.predicted >= room.now : limit.predicted <= room.now;
         const bool is_nearer = !room.limit || (looks_up ? limit.predicted < *room.limit
                                                         : limit.predicted > *room.limit);
         if (limit.stable_below == upwards && is_ahead && is_nearer) {
             room.limit = limit.predicted;
             room.who = "motor " + std::to_string(limit.worst.motor + 1) + ", " +
-                       hand_text(limit.worst.hand.name);
+                       loops::hand_text(limit.worst.hand.name);
         }
     }
     return room;
 }
 
-StabilityOutlook outlook_of(const StabilityCase &which) {
-    const WorstMember worst = worst_member(which);
+StabilityOutlook outlook_of(const loops::StabilityCase &which) {
+    const loops::WorstMember worst = loops::worst_member(which);
     const bool is_stable = worst.is_stable();
     return {worst, which.period_s, room_of(which, is_stable, "kp", true),
             room_of(which, is_stable, "kd", true), room_of(which, is_stable, "dR", false)};
@@ -57,7 +58,7 @@ std::string name_of_new_tuning() {
 }
 
 /// Device, rate and tuning can all be exchanged.
-bool is_another(const StabilityCase &before, const StabilityCase &now) {
+bool is_another(const loops::StabilityCase &before, const loops::StabilityCase &now) {
     return (now.q_rad - before.q_rad).cwiseAbs().maxCoeff() > kMoved_rad ||
            before.tuning != now.tuning || before.period_s != now.period_s ||
            before.delay_periods != now.delay_periods || before.device.name != now.device.name;
@@ -65,22 +66,22 @@ bool is_another(const StabilityCase &before, const StabilityCase &now) {
 
 } // namespace
 
-StabilityCase stability_case_of(const Session &session) {
-    StabilityCase which;
+loops::StabilityCase stability_case_of(const session::Session &session) {
+    loops::StabilityCase which;
     which.device = session.description();
     which.tuning = session.servo().inputs().tuning;
     which.period_s = 1.0 / session.servo().rate_hz();
     which.delay_periods = session.device().device().delay_periods();
-    which.q_rad = joint_from_motor(which.device.geometry, session.latest().theta_rad);
+    which.q_rad = device::joint_from_motor(which.device.geometry, session.latest().theta_rad);
     return which;
 }
 
-void StabilityTabState::update(const Session &session) {
+void StabilityTabState::update(const session::Session &session) {
     try {
         if (std::optional<StabilityOutlook> outlook = watch_.take()) {
             outlook_ = std::move(outlook);
         }
-        if (std::optional<AutoTuned> found = search_.take()) {
+        if (std::optional<limits::AutoTuned> found = search_.take()) {
             before_ = session.servo().inputs().tuning;
             found_tuning_ = found->tuning;
             found_tuning_.eta = before_.eta; // any is stable
@@ -91,7 +92,7 @@ void StabilityTabState::update(const Session &session) {
     } catch (const std::exception &error) {
         message_ = error.what();
     }
-    const StabilityCase now = stability_case_of(session);
+    const loops::StabilityCase now = stability_case_of(session);
     field_.update(now);
     if (!watch_.is_busy() && (!looked_at_ || is_another(*looked_at_, now))) {
         looked_at_ = now;
@@ -99,16 +100,16 @@ void StabilityTabState::update(const Session &session) {
     }
 }
 
-void StabilityTabState::start_tuning(const Session &session) {
+void StabilityTabState::start_tuning(const session::Session &session) {
     found_.reset();
     message_.clear();
-    search_.start(
-        [request = AutoTuneRequest{stability_case_of(session), margin}](BackgroundTalk &talk) {
-            return auto_tune(request, [&talk](double share) {
-                talk.share = share;
-                return talk.is_wanted();
-            });
+    search_.start([request = limits::AutoTuneRequest{stability_case_of(session), margin}](
+                      BackgroundTalk &talk) {
+        return limits::auto_tune(request, [&talk](double share) {
+            talk.share = share;
+            return talk.is_wanted();
         });
+    });
 }
 
 void StabilityTabState::stop_tuning() {
@@ -122,13 +123,13 @@ void StabilityTabState::save() {
     }
     const std::string name = name_of_new_tuning();
     std::ofstream file(name, std::ios::binary);
-    write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
+    control::write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
     message_ = file.flush() ? "saved as " + name
                             : name + ": cannot be written; is the folder yours, the disk full?";
 }
 
-std::optional<Tuning> StabilityTabState::take_new_tuning() {
+std::optional<control::Tuning> StabilityTabState::take_new_tuning() {
     return std::exchange(new_tuning_, {});
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

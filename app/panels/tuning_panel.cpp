@@ -3,7 +3,7 @@
 #include "app/asset_folder.h"
 #include "app/panels/look.h"
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning_file.h"
@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -34,7 +34,7 @@ void show(const char *label, const char *format, double value, const char *unit,
 }
 
 /// Enough digits for the parameter's range.
-const char *digits_for(const Parameter &parameter) {
+const char *digits_for(const control::Parameter &parameter) {
     if (parameter.highest >= 1000.0) {
         return "%.0f";
     }
@@ -45,7 +45,7 @@ const char *digits_for(const Parameter &parameter) {
 void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
     double shown = state.typing == index ? state.typed : value;
     ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
-    ImGui::InputDouble("##typed", &shown, 0.0, 0.0, digits_for(kParameters[index]));
+    ImGui::InputDouble("##typed", &shown, 0.0, 0.0, digits_for(control::kParameters[index]));
     if (ImGui::IsItemActive()) {
         state.typing = index;
         state.typed = shown;
@@ -58,8 +58,9 @@ void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
     }
 }
 
-bool edit_parameter(std::size_t index, Tuning &tuning, TuningPanelState &state, bool in_force) {
-    const Parameter &parameter = kParameters[index];
+bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState &state,
+                    bool in_force) {
+    const control::Parameter &parameter = control::kParameters[index];
     double &value = tuning.*parameter.value;
     const double before = value;
     const std::string id(parameter.name);
@@ -106,13 +107,13 @@ bool edit_choice(const char *label, Enum &value, const std::array<const char *, 
 }
 
 /// One button a tuning in assets/tunings.
-bool choose_preset(Tuning &tuning) {
+bool choose_preset(control::Tuning &tuning) {
     bool changed = false;
     for (const char *name : {"soft", "firm", "stiffest"}) {
         if (ImGui::Button(name)) {
             try {
-                tuning =
-                    read_tuning_file(asset_folder() / "tunings" / (std::string(name) + ".toml"));
+                tuning = control::read_tuning_file(asset_folder() / "tunings" /
+                                                   (std::string(name) + ".toml"));
                 changed = true;
             } catch (const InputError &) {
                 // The folder went away while we ran: the button then does nothing.
@@ -125,10 +126,10 @@ bool choose_preset(Tuning &tuning) {
 }
 
 /// The dR that is in force: more than was asked for where cold windings may not bear that.
-double dR_in_force_Ohm(const Session &session) {
+double dR_in_force_Ohm(const session::Session &session) {
     double dR_Ohm = session.servo().inputs().tuning.dR_Ohm;
     for (std::size_t j = 0; j < 3; ++j) {
-        const WindingStatus &winding = session.latest().winding[j];
+        const servo::WindingStatus &winding = session.latest().winding[j];
         if (winding.is_limited) {
             dR_Ohm = std::max(dR_Ohm, session.description().motor[j].resistance_Ohm -
                                           winding.R_hat_limit_Ohm);
@@ -137,21 +138,22 @@ double dR_in_force_Ohm(const Session &session) {
     return dR_Ohm;
 }
 
-void show_consequences(const Session &session) {
-    Tuning tuning = session.servo().inputs().tuning;
+void show_consequences(const session::Session &session) {
+    control::Tuning tuning = session.servo().inputs().tuning;
     tuning.dR_Ohm = dR_in_force_Ohm(session);
-    const ServoSample &now = session.latest();
-    Coupling c =
-        coupling(session.description().motor.front(), tuning, 1.0 / session.servo().rate_hz(),
-                 session.device().device().delay_periods());
+    const servo::ServoSample &now = session.latest();
+    control::Coupling c = control::coupling(session.description().motor.front(), tuning,
+                                            1.0 / session.servo().rate_hz(),
+                                            session.device().device().delay_periods());
     // What the rotors' added inertia is at the tip, as a mean over directions.
     const Matrix3 J_inverse =
-        motor_jacobian(session.description().geometry,
-                       joint_from_motor(session.description().geometry, now.theta_rad))
+        device::motor_jacobian(
+            session.description().geometry,
+            device::joint_from_motor(session.description().geometry, now.theta_rad))
             .inverse();
     const double added_mass_g = 1000.0 * c.added_inertia_kg_m2 * J_inverse.squaredNorm() / 3.0;
-    c.K_DC_Nm_per_rad = mean_static_stiffness_Nm_per_rad(session.description(), tuning);
-    const double stiffness = tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
+    c.K_DC_Nm_per_rad = control::mean_static_stiffness_Nm_per_rad(session.description(), tuning);
+    const double stiffness = control::tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
 
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
         return;
@@ -173,15 +175,15 @@ void show_consequences(const Session &session) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",
                            tuning.dR_Ohm);
     }
-    if (tuning.map == MotionMap::transpose &&
+    if (tuning.map == control::MotionMap::transpose &&
         now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
         ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
                            now.alpha_bound_rad2_per_m2);
     }
 }
 
-void draw_tuning_tab(Session &session, TuningPanelState &state) {
-    Tuning tuning = session.servo().inputs().tuning;
+void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
+    control::Tuning tuning = session.servo().inputs().tuning;
     const float font = ImGui::GetFontSize();
     bool changed = choose_preset(tuning);
     ImGui::SetNextItemWidth(9.0F * font);
@@ -191,14 +193,14 @@ void draw_tuning_tab(Session &session, TuningPanelState &state) {
     ImGui::SetNextItemWidth(9.0F * font);
     constexpr std::array<const char *, 3> kAlphas{"α on the fly (29)", "α global", "α by hand"};
     changed |= edit_choice("##alpha", tuning.alpha_mode, kAlphas);
-    for (std::size_t i = 0; i < kParameters.size(); ++i) {
-        const Parameter &parameter = kParameters[i];
-        const bool is_alpha = parameter.value == &Tuning::alpha_rad2_per_m2;
-        const bool in_force = !is_alpha || tuning.alpha_mode == AlphaMode::by_hand;
+    for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
+        const control::Parameter &parameter = control::kParameters[i];
+        const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
+        const bool in_force = !is_alpha || tuning.alpha_mode == control::AlphaMode::by_hand;
         if (edit_parameter(i, tuning, state, in_force)) {
             changed = true;
             // Whoever moves α wants it by hand.
-            tuning.alpha_mode = is_alpha ? AlphaMode::by_hand : tuning.alpha_mode;
+            tuning.alpha_mode = is_alpha ? control::AlphaMode::by_hand : tuning.alpha_mode;
         }
     }
     if (changed) {
@@ -210,7 +212,7 @@ void draw_tuning_tab(Session &session, TuningPanelState &state) {
 
 } // namespace
 
-void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangle &place) {
+void draw_tuning_panel(session::Session &session, TuningPanelState &state, const Rectangle &place) {
     begin_panel("Tuning", place);
     if (ImGui::BeginTabBar("tuning")) {
         if (ImGui::BeginTabItem("Gains")) {
@@ -226,4 +228,4 @@ void draw_tuning_panel(Session &session, TuningPanelState &state, const Rectangl
     ImGui::End();
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

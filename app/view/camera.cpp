@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -117,4 +117,4 @@ std::optional<PixelPoint> Camera::pixel_of(const Vector3 &point_m,
                       viewport.height_px / 2.0 - offset_m.dot(up()) / pixel_m};
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

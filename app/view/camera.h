@@ -11,7 +11,7 @@
 
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct PixelPoint {
     double x_px = 0.0;
@@ -74,4 +74,4 @@ private:
     double framed_distance_m_ = 0.5; ///< of the last `frame`; zoom stays in proportion to it
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,7 +4,7 @@
 
 #include <glm/mat4x4.hpp>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr float kOpacityFromBelow = 0.25F;
 
 Floor::Floor() : program_("floor", shaders::floor_vert, shaders::floor_frag) {}
 
-void Floor::lay(const Workspace &workspace, double height_m) {
+void Floor::lay(const device::Workspace &workspace, double height_m) {
     const ShadowArea area{
         {static_cast<float>(workspace.centre_m.x()), static_cast<float>(workspace.centre_m.z())},
         static_cast<float>(kShadowPerWorkspace * workspace.size_m.maxCoeff()),
@@ -59,4 +59,4 @@ void Floor::draw(const glm::mat4 &view_projection, const Vector3 &eye_m, double 
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,17 +6,17 @@
 #include "app/view/scene_meshes.h"
 #include "app/view/shadow_mask.h"
 #include "app/view/solid_painter.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
 #include <span>
 
-namespace springdrive {
+namespace springdrive::app {
 
 class Floor {
 public:
     Floor();
 
-    void lay(const Workspace &workspace, double height_m);
+    void lay(const device::Workspace &workspace, double height_m);
     void scene_changed() { scene_cast_ = false; }
 
     /// Makes what is due of the shadows. Binds framebuffers of its own and sets the viewport.
@@ -36,4 +36,4 @@ private:
     VertexArray no_vertices_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

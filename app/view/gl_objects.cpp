@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -209,4 +209,4 @@ void Texture2D::bind(int unit) const {
     glBindTexture(GL_TEXTURE_2D, texture_.name());
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

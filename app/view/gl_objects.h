@@ -17,7 +17,7 @@
 #include <string_view>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// @throw std::runtime_error with `where` and the error's name if OpenGL has one pending.
 void check_gl(std::string_view where);
@@ -119,4 +119,4 @@ private:
     GlName<TextureKind> texture_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-namespace springdrive {
+namespace springdrive::app {
 
 [[nodiscard]] inline glm::vec3 to_glm(const Vector3 &v) {
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -14,4 +14,4 @@ namespace springdrive {
 
 [[nodiscard]] inline Vector3 to_vector3(const glm::vec3 &v) { return {v.x, v.y, v.z}; }
 
-} // namespace springdrive
+} // namespace springdrive::app

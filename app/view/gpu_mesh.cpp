@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -10,14 +10,15 @@ namespace {
 void describe_attribute(GLuint location, GLint components, std::size_t offset) {
     glEnableVertexAttribArray(location);
     // NOLINTBEGIN(performance-no-int-to-ptr): OpenGL takes the offset into the buffer as a pointer
-    glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, sizeof(VisualVertex),
+    glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, sizeof(scene::VisualVertex),
                           reinterpret_cast<const void *>(offset));
     // NOLINTEND(performance-no-int-to-ptr)
 }
 
 } // namespace
 
-GpuMesh::GpuMesh(std::span<const VisualVertex> vertices, std::span<const std::uint32_t> indices)
+GpuMesh::GpuMesh(std::span<const scene::VisualVertex> vertices,
+                 std::span<const std::uint32_t> indices)
     : index_count_(static_cast<GLsizei>(indices.size())) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
@@ -26,10 +27,10 @@ GpuMesh::GpuMesh(std::span<const VisualVertex> vertices, std::span<const std::ui
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
                  indices.data(), GL_STATIC_DRAW);
-    describe_attribute(0, 3, offsetof(VisualVertex, position_m));
-    describe_attribute(1, 3, offsetof(VisualVertex, normal));
-    describe_attribute(2, 4, offsetof(VisualVertex, colour));
-    describe_attribute(3, 2, offsetof(VisualVertex, texture_coordinate));
+    describe_attribute(0, 3, offsetof(scene::VisualVertex, position_m));
+    describe_attribute(1, 3, offsetof(scene::VisualVertex, normal));
+    describe_attribute(2, 4, offsetof(scene::VisualVertex, colour));
+    describe_attribute(3, 2, offsetof(scene::VisualVertex, texture_coordinate));
     glBindVertexArray(0);
 }
 
@@ -38,4 +39,4 @@ void GpuMesh::draw() const {
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <span>
 
-namespace springdrive {
+namespace springdrive::app {
 
 class GpuMesh {
 public:
-    GpuMesh(std::span<const VisualVertex> vertices, std::span<const std::uint32_t> indices);
+    GpuMesh(std::span<const scene::VisualVertex> vertices, std::span<const std::uint32_t> indices);
 
     void draw() const; ///< with the program in use
 
@@ -22,4 +22,4 @@ private:
     GLsizei index_count_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

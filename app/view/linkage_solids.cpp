@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -29,7 +29,7 @@ struct Paint {
 };
 
 /// The axis of the joints that q₂ and q₃ turn: level, square to the plane of the linkage.
-Vector3 pivot_axis(const LinkagePose &pose) {
+Vector3 pivot_axis(const device::LinkagePose &pose) {
     Vector3 outward = (pose.elbow_m - pose.base_m) + (pose.tip_m - pose.base_m);
     outward.y() = 0.0;
     constexpr double kOnTheBaseAxis_m = 1e-6;
@@ -68,7 +68,8 @@ struct Builder {
 
 } // namespace
 
-std::vector<Solid> linkage_solids(const LinkagePose &pose, double floor_height_m, bool tripped) {
+std::vector<Solid> linkage_solids(const device::LinkagePose &pose, double floor_height_m,
+                                  bool tripped) {
     Builder build{pivot_axis(pose), Paint{tripped}, {}};
 
     Vector3 foot_m = pose.base_m;
@@ -91,4 +92,4 @@ std::vector<Solid> linkage_solids(const LinkagePose &pose, double floor_height_m
     return build.solids;
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -5,11 +5,11 @@
 
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Base hub on the floor, turret, upper arm, crank, coupling bar, and the forearm that tapers to
 /// the tip. Red when tripped.
-[[nodiscard]] std::vector<Solid> linkage_solids(const LinkagePose &pose, double floor_height_m,
-                                                bool tripped);
+[[nodiscard]] std::vector<Solid> linkage_solids(const device::LinkagePose &pose,
+                                                double floor_height_m, bool tripped);
 
-} // namespace springdrive
+} // namespace springdrive::app

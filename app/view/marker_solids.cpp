@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -98,4 +98,4 @@ Solid tip_solid(const ViewState &state, const MarkerScale &scale) {
     return ball(state.tip_m, std::max(kTipRadius_m, least_m), kTipColour);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 struct MarkerScale {
     const Camera &camera;
@@ -29,4 +29,4 @@ struct MarkerScale {
 /// The ball at the device's tip, apart from the others as it shows through them too.
 [[nodiscard]] Solid tip_solid(const ViewState &state, const MarkerScale &scale);
 
-} // namespace springdrive
+} // namespace springdrive::app

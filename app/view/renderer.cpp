@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -139,4 +139,4 @@ void Renderer::draw_translucent(const Frame &frame) const {
     scene_.draw_translucent(frame.forward);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

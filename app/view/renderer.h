@@ -13,7 +13,7 @@
 #include <optional>
 #include <span>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// Framebuffer pixels, origin bottom left.
 struct ViewportPixels {
@@ -31,7 +31,7 @@ public:
 
     /// Draws another scene as soon as `upload` has got it onto the graphics card; until then, the
     /// one before. @param scene must stay until then, or until another is set
-    void set_scene(const Scene &scene) { next_scene_.emplace(scene); }
+    void set_scene(const scene::Scene &scene) { next_scene_.emplace(scene); }
 
     /// Goes on with what `set_scene` began, for about `duration_s`.
     /// @throw std::runtime_error if OpenGL cannot hold it; the scene before is then still there.
@@ -61,4 +61,4 @@ private:
     VertexArray no_vertices_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

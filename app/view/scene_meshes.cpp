@@ -4,23 +4,23 @@
 #include <array>
 #include <chrono>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
-GLint gl_wrap(Texture::Wrap wrap) {
+GLint gl_wrap(scene::Texture::Wrap wrap) {
     switch (wrap) {
-    case Texture::Wrap::repeat:
+    case scene::Texture::Wrap::repeat:
         return GL_REPEAT;
-    case Texture::Wrap::mirror:
+    case scene::Texture::Wrap::mirror:
         return GL_MIRRORED_REPEAT;
-    case Texture::Wrap::clamp:
+    case scene::Texture::Wrap::clamp:
         break;
     }
     return GL_CLAMP_TO_EDGE;
 }
 
-Texture2D upload_texture(const Texture &texture) {
+Texture2D upload_texture(const scene::Texture &texture) {
     return {texture.width, texture.height,
             Texture2D::Format{.internal = GL_SRGB8_ALPHA8,
                               .wrap_s = gl_wrap(texture.wrap_s),
@@ -48,14 +48,14 @@ bool SceneMeshes::upload(double duration_s) {
 
 /// One texture or mesh; neither is large.
 void SceneMeshes::upload_next() {
-    const Scene &scene = *uploading_;
+    const scene::Scene &scene = *uploading_;
     const int white_texture = static_cast<int>(scene.textures.size());
     if (textures_.size() < scene.textures.size()) {
         textures_.push_back(upload_texture(scene.textures[textures_.size()]));
     } else if (textures_.size() == scene.textures.size()) {
         textures_.push_back(white());
     } else if (items_.size() < scene.meshes.size()) {
-        const VisualMesh &mesh = scene.meshes[items_.size()];
+        const scene::VisualMesh &mesh = scene.meshes[items_.size()];
         items_.push_back({GpuMesh(mesh.vertices, mesh.indices),
                           mesh.texture >= 0 ? mesh.texture : white_texture, mesh.translucent,
                           mesh.centre_m});
@@ -103,4 +103,4 @@ void SceneMeshes::draw_all() const {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

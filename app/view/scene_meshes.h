@@ -7,14 +7,14 @@
 
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 class SceneMeshes {
 public:
     SceneMeshes() = default; ///< nothing to see
 
     /// Nothing is uploaded yet. @param scene must stay until all is
-    explicit SceneMeshes(const Scene &scene) : uploading_(&scene) {}
+    explicit SceneMeshes(const scene::Scene &scene) : uploading_(&scene) {}
 
     /// Uploads for about `duration_s`, or until all is there: then it returns true.
     bool upload(double duration_s);
@@ -38,9 +38,9 @@ private:
     void draw(const Item &item) const;
     void upload_next();
 
-    const Scene *uploading_ = nullptr; ///< until all of it is there
-    std::vector<Texture2D> textures_;  ///< the scene's, then a white one
+    const scene::Scene *uploading_ = nullptr; ///< until all of it is there
+    std::vector<Texture2D> textures_;         ///< the scene's, then a white one
     std::vector<Item> items_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -68,4 +68,4 @@ void ShadowMask::blur_into(const Target &to, const Target &from, const Program &
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// The square of floor that shadows fall on.
 struct ShadowArea {
@@ -54,4 +54,4 @@ private:
     VertexArray no_vertices_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

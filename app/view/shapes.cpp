@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -124,4 +124,4 @@ ShapeMesh make_shape(Shape shape) {
     throw std::logic_error("no such shape");
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

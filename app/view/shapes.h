@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// All lie on the z axis and are wound counter-clockwise seen from outside.
 enum class Shape : std::uint8_t {
@@ -24,10 +24,10 @@ inline constexpr float kTaperEnd = 0.4F;
 inline constexpr float kRingThickness = 0.2F;
 
 struct ShapeMesh {
-    std::vector<VisualVertex> vertices; ///< white
-    std::vector<std::uint32_t> indices; ///< three a triangle
+    std::vector<scene::VisualVertex> vertices; ///< white
+    std::vector<std::uint32_t> indices;        ///< three a triangle
 };
 
 [[nodiscard]] ShapeMesh make_shape(Shape shape);
 
-} // namespace springdrive
+} // namespace springdrive::app

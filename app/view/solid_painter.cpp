@@ -2,7 +2,7 @@
 
 #include <glm/gtc/matrix_inverse.hpp>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -35,4 +35,4 @@ void SolidPainter::draw_geometry(const Program &program, std::span<const Solid> 
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 class SolidPainter {
 public:
@@ -28,4 +28,4 @@ private:
     Texture2D white_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::app {
 
 namespace {
 
@@ -42,4 +42,4 @@ Solid ring(const Vector3 &centre_m, const Vector3 &axis, double radius_m, const 
     return {Shape::ring, placed_along(centre_m, radius_m * axis, radius_m), linear(colour)};
 }
 
-} // namespace springdrive
+} // namespace springdrive::app

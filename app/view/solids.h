@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// A colour as designers and ImGui write it: sRGB, 0 to 1.
 using Colour = std::array<float, 3>;
@@ -34,4 +34,4 @@ struct Solid {
 [[nodiscard]] Solid ring(const Vector3 &centre_m, const Vector3 &axis, double radius_m,
                          const Colour &colour);
 
-} // namespace springdrive
+} // namespace springdrive::app

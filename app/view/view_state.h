@@ -3,14 +3,14 @@
 #pragma once
 
 #include "app/view/solids.h"
-#include "device/device_file.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/device_file.h"
+#include "device/core/phantom/kinematics.h"
 
-namespace springdrive {
+namespace springdrive::app {
 
 /// World is the device frame.
 struct ViewState {
-    LinkagePose linkage;
+    device::LinkagePose linkage;
     Vector3 tip_m{Vector3::Zero()};
     Vector3 proxy_m{Vector3::Zero()};       ///< drawn while touching
     Vector3 normal{Vector3::Zero()};        ///< unit, of the surface under the proxy, if touching
@@ -19,7 +19,7 @@ struct ViewState {
     bool touching = false;
     bool hand_held = false; ///< the target is drawn brighter while the mouse holds it
     bool tripped = false;   ///< the safety monitor stopped the device: the linkage turns red
-    Workspace workspace;
+    device::Workspace workspace;
     double floor_height_m = 0.0;
 };
 
@@ -34,4 +34,4 @@ inline constexpr Colour kForceColour{1.0F, 0.86F, 0.16F};
 inline constexpr Colour kNormalColour{0.20F, 0.86F, 0.62F};
 inline constexpr Colour kHandColour{1.0F, 0.50F, 0.80F};
 
-} // namespace springdrive
+} // namespace springdrive::app

@@ -60,7 +60,7 @@ SceneDescription stepped_block() {
 /// Lumps on a body, like a coral or a potato; fitted to whatever workspace it meets.
 SceneDescription organic() {
     constexpr int kFrequency = 39; // 30,420 triangles
-    Part coral = blob_union(organic_shape(), kFrequency);
+    Part coral = blob_union(rig::organic_shape(), kFrequency);
     return {"organic", false, {named(std::move(coral), "coral", {1.0, 1.0, 1.0})}, kToFeelAShape};
 }
 

@@ -175,7 +175,7 @@ Part geodesic_sphere(int frequency) {
     return part;
 }
 
-Part blob_union(const BlobShape &shape, int frequency) {
+Part blob_union(const rig::BlobShape &shape, int frequency) {
     Part part = geodesic_sphere(frequency);
     double nearest = std::numeric_limits<double>::infinity();
     double farthest = 0.0;

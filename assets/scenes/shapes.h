@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/blob_shape.h"
 
 #include <array>
 #include <cstdint>
@@ -59,7 +59,7 @@ struct ProfilePoint {
 
 /// The shape's surface seen from the origin, with a vertex on each direction of a geodesic sphere;
 /// smooth normals, coloured by distance from the origin.
-[[nodiscard]] Part blob_union(const BlobShape &shape, int frequency);
+[[nodiscard]] Part blob_union(const rig::BlobShape &shape, int frequency);
 
 /// What a cheaper model of a scene may be off the fullest; see docs/models.md.
 struct Tolerance {

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::factory {
 
 namespace {
 
 OpenDevice open_simulated(const DeviceRequest &request) {
-    const std::string own_serial = simulated_identity().serial;
+    const std::string own_serial = simulated::simulated_identity().serial;
     if (!request.serial.empty() && request.serial != own_serial) {
         throw InputError("there is no simulated device with the serial number '" + request.serial +
                          "'; the only one is '" + own_serial + "'");
     }
-    SimulationOptions options = request.simulation;
+    simulated::SimulationOptions options = request.simulation;
     options.servo_period_s = request.period_s;
-    auto phantom =
-        std::make_unique<SimulatedPhantom>(request.description, options, request.start_tip_m);
-    SimulatedWorld *const world = phantom.get();
+    auto phantom = std::make_unique<simulated::SimulatedPhantom>(request.description, options,
+                                                                 request.start_tip_m);
+    simulated::SimulatedWorld *const world = phantom.get();
     return {std::move(phantom), world, DeviceState::zeroed};
 }
 
@@ -34,8 +34,8 @@ std::optional<DeviceKind> device_kind_named(std::string_view name) {
     return static_cast<DeviceKind>(found - kDeviceKindNames.begin());
 }
 
-OpenDevice::OpenDevice(std::unique_ptr<HapticDevice> device, SimulatedWorld *world,
-                       DeviceState state)
+OpenDevice::OpenDevice(std::unique_ptr<device::HapticDevice> device,
+                       simulated::SimulatedWorld *world, DeviceState state)
     : device_(std::move(device)), world_(world), state_(state) {}
 
 OpenDevice::~OpenDevice() { close(); }
@@ -81,6 +81,6 @@ OpenDevice open_device(const DeviceRequest &request) {
                      "option out");
 }
 
-std::vector<DeviceIdentity> devices_present() { return {simulated_identity()}; }
+std::vector<device::DeviceIdentity> devices_present() { return {simulated::simulated_identity()}; }
 
-} // namespace springdrive
+} // namespace springdrive::factory

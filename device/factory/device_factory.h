@@ -10,7 +10,7 @@
 // zeroed from the start.
 #pragma once
 
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/simulated_world.h"
 #include "device/simulated/simulation_options.h"
 
@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::factory {
 
 enum class DeviceKind : std::uint8_t { simulated, usb };
 
@@ -34,11 +34,11 @@ inline constexpr std::array<std::string_view, 2> kDeviceKindNames{"sim", "usb"};
 struct DeviceRequest {
     DeviceKind kind = DeviceKind::simulated;
     std::string serial; ///< empty: the only one of its kind
-    DeviceDescription description;
+    device::DeviceDescription description;
     double period_s = 1e-3; ///< of the servo
 
     // Of a simulated device alone.
-    SimulationOptions simulation; ///< but for its period
+    simulated::SimulationOptions simulation; ///< but for its period
     Vector3 start_tip_m{Vector3::Zero()};
 };
 
@@ -52,7 +52,8 @@ enum class DeviceState : std::uint8_t {
 class OpenDevice {
 public:
     /// @param world  of the same device, where it is a simulated one
-    OpenDevice(std::unique_ptr<HapticDevice> device, SimulatedWorld *world, DeviceState state);
+    OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world,
+               DeviceState state);
     ~OpenDevice();                                ///< closes
     OpenDevice(OpenDevice &&) noexcept = default; ///< what was moved from may only be assigned to
     OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes what it had
@@ -60,13 +61,13 @@ public:
     OpenDevice &operator=(const OpenDevice &) = delete;
 
     /// The same until it is assigned to, open or closed: a closed one says that it is lost.
-    [[nodiscard]] HapticDevice &device() { return *device_; }
-    [[nodiscard]] const HapticDevice &device() const { return *device_; }
+    [[nodiscard]] device::HapticDevice &device() { return *device_; }
+    [[nodiscard]] const device::HapticDevice &device() const { return *device_; }
 
     /// The world around a simulated device; null for any other.
-    [[nodiscard]] SimulatedWorld *world() { return world_; }
+    [[nodiscard]] simulated::SimulatedWorld *world() { return world_; }
 
-    [[nodiscard]] DeviceIdentity identity() const { return device_->identity(); }
+    [[nodiscard]] device::DeviceIdentity identity() const { return device_->identity(); }
     [[nodiscard]] DeviceState state() const { return state_; }
 
     /// @throw InputError where it is closed
@@ -80,8 +81,8 @@ public:
     void reconnect();
 
 private:
-    std::unique_ptr<HapticDevice> device_;
-    SimulatedWorld *world_;
+    std::unique_ptr<device::HapticDevice> device_;
+    simulated::SimulatedWorld *world_;
     DeviceState state_;
 };
 
@@ -89,6 +90,6 @@ private:
 [[nodiscard]] OpenDevice open_device(const DeviceRequest &request);
 
 /// What could be opened now.
-[[nodiscard]] std::vector<DeviceIdentity> devices_present();
+[[nodiscard]] std::vector<device::DeviceIdentity> devices_present();
 
-} // namespace springdrive
+} // namespace springdrive::factory

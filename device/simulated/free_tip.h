@@ -10,9 +10,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// A force that is affine in the mean velocity of what it acts on: F − b v̄.
 struct VelocityLoad {
@@ -21,7 +21,7 @@ struct VelocityLoad {
 };
 
 struct FreeTip {
-    StructuralCompliance structure;
+    device::StructuralCompliance structure;
     double mass_kg = 0.0;
     Vector3 position_m{Vector3::Zero()};
     Vector3 velocity_m_per_s{Vector3::Zero()};
@@ -63,4 +63,4 @@ private:
     }
 };
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -93,4 +93,4 @@ Eigen::Vector2d solve_with_friction(const Eigen::Matrix2d &A, const Eigen::Vecto
     return solve<2>(A, b, friction, modes);
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

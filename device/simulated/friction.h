@@ -16,7 +16,7 @@
 #include <array>
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// What friction may do over a step, per joint [N·m, or N·m·s for an impulse].
 template <int joints> struct JointFrictionRange {
@@ -53,4 +53,4 @@ enum class FrictionMode : std::uint8_t { stopped, turning_forward, turning_backw
                                                   const JointFrictionRange<2> &friction,
                                                   std::array<FrictionMode, 2> &modes) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -121,4 +121,4 @@ HandTarget HandPath::at(double time_s) noexcept {
     return {before.position_m + (time_s - before.time_s) * velocity, velocity};
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

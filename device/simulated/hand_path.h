@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 struct HandTarget {
     Vector3 position_m{Vector3::Zero()};
@@ -42,4 +42,4 @@ private:
     std::size_t next_ = 0; ///< the first point later than the last time asked for
 };
 
-} // namespace springdrive
+} // namespace springdrive::simulated

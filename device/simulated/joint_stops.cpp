@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -21,7 +21,7 @@ struct Stop {
     }
 };
 
-std::array<Stop, 8> stops(const JointLimits &limits) {
+std::array<Stop, 8> stops(const device::JointLimits &limits) {
     const Vector3 fold(0.0, -1.0, 1.0);
     std::array<Stop, 8> all{};
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -36,7 +36,7 @@ std::array<Stop, 8> stops(const JointLimits &limits) {
 
 } // namespace
 
-StopTorque stop_torque(const JointLimits &limits, const Vector3 &q_a_rad,
+StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad,
                        const Vector3 &q_b_rad) noexcept {
     StopTorque sum;
     if (limits.allow(q_a_rad) && limits.allow(q_b_rad)) {
@@ -60,7 +60,7 @@ StopTorque stop_torque(const JointLimits &limits, const Vector3 &q_a_rad,
     return sum;
 }
 
-double stop_energy_J(const JointLimits &limits, const Vector3 &q_rad) noexcept {
+double stop_energy_J(const device::JointLimits &limits, const Vector3 &q_rad) noexcept {
     double energy = 0.0;
     for (const Stop &stop : stops(limits)) {
         const double depth = stop.depth(q_rad);
@@ -69,4 +69,4 @@ double stop_energy_J(const JointLimits &limits, const Vector3 &q_rad) noexcept {
     return energy;
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// What the stops do over a step: their springs by the secant of their energy, so that the work is
 /// exact for the step. Their dampers act where a stop is pressed already when the step begins, so
@@ -15,10 +15,11 @@ struct StopTorque {
 };
 
 /// RT-safe.
-[[nodiscard]] StopTorque stop_torque(const JointLimits &limits, const Vector3 &q_a_rad,
+[[nodiscard]] StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad,
                                      const Vector3 &q_b_rad) noexcept;
 
 /// What the springs hold [J].
-[[nodiscard]] double stop_energy_J(const JointLimits &limits, const Vector3 &q_rad) noexcept;
+[[nodiscard]] double stop_energy_J(const device::JointLimits &limits,
+                                   const Vector3 &q_rad) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::simulated

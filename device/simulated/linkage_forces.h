@@ -2,21 +2,22 @@
 // move. With two, the base stands still and the tip moves in the links' plane: outward and up.
 #pragma once
 
-#include "device/phantom/linkage_secants.h"
+#include "device/core/phantom/linkage_secants.h"
 #include "device/simulated/linkage_step.h"
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// Torques on the joints, affine in their mean rates: τ − B q̄̇.
 template <int joints> struct LinkageForces {
-    JointMatrix<joints> tip_m_per_rad;       ///< J̄
-    JointMatrix<joints> damping_Nms_per_rad; ///< B, positive semidefinite
-    JointVector<joints> torque_Nm;
+    device::JointMatrix<joints> tip_m_per_rad;       ///< J̄
+    device::JointMatrix<joints> damping_Nms_per_rad; ///< B, positive semidefinite
+    device::JointVector<joints> torque_Nm;
 };
 
 /// A vector at the tip, in the coordinates in which the tip can move. RT-safe.
 template <int joints>
-[[nodiscard]] JointVector<joints> where_tip_moves(const LinkagePlant &plant, const Vector3 &v) {
+[[nodiscard]] device::JointVector<joints> where_tip_moves(const LinkagePlant &plant,
+                                                          const Vector3 &v) {
     if constexpr (joints == 3) {
         return v;
     } else {
@@ -26,7 +27,7 @@ template <int joints>
 
 /// And back into space. RT-safe.
 template <int joints>
-[[nodiscard]] Vector3 in_space(const LinkagePlant &plant, const JointVector<joints> &v) {
+[[nodiscard]] Vector3 in_space(const LinkagePlant &plant, const device::JointVector<joints> &v) {
     if constexpr (joints == 3) {
         return v;
     } else {
@@ -36,12 +37,13 @@ template <int joints>
 
 /// RT-safe.
 template <int joints>
-[[nodiscard]] LinkageForces<joints>
-linkage_forces(const LinkagePlant &plant, const LinkageLoad &load,
-               const LinkageSecants<joints> &secants, const Vector3 &q_a, const Vector3 &q_b) {
+[[nodiscard]] LinkageForces<joints> linkage_forces(const LinkagePlant &plant,
+                                                   const LinkageLoad &load,
+                                                   const device::LinkageSecants<joints> &secants,
+                                                   const Vector3 &q_a, const Vector3 &q_b) {
     LinkageForces<joints> sum;
     sum.tip_m_per_rad = secants.tip(plant.geometry);
-    const JointMatrix<joints> &J = sum.tip_m_per_rad;
+    const device::JointMatrix<joints> &J = sum.tip_m_per_rad;
     sum.damping_Nms_per_rad = load.tip_damping_Ns_per_m * (J.transpose() * J);
     sum.damping_Nms_per_rad.diagonal() += load.damping_Nms_per_rad.template tail<joints>();
     sum.torque_Nm = load.torque_Nm.template tail<joints>() +
@@ -58,4 +60,4 @@ linkage_forces(const LinkagePlant &plant, const LinkageLoad &load,
     return sum;
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -19,19 +19,20 @@ constexpr int kMostIterations = 12;
 constexpr int kMostPieces = 64;
 
 template <int joints>
-JointMatrix<joints> inertia_with_rotors(const LinkagePlant &plant, const LinkSines &links) {
-    JointMatrix<joints> M;
+device::JointMatrix<joints> inertia_with_rotors(const LinkagePlant &plant,
+                                                const device::LinkSines &links) {
+    device::JointMatrix<joints> M;
     if constexpr (joints == 3) {
-        M = mass_matrix(plant.moments, links);
+        M = device::mass_matrix(plant.moments, links);
     } else {
-        M = mass_matrix_of_plane(plant.moments, links);
+        M = device::mass_matrix_of_plane(plant.moments, links);
     }
     M.diagonal() += plant.rotor_kg_m2.tail<joints>();
     return M;
 }
 
 /// Joints that do not move keep their place.
-template <int joints> Vector3 all_joints(const JointVector<joints> &moving) {
+template <int joints> Vector3 all_joints(const device::JointVector<joints> &moving) {
     Vector3 all = Vector3::Zero();
     all.tail<joints>() = moving;
     return all;
@@ -39,8 +40,8 @@ template <int joints> Vector3 all_joints(const JointVector<joints> &moving) {
 
 /// Whether the end of the step no longer moves from one iteration to the next.
 template <int joints>
-bool settled(const Vector3 &q_a, const JointVector<joints> &rate, const JointVector<joints> &before,
-             double h) {
+bool settled(const Vector3 &q_a, const device::JointVector<joints> &rate,
+             const device::JointVector<joints> &before, double h) {
     const double moved_rad = h * (rate - before).cwiseAbs().maxCoeff();
     return moved_rad <= std::max(kSettled_rad, kEpsilon * q_a.cwiseAbs().maxCoeff());
 }
@@ -48,7 +49,7 @@ bool settled(const Vector3 &q_a, const JointVector<joints> &rate, const JointVec
 /// The friction of a step; where there is none, a plain system of equations.
 template <int joints> class StepFriction {
 public:
-    StepFriction(const LinkagePlant &plant, const JointVector<joints> &rate_a, double h,
+    StepFriction(const LinkagePlant &plant, const device::JointVector<joints> &rate_a, double h,
                  std::array<FrictionMode, 3> &modes)
         : there_is_((plant.coulomb_Nm.array() > 0.0).any()), modes_(modes) {
         if (there_is_) {
@@ -58,14 +59,15 @@ public:
         }
     }
 
-    [[nodiscard]] JointVector<joints> solve(const JointMatrix<joints> &system,
-                                            const JointVector<joints> &right) {
+    [[nodiscard]] device::JointVector<joints> solve(const device::JointMatrix<joints> &system,
+                                                    const device::JointVector<joints> &right) {
         if (!there_is_) {
             return solve_definite<joints>(system, right);
         }
         std::array<FrictionMode, static_cast<std::size_t>(joints)> modes{};
         std::copy_n(modes_.end() - joints, joints, modes.begin());
-        const JointVector<joints> rate_b = solve_with_friction(system, right, range_, modes);
+        const device::JointVector<joints> rate_b =
+            solve_with_friction(system, right, range_, modes);
         std::copy_n(modes.begin(), joints, modes_.end() - joints);
         return rate_b;
     }
@@ -78,8 +80,9 @@ private:
 
 template <int joints>
 LinkageMotion motion_of(const LinkagePlant &plant, const Vector3 &q_a,
-                        const JointVector<joints> &mean_rate, const JointVector<joints> &rate_b,
-                        const JointMatrix<joints> &tip_m_per_rad, double h) {
+                        const device::JointVector<joints> &mean_rate,
+                        const device::JointVector<joints> &rate_b,
+                        const device::JointMatrix<joints> &tip_m_per_rad, double h) {
     LinkageMotion motion;
     motion.mean_rate_rad_per_s = all_joints<joints>(mean_rate);
     motion.after = {q_a + h * motion.mean_rate_rad_per_s, all_joints<joints>(rate_b)};
@@ -93,24 +96,24 @@ std::optional<LinkageMotion> accelerated_step(const LinkagePlant &plant, const L
                                               const LinkageLoad &load, double h,
                                               std::array<FrictionMode, 3> &modes) {
     const Vector3 &q_a = before.q_rad;
-    const JointVector<joints> rate_a = before.rate_rad_per_s.tail<joints>();
-    const JointVector<joints> momentum_a =
-        inertia_with_rotors<joints>(plant, LinkSines::of(q_a)) * rate_a;
+    const device::JointVector<joints> rate_a = before.rate_rad_per_s.tail<joints>();
+    const device::JointVector<joints> momentum_a =
+        inertia_with_rotors<joints>(plant, device::LinkSines::of(q_a)) * rate_a;
     StepFriction<joints> friction(plant, rate_a, h, modes);
 
-    JointVector<joints> mean_rate = rate_a;
+    device::JointVector<joints> mean_rate = rate_a;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
         const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
-        const LinkageSecants<joints> secants(q_a, q_b);
+        const device::LinkageSecants<joints> secants(q_a, q_b);
         const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
-        const JointMatrix<joints> &damping = force.damping_Nms_per_rad;
-        const JointMatrix<joints> system = inertia_with_rotors<joints>(plant, secants.end()) +
-                                           0.5 * h * damping -
-                                           h * secants.inertia(plant.moments, rate_a);
-        const JointVector<joints> right =
+        const device::JointMatrix<joints> &damping = force.damping_Nms_per_rad;
+        const device::JointMatrix<joints> system =
+            inertia_with_rotors<joints>(plant, secants.end()) + 0.5 * h * damping -
+            h * secants.inertia(plant.moments, rate_a);
+        const device::JointVector<joints> right =
             momentum_a + h * force.torque_Nm - 0.5 * h * (damping * rate_a);
-        const JointVector<joints> rate_b = friction.solve(system, right);
-        const JointVector<joints> guess = mean_rate;
+        const device::JointVector<joints> rate_b = friction.solve(system, right);
+        const device::JointVector<joints> guess = mean_rate;
         mean_rate = 0.5 * (rate_a + rate_b);
         if (settled<joints>(q_a, mean_rate, guess, h)) {
             return motion_of<joints>(plant, q_a, mean_rate, rate_b, force.tip_m_per_rad, h);
@@ -124,12 +127,12 @@ template <int joints>
 std::optional<LinkageMotion> balanced_step(const LinkagePlant &plant, const LinkageState &before,
                                            const LinkageLoad &load, double h) {
     const Vector3 &q_a = before.q_rad;
-    JointVector<joints> mean_rate = before.rate_rad_per_s.tail<joints>();
+    device::JointVector<joints> mean_rate = before.rate_rad_per_s.tail<joints>();
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
         const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
-        const LinkageSecants<joints> secants(q_a, q_b);
+        const device::LinkageSecants<joints> secants(q_a, q_b);
         const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
-        const JointVector<joints> guess = mean_rate;
+        const device::JointVector<joints> guess = mean_rate;
         mean_rate = solve_definite<joints>(force.damping_Nms_per_rad, force.torque_Nm);
         if (settled<joints>(q_a, mean_rate, guess, h)) {
             return motion_of<joints>(plant, q_a, mean_rate, mean_rate, force.tip_m_per_rad, h);
@@ -174,13 +177,13 @@ double LinkagePlant::kinetic_energy_J(const LinkageState &state) const {
     if (!has_mass) {
         return 0.0;
     }
-    return 0.5 *
-           state.rate_rad_per_s.dot(inertia_with_rotors<3>(*this, LinkSines::of(state.q_rad)) *
-                                    state.rate_rad_per_s);
+    return 0.5 * state.rate_rad_per_s.dot(
+                     inertia_with_rotors<3>(*this, device::LinkSines::of(state.q_rad)) *
+                     state.rate_rad_per_s);
 }
 
 double LinkagePlant::potential_energy_J(const LinkageState &state) const {
-    return (gravity ? gravity_energy_J(moments, state.q_rad) : 0.0) +
+    return (gravity ? device::gravity_energy_J(moments, state.q_rad) : 0.0) +
            (stops ? stop_energy_J(limits, state.q_rad) : 0.0);
 }
 
@@ -199,4 +202,4 @@ LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before
     return stopped;
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,6 +1,7 @@
 // One step of the linkage with rotors, friction and stops, exact in energy.
 //
-// With p = M(q) q̇ and the secants of device/phantom/dynamics.h, from the state a to the state b:
+// With p = M(q) q̇ and the secants of device/core/phantom/dynamics.h, from the state a to the state
+// b:
 //
 //   q_b − q_a = h (q̇_a + q̇_b)/2
 //   M_b q̇_b − M_a q̇_a = h [ Γ q̇_b − ḡ + τ − B (q̇_a + q̇_b)/2 + friction + stops + J̄ᵀ F ]
@@ -12,11 +13,11 @@
 // side. The rates at the ends of a step are then its mean, as there is nothing to store them.
 #pragma once
 
-#include "device/phantom/dynamics.h"
+#include "device/core/phantom/dynamics.h"
 #include "device/simulated/friction.h"
 #include "device/simulated/joint_stops.h"
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 struct LinkageState {
     Vector3 q_rad{Vector3::Zero()};
@@ -25,11 +26,11 @@ struct LinkageState {
 
 /// What does not change from step to step.
 struct LinkagePlant {
-    PhantomGeometry geometry;
-    LinkageMoments moments;               ///< with everything that sits rigidly at the tip
+    device::PhantomGeometry geometry;
+    device::LinkageMoments moments;       ///< with everything that sits rigidly at the tip
     Vector3 rotor_kg_m2{Vector3::Zero()}; ///< reflected to the joints, N² J_m
     Vector3 coulomb_Nm{Vector3::Zero()};
-    JointLimits limits;
+    device::JointLimits limits;
     bool gravity = true;
     bool stops = true;
     bool has_mass = true;              ///< false: `moments` serve gravity alone
@@ -64,4 +65,4 @@ struct LinkageMotion {
                                          const LinkageLoad &load, double step_s,
                                          std::array<FrictionMode, 3> &modes) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::simulated

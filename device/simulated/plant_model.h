@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// One of them, by name.
 struct PlantModel {
@@ -28,4 +28,4 @@ inline constexpr std::array<PlantModel, 5> kPlantModels{{
     {"full", PlantDynamics::electromechanical, {true, true, true, true, true, true, true, true}},
 }};
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,7 +1,7 @@
 #include "device/simulated/plant_setup.h"
 
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -24,7 +24,7 @@ void check_coupling(const SimulationOptions &options) {
                          "coulomb_friction nor structural_compliance; switch them off, or simulate "
                          "rigid bodies");
     }
-    if (options.amplifier == AmplifierKind::current_drive &&
+    if (options.amplifier == device::AmplifierKind::current_drive &&
         !(options.hand.stiffness_N_per_m + options.hand.damping_Ns_per_m > 0.0)) {
         throw InputError("simulated device: as a coupling alone with a current drive nothing but "
                          "the hand holds its tip; give the hand a stiffness or a damping above 0");
@@ -32,12 +32,14 @@ void check_coupling(const SimulationOptions &options) {
 }
 
 /// Linkage and rotors, with the effects that are on and what sits rigidly at the tip.
-LinkagePlant linkage_plant(const DeviceDescription &description, const SimulationOptions &options) {
+LinkagePlant linkage_plant(const device::DeviceDescription &description,
+                           const SimulationOptions &options) {
     const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
     LinkagePlant plant;
     plant.geometry = description.geometry;
-    plant.moments = linkage_moments(description.geometry, description.inertia,
-                                    options.effects.structural_compliance ? 0.0 : at_tip_kg);
+    plant.moments =
+        device::linkage_moments(description.geometry, description.inertia,
+                                options.effects.structural_compliance ? 0.0 : at_tip_kg);
     if (!options.effects.structural_compliance) {
         // A hand is moved by its owner: its mass has to be accelerated, but not held up.
         plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
@@ -60,9 +62,9 @@ LinkagePlant linkage_plant(const DeviceDescription &description, const Simulatio
 }
 
 /// The motors as they truly are.
-std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
-                                           const SimulationOptions &options) {
-    std::array<MotorParameters, 3> motors = description.motor;
+std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
+                                                   const SimulationOptions &options) {
+    std::array<device::MotorParameters, 3> motors = description.motor;
     for (std::size_t j = 0; j < motors.size(); ++j) {
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
         motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
@@ -74,16 +76,17 @@ std::array<MotorParameters, 3> true_motors(const DeviceDescription &description,
 }
 
 /// Winding and housing at the start.
-WindingTemperature temperature(const MotorParameters &motor, const SimulationOptions &options) {
+device::WindingTemperature temperature(const device::MotorParameters &motor,
+                                       const SimulationOptions &options) {
     return {motor.thermal,
-            options.effects.winding_heat ? options.ambient_C : kReferenceTemperature_C,
+            options.effects.winding_heat ? options.ambient_C : device::kReferenceTemperature_C,
             options.servo_period_s};
 }
 
 } // namespace
 
-void check_options(const DeviceDescription &description, const SimulationOptions &options) {
-    const HandParameters &hand = options.hand;
+void check_options(const device::DeviceDescription &description, const SimulationOptions &options) {
+    const device::HandParameters &hand = options.hand;
     constexpr double kMostSteps = 1e6; // in a period
     const bool finite = std::isfinite(hand.mass_kg) && std::isfinite(hand.damping_Ns_per_m) &&
                         std::isfinite(hand.stiffness_N_per_m) &&
@@ -117,9 +120,10 @@ void check_options(const DeviceDescription &description, const SimulationOptions
     check_coupling(options);
 }
 
-Vector3 start_angles(const DeviceDescription &description, const SimulationOptions &options,
+Vector3 start_angles(const device::DeviceDescription &description, const SimulationOptions &options,
                      const Vector3 &start_tip_m) {
-    const std::optional<Vector3> q_rad = joint_angles_rad(description.geometry, start_tip_m);
+    const std::optional<Vector3> q_rad =
+        device::joint_angles_rad(description.geometry, start_tip_m);
     if (!q_rad || (options.effects.joint_limits && !description.joint_limits.allow(*q_rad))) {
         throw InputError("simulated device: its tip cannot start at (" +
                          std::to_string(start_tip_m.x()) + ", " + std::to_string(start_tip_m.y()) +
@@ -129,7 +133,8 @@ Vector3 start_angles(const DeviceDescription &description, const SimulationOptio
     return *q_rad;
 }
 
-PlantParts plant_parts(const DeviceDescription &description, const SimulationOptions &options) {
+PlantParts plant_parts(const device::DeviceDescription &description,
+                       const SimulationOptions &options) {
     check_options(description, options);
     return {options.dynamics,
             options.effects,
@@ -141,7 +146,7 @@ PlantParts plant_parts(const DeviceDescription &description, const SimulationOpt
              temperature(description.motor[2], options)}};
 }
 
-int fine_encoder_factor(const DeviceDescription &description) {
+int fine_encoder_factor(const device::DeviceDescription &description) {
     constexpr double kFiner = 10'000.0;
     const double counts_of_a_turn =
         description.encoder_counts_per_turn * description.geometry.transmission_ratio.maxCoeff();
@@ -149,4 +154,4 @@ int fine_encoder_factor(const DeviceDescription &description) {
     return static_cast<int>(std::clamp(room, 1.0, kFiner));
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,11 +1,11 @@
 #include "device/simulated/simulated_phantom.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 namespace {
 
@@ -20,7 +20,7 @@ Vector3 limited(const Vector3 &vector, double greatest_norm) {
 
 } // namespace
 
-SimulatedPhantom::SimulatedPhantom(const DeviceDescription &description,
+SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
     : description_(description), options_(options), parts_(plant_parts(description, options)),
       wanted_parts_(parts_), hand_target_(start_tip_m), temperature_(parts_.temperature) {
@@ -67,7 +67,8 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     const bool was_planar = parts_.linkage.planar;
     if (wanted.effects.winding_heat != parts_.effects.winding_heat) {
         temperature_ = wanted.temperature;
-        for (WindingTemperature &motor : temperature_) { // of `wanted` it may be an older one
+        for (device::WindingTemperature &motor :
+             temperature_) { // of `wanted` it may be an older one
             motor.set_period(options_.servo_period_s);
         }
     }
@@ -78,16 +79,17 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     put_in_force(parts);
 }
 
-void SimulatedPhantom::write(const DeviceCommand &command) noexcept {
-    written_ = {command.is_finite() ? command : DeviceCommand::braking(), Vector3::Zero()};
+void SimulatedPhantom::write(const device::DeviceCommand &command) noexcept {
+    written_ = {command.is_finite() ? command : device::DeviceCommand::braking(), Vector3::Zero()};
 }
 
 void SimulatedPhantom::write_current(const Vector3 &current_A) noexcept {
-    written_ = {DeviceCommand::braking(), current_A.allFinite() ? current_A : Vector3::Zero()};
+    written_ = {device::DeviceCommand::braking(),
+                current_A.allFinite() ? current_A : Vector3::Zero()};
 }
 
-Measurement SimulatedPhantom::advance(const PlantCommand &command) noexcept {
-    if (options_.amplifier == AmplifierKind::current_drive) {
+device::Measurement SimulatedPhantom::advance(const PlantCommand &command) noexcept {
+    if (options_.amplifier == device::AmplifierKind::current_drive) {
         write_current(command.current_A);
     } else {
         write(command.spring_drive);
@@ -95,14 +97,14 @@ Measurement SimulatedPhantom::advance(const PlantCommand &command) noexcept {
     return read();
 }
 
-Measurement SimulatedPhantom::read() noexcept {
+device::Measurement SimulatedPhantom::read() noexcept {
     if (const PlantParts &wanted = wanted_parts_.latest(); wanted.number != parts_.number) {
         take_over(wanted);
     } else if (parts_.effects.joint_limits && !parts_.linkage.stops) {
         parts_.linkage.stops = description_.joint_limits.allow(linkage_.q_rad);
     }
     std::shift_right(pending_.begin(), pending_.end(), 1);
-    pending_.front() = connected_ ? written_ : PlantCommand{DeviceCommand::braking(), {}};
+    pending_.front() = connected_ ? written_ : PlantCommand{device::DeviceCommand::braking(), {}};
     const auto whole = static_cast<std::size_t>(options_.delay_periods);
     const double fraction = options_.delay_periods - static_cast<double>(whole);
     const double period_s = options_.servo_period_s;
@@ -119,8 +121,8 @@ Measurement SimulatedPhantom::read() noexcept {
     return measurement();
 }
 
-Measurement SimulatedPhantom::measurement() const noexcept {
-    Measurement measured;
+device::Measurement SimulatedPhantom::measurement() const noexcept {
+    device::Measurement measured;
     for (std::size_t motor = 0; motor < 3; ++motor) {
         const auto j = static_cast<Eigen::Index>(motor);
         measured.counts[motor] = static_cast<std::int32_t>(
@@ -131,8 +133,8 @@ Measurement SimulatedPhantom::measurement() const noexcept {
     measured.time_s = clock_base_s_ +
                       static_cast<double>(periods_ - clock_base_periods_) * options_.servo_period_s;
     if (!connected_) {
-        measured.arrival = Arrival::absent;
-        measured.health = DeviceHealth::lost;
+        measured.arrival = device::Arrival::absent;
+        measured.health = device::DeviceHealth::lost;
     }
     return measured;
 }
@@ -144,7 +146,7 @@ void SimulatedPhantom::set_period(double period_s) {
     clock_base_s_ = measurement().time_s;
     clock_base_periods_ = periods_;
     options_.servo_period_s = period_s;
-    for (WindingTemperature &motor : temperature_) {
+    for (device::WindingTemperature &motor : temperature_) {
         motor.set_period(period_s);
     }
 }
@@ -156,7 +158,7 @@ void SimulatedPhantom::zero(const Vector3 &theta_rad) {
 /// A board that has just been plugged in counts from where it finds the rotors.
 void SimulatedPhantom::reconnect() {
     connected_ = true;
-    written_ = {DeviceCommand::braking(), Vector3::Zero()};
+    written_ = {device::DeviceCommand::braking(), Vector3::Zero()};
     zero(Vector3::Zero());
 }
 
@@ -182,7 +184,8 @@ double SimulatedPhantom::stored_energy_J() const {
     if (free_tip_) {
         energy += free_tip_->energy_J(linkage_end_m());
         if (parts_.effects.gravity) {
-            energy += description_.inertia.tip_load_kg * kGravity_m_per_s2 * truth_.tip_m.y();
+            energy +=
+                description_.inertia.tip_load_kg * device::kGravity_m_per_s2 * truth_.tip_m.y();
         }
     }
     return energy;
@@ -195,7 +198,7 @@ void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vect
     truth_.current_A.head(first_joint_).setZero();
     note_linkage(linkage_);
     truth_.tip_velocity_m_per_s =
-        joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
+        device::joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
     if (free_tip_) {
         free_tip_->velocity_m_per_s = truth_.tip_velocity_m_per_s;
     }
@@ -203,13 +206,14 @@ void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vect
 
 void SimulatedPhantom::note_linkage(const LinkageState &linkage) noexcept {
     linkage_ = linkage;
-    truth_.theta_rad = motor_from_joint(description_.geometry, linkage.q_rad);
-    truth_.theta_rate_rad_per_s = motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
+    truth_.theta_rad = device::motor_from_joint(description_.geometry, linkage.q_rad);
+    truth_.theta_rate_rad_per_s =
+        device::motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
 }
 
 /// The tip is where the linkage ends.
 void SimulatedPhantom::note_rigid_tip() noexcept {
-    const TipPlace place = tip_place(description_.geometry, linkage_.q_rad);
+    const device::TipPlace place = device::tip_place(description_.geometry, linkage_.q_rad);
     truth_.tip_m = place.tip_m;
     truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
 }
@@ -217,14 +221,14 @@ void SimulatedPhantom::note_rigid_tip() noexcept {
 /// Temperatures from the heat since the last period, and the resistances that follow.
 void SimulatedPhantom::warm_windings() noexcept {
     for (Eigen::Index j = 0; j < 3; ++j) {
-        WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
+        device::WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
         if (parts_.effects.winding_heat) {
             motor.update(heat_J_[j] / options_.servo_period_s);
         }
         truth_.winding_C[j] = motor.winding_C();
         truth_.housing_C[j] = motor.housing_C();
-        truth_.resistance_Ohm[j] = winding_resistance_Ohm(parts_.motor[static_cast<std::size_t>(j)],
-                                                          motor.winding_C(), truth_.theta_rad[j]);
+        truth_.resistance_Ohm[j] = device::winding_resistance_Ohm(
+            parts_.motor[static_cast<std::size_t>(j)], motor.winding_C(), truth_.theta_rad[j]);
     }
     heat_J_.setZero();
 }
@@ -254,34 +258,34 @@ SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const PlantCommand &comma
     return steps;
 }
 
-CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCommand &command,
-                                          double h) noexcept {
+device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCommand &command,
+                                                  double h) noexcept {
     const auto index = static_cast<std::size_t>(j);
-    const MotorParameters &motor = parts_.motor[index];
+    const device::MotorParameters &motor = parts_.motor[index];
     // At the sub-step's middle, so that the commutator's ripple too is met at second order.
     const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
     truth_.resistance_Ohm[j] =
-        winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
-    const DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
-                         truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
+        device::winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
+    const device::DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
+                                 truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
     const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
-    if (options_.amplifier == AmplifierKind::current_drive) {
+    if (options_.amplifier == device::AmplifierKind::current_drive) {
         const double bandwidth_rad_per_s =
             2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz;
-        return at_once
-                   ? current_drive_at_once(motor, now, command.current_A[j])
-                   : current_drive_step(motor, now, command.current_A[j], bandwidth_rad_per_s, h);
+        return at_once ? device::current_drive_at_once(motor, now, command.current_A[j])
+                       : device::current_drive_step(motor, now, command.current_A[j],
+                                                    bandwidth_rad_per_s, h);
     }
-    const DeviceCommand &spring = command.spring_drive;
-    if (spring.mode == CommandMode::open) {
+    const device::DeviceCommand &spring = command.spring_drive;
+    if (spring.mode == device::CommandMode::open) {
         return {}; // no current, whatever the speed
     }
-    const bool drives = spring.mode == CommandMode::drive;
+    const bool drives = spring.mode == device::CommandMode::drive;
     const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
     const double cancelled_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
                                             description_.amplifier.greatest_cancelled_Ohm);
-    return at_once ? spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
-                   : spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
+    return at_once ? device::spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
+                   : device::spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }
 
 LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
@@ -290,7 +294,7 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
     load.tip_force_N = tip.force_N;
     load.tip_damping_Ns_per_m = tip.damping_Ns_per_m;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const CurrentStep &current = drive[static_cast<std::size_t>(j)];
+        const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
         const double k_T = parts_.motor[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
         load.torque_Nm[j] = N * k_T * current.mean_A;
@@ -304,7 +308,7 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
 /// The hand's spring pulls at the middle of the step, half of it known beforehand; at its greatest
 /// force it no longer stiffens.
 VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
-    const HandParameters &hand = options_.hand;
+    const device::HandParameters &hand = options_.hand;
     const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
     const bool saturated = pull.norm() > hand.greatest_force_N;
     return {limited(pull, hand.greatest_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s,
@@ -314,19 +318,19 @@ VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
 /// A free tip bears the weight of what sits on it; a rigid one has that in the linkage's moments.
 VelocityLoad SimulatedPhantom::with_weight(const VelocityLoad &hand) const noexcept {
     const double weight_N =
-        parts_.effects.gravity ? description_.inertia.tip_load_kg * kGravity_m_per_s2 : 0.0;
+        parts_.effects.gravity ? description_.inertia.tip_load_kg * device::kGravity_m_per_s2 : 0.0;
     return {hand.force_N - weight_N * Vector3::UnitY(), hand.damping_Ns_per_m};
 }
 
 Vector3 SimulatedPhantom::linkage_end_m() const noexcept {
-    return tip_position_m(description_.geometry, linkage_.q_rad);
+    return device::tip_position_m(description_.geometry, linkage_.q_rad);
 }
 
 void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const LinkageMotion &motion,
                                        double h) noexcept {
     const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     for (Eigen::Index j = first_joint_; j < 3; ++j) {
-        const CurrentStep &current = drive[static_cast<std::size_t>(j)];
+        const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
         const double mean_rate = N * motion.mean_rate_rad_per_s[j];
         const double end_rate = at_once ? N * motion.after.rate_rad_per_s[j] : mean_rate;
@@ -378,4 +382,4 @@ Vector3 SimulatedPhantom::step(const PlantCommand &command, double h) noexcept {
            parts_.hand_mass_kg * acceleration;
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

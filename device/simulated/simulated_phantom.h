@@ -13,15 +13,15 @@
 // balance; in a plane the base joint and its motor stand still. Which parts run can change between
 // two periods: angles, rates and currents are carried over.
 //
-// One sub-step takes the winding exactly for a standing rotor velocity (device/motor/motor.h) and
-// the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean velocity:
-// the work that leaves the windings is, to round-off, the work that reaches the rotors. Second
-// order in the sub-step; of first order only where friction stops a joint or an amplifier reaches
-// its limit.
+// One sub-step takes the winding exactly for a standing rotor velocity (device/core/motor/motor.h)
+// and the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean
+// velocity: the work that leaves the windings is, to round-off, the work that reaches the rotors.
+// Second order in the sub-step; of first order only where friction stops a joint or an amplifier
+// reaches its limit.
 #pragma once
 
 #include "base/latest_value.h"
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/free_tip.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/plant_setup.h"
@@ -30,34 +30,36 @@
 
 #include <array>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// What the windings are told: volts for a spring drive, or amperes for a current drive, which no
 /// device but a simulated one has.
 struct PlantCommand {
-    DeviceCommand spring_drive;
+    device::DeviceCommand spring_drive;
     Vector3 current_A{Vector3::Zero()};
 };
 
 /// There is one to choose.
-[[nodiscard]] inline DeviceIdentity simulated_identity() {
+[[nodiscard]] inline device::DeviceIdentity simulated_identity() {
     return {"simulated", "sim-1", "simulated plant"};
 }
 
-class SimulatedPhantom final : public HapticDevice, public SimulatedWorld {
+class SimulatedPhantom final : public device::HapticDevice, public SimulatedWorld {
 public:
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
     /// @throw InputError where `start_tip_m` is out of reach or beyond the joint limits, or an
     ///        option is out of range.
-    SimulatedPhantom(const DeviceDescription &description, const SimulationOptions &options,
+    SimulatedPhantom(const device::DeviceDescription &description, const SimulationOptions &options,
                      const Vector3 &start_tip_m);
 
-    [[nodiscard]] const DeviceDescription &description() const override { return description_; }
-    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::servo; }
+    [[nodiscard]] const device::DeviceDescription &description() const override {
+        return description_;
+    }
+    [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
     [[nodiscard]] double delay_periods() const override { return options_.delay_periods; }
-    [[nodiscard]] Measurement read() noexcept override;
-    void write(const DeviceCommand &command) noexcept override;
-    [[nodiscard]] DeviceIdentity identity() const override { return simulated_identity(); }
+    [[nodiscard]] device::Measurement read() noexcept override;
+    void write(const device::DeviceCommand &command) noexcept override;
+    [[nodiscard]] device::DeviceIdentity identity() const override { return simulated_identity(); }
     void set_period(double period_s) override;
     void zero(const Vector3 &theta_rad) override;
     void close() noexcept override { connected_ = false; }
@@ -72,11 +74,11 @@ public:
     void write_current(const Vector3 &current_A) noexcept;
 
     /// One period on under a command: `write`, then `read`. RT-safe.
-    Measurement advance(const DeviceCommand &command) noexcept {
+    device::Measurement advance(const device::DeviceCommand &command) noexcept {
         write(command);
         return read();
     }
-    Measurement advance(const PlantCommand &command) noexcept;
+    device::Measurement advance(const PlantCommand &command) noexcept;
 
     /// What no device would tell: the state behind the encoders. Thread of `read` only.
     struct Truth {
@@ -103,9 +105,9 @@ public:
     void set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A);
 
 private:
-    using CurrentSteps = std::array<CurrentStep, 3>;
+    using CurrentSteps = std::array<device::CurrentStep, 3>;
 
-    [[nodiscard]] Measurement measurement() const noexcept;
+    [[nodiscard]] device::Measurement measurement() const noexcept;
     void put_in_force(const PlantParts &parts) noexcept;
     void take_over(const PlantParts &wanted) noexcept;
     [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
@@ -116,8 +118,8 @@ private:
                                    const VelocityLoad &tip) const noexcept;
     [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
     [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
-    [[nodiscard]] CurrentStep drive_motor(Eigen::Index motor, const PlantCommand &command,
-                                          double h) noexcept;
+    [[nodiscard]] device::CurrentStep drive_motor(Eigen::Index motor, const PlantCommand &command,
+                                                  double h) noexcept;
     void settle_currents(const CurrentSteps &drive, const LinkageMotion &motion, double h) noexcept;
     void settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
                     const Vector3 &linkage_end_before_m, double h) noexcept;
@@ -126,7 +128,7 @@ private:
     void note_rigid_tip() noexcept;
     void note_linkage(const LinkageState &linkage) noexcept;
 
-    DeviceDescription description_;
+    device::DeviceDescription description_;
     SimulationOptions options_;
     PlantParts parts_;
     LatestValue<PlantParts> wanted_parts_;
@@ -138,7 +140,7 @@ private:
     HandTarget hand_;
     LinkageState linkage_;
     std::array<FrictionMode, 3> friction_mode_{};
-    std::array<WindingTemperature, 3> temperature_;
+    std::array<device::WindingTemperature, 3> temperature_;
     Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last period
     Truth truth_;
     PlantCommand written_; ///< last
@@ -151,4 +153,4 @@ private:
     bool connected_ = true;
 };
 
-} // namespace springdrive
+} // namespace springdrive::simulated

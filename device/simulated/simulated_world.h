@@ -5,7 +5,7 @@
 #include "base/vector.h"
 #include "device/simulated/simulation_options.h"
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 class SimulatedWorld {
 public:
@@ -27,4 +27,4 @@ public:
     virtual void simulate_as(const SimulationOptions &options) = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/motor/amplifier.h"
-#include "device/motor/winding_temperature.h"
+#include "device/core/hand_parameters.h"
+#include "device/core/motor/amplifier.h"
+#include "device/core/motor/winding_temperature.h"
 #include "device/simulated/hand_path.h"
 
 #include <array>
@@ -11,17 +12,7 @@
 #include <optional>
 #include <string_view>
 
-namespace springdrive {
-
-/// A hand that holds the tip: a mass on it, drawn to a moving target by a spring and a damper.
-/// The defaults are a relaxed pen grip, of the order that the literature on grips gives.
-struct HandParameters {
-    double mass_kg = 0.1;
-    double damping_Ns_per_m = 6.0;
-    double stiffness_N_per_m = 300.0;
-    double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
-    double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
-};
+namespace springdrive::simulated {
 
 /// What moves by laws of its own in the simulated device.
 enum class PlantDynamics : std::uint8_t {
@@ -74,14 +65,14 @@ struct SimulationOptions {
     /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 2 µm of
     /// steps fifty times as short at the tip, and within 0.1 % of their largest current.
     double longest_step_s = 100e-6;
-    HandParameters hand;
+    device::HandParameters hand;
     std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
     bool planar = false; ///< the base joint stands still, so that only two are simulated
-    AmplifierKind amplifier = AmplifierKind::spring_drive;
+    device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R over its data sheet's
-    double ambient_C = kReferenceTemperature_C;
+    double ambient_C = device::kReferenceTemperature_C;
 };
 
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace springdrive {
+namespace springdrive::simulated {
 
 /// The x with A x = b, where A has a positive definite symmetric part: every pivot is positive
 /// then. Not finite where A is singular. RT-safe.
@@ -30,4 +30,4 @@ solve_definite(Eigen::Matrix<double, size, size> A, Eigen::Matrix<double, size, 
     return b;
 }
 
-} // namespace springdrive
+} // namespace springdrive::simulated

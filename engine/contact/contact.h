@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::contact {
 
 /// In free space x₀ = x, P = I and η = 1, so that (30) needs no case of its own.
 ///
@@ -28,4 +28,4 @@ struct Contact {
     std::uint16_t material = 0;           ///< index into the surface's materials
 };
 
-} // namespace springdrive
+} // namespace springdrive::contact

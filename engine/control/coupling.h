@@ -1,12 +1,12 @@
 // What follows from a tuning: the numbers that the tuning panel shows beside the sliders.
 #pragma once
 
-#include "device/device_file.h"
-#include "device/motor/motor.h"
+#include "device/core/device_file.h"
+#include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// The coupling K_θ between one rotor and its set-point.
 struct Coupling {
@@ -20,26 +20,26 @@ struct Coupling {
 
 /// @param period_s       T, the servo period
 /// @param delay_periods  d, from reading θ to applying e_W
-[[nodiscard]] inline Coupling coupling(const MotorParameters &motor, const Tuning &tuning,
+[[nodiscard]] inline Coupling coupling(const device::MotorParameters &motor, const Tuning &tuning,
                                        double period_s, double delay_periods) {
     const double k_T = motor.torque_constant_Nm_per_A;
     const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
     Coupling c;
-    c.K_L_Nm_per_rad = inductive_stiffness_Nm_per_rad(motor);
-    const double dR_Ohm = residual_resistance_Ohm(motor, tuning.dR_Ohm);
+    c.K_L_Nm_per_rad = device::inductive_stiffness_Nm_per_rad(motor);
+    const double dR_Ohm = device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
     c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / dR_Ohm;
     c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
-    c.B_dR_Nms_per_rad = series_damping_Nms_per_rad(motor, dR_Ohm);
+    c.B_dR_Nms_per_rad = device::series_damping_Nms_per_rad(motor, dR_Ohm);
     c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_periods);
     c.added_inertia_kg_m2 = c.B_dR_Nms_per_rad * c.loop_lag_s;
     return c;
 }
 
 /// k̄: K_DC as a mean over motors that may differ [N·m/rad].
-[[nodiscard]] inline double mean_static_stiffness_Nm_per_rad(const DeviceDescription &device,
-                                                             const Tuning &tuning) {
+[[nodiscard]] inline double
+mean_static_stiffness_Nm_per_rad(const device::DeviceDescription &device, const Tuning &tuning) {
     double sum = 0.0;
-    for (const MotorParameters &motor : device.motor) {
+    for (const device::MotorParameters &motor : device.motor) {
         sum += coupling(motor, tuning, 1.0, 0).K_DC_Nm_per_rad;
     }
     return sum / static_cast<double>(device.motor.size());
@@ -51,4 +51,4 @@ struct Coupling {
     return (1.0 - eta) * alpha_rad2_per_m2 * c.K_DC_Nm_per_rad;
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

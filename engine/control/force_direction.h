@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// Angle between a force and a surface normal [rad], 0 to π; NaN where either is zero. Exact for
 /// small angles too, where an arc cosine would lose half its digits.
@@ -27,4 +27,4 @@ namespace springdrive {
     return J.transpose().inverse() * stiffness.cwiseProduct(theta_gap_rad);
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -1,11 +1,11 @@
 #include "engine/control/haptic_law.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 
 #include <cstddef>
 
-namespace springdrive {
+namespace springdrive::control {
 
 namespace {
 
@@ -23,18 +23,18 @@ double alpha_in_force(const Tuning &tuning, double bound, double global) {
 
 } // namespace
 
-HapticLaw::HapticLaw(const DeviceDescription &device)
+HapticLaw::HapticLaw(const device::DeviceDescription &device)
     : geometry_(device.geometry), motor_(device.motor), k_T_(torque_constants(device)),
       relative_stiffness_(relative_stiffness(device)), rad_per_count_(device.rad_per_count()) {}
 
 Configuration HapticLaw::configuration(const Vector3 &theta_rad,
                                        const Vector3 &theta_rate_rad_per_s) const noexcept {
-    const Vector3 q_rad = joint_from_motor(geometry_, theta_rad);
-    return {theta_rad, theta_rate_rad_per_s, tip_position_m(geometry_, q_rad),
-            motor_jacobian(geometry_, q_rad)};
+    const Vector3 q_rad = device::joint_from_motor(geometry_, theta_rad);
+    return {theta_rad, theta_rate_rad_per_s, device::tip_position_m(geometry_, q_rad),
+            device::motor_jacobian(geometry_, q_rad)};
 }
 
-LawOutcome HapticLaw::operator()(const Configuration &now, const Contact &contact,
+LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contact &contact,
                                  const Tuning &tuning,
                                  double global_alpha_rad2_per_m2) const noexcept {
     LawOutcome found;
@@ -54,7 +54,7 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const Contact &contac
     found.command.e_W_V = drift_compensation_V(k_T_, tuning, now, found.used);
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         found.command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
-            motor_[j].resistance_Ohm - residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
+            motor_[j].resistance_Ohm - device::residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
     }
     return found;
 }
@@ -64,4 +64,4 @@ Vector3 HapticLaw::force_direction(const Configuration &now,
     return static_tip_force(now.J, relative_stiffness_, set_point.theta_Sd_rad - now.theta_rad);
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

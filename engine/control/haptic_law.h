@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 #include "engine/contact/contact.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// All that the law found on its way to the voltages.
 struct LawOutcome {
@@ -22,20 +22,20 @@ struct LawOutcome {
     std::optional<MotorSetPoint> inverse; ///< (18), where it has an answer
     MotorSetPoint transpose;              ///< (23), (24)
     MotorSetPoint used;                   ///< of the map in use; without an answer, no force
-    DeviceCommand command;                ///< e_W (10) and R̂ (7)
+    device::DeviceCommand command;        ///< e_W (10) and R̂ (7)
 };
 
 /// Remembers the device, and nothing of what went before.
 class HapticLaw {
 public:
-    explicit HapticLaw(const DeviceDescription &device);
+    explicit HapticLaw(const device::DeviceDescription &device);
 
     /// θ, θ̇_f, x and J from what the encoders and the velocity filter say. RT-safe.
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
     /// @param global_alpha_rad2_per_m2  what AlphaMode::global takes. RT-safe.
-    [[nodiscard]] LawOutcome operator()(const Configuration &now, const Contact &contact,
+    [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
                                         double global_alpha_rad2_per_m2) const noexcept;
 
@@ -51,11 +51,11 @@ public:
     }
 
 private:
-    PhantomGeometry geometry_;
-    std::array<MotorParameters, 3> motor_;
+    device::PhantomGeometry geometry_;
+    std::array<device::MotorParameters, 3> motor_;
     Vector3 k_T_;
     Vector3 relative_stiffness_;
     double rad_per_count_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -1,6 +1,6 @@
 #include "engine/control/motion_control.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::control {
 
 namespace {
 
@@ -26,7 +26,7 @@ constexpr double kSingularDeterminant = 1e-6;
 } // namespace
 
 TipSetPoint contact_set_point(const Vector3 &tip_m, const Vector3 &tip_velocity_m_per_s,
-                              const Contact &contact, double eta) {
+                              const contact::Contact &contact, double eta) {
     TipSetPoint target;
     target.x_Sd_m = eta * tip_m + (1.0 - eta) * contact.x0_m;
     target.x_Sd_rate_m_per_s =
@@ -34,14 +34,14 @@ TipSetPoint contact_set_point(const Vector3 &tip_m, const Vector3 &tip_velocity_
     return target;
 }
 
-std::optional<MotorSetPoint> inverse_map(const PhantomGeometry &geometry,
+std::optional<MotorSetPoint> inverse_map(const device::PhantomGeometry &geometry,
                                          const Configuration &configuration,
                                          const TipSetPoint &target) {
-    const std::optional<Vector3> q_Sd_rad = joint_angles_rad(geometry, target.x_Sd_m);
+    const std::optional<Vector3> q_Sd_rad = device::joint_angles_rad(geometry, target.x_Sd_m);
     if (!q_Sd_rad || is_singular(configuration.J)) {
         return std::nullopt;
     }
-    return MotorSetPoint{motor_from_joint(geometry, *q_Sd_rad),
+    return MotorSetPoint{device::motor_from_joint(geometry, *q_Sd_rad),
                          configuration.J.inverse() * target.x_Sd_rate_m_per_s};
 }
 
@@ -60,7 +60,7 @@ double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness) {
     return 1.0 / solver.eigenvalues()[2];
 }
 
-double global_alpha_bound(const DeviceDescription &device, int points_per_axis) {
+double global_alpha_bound(const device::DeviceDescription &device, int points_per_axis) {
     const Vector3 weights = relative_stiffness(device);
     const double step = 1.0 / std::max(1, points_per_axis - 1);
     double least = std::numeric_limits<double>::infinity();
@@ -70,10 +70,12 @@ double global_alpha_bound(const DeviceDescription &device, int points_per_axis) 
                 const Vector3 fraction(i * step - 0.5, j * step - 0.5, k * step - 0.5);
                 const Vector3 point_m =
                     device.workspace.centre_m + fraction.cwiseProduct(device.workspace.size_m);
-                const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, point_m);
+                const std::optional<Vector3> q_rad =
+                    device::joint_angles_rad(device.geometry, point_m);
                 if (q_rad) {
-                    least = std::min(least,
-                                     alpha_bound(motor_jacobian(device.geometry, *q_rad), weights));
+                    least =
+                        std::min(least, alpha_bound(device::motor_jacobian(device.geometry, *q_rad),
+                                                    weights));
                 }
             }
         }
@@ -90,14 +92,14 @@ Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,
            tuning.K_P_V_per_rad * (set_point.theta_Sd_rad - configuration.theta_rad);
 }
 
-Vector3 torque_constants(const DeviceDescription &device) {
+Vector3 torque_constants(const device::DeviceDescription &device) {
     return {device.motor[0].torque_constant_Nm_per_A, device.motor[1].torque_constant_Nm_per_A,
             device.motor[2].torque_constant_Nm_per_A};
 }
 
-Vector3 relative_stiffness(const DeviceDescription &device) {
+Vector3 relative_stiffness(const device::DeviceDescription &device) {
     const Vector3 k_T = torque_constants(device);
     return k_T / k_T.mean();
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -10,13 +10,13 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 #include "engine/contact/contact.h"
 #include "engine/control/tuning.h"
 
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// Where the coupling K_θ is to be held, in tip space.
 struct TipSetPoint {
@@ -48,7 +48,7 @@ struct Configuration {
 /// (DESIGN section 3). `eta` is that of surface and tuning together, see `combined_eta`.
 [[nodiscard]] TipSetPoint contact_set_point(const Vector3 &tip_m,
                                             const Vector3 &tip_velocity_m_per_s,
-                                            const Contact &contact, double eta);
+                                            const contact::Contact &contact, double eta);
 
 /// η of a surface under a tuning: their stiffness fractions 1 − η multiply.
 [[nodiscard]] inline double combined_eta(double surface_eta, double tuning_eta) {
@@ -57,7 +57,7 @@ struct Configuration {
 
 /// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Nothing where x_Sd is out of reach
 /// or J singular; `no_force` is then the set-point to take.
-[[nodiscard]] std::optional<MotorSetPoint> inverse_map(const PhantomGeometry &geometry,
+[[nodiscard]] std::optional<MotorSetPoint> inverse_map(const device::PhantomGeometry &geometry,
                                                        const Configuration &configuration,
                                                        const TipSetPoint &target);
 
@@ -76,7 +76,8 @@ struct Configuration {
 
 /// The least of (29) over a grid of `points_per_axis`³ points of the workspace box that the tip
 /// can reach [rad²/m²]. Takes milliseconds: not for the servo thread.
-[[nodiscard]] double global_alpha_bound(const DeviceDescription &device, int points_per_axis = 15);
+[[nodiscard]] double global_alpha_bound(const device::DeviceDescription &device,
+                                        int points_per_axis = 15);
 
 /// Drift compensation (10) for three motors with torque constants k_T:
 ///
@@ -86,10 +87,10 @@ struct Configuration {
                                            const MotorSetPoint &set_point);
 
 /// k_T of the three motors [N·m/A].
-[[nodiscard]] Vector3 torque_constants(const DeviceDescription &device);
+[[nodiscard]] Vector3 torque_constants(const device::DeviceDescription &device);
 
 /// W: what one motor's K_θ (12) is at low frequency relative to the mean of all. With the same dR,
 /// K_P and K_D on every motor it goes with k_T (13).
-[[nodiscard]] Vector3 relative_stiffness(const DeviceDescription &device);
+[[nodiscard]] Vector3 relative_stiffness(const device::DeviceDescription &device);
 
-} // namespace springdrive
+} // namespace springdrive::control

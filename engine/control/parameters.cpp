@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace springdrive {
+namespace springdrive::control {
 
 namespace {
 
@@ -48,4 +48,4 @@ std::optional<AlphaMode> alpha_mode_named(std::string_view name) {
     return numbered<AlphaMode>(kAlphaModeNames, name);
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::control {
 
 struct Parameter {
     std::string_view name;   ///< in files and CSV headers, with its unit
@@ -70,4 +70,4 @@ inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "
 /// One of `kAlphaModeNames`; nothing for any other name.
 [[nodiscard]] std::optional<AlphaMode> alpha_mode_named(std::string_view name);
 
-} // namespace springdrive
+} // namespace springdrive::control

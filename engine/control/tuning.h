@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// How a set-point of the tip becomes one of the motors.
 enum class MotionMap : std::uint8_t {
@@ -32,4 +32,4 @@ struct Tuning {
     friend bool operator==(const Tuning &, const Tuning &) = default;
 };
 
-} // namespace springdrive
+} // namespace springdrive::control

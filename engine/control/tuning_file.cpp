@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::control {
 
 namespace {
 
@@ -135,4 +135,4 @@ void write_tuning_file(std::ostream &out, const TuningFile &file) {
     out << "worst_eta = " << digits(margins.worst_eta) << '\n';
 }
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -8,7 +8,7 @@
 #include <ostream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// How far a tuning is from where it fails, one thing changed at a time, on the servo that it was
 /// found for.
@@ -43,4 +43,4 @@ struct TuningFile {
 /// The same as text, every number to its last bit.
 void write_tuning_file(std::ostream &out, const TuningFile &file);
 
-} // namespace springdrive
+} // namespace springdrive::control

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::control {
 
 /// a = e^(−λT), the filter's pole.
 [[nodiscard]] inline double velocity_filter_pole(double lambda_rad_per_s, double period_s) {
@@ -44,4 +44,4 @@ private:
     Vector3 velocity_rad_per_s_{Vector3::Zero()};
 };
 
-} // namespace springdrive
+} // namespace springdrive::control

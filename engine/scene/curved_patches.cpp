@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 namespace {
 
@@ -231,4 +231,4 @@ void for_each_grid_point(std::size_t cuts, const std::function<void(const GridPo
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

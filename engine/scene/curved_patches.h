@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// Each triangle of a mesh as a PN triangle: a cubic Bézier patch through its corners, square to
 /// the normals there (A. Vlachos, J. Peters, C. Boyd, J. L. Mitchell, "Curved PN triangles",
@@ -45,4 +45,4 @@ private:
 void for_each_grid_point(std::size_t cuts,
                          const std::function<void(const std::array<std::size_t, 3> &)> &visit);
 
-} // namespace springdrive
+} // namespace springdrive::scene

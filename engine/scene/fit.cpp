@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 BoundingBox::BoundingBox()
     : lower(Vector3::Constant(std::numeric_limits<double>::infinity())),
@@ -16,7 +16,7 @@ void BoundingBox::include(const Vector3 &point) {
     upper = upper.cwiseMax(point);
 }
 
-Fit fit_into(const Workspace &workspace, const BoundingBox &box) {
+Fit fit_into(const device::Workspace &workspace, const BoundingBox &box) {
     const Vector3 extent = box.extent();
     if (!extent.allFinite()) {
         throw InputError("its coordinates are too large to compute with; scale it down");
@@ -33,7 +33,7 @@ Fit fit_into(const Workspace &workspace, const BoundingBox &box) {
     return {box.lower + 0.5 * extent, workspace.centre_m, scale};
 }
 
-bool lies_within(const Workspace &workspace, const BoundingBox &box) {
+bool lies_within(const device::Workspace &workspace, const BoundingBox &box) {
     const Vector3 half_size = 0.5 * workspace.size_m;
     // The rounding of a file's single-precision coordinates is no reason for a remark.
     constexpr double kRounding_m = 1e-6;
@@ -41,4 +41,4 @@ bool lies_within(const Workspace &workspace, const BoundingBox &box) {
            ((box.upper - workspace.centre_m - half_size).array() <= kRounding_m).all();
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// An axis-aligned box; empty until it includes a point.
 struct BoundingBox {
@@ -32,9 +32,9 @@ inline constexpr double kFilledShare = 0.6;
 
 /// The largest uniform scale at which `box` fits into `kFilledShare` of the workspace, centred.
 /// @throw InputError for a box without extent, or with coordinates too large to scale.
-[[nodiscard]] Fit fit_into(const Workspace &workspace, const BoundingBox &box);
+[[nodiscard]] Fit fit_into(const device::Workspace &workspace, const BoundingBox &box);
 
 /// Whether `box`, in the device's frame, lies within the workspace.
-[[nodiscard]] bool lies_within(const Workspace &workspace, const BoundingBox &box);
+[[nodiscard]] bool lies_within(const device::Workspace &workspace, const BoundingBox &box);
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -21,7 +21,7 @@
 #include <new>
 #include <span>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 namespace {
 
@@ -44,7 +44,8 @@ BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
 
 /// Puts everything where it belongs in the device's frame.
 /// @return from the file's world coordinates to there
-Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives, const Workspace &workspace) {
+Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
+              const device::Workspace &workspace) {
     BoundingBox box = bounds_of(primitives);
     Fit fit = fit_into(workspace, box); // also refuses what has no extent
     if (!scene.in_metres) {
@@ -69,8 +70,8 @@ Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives, const Work
 }
 
 /// The shape that the node of `primitives` is touched as.
-AnalyticShape shape_of(std::span<const PlacedPrimitive> primitives, const Fit &fit,
-                       std::uint16_t material) {
+contact::AnalyticShape shape_of(std::span<const PlacedPrimitive> primitives, const Fit &fit,
+                                std::uint16_t material) {
     BoundingBox box;
     for (const PlacedPrimitive &primitive : primitives) {
         box.include(primitive.box.lower);
@@ -85,7 +86,7 @@ AnalyticShape shape_of(std::span<const PlacedPrimitive> primitives, const Fit &f
 /// What is touched of one node: its triangles or its shape.
 void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const Fit &fit) {
     const TouchExtras &touch = primitives.front().node->touch;
-    std::vector<SurfaceMaterial> &materials = scene.surface.materials;
+    std::vector<contact::SurfaceMaterial> &materials = scene.surface.materials;
     if (materials.size() > std::numeric_limits<std::uint16_t>::max()) {
         throw InputError("has more than " + std::to_string(materials.size()) +
                          " nodes with triangles; join some");
@@ -93,8 +94,8 @@ void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const 
     const auto material = static_cast<std::uint16_t>(materials.size());
     materials.push_back(touch.material);
     if (touch.shape) {
-        if (scene.shapes.size() == kMostShapes) {
-            throw InputError("has more than " + std::to_string(kMostShapes) +
+        if (scene.shapes.size() == contact::kMostShapes) {
+            throw InputError("has more than " + std::to_string(contact::kMostShapes) +
                              " nodes that are touched as shapes; let some be touched as meshes");
         }
         scene.shapes.push_back(shape_of(primitives, fit, material));
@@ -111,9 +112,9 @@ bool has_smooth(const std::vector<PlacedPrimitive> &primitives) {
 }
 
 /// The triangles of unbent primitives, with the materials of those that are touched.
-TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const Fit &fit,
-                        const TriangleSoup &bent) {
-    TriangleSoup flat;
+contact::TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const Fit &fit,
+                                 const contact::TriangleSoup &bent) {
+    contact::TriangleSoup flat;
     flat.materials = bent.materials;
     std::uint16_t material = 0;
     for (std::span rest(primitives); !rest.empty(); ++material) {
@@ -150,7 +151,8 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
     scene.textures = textures.take();
 }
 
-Scene load(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress) {
+Scene load(const std::filesystem::path &file, const device::Workspace &workspace,
+           LoadProgress &progress) {
     using Stage = LoadProgress::Stage;
     progress.begin(Stage::reading, false);
     const tinygltf::Model model = read_model(file);
@@ -185,7 +187,7 @@ Scene load(const std::filesystem::path &file, const Workspace &workspace, LoadPr
 
 } // namespace
 
-Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
+Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
                 LoadProgress *progress) {
     LoadProgress unwatched;
     LoadProgress &watched = progress != nullptr ? *progress : unwatched;
@@ -204,4 +206,4 @@ Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// Loads a glTF file and places it in the device's frame.
 ///
@@ -41,7 +41,7 @@ namespace springdrive {
 ///        Also for a scene that takes more than 8 GiB to load.
 /// @throw NotWanted soon after `progress` was given up
 /// @param progress told how far it is, if somebody wants to know
-[[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const Workspace &workspace,
+[[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
                               LoadProgress *progress = nullptr);
 
-} // namespace springdrive
+} // namespace springdrive::scene

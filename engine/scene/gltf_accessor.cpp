@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -238,4 +238,4 @@ bool is_normalised(const tinygltf::Model &model, int accessor) {
     return find_accessor(model, accessor).normalized;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

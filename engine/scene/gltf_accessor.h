@@ -11,7 +11,7 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// More vertices, or indices, than this in one scene is taken for a damaged file.
 inline constexpr std::size_t kMostVertices = 60'000'000;
@@ -56,4 +56,4 @@ enum class Scaling : std::uint8_t {
 /// Whether an accessor's integers stand for [0, 1] or [−1, 1].
 [[nodiscard]] bool is_normalised(const tinygltf::Model &model, int accessor);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

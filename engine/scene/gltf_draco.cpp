@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <string>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 struct DracoMesh::Decoded {
     std::unique_ptr<draco::Mesh> mesh;
@@ -89,4 +89,4 @@ Attribute DracoMesh::attribute(std::uint32_t id, bool normalised) const {
     return attribute;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

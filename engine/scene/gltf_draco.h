@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// A Draco-compressed triangle mesh.
 class DracoMesh {
@@ -32,4 +32,4 @@ private:
     std::unique_ptr<Decoded> decoded_;
 };
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -93,4 +93,4 @@ void Extras::refuse(const char *key, const std::string &meaning) const {
                      meaning);
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

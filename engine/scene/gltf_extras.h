@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// Read from the JSON text itself: tinygltf's own values lose `null` and whatever does not fit
 /// into an int. Keys that nobody asks for are other programs' and left alone.
@@ -52,4 +52,4 @@ private:
     std::string path_ = "extras."; ///< before keys, in messages
 };
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

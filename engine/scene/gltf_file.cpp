@@ -16,7 +16,7 @@
 #include <span>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -189,4 +189,4 @@ std::vector<std::string> left_out_of(const tinygltf::Model &model) {
     return remarks;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -9,7 +9,7 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 using Bytes = std::vector<unsigned char>;
 
@@ -28,4 +28,4 @@ using Bytes = std::vector<unsigned char>;
 /// without, and animations.
 [[nodiscard]] std::vector<std::string> left_out_of(const tinygltf::Model &model);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

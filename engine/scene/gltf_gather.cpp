@@ -11,7 +11,7 @@
 #include <limits>
 #include <optional>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -160,4 +160,4 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     return gathered;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// The primitives of all nodes, those of one node together, in the file's own world coordinates.
 /// `remarks` gains what cannot be touched or drawn.
@@ -18,4 +18,4 @@ namespace springdrive::gltf {
                                                   std::vector<std::string> &remarks,
                                                   LoadProgress &progress);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 std::size_t json_nesting_depth(std::string_view json) {
     std::size_t depth = 0;
@@ -98,4 +98,4 @@ std::string without_what_tinygltf_refuses(std::string_view text) {
     return document.dump();
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

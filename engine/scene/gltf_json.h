@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// How deeply brackets nest in a JSON text. tinygltf reads `extras` recursively, so a file of
 /// nothing but `[[[[…` would exhaust the stack.
@@ -21,4 +21,4 @@ void check_byte_offsets(std::string_view json);
 /// A text that is no JSON comes back as it is, for tinygltf to say what is wrong with it.
 [[nodiscard]] std::string without_what_tinygltf_refuses(std::string_view json);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -13,7 +13,7 @@
 #include <memory>
 #include <span>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -212,4 +212,4 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
     return entry->second;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

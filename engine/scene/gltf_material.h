@@ -14,7 +14,7 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
@@ -65,4 +65,4 @@ private:
     std::size_t pixels_ = 0;
 };
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

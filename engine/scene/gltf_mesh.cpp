@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -126,7 +126,8 @@ Vector3 world_normal(const PlacedPrimitive &primitive, std::size_t vertex) {
     return normal_matrix(*primitive.node) * Vector3(primitive.geometry->normal[vertex].data());
 }
 
-void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, TriangleSoup &surface) {
+void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
+                 contact::TriangleSoup &surface) {
     const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
     surface.vertices_m.insert(surface.vertices_m.end(), primitive.positions.begin(),
                               primitive.positions.end());
@@ -166,4 +167,4 @@ std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureL
     return pieces;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// A primitive where a node places it. `positions` are world coordinates: the file's units first,
 /// metres in the device's frame once fitted.
@@ -33,7 +33,8 @@ struct PlacedPrimitive {
 [[nodiscard]] Vector3 world_normal(const PlacedPrimitive &primitive, std::size_t vertex);
 
 /// Appends the primitive to what can be touched, made of `material`.
-void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, TriangleSoup &surface);
+void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
+                 contact::TriangleSoup &surface);
 
 /// What is drawn of the primitive; a large one comes in pieces. `remarks` gains what has to be left
 /// out.
@@ -41,4 +42,4 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material, Trian
                                                     TextureLibrary &textures,
                                                     std::vector<std::string> &remarks);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -159,4 +159,4 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
     return placed;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

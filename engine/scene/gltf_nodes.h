@@ -12,7 +12,7 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// A node that holds a mesh.
 struct PlacedMesh {
@@ -31,4 +31,4 @@ struct PlacedMesh {
 ///        quaternions, and extras as `read_touch` refuses them.
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

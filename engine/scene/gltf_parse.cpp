@@ -16,7 +16,7 @@
 #include <new>
 #include <string>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -83,4 +83,4 @@ tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
     return model;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

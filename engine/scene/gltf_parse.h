@@ -8,11 +8,11 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// Parses a checked file; buffers and images that it names are read from `folder`.
 /// @throw InputError with what tinygltf finds wrong, on one line.
 [[nodiscard]] tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
                                     const std::filesystem::path &folder);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -11,7 +11,7 @@
 #include <numeric>
 #include <optional>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -203,4 +203,4 @@ PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::P
     return geometry;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -13,7 +13,7 @@ class Model;
 struct Primitive;
 } // namespace tinygltf
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
@@ -39,4 +39,4 @@ read_primitive(const tinygltf::Model &model, const tinygltf::Primitive &primitiv
 [[nodiscard]] std::vector<Triangle> assemble_triangles(int mode,
                                                        const std::vector<std::uint32_t> &corners);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -3,7 +3,7 @@
 #include <array>
 #include <charconv>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -49,4 +49,4 @@ std::string shortest(double number) {
     return {text.data(), end};
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

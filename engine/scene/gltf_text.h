@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// `text` on one line: control characters and line ends become single spaces, the ends are
 /// trimmed, and what is longer than `max_length` bytes is cut (never within a UTF-8 character).
@@ -16,4 +16,4 @@ namespace springdrive::gltf {
 /// The shortest text that reads back as `number`.
 [[nodiscard]] std::string shortest(double number);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -29,4 +29,4 @@ void LoadAllowance::add(std::size_t triangles, std::size_t vertices) {
     }
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

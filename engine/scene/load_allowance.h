@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// Loading takes no more than this at its peak, textures aside.
 inline constexpr double kMostMemory_bytes = 8.0 * 1024 * 1024 * 1024;
@@ -25,4 +25,4 @@ private:
     std::size_t vertices_ = 0;
 };
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 std::string LoadProgress::text() const {
     constexpr std::array<const char *, 6> kStages = {"reading the file",
@@ -22,4 +22,4 @@ std::string LoadProgress::text() const {
     return stage + ", " + std::to_string(percent) + " %";
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// Whoever loads writes it, any thread may read it meanwhile.
 class LoadProgress {
@@ -47,4 +47,4 @@ private:
     std::atomic<bool> is_given_up_{false};
 };
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -1,7 +1,7 @@
 // How far from the fullest model a scene may be felt to be.
 #pragma once
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// What a cheaper model of a scene may be off. The defaults are what hands hardly tell: about the
 /// device's own friction (0.04 N at the tip), a fifth of the 25° at which the paper has directions
@@ -12,4 +12,4 @@ struct ModelTolerance {
     double bandwidth_hz = 200.0;   ///< both below this frequency
 };
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -9,7 +9,7 @@
 #include <span>
 #include <tuple>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 namespace {
 
@@ -134,4 +134,4 @@ PatchEdges::PatchEdges(const SmoothMesh &mesh) : sides_(3 * mesh.triangles.size(
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// Triangles with a normal at each vertex. Vertices may share a place, not a normal.
 struct SmoothMesh {
@@ -52,4 +52,4 @@ private:
     std::vector<EdgeCurve> curves_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
-#include "engine/contact/analytic_shape.h"
-#include "engine/contact/haptic_surface.h"
+#include "device/core/device_file.h"
+#include "engine/contact/proxy/analytic_shape.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/model_tolerance.h"
 
 #include <array>
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 struct VisualVertex {
     std::array<float, 3> position_m; ///< device frame
@@ -47,10 +47,11 @@ struct Scene {
     std::filesystem::path file;
     std::vector<VisualMesh> meshes;
     std::vector<Texture> textures;
-    TriangleSoup surface;              ///< the triangles that can be touched
-    std::vector<AnalyticShape> shapes; ///< touched too; their materials are those of `surface`
+    contact::TriangleSoup surface; ///< the triangles that can be touched
+    std::vector<contact::AnalyticShape>
+        shapes; ///< touched too; their materials are those of `surface`
     /// `surface` with the file's own flat triangles where nodes are smooth; empty where none is.
-    TriangleSoup flat_surface;
+    contact::TriangleSoup flat_surface;
     Vector3 lower_m{Vector3::Zero()}; ///< bounding box, device frame
     Vector3 upper_m{Vector3::Zero()};
     double metres_per_unit = 1.0;     ///< how the file's units were scaled
@@ -60,4 +61,4 @@ struct Scene {
     std::vector<std::string> remarks; ///< what of the file cannot be touched or drawn, by name
 };
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -54,4 +54,4 @@ SceneExtras read_scene_extras(const tinygltf::Model &model) {
     return said;
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

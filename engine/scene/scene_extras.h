@@ -7,7 +7,7 @@ namespace tinygltf {
 class Model;
 }
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 struct SceneExtras {
     bool in_metres = false; ///< coordinates are metres in the device's frame
@@ -21,4 +21,4 @@ struct SceneExtras {
 ///        `tolerance` that is none.
 [[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

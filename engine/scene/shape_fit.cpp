@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -36,7 +36,7 @@ public:
         placement_.linear() = nearest_rotation(unit_axes);
     }
 
-    [[nodiscard]] AnalyticShape::Size size(ShapeKind kind) {
+    [[nodiscard]] contact::AnalyticShape::Size size(ShapeKind kind) {
         switch (kind) {
         case ShapeKind::plate:
             return plate();
@@ -87,7 +87,7 @@ private:
                        "its x and z must agree within 1 %, and it stands along y");
     }
 
-    [[nodiscard]] AnalyticShape::Size plate() {
+    [[nodiscard]] contact::AnalyticShape::Size plate() {
         int flat = 0;
         const double thickness = extent_.minCoeff(&flat);
         const int x = (flat + 2) % 3;
@@ -97,34 +97,34 @@ private:
                        "one of these must be below 1 % of the largest, and the others not 0");
         const Matrix3 axes = placement_.linear(); // (x, flat, z) is right-handed
         placement_.linear() << axes.col(x), axes.col(flat), axes.col(z);
-        return Plate{half_size_[x] * scale_[x], half_size_[z] * scale_[z]};
+        return contact::Plate{half_size_[x] * scale_[x], half_size_[z] * scale_[z]};
     }
 
-    [[nodiscard]] AnalyticShape::Size sphere() const {
+    [[nodiscard]] contact::AnalyticShape::Size sphere() const {
         require_extent(extent_.maxCoeff() > 0.0 && extent_.maxCoeff() - extent_.minCoeff() <=
                                                        kLikeness * extent_.maxCoeff(),
                        "the three must agree within 1 %");
-        return Sphere{half_size_.maxCoeff() * uniform_scale()};
+        return contact::Sphere{half_size_.maxCoeff() * uniform_scale()};
     }
 
-    [[nodiscard]] AnalyticShape::Size box() const {
+    [[nodiscard]] contact::AnalyticShape::Size box() const {
         require_extent(extent_.minCoeff() > 0.0, "none may be 0; a flat one is a plate");
-        return Box{half_size_.cwiseProduct(scale_)};
+        return contact::Box{half_size_.cwiseProduct(scale_)};
     }
 
-    [[nodiscard]] AnalyticShape::Size cylinder() const {
+    [[nodiscard]] contact::AnalyticShape::Size cylinder() const {
         require_round();
         const Vector3 half_m = half_size_ * uniform_scale();
-        return Cylinder{std::max(half_m.x(), half_m.z()), half_m.y()};
+        return contact::Cylinder{std::max(half_m.x(), half_m.z()), half_m.y()};
     }
 
-    [[nodiscard]] AnalyticShape::Size capsule() const {
+    [[nodiscard]] contact::AnalyticShape::Size capsule() const {
         require_round();
         const Vector3 half_m = half_size_ * uniform_scale();
         const double radius_m = std::max(half_m.x(), half_m.z());
         require_extent(half_m.y() >= (1.0 - kLikeness) * radius_m,
                        "its y must not be less than its x and z");
-        return Capsule{radius_m, std::max(half_m.y() - radius_m, 0.0)};
+        return contact::Capsule{radius_m, std::max(half_m.y() - radius_m, 0.0)};
     }
 
     Vector3 extent_;
@@ -138,11 +138,12 @@ private:
 
 } // namespace
 
-AnalyticShape fit_shape(ShapeKind kind, const BoundingBox &box, const Eigen::Affine3d &to_device,
-                        std::uint16_t material, const std::string &label) {
+contact::AnalyticShape fit_shape(ShapeKind kind, const BoundingBox &box,
+                                 const Eigen::Affine3d &to_device, std::uint16_t material,
+                                 const std::string &label) {
     ShapeFit fit(kind, box, to_device, label);
-    const AnalyticShape::Size size = fit.size(kind);
+    const contact::AnalyticShape::Size size = fit.size(kind);
     return {size, fit.placement(), material};
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

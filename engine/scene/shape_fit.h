@@ -1,7 +1,7 @@
 // From the mesh of a node to the exact shape that it stands for.
 #pragma once
 
-#include "engine/contact/analytic_shape.h"
+#include "engine/contact/proxy/analytic_shape.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/touch_extras.h"
 
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <string>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// Fits a shape to the box around a mesh.
 ///
@@ -26,8 +26,8 @@ namespace springdrive::gltf {
 ///        a plate or a box also along each axis, as long as right angles stay right
 /// @param label of the node, for messages
 /// @throw InputError, one line, for a box or a transform that gives no such shape.
-[[nodiscard]] AnalyticShape fit_shape(ShapeKind kind, const BoundingBox &box,
-                                      const Eigen::Affine3d &to_device, std::uint16_t material,
-                                      const std::string &label);
+[[nodiscard]] contact::AnalyticShape fit_shape(ShapeKind kind, const BoundingBox &box,
+                                               const Eigen::Affine3d &to_device,
+                                               std::uint16_t material, const std::string &label);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <span>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -168,4 +168,4 @@ void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
     }
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// Neighbouring facets of a smooth node differ by no more than this: the finger takes it for round.
 inline constexpr double kSmooth_deg = 0.5;
@@ -20,4 +20,4 @@ inline constexpr std::size_t kMostCurvedTriangles = 2'000'000;
 /// @throw InputError naming the node, when a smooth one has no normals, or some without direction.
 void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, std::vector<std::string> &remarks);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 namespace {
 
@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides
 constexpr std::array<std::string_view, 5> kShapes = {"plate", "sphere", "box", "cylinder",
                                                      "capsule"}; // in the order of ShapeKind
 
-void read_friction(const Extras &extras, SurfaceMaterial &material) {
+void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
     constexpr double kGreatest = 10.0; // rubber reaches about 2; far above, it is a typing error
     const std::string range = "a number from 0 to 10";
     const auto at_rest = extras.number("static_friction", 0.0, kGreatest, range);
@@ -31,16 +31,17 @@ void read_friction(const Extras &extras, SurfaceMaterial &material) {
     }
 }
 
-void read_sides(const Extras &extras, SurfaceMaterial &material) {
+void read_sides(const Extras &extras, contact::SurfaceMaterial &material) {
     if (const auto sides = extras.word("sides", kSides, "'one' or 'two', or left out")) {
-        material.sides = *sides == 0 ? TouchSides::one : TouchSides::two;
+        material.sides = *sides == 0 ? contact::TouchSides::one : contact::TouchSides::two;
     }
 }
 
 /// A plate has no inside that a tip could be let out of; a solid has nothing but.
 void check_sides(const TouchExtras &touch, const std::string &label) {
     const bool is_plate = touch.shape == ShapeKind::plate;
-    const TouchSides impossible = is_plate ? TouchSides::one : TouchSides::two;
+    const contact::TouchSides impossible =
+        is_plate ? contact::TouchSides::one : contact::TouchSides::two;
     if (touch.shape && touch.material.sides == impossible) {
         throw InputError(label + ": a " + name_of(*touch.shape) + " is touched from " +
                          (is_plate ? "both sides; set extras.sides to 'two'"
@@ -77,4 +78,4 @@ std::string name_of(ShapeKind shape) {
     return std::string(kShapes[static_cast<std::size_t>(shape)]);
 }
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -1,20 +1,20 @@
 // What a glTF node says about touch in its "extras".
 #pragma once
 
-#include "engine/contact/surface_material.h"
+#include "engine/contact/mesh/surface_material.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 
 /// The exact shapes that a node's mesh may stand for.
 enum class ShapeKind : std::uint8_t { plate, sphere, box, cylinder, capsule };
 
 /// All but `shape` pass from a node to its children.
 struct TouchExtras {
-    SurfaceMaterial material;
+    contact::SurfaceMaterial material;
     bool smooth = false;            ///< touched and drawn as the curved surface of its normals
     std::optional<ShapeKind> shape; ///< touched as this instead of as its triangles
 };
@@ -32,4 +32,4 @@ struct TouchExtras {
 /// "plate", "sphere", ...: as files spell it.
 [[nodiscard]] std::string name_of(ShapeKind shape);
 
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 namespace {
 
@@ -77,4 +77,4 @@ std::vector<VisualMesh> in_pieces(VisualMesh mesh, std::size_t most_vertices) {
     return cutter.take();
 }
 
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::scene {
 
 /// No piece has more vertices, or more than twice as many triangles: 10 MB, or 10 ms to upload even
 /// where OpenGL runs in software.
@@ -17,4 +17,4 @@ inline constexpr std::size_t kMostPieceVertices = 131'072;
 [[nodiscard]] std::vector<VisualMesh> in_pieces(VisualMesh mesh,
                                                 std::size_t most_vertices = kMostPieceVertices);
 
-} // namespace springdrive
+} // namespace springdrive::scene

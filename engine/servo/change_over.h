@@ -8,7 +8,7 @@
 
 #include "base/vector.h"
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// 0.05 V in a tick of a millisecond: at a dR of 0.5 Ω some 0.2 N at the tip.
 inline constexpr double kGreatestChange_V_per_s = 50.0;
@@ -37,4 +37,4 @@ private:
     Vector3 carried_V_{Vector3::Zero()};
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -1,6 +1,6 @@
 #include "engine/servo/command_limiter.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/servo/workspace_edge.h"
 
@@ -8,16 +8,16 @@
 #include <cmath>
 #include <cstddef>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
-const MotorParameters &motor_of(const DeviceDescription &device, Eigen::Index j) {
+const device::MotorParameters &motor_of(const device::DeviceDescription &device, Eigen::Index j) {
     return device.motor[static_cast<std::size_t>(j)];
 }
 
 /// The share of the settling currents that keeps force and currents within their limits.
-double bearable_share(const DeviceDescription &device, const LimiterInputs &inputs,
+double bearable_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
                       const Vector3 &settling_A) {
     double share = 1.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -26,7 +26,8 @@ double bearable_share(const DeviceDescription &device, const LimiterInputs &inpu
         share = std::min(share, limit_A / std::abs(settling_A[j])); // infinite where there is none
     }
     const double force_N =
-        static_tip_force(inputs.now.J, torque_constants(device), settling_A).norm();
+        control::static_tip_force(inputs.now.J, control::torque_constants(device), settling_A)
+            .norm();
     if (!std::isfinite(force_N)) {
         return 0.0; // singular: no force can be vouched for
     }
@@ -34,7 +35,7 @@ double bearable_share(const DeviceDescription &device, const LimiterInputs &inpu
 }
 
 /// Draws e_W towards the back-EMF as far as force and currents need it. Returns the share left.
-double draw_back(const DeviceDescription &device, const LimiterInputs &inputs,
+double draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
                  const Vector3 &back_emf_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
     const double share = bearable_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
     if (share < 1.0) {
@@ -44,7 +45,8 @@ double draw_back(const DeviceDescription &device, const LimiterInputs &inputs,
 }
 
 /// Returns whether it had to cut anything off.
-bool hold_to_supply(const DeviceDescription &device, const LimiterInputs &inputs, Vector3 &e_W_V) {
+bool hold_to_supply(const device::DeviceDescription &device, const LimiterInputs &inputs,
+                    Vector3 &e_W_V) {
     const Vector3 before_V = e_W_V;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double limit_V = std::min(motor_of(device, j).supply_V, inputs.limits.voltage_V);
@@ -55,25 +57,25 @@ bool hold_to_supply(const DeviceDescription &device, const LimiterInputs &inputs
 
 } // namespace
 
-LimitedCommand limited(const DeviceDescription &device, const DeviceCommand &wanted,
+LimitedCommand limited(const device::DeviceDescription &device, const device::DeviceCommand &wanted,
                        const LimiterInputs &inputs) noexcept {
     LimitedCommand result;
-    const Configuration &now = inputs.now;
+    const control::Configuration &now = inputs.now;
     const Vector3 edge_Nm =
-        edge_torque_Nm(device, joint_from_motor(device.geometry, now.theta_rad),
-                       joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
+        edge_torque_Nm(device, device::joint_from_motor(device.geometry, now.theta_rad),
+                       device::joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
     result.held_back.at_edge = !edge_Nm.isZero(0.0);
 
     Vector3 back_emf_V;
     Vector3 dR_Ohm;
     Vector3 e_W_V;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const MotorParameters &motor = motor_of(device, j);
+        const device::MotorParameters &motor = motor_of(device, j);
         const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
                                             inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
         dR_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
-                             kLeastResidualShare * motor.resistance_Ohm);
+                             device::kLeastResidualShare * motor.resistance_Ohm);
         back_emf_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j];
         const double edge_A =
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
@@ -91,4 +93,4 @@ LimitedCommand limited(const DeviceDescription &device, const DeviceCommand &wan
     return result;
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

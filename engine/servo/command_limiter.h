@@ -11,33 +11,34 @@
 // its commutator's worst angle, a common dR and the filtered speed do not know.
 #pragma once
 
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// Below the limit, so that pressing hard is pushing against a force, not tripping a monitor.
 inline constexpr double kLimiterShare = 0.95;
 
 /// What stands in a tick.
 struct LimiterInputs {
-    Configuration now;
+    control::Configuration now;
     SafetyLimits limits;
     double ramp = 0.0;                        ///< share of the command that passes
     Vector3 R_hat_limit_Ohm{Vector3::Zero()}; ///< the largest R̂ that each winding can bear
 };
 
 struct LimitedCommand {
-    DeviceCommand command;
-    HeldBack held_back;
+    device::DeviceCommand command;
+    ActiveLimits held_back;
     Vector3 bearable_e_W_V{Vector3::Zero()}; ///< after force and current, before the supply
     double force_share = 1.0;                ///< of the force that was wanted, let through
 };
 
 /// `wanted` must be finite. RT-safe.
-[[nodiscard]] LimitedCommand limited(const DeviceDescription &device, const DeviceCommand &wanted,
+[[nodiscard]] LimitedCommand limited(const device::DeviceDescription &device,
+                                     const device::DeviceCommand &wanted,
                                      const LimiterInputs &inputs) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// Counts in nanoseconds of one clock since the start. RT-safe.
 class Deadlines {
@@ -70,4 +70,4 @@ private:
     std::uint32_t in_a_row_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

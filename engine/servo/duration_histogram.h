@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// Bins are 1/64 octave wide and taken as evenly filled, so a quantile is within 1.1 % of the true
 /// one.
@@ -59,4 +59,4 @@ private:
     double longest_s_ = 0.0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -18,7 +18,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// What a spring holds [J] of whose force only a share is let through: ½ F·d for all of it. For
 /// less, it is taken as one that gives way at the force let through: F up to there, constant
@@ -78,4 +78,4 @@ private:
     double held_J_ = 0.0;   ///< of that, what the hand put in
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -141,4 +141,4 @@ void check_cpu(int cpu) {
                      names + " only");
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

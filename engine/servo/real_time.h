@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// Below the kernel's own threads (99), above everything that a desktop runs.
 inline constexpr int kServoPriority = 80;
@@ -41,4 +41,4 @@ void check_cpu(int cpu);
 /// nothing where there is no other.
 void keep_off_cpu(int cpu) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -3,7 +3,7 @@
 
 #include "base/vector.h"
 
-namespace springdrive {
+namespace springdrive::servo {
 
 class RestWatch {
 public:
@@ -36,4 +36,4 @@ private:
     Vector3 place_m_{Vector3::Zero()};
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-namespace springdrive {
+namespace springdrive::servo {
 
-SafetyLimits limits_of(const DeviceDescription &device) {
+SafetyLimits limits_of(const device::DeviceDescription &device) {
     SafetyLimits limits;
-    for (const MotorParameters &motor : device.motor) {
+    for (const device::MotorParameters &motor : device.motor) {
         limits.voltage_V = std::max(limits.voltage_V, motor.supply_V);
         limits.current_A = std::max(limits.current_A, motor.peak_current_A);
         limits.winding_C = std::max(limits.winding_C, motor.thermal.greatest_winding_C);
@@ -32,4 +32,4 @@ SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexc
     return limits;
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

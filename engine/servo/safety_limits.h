@@ -1,14 +1,14 @@
 // What the safety monitor holds to. The device file sets it; whoever runs the device may lower it.
 #pragma once
 
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// Each is the value that must not be passed. One that differs between motors is here that of the
 /// motor that bears most; every motor's own still holds for it.
@@ -50,7 +50,7 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
 }};
 
 /// What the device file allows.
-[[nodiscard]] SafetyLimits limits_of(const DeviceDescription &device);
+[[nodiscard]] SafetyLimits limits_of(const device::DeviceDescription &device);
 
 /// Nothing lowered: any limit of a device is below.
 [[nodiscard]] constexpr SafetyLimits unlowered() {
@@ -65,4 +65,4 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
 /// RT-safe.
 [[nodiscard]] SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::servo

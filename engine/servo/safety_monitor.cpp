@@ -1,13 +1,13 @@
 #include "engine/servo/safety_monitor.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/servo/workspace_edge.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -19,19 +19,20 @@ constexpr double kJumpCounts = 3.0;
 /// So many periods may add up to a limit in seconds, whatever their sum's last digits say.
 constexpr double kRoundOff = 1e-9;
 
-WindingGuard guard_of(const DeviceDescription &device, std::size_t motor, double period_s) {
+device::WindingGuard guard_of(const device::DeviceDescription &device, std::size_t motor,
+                              double period_s) {
     return {device.motor[motor], device.amplifier.greatest_cancelled_Ohm, period_s};
 }
 
-double greatest_step_m(const DeviceDescription &device, double speed_limit_m_per_s, double time_s,
-                       const Matrix3 &J) {
+double greatest_step_m(const device::DeviceDescription &device, double speed_limit_m_per_s,
+                       double time_s, const Matrix3 &J) {
     return kJumpFactor * speed_limit_m_per_s * time_s +
            kJumpCounts * device.rad_per_count() * J.norm();
 }
 
 } // namespace
 
-SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
+SafetyMonitor::SafetyMonitor(device::DeviceDescription device, double period_s)
     : device_(std::move(device)), period_s_(period_s), device_limits_(limits_of(device_)),
       limits_(device_limits_), guard_{guard_of(device_, 0, period_s),
                                       guard_of(device_, 1, period_s),
@@ -40,7 +41,7 @@ SafetyMonitor::SafetyMonitor(DeviceDescription device, double period_s)
 
 void SafetyMonitor::set_period(double period_s) noexcept {
     period_s_ = period_s;
-    for (WindingGuard &guard : guard_) {
+    for (device::WindingGuard &guard : guard_) {
         guard.set_period(period_s);
     }
     energy_.set_period(period_s);
@@ -100,9 +101,9 @@ void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) n
 /// A late measurement is news, but no sign that the device keeps up. That an amplifier is well
 /// again only news can tell.
 void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
-    stale_s_ = link.arrival == Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
-    amplifier_is_at_fault_ = link.faults.has(BoardFaults::kAmplifier) ||
-                             (amplifier_is_at_fault_ && !has_news(link.arrival));
+    stale_s_ = link.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
+    amplifier_is_at_fault_ = link.faults.has(device::BoardFaults::kAmplifier) ||
+                             (amplifier_is_at_fault_ && !device::has_news(link.arrival));
 }
 
 /// The observer looks on while the gains stand; while they rise the spring is another every tick.
@@ -136,7 +137,7 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
         trip_above(TripCause::winding_temperature, winding_[j].greatest_C,
                    std::min(device_.motor[j].thermal.greatest_winding_C, limits_.winding_C));
     }
-    const Vector3 q_rad = joint_from_motor(device_.geometry, seen.now.theta_rad);
+    const Vector3 q_rad = device::joint_from_motor(device_.geometry, seen.now.theta_rad);
     trip_above(TripCause::beyond_stops,
                beyond_limits(device_.joint_limits, q_rad, 0.0).greatest_rad(),
                limits_.beyond_stops_rad);
@@ -178,7 +179,7 @@ void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noe
     if (orders.emergency_stop) {
         trip(TripCause::emergency_stop);
     }
-    if (link.health != DeviceHealth::ok) {
+    if (link.health != device::DeviceHealth::ok) {
         trip(TripCause::device_lost);
     }
     if (link.faults.any()) {
@@ -196,7 +197,7 @@ void SafetyMonitor::check_clocks(const Link &link, const SafetyOrders &orders) n
     trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
 }
 
-void SafetyMonitor::check(const DeviceCommand &wanted, const Observation &seen,
+void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation &seen,
                           const SafetyOrders &orders) noexcept {
     check_link(seen.link, orders);
     if (!seen.all_finite || !wanted.e_W_V.allFinite() ||
@@ -234,8 +235,8 @@ void SafetyMonitor::proceed(bool release) noexcept {
     }
 }
 
-LimitedCommand SafetyMonitor::limited_by_what_stands(const DeviceCommand &wanted,
-                                                     const Configuration &now) noexcept {
+LimitedCommand SafetyMonitor::limited_by_what_stands(const device::DeviceCommand &wanted,
+                                                     const control::Configuration &now) noexcept {
     LimiterInputs inputs{now, limits_, status_.ramp, Vector3::Zero()};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
@@ -247,8 +248,9 @@ LimitedCommand SafetyMonitor::limited_by_what_stands(const DeviceCommand &wanted
     return limited(device_, wanted, inputs);
 }
 
-DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation &seen,
-                                  const SafetyOrders &orders) noexcept {
+device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
+                                          const Observation &seen,
+                                          const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
     held_back_ = {};
     watch_windings(seen.current_A, seen.missed_periods); // tripped or not, they warm and cool
@@ -276,8 +278,8 @@ DeviceCommand SafetyMonitor::pass(const DeviceCommand &wanted, const Observation
     return passed.command;
 }
 
-DeviceCommand SafetyMonitor::hold(const DeviceCommand &in_force, const Link &link,
-                                  const SafetyOrders &orders) noexcept {
+device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &in_force, const Link &link,
+                                          const SafetyOrders &orders) noexcept {
     ++held_ticks_;
     watch_link(link, period_s_);
     watch_window(orders, period_s_);
@@ -286,10 +288,10 @@ DeviceCommand SafetyMonitor::hold(const DeviceCommand &in_force, const Link &lin
     return lets_pass() ? in_force : safe_state();
 }
 
-DeviceCommand SafetyMonitor::safe_state() const noexcept {
-    DeviceCommand command = DeviceCommand::braking();
-    command.mode = amplifier_is_at_fault_ ? CommandMode::open : CommandMode::brake;
+device::DeviceCommand SafetyMonitor::safe_state() const noexcept {
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    command.mode = amplifier_is_at_fault_ ? device::CommandMode::open : device::CommandMode::brake;
     return command;
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -15,19 +15,19 @@
 // temperature, see winding_guard.h.
 #pragma once
 
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
+#include "device/core/motor/winding_guard.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/energy_observer.h"
 #include "engine/servo/rest_watch.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
-#include "engine/servo/winding_guard.h"
 
 #include <array>
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// From nothing to the full command.
 inline constexpr double kRampTime_s = 1.0;
@@ -41,16 +41,16 @@ inline constexpr double kLimitGlide_s = 1.0;
 
 /// What a measurement says of how it came, and its board of itself.
 struct Link {
-    DeviceHealth health = DeviceHealth::ok;
-    Arrival arrival = Arrival::fresh;
-    BoardFaults faults;
+    device::DeviceHealth health = device::DeviceHealth::ok;
+    device::Arrival arrival = device::Arrival::fresh;
+    device::BoardFaults faults;
     std::uint32_t missed_in_a_row = 0; ///< deadlines, before this tick and the late ones before it
 };
 
 /// What one tick shows of the machine and of those who use it.
 struct Observation {
     Link link;
-    Configuration now;
+    control::Configuration now;
     Vector3 tip_force_N{Vector3::Zero()}; ///< rendered, J⁻ᵀ k_T i
     Vector3 current_A{Vector3::Zero()};
     bool touching = false;
@@ -74,30 +74,30 @@ struct SafetyOrders {
 
 class SafetyMonitor {
 public:
-    SafetyMonitor(DeviceDescription device, double period_s);
+    SafetyMonitor(device::DeviceDescription device, double period_s);
 
     /// T from the next tick on; what is known stays. RT-safe.
     void set_period(double period_s) noexcept;
 
     /// The command that may go to the device. RT-safe.
-    DeviceCommand pass(const DeviceCommand &wanted, const Observation &seen,
-                       const SafetyOrders &orders) noexcept;
+    device::DeviceCommand pass(const device::DeviceCommand &wanted, const Observation &seen,
+                               const SafetyOrders &orders) noexcept;
 
     /// The same of a tick that measured nothing new: the command in force stands for as long as
     /// the budget for stale measurements lasts. RT-safe.
-    DeviceCommand hold(const DeviceCommand &in_force, const Link &link,
-                       const SafetyOrders &orders) noexcept;
+    device::DeviceCommand hold(const device::DeviceCommand &in_force, const Link &link,
+                               const SafetyOrders &orders) noexcept;
 
     /// Leaves a trip and starts anew, unless its cause is still there: then the next `pass` trips
     /// again. RT-safe.
     void reset() noexcept;
 
     /// Whether what is wanted reaches the motors, at least in part.
-    [[nodiscard]] bool lets_pass() const { return springdrive::lets_pass(status_.state); }
+    [[nodiscard]] bool lets_pass() const { return servo::lets_pass(status_.state); }
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
     [[nodiscard]] const SafetyLimits &limits() const { return limits_; }
-    [[nodiscard]] const HeldBack &held_back() const { return held_back_; }
+    [[nodiscard]] const ActiveLimits &held_back() const { return held_back_; }
     [[nodiscard]] const std::array<WindingStatus, 3> &windings() const { return winding_; }
     [[nodiscard]] double generated_energy_J() const { return energy_.generated_J(); }
 
@@ -111,21 +111,21 @@ private:
     void trip_above(TripCause cause, double measured, double limit) noexcept;
     void check_link(const Link &link, const SafetyOrders &orders) noexcept;
     void check_clocks(const Link &link, const SafetyOrders &orders) noexcept;
-    void check(const DeviceCommand &wanted, const Observation &seen,
+    void check(const device::DeviceCommand &wanted, const Observation &seen,
                const SafetyOrders &orders) noexcept;
-    [[nodiscard]] DeviceCommand safe_state() const noexcept;
+    [[nodiscard]] device::DeviceCommand safe_state() const noexcept;
     void check_motion(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
-    [[nodiscard]] LimitedCommand limited_by_what_stands(const DeviceCommand &wanted,
-                                                        const Configuration &now) noexcept;
+    [[nodiscard]] LimitedCommand limited_by_what_stands(const device::DeviceCommand &wanted,
+                                                        const control::Configuration &now) noexcept;
     void proceed(bool release) noexcept;
 
-    DeviceDescription device_;
+    device::DeviceDescription device_;
     double period_s_;
     SafetyLimits device_limits_;
     SafetyLimits limits_; ///< in force
-    std::array<WindingGuard, 3> guard_;
+    std::array<device::WindingGuard, 3> guard_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;
     RestWatch rest_;
@@ -137,9 +137,9 @@ private:
     double stale_s_ = 0.0;               ///< since the last fresh measurement
     std::uint32_t held_ticks_ = 0;       ///< since the last one that told anything
     bool amplifier_is_at_fault_ = false; ///< as its board last said
-    HeldBack held_back_;
+    ActiveLimits held_back_;
     double force_share_ = 1.0; ///< that the limiter let through in the last tick
     SafetyStatus status_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

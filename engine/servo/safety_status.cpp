@@ -1,6 +1,6 @@
 #include "engine/servo/safety_status.h"
 
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 
 #include <array>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -31,14 +31,14 @@ std::string crossed(const SafetyStatus &status, const Wording &wording) {
 /// Of a board's faults, by their bits.
 std::string names_of(double bits) {
     constexpr std::array<std::pair<std::uint16_t, const char *>, 6> kNames{{
-        {BoardFaults::kAmplifier, "an amplifier at fault"},
-        {BoardFaults::kOverCurrent, "too much current"},
-        {BoardFaults::kTemperature, "too much heat"},
-        {BoardFaults::kSupply, "a wrong supply voltage"},
-        {BoardFaults::kEncoder, "encoder signals without sense"},
-        {BoardFaults::kNoCommand, "that no command came in time"},
+        {device::BoardFaults::kAmplifier, "an amplifier at fault"},
+        {device::BoardFaults::kOverCurrent, "too much current"},
+        {device::BoardFaults::kTemperature, "too much heat"},
+        {device::BoardFaults::kSupply, "a wrong supply voltage"},
+        {device::BoardFaults::kEncoder, "encoder signals without sense"},
+        {device::BoardFaults::kNoCommand, "that no command came in time"},
     }};
-    const BoardFaults faults{static_cast<std::uint16_t>(bits)};
+    const device::BoardFaults faults{static_cast<std::uint16_t>(bits)};
     std::string text;
     for (const auto &[fault, name] : kNames) {
         if (faults.has(fault)) {
@@ -91,4 +91,4 @@ std::string description(const SafetyStatus &status) {
     return "unknown";
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 enum class SafetyState : std::uint8_t {
     waiting,  ///< braking, until the tip has been at rest in free space
@@ -62,7 +62,7 @@ struct SafetyStatus {
 };
 
 /// What was made less of in a tick, so that nothing passed its limit.
-struct HeldBack {
+struct ActiveLimits {
     bool force = false;   ///< e_W, for the tip force or a winding's current that it would settle at
     bool voltage = false; ///< e_W, for the supply
     bool at_edge = false; ///< e_W, by the soft wall at the edge of the workspace
@@ -79,4 +79,4 @@ struct WindingStatus {
 /// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.
 [[nodiscard]] std::string description(const SafetyStatus &status);
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -34,8 +34,9 @@ double seconds(std::chrono::steady_clock::duration duration) {
 /// the monitor bears, so that a window that only is slow stops nothing.
 class WindowPatience {
 public:
-    explicit WindowPatience(const HapticDevice &device)
-        : waits_(device.clock() == DeviceClock::servo), limits_(limits_of(device.description())) {}
+    explicit WindowPatience(const device::HapticDevice &device)
+        : waits_(device.clock() == device::DeviceClock::servo),
+          limits_(limits_of(device.description())) {}
 
     [[nodiscard]] bool is_over(const ServoInputs &inputs, double now_s) noexcept {
         constexpr double kShare = 0.5;
@@ -78,7 +79,7 @@ double servo_period_s(double servo_hz) {
     return 1.0 / servo_hz;
 }
 
-Servo::Servo(HapticDevice &device, double servo_hz)
+Servo::Servo(device::HapticDevice &device, double servo_hz)
     : servo_hz_(servo_hz), loop_(device, servo_period_s(servo_hz)), samples_(kWindowRing),
       record_samples_(kRecordRing) {}
 
@@ -128,7 +129,7 @@ void Servo::run() noexcept {
             deadlines.end(nanoseconds(Clock::now() - begin));
             continue;
         }
-        const Measurement measured = loop_.read();
+        const device::Measurement measured = loop_.read();
         const Clock::time_point answered = Clock::now();
         ServoSample sample = loop_.update(
             measured, inputs, {deadlines.missed() + waited, deadlines.missed_in_a_row() + waited});
@@ -204,4 +205,4 @@ void Servo::stop() noexcept {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

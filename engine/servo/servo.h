@@ -25,7 +25,7 @@
 #include <thread>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// T = 1/rate [s].
 /// @throw InputError for a rate that is not finite or not from 250 to 10,000 Hz.
@@ -41,7 +41,7 @@ struct ServoThread {
 class Servo {
 public:
     /// @throw InputError as `servo_period_s` does.
-    Servo(HapticDevice &device, double servo_hz);
+    Servo(device::HapticDevice &device, double servo_hz);
     ~Servo() { stop(); }
     Servo(const Servo &) = delete;
     Servo &operator=(const Servo &) = delete;
@@ -106,4 +106,4 @@ private:
     std::optional<ShortIdle> short_idle_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

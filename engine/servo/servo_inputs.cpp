@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -28,7 +28,7 @@ private:
 
 std::uint32_t checksum(const ServoInputs &inputs) noexcept {
     Mix mix;
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         mix.add(inputs.tuning.*parameter.value);
     }
     mix.add(static_cast<std::uint64_t>(inputs.tuning.map));
@@ -56,4 +56,4 @@ ServoInputs sealed(ServoInputs inputs) noexcept {
 
 bool is_whole(const ServoInputs &inputs) noexcept { return inputs.checksum == checksum(inputs); }
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -1,6 +1,6 @@
 #include "engine/servo/servo_loop.h"
 
-#include "engine/contact/haptic_surface.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/parameters.h"
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -31,9 +31,9 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostMissedPeriods = 1e6;
 
 /// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
-double greatest_dR_step_Ohm(const DeviceDescription &device, double period_s) {
+double greatest_dR_step_Ohm(const device::DeviceDescription &device, double period_s) {
     double peak_A = 0.0;
-    for (const MotorParameters &motor : device.motor) {
+    for (const device::MotorParameters &motor : device.motor) {
         peak_A = std::max(peak_A, motor.peak_current_A);
     }
     return kGreatestChange_V_per_s * period_s / peak_A;
@@ -41,7 +41,7 @@ double greatest_dR_step_Ohm(const DeviceDescription &device, double period_s) {
 
 } // namespace
 
-ServoLoop::ServoLoop(HapticDevice &device, double period_s)
+ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
     : device_(device), period_s_(period_s), law_(device.description()),
       supply_V_(device.description().motor[0].supply_V, device.description().motor[1].supply_V,
                 device.description().motor[2].supply_V),
@@ -49,7 +49,7 @@ ServoLoop::ServoLoop(HapticDevice &device, double period_s)
       change_over_(period_s), safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
-    command_ = DeviceCommand::braking();
+    command_ = device::DeviceCommand::braking();
     device_.write(command_);
 }
 
@@ -81,17 +81,17 @@ void ServoLoop::take(const ServoInputs &inputs) noexcept {
     take_orders(inputs);
     const ServoInputs last = inputs_;
     inputs_ = inputs;
-    if (!is_valid(inputs.tuning)) {
+    if (!control::is_valid(inputs.tuning)) {
         inputs_.tuning = last.tuning;
     }
-    Tuning with_global_alpha;
+    control::Tuning with_global_alpha;
     with_global_alpha.alpha_rad2_per_m2 = inputs.global_alpha_rad2_per_m2;
-    if (!is_valid(with_global_alpha)) {
+    if (!control::is_valid(with_global_alpha)) {
         inputs_.global_alpha_rad2_per_m2 = last.global_alpha_rad2_per_m2;
     }
 }
 
-void ServoLoop::approach(const Tuning &wanted) noexcept {
+void ServoLoop::approach(const control::Tuning &wanted) noexcept {
     if (!has_measured_ || !safety_.lets_pass()) {
         tuning_ = wanted; // nobody feels it
         return;
@@ -100,7 +100,7 @@ void ServoLoop::approach(const Tuning &wanted) noexcept {
     tuning_.map = wanted.map;
     tuning_.alpha_mode = wanted.alpha_mode;
     const double dR_before_Ohm = tuning_.dR_Ohm;
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         double &value = tuning_.*parameter.value;
         const double gap = wanted.*parameter.value - value;
         const bool arrived =
@@ -117,14 +117,14 @@ bool ServoLoop::in_force(const Before &before) const noexcept {
 }
 
 /// What the filter would say with that cutoff; it remembers only what `update` settles on.
-Configuration ServoLoop::configuration(const Vector3 &theta_rad,
-                                       double lambda_rad_per_s) const noexcept {
-    VelocityFilter filter = velocity_filter_;
-    const double pole = velocity_filter_pole(lambda_rad_per_s, since_last_s_);
+control::Configuration ServoLoop::configuration(const Vector3 &theta_rad,
+                                                double lambda_rad_per_s) const noexcept {
+    control::VelocityFilter filter = velocity_filter_;
+    const double pole = control::velocity_filter_pole(lambda_rad_per_s, since_last_s_);
     return law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s_));
 }
 
-Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
+contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
     scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_;
     if (!has_measured_ || scene_is_new_) {
         scene_id_ = inputs_.scene_id;
@@ -132,7 +132,7 @@ Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
         proxy_.reset(tip_m);
     }
     if (inputs_.surface == nullptr) {
-        Contact free;
+        contact::Contact free;
         free.x0_m = tip_m;
         return free;
     }
@@ -144,8 +144,9 @@ Vector3 ServoLoop::within_supply(const Vector3 &e_W_V) const noexcept {
 }
 
 /// What the law would say if nothing had changed; nothing where nothing has, or nobody feels it.
-std::optional<LawOutcome> ServoLoop::unchanged_law(const Before &before, const Vector3 &theta_rad,
-                                                   const Contact &contact) const noexcept {
+std::optional<control::LawOutcome>
+ServoLoop::unchanged_law(const Before &before, const Vector3 &theta_rad,
+                         const contact::Contact &contact) const noexcept {
     if (in_force(before) || scene_is_new_ || !safety_.lets_pass()) {
         return std::nullopt;
     }
@@ -154,7 +155,7 @@ std::optional<LawOutcome> ServoLoop::unchanged_law(const Before &before, const V
 }
 
 /// Lets no change of this tick move e_W at once, as long as anybody feels it.
-void ServoLoop::carry_over(const std::optional<LawOutcome> &unchanged,
+void ServoLoop::carry_over(const std::optional<control::LawOutcome> &unchanged,
                            const Vector3 &e_W_V) noexcept {
     if (!safety_.lets_pass()) {
         change_over_.reset();
@@ -173,9 +174,10 @@ void ServoLoop::carry_over(const std::optional<LawOutcome> &unchanged,
     change_over_.fade();
 }
 
-LawOutcome ServoLoop::law(const Configuration &now, ServoSample &sample) const noexcept {
-    const Contact &contact = sample.contact;
-    const LawOutcome found = law_(now, contact, tuning_, inputs_.global_alpha_rad2_per_m2);
+control::LawOutcome ServoLoop::law(const control::Configuration &now,
+                                   ServoSample &sample) const noexcept {
+    const contact::Contact &contact = sample.contact;
+    const control::LawOutcome found = law_(now, contact, tuning_, inputs_.global_alpha_rad2_per_m2);
     sample.eta = found.eta;
     sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
     sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
@@ -184,45 +186,47 @@ LawOutcome ServoLoop::law(const Configuration &now, ServoSample &sample) const n
     sample.theta_Sd_rad = found.used.theta_Sd_rad;
 
     const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
-    const auto static_error = [&](const MotorSetPoint &set_point) {
-        return direction_error_rad(law_.force_direction(now, set_point), contact.normal);
+    const auto static_error = [&](const control::MotorSetPoint &set_point) {
+        return control::direction_error_rad(law_.force_direction(now, set_point), contact.normal);
     };
     sample.inverse_error_rad = pushes && found.inverse ? static_error(*found.inverse) : kNone;
     sample.transpose_error_rad = pushes ? static_error(found.transpose) : kNone;
     sample.rendered_error_rad =
         contact.touching && sample.tip_force_N.norm() > kLeastForceWithDirection_N
-            ? direction_error_rad(sample.tip_force_N, contact.normal)
+            ? control::direction_error_rad(sample.tip_force_N, contact.normal)
             : kNone;
     return found;
 }
 
 /// Static force of the coupling K_DC (13) between tip and proxy.
-Vector3 ServoLoop::spring_force_N(const Configuration &now, const Tuning &tuning,
-                                  const MotorSetPoint &set_point) const noexcept {
+Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const control::Tuning &tuning,
+                                  const control::MotorSetPoint &set_point) const noexcept {
     const Vector3 stiffness_Nm_per_rad = law_.k_T() * (tuning.K_P_V_per_rad / tuning.dR_Ohm);
-    return static_tip_force(now.J, stiffness_Nm_per_rad, set_point.theta_Sd_rad - now.theta_rad);
+    return control::static_tip_force(now.J, stiffness_Nm_per_rad,
+                                     set_point.theta_Sd_rad - now.theta_rad);
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
-Configuration ServoLoop::sense(const Measurement &measured, ServoSample &sample) noexcept {
+control::Configuration ServoLoop::sense(const device::Measurement &measured,
+                                        ServoSample &sample) noexcept {
     const Vector3 theta_rad = law_.theta_rad(measured.counts);
     if (!has_measured_) {
         velocity_filter_.reset(theta_rad);
     }
-    const Configuration now = configuration(theta_rad, tuning_.lambda_rad_per_s);
+    const control::Configuration now = configuration(theta_rad, tuning_.lambda_rad_per_s);
     note_motion(now, sample);
     return now;
 }
 
-void ServoLoop::note_motion(const Configuration &now, ServoSample &sample) const noexcept {
+void ServoLoop::note_motion(const control::Configuration &now, ServoSample &sample) const noexcept {
     sample.theta_rad = now.theta_rad;
     sample.theta_rate_rad_per_s = now.theta_rate_rad_per_s;
     sample.tip_m = now.tip_m;
-    sample.tip_force_N = static_tip_force(now.J, law_.k_T(), sample.current_A);
+    sample.tip_force_N = control::static_tip_force(now.J, law_.k_T(), sample.current_A);
 }
 
 /// From what the law wants to what the device gets.
-void ServoLoop::guard(DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
+void ServoLoop::guard(device::DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
                       ServoSample &sample) noexcept {
     wanted.e_W_V += sample.carried_V;
     last_e_W_V_ = within_supply(wanted.e_W_V);
@@ -235,9 +239,9 @@ SafetyOrders ServoLoop::orders(bool inputs_are_whole) const noexcept {
 }
 
 /// By the device's clock: numbers where it keeps the servo's, else its own time.
-ServoLoop::Passed ServoLoop::passed(const Measurement &measured,
+ServoLoop::Passed ServoLoop::passed(const device::Measurement &measured,
                                     const TickTiming &timing) noexcept {
-    const bool waits = device_.clock() == DeviceClock::servo;
+    const bool waits = device_.clock() == device::DeviceClock::servo;
     if (!has_measured_) {
         return {period_s_, 0, waits ? 0 : timing.missed_in_a_row};
     }
@@ -258,7 +262,7 @@ ServoLoop::Passed ServoLoop::passed(const Measurement &measured,
     return {(1.0 + missed) * period_s_, missed, skipped_in_a_row_};
 }
 
-ServoSample ServoLoop::begin_sample(const Measurement &measured,
+ServoSample ServoLoop::begin_sample(const device::Measurement &measured,
                                     const TickTiming &timing) const noexcept {
     ServoSample sample;
     sample.tick = tick_;
@@ -277,7 +281,7 @@ ServoSample ServoLoop::begin_sample(const Measurement &measured,
 }
 
 /// What is in force at the end of a tick.
-void ServoLoop::finish(const Measurement &measured, ServoSample &sample) noexcept {
+void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample) noexcept {
     command_.number = measured.number;
     sample.command = command_;
     sample.safety = safety_.status();
@@ -289,7 +293,7 @@ void ServoLoop::finish(const Measurement &measured, ServoSample &sample) noexcep
 }
 
 /// A tick without news: all stands as it was when there last were some.
-ServoSample ServoLoop::hold(const Measurement &measured, const ServoInputs &inputs,
+ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInputs &inputs,
                             const TickTiming &timing) noexcept {
     const bool whole = is_whole(inputs);
     if (whole) {
@@ -301,14 +305,14 @@ ServoSample ServoLoop::hold(const Measurement &measured, const ServoInputs &inpu
     sample.current_A = measured_.current_A;
     sample.carried_V = change_over_.carried_V();
     if (has_measured_) {
-        const Configuration then =
+        const control::Configuration then =
             law_.configuration(velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
         note_motion(then, sample);
         sample.contact = contact_;
         static_cast<void>(law(then, sample));
     }
     ++held_ticks_;
-    const bool waits = device_.clock() == DeviceClock::servo;
+    const bool waits = device_.clock() == device::DeviceClock::servo;
     const Link link{measured.health, measured.arrival, measured.faults,
                     waits ? skipped_in_a_row_ : timing.missed_in_a_row};
     command_ = safety_.hold(command_, link, orders(whole));
@@ -316,10 +320,10 @@ ServoSample ServoLoop::hold(const Measurement &measured, const ServoInputs &inpu
     return sample;
 }
 
-ServoSample ServoLoop::update(const Measurement &measured, const ServoInputs &inputs,
+ServoSample ServoLoop::update(const device::Measurement &measured, const ServoInputs &inputs,
                               const TickTiming &timing) noexcept {
     stops_now_ = false;
-    if (!has_news(measured.arrival) || measured.health == DeviceHealth::lost) {
+    if (!device::has_news(measured.arrival) || measured.health == device::DeviceHealth::lost) {
         return hold(measured, inputs, timing);
     }
     const Before before{tuning_, inputs_.global_alpha_rad2_per_m2};
@@ -341,11 +345,11 @@ ServoSample ServoLoop::update(const Measurement &measured, const ServoInputs &in
     seen.now = sense(measured, sample);
     sample.contact = touch(seen.now.tip_m);
     sample.scene_id = scene_id_;
-    const LawOutcome found = law(seen.now, sample);
-    const std::optional<LawOutcome> unchanged =
+    const control::LawOutcome found = law(seen.now, sample);
+    const std::optional<control::LawOutcome> unchanged =
         unchanged_law(before, seen.now.theta_rad, sample.contact);
     carry_over(unchanged, found.command.e_W_V);
-    velocity_filter_ = VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
+    velocity_filter_ = control::VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
     sample.carried_V = change_over_.carried_V();
 
     seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row};
@@ -372,4 +376,4 @@ ServoSample ServoLoop::update(const Measurement &measured, const ServoInputs &in
     return sample;
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

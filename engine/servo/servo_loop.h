@@ -2,8 +2,8 @@
 // Knows no clock and no thread; `Servo` gives it both.
 #pragma once
 
-#include "device/haptic_device.h"
-#include "engine/contact/proxy.h"
+#include "device/core/haptic_device.h"
+#include "engine/contact/proxy/proxy.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/servo/change_over.h"
@@ -13,7 +13,7 @@
 
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// What the host's clock has to say of a tick; nothing in lockstep, where there is none.
 struct TickTiming {
@@ -30,15 +30,15 @@ struct TickTiming {
 class ServoLoop {
 public:
     /// @param device  must outlive the loop, which is the only one to talk to it
-    ServoLoop(HapticDevice &device, double period_s);
+    ServoLoop(device::HapticDevice &device, double period_s);
 
     // A tick in three parts, each RT-safe.
-    [[nodiscard]] Measurement read() noexcept { return device_.read(); }
+    [[nodiscard]] device::Measurement read() noexcept { return device_.read(); }
 
     /// From the measurement to the command that answers it. All that it found is in the sample
     /// returned. Inputs that are not as they were `sealed` are not looked at, and stop the device.
     /// Where nothing new was measured the command in force stands, as long as the monitor lets it.
-    ServoSample update(const Measurement &measured, const ServoInputs &inputs,
+    ServoSample update(const device::Measurement &measured, const ServoInputs &inputs,
                        const TickTiming &timing = {}) noexcept;
 
     void write() noexcept { device_.write(command_); }
@@ -59,12 +59,12 @@ public:
     void stop() noexcept;
 
     [[nodiscard]] double period_s() const { return period_s_; }
-    [[nodiscard]] const HapticDevice &device() const { return device_; }
+    [[nodiscard]] const device::HapticDevice &device() const { return device_; }
 
 private:
     /// The tuning that was in force in the last tick.
     struct Before {
-        Tuning tuning;
+        control::Tuning tuning;
         double global_alpha_rad2_per_m2 = 0.0;
     };
 
@@ -77,58 +77,63 @@ private:
 
     void take_orders(const ServoInputs &inputs) noexcept;
     void take(const ServoInputs &inputs) noexcept;
-    [[nodiscard]] Passed passed(const Measurement &measured, const TickTiming &timing) noexcept;
-    [[nodiscard]] ServoSample begin_sample(const Measurement &measured,
+    [[nodiscard]] Passed passed(const device::Measurement &measured,
+                                const TickTiming &timing) noexcept;
+    [[nodiscard]] ServoSample begin_sample(const device::Measurement &measured,
                                            const TickTiming &timing) const noexcept;
-    [[nodiscard]] ServoSample hold(const Measurement &measured, const ServoInputs &inputs,
+    [[nodiscard]] ServoSample hold(const device::Measurement &measured, const ServoInputs &inputs,
                                    const TickTiming &timing) noexcept;
-    void finish(const Measurement &measured, ServoSample &sample) noexcept;
-    void approach(const Tuning &wanted) noexcept;
+    void finish(const device::Measurement &measured, ServoSample &sample) noexcept;
+    void approach(const control::Tuning &wanted) noexcept;
     [[nodiscard]] bool in_force(const Before &before) const noexcept;
-    [[nodiscard]] Configuration sense(const Measurement &measured, ServoSample &sample) noexcept;
-    void note_motion(const Configuration &now, ServoSample &sample) const noexcept;
-    [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
-                                              double lambda_rad_per_s) const noexcept;
-    [[nodiscard]] Contact touch(const Vector3 &tip_m) noexcept;
-    [[nodiscard]] std::optional<LawOutcome> unchanged_law(const Before &before,
-                                                          const Vector3 &theta_rad,
-                                                          const Contact &contact) const noexcept;
-    void carry_over(const std::optional<LawOutcome> &unchanged, const Vector3 &e_W_V) noexcept;
-    [[nodiscard]] LawOutcome law(const Configuration &now, ServoSample &sample) const noexcept;
-    [[nodiscard]] Vector3 spring_force_N(const Configuration &now, const Tuning &tuning,
-                                         const MotorSetPoint &set_point) const noexcept;
+    [[nodiscard]] control::Configuration sense(const device::Measurement &measured,
+                                               ServoSample &sample) noexcept;
+    void note_motion(const control::Configuration &now, ServoSample &sample) const noexcept;
+    [[nodiscard]] control::Configuration configuration(const Vector3 &theta_rad,
+                                                       double lambda_rad_per_s) const noexcept;
+    [[nodiscard]] contact::Contact touch(const Vector3 &tip_m) noexcept;
+    [[nodiscard]] std::optional<control::LawOutcome>
+    unchanged_law(const Before &before, const Vector3 &theta_rad,
+                  const contact::Contact &contact) const noexcept;
+    void carry_over(const std::optional<control::LawOutcome> &unchanged,
+                    const Vector3 &e_W_V) noexcept;
+    [[nodiscard]] control::LawOutcome law(const control::Configuration &now,
+                                          ServoSample &sample) const noexcept;
+    [[nodiscard]] Vector3 spring_force_N(const control::Configuration &now,
+                                         const control::Tuning &tuning,
+                                         const control::MotorSetPoint &set_point) const noexcept;
     [[nodiscard]] SafetyOrders orders(bool inputs_are_whole) const noexcept;
-    void guard(DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
+    void guard(device::DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
                ServoSample &sample) noexcept;
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
 
-    HapticDevice &device_;
+    device::HapticDevice &device_;
     double period_s_;
     double since_last_s_ = period_s_;  ///< from the last measurement to this one
     double time_base_s_ = 0.0;         ///< the servo's time when its period was last set,
     std::uint64_t time_base_tick_ = 0; ///< and its tick
-    HapticLaw law_;
+    control::HapticLaw law_;
     Vector3 supply_V_;
     double greatest_dR_step_Ohm_;
 
-    ServoInputs inputs_; ///< the last that arrived whole
-    Tuning tuning_;      ///< in force: on its way to what was last asked for
-    VelocityFilter velocity_filter_;
-    Proxy proxy_;
+    ServoInputs inputs_;     ///< the last that arrived whole
+    control::Tuning tuning_; ///< in force: on its way to what was last asked for
+    control::VelocityFilter velocity_filter_;
+    contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
-    const HapticSurface *surface_ = nullptr;
+    const contact::HapticSurface *surface_ = nullptr;
     bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
     ChangeOver change_over_;
     Vector3 last_e_W_V_{Vector3::Zero()}; ///< as wanted in the last tick
     SafetyMonitor safety_;
-    DeviceCommand command_ = DeviceCommand::braking(); ///< in force
-    Measurement measured_;                             ///< the last that told anything
-    Contact contact_;                                  ///< that it was in
+    device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< in force
+    device::Measurement measured_; ///< the last that told anything
+    contact::Contact contact_;     ///< that it was in
     bool has_measured_ = false;
     std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device that keeps the servo's clock
     std::uint32_t held_ticks_ = 0;       ///< since the last measurement that told anything
     std::uint64_t tick_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/haptic_device.h"
+#include "device/core/haptic_device.h"
 #include "engine/contact/contact.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"
@@ -12,15 +12,15 @@
 #include <cstdint>
 #include <limits>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 struct ServoSample {
     std::uint64_t tick = 0;
     double time_s = 0.0; ///< of the servo: T more each tick
     std::uint64_t measurement_number = 0;
     double measured_s = 0.0; ///< when, by the device's clock
-    Arrival arrival = Arrival::fresh;
-    DeviceHealth health = DeviceHealth::ok;
+    device::Arrival arrival = device::Arrival::fresh;
+    device::DeviceHealth health = device::DeviceHealth::ok;
     std::uint16_t board_faults = 0; ///< see BoardFaults
     double supply_V = std::numeric_limits<double>::quiet_NaN();
     double since_last_s = 0.0; ///< from the measurement before; 0 where nothing new was measured
@@ -28,9 +28,9 @@ struct ServoSample {
     Vector3 theta_rad{Vector3::Zero()};            ///< θ, from the counts
     Vector3 theta_rate_rad_per_s{Vector3::Zero()}; ///< θ̇_f
     Vector3 tip_m{Vector3::Zero()};                ///< x
-    Contact contact;                               ///< x₀, P, n, the surface's η
+    contact::Contact contact;                      ///< x₀, P, n, the surface's η
     std::uint32_t scene_id = 0;
-    Tuning tuning;                         ///< in force
+    control::Tuning tuning;                ///< in force
     double eta = 1.0;                      ///< η in force, surface and tuning together
     double global_alpha_rad2_per_m2 = 0.0; ///< what AlphaMode::global takes
     double alpha_rad2_per_m2 = 0.0;        ///< α in force
@@ -39,14 +39,14 @@ struct ServoSample {
     Vector3 theta_Sd_rad{Vector3::Zero()}; ///< of the map in use
     bool inverse_possible = true;          ///< false: out of reach or singular, (18) has no answer
     Vector3 carried_V{Vector3::Zero()}; ///< of e_W: what a change has not been let through of yet
-    DeviceCommand command;              ///< as passed on by the safety monitor
+    device::DeviceCommand command;      ///< as passed on by the safety monitor
     Vector3 current_A{Vector3::Zero()};
     Vector3 tip_force_N{Vector3::Zero()}; ///< rendered: J⁻ᵀ k_T i (3), (22)
     double rendered_error_rad = 0.0;      ///< angle of `tip_force_N` to n; NaN when free
     double inverse_error_rad = 0.0;       ///< the same for the static force of (18), on this state
     double transpose_error_rad = 0.0;     ///< and for that of (23)
     SafetyStatus safety;
-    HeldBack held_back;
+    ActiveLimits held_back;
     SafetyLimits limits;                    ///< in force
     double generated_energy_J = 0.0;        ///< as the energy observer has it
     std::array<WindingStatus, 3> winding{}; ///< as the safety monitor has it, per motor
@@ -62,4 +62,4 @@ struct ServoSample {
     double write_s = std::numeric_limits<double>::quiet_NaN();    ///< and what it took to write
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

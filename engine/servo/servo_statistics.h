@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 class ServoStatistics {
 public:
@@ -51,4 +51,4 @@ private:
     DurationHistogram write_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::servo {
 
 namespace {
 
@@ -15,7 +15,7 @@ double beyond(double value, double lowest, double highest) {
 constexpr double kDamperWithin_rad = 0.02;
 
 /// Only pushes back: a damper that would hold fast what swings away does not act.
-double push_back(const WorkspaceEdge &edge, double beyond_rad, double rate_rad_per_s) {
+double push_back(const device::WorkspaceEdge &edge, double beyond_rad, double rate_rad_per_s) {
     if (beyond_rad == 0.0) {
         return 0.0;
     }
@@ -31,7 +31,7 @@ double BeyondLimits::greatest_rad() const noexcept {
     return std::max(joint_rad.cwiseAbs().maxCoeff(), std::abs(fold_rad));
 }
 
-BeyondLimits beyond_limits(const JointLimits &limits, const Vector3 &q_rad,
+BeyondLimits beyond_limits(const device::JointLimits &limits, const Vector3 &q_rad,
                            double margin_rad) noexcept {
     BeyondLimits result;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -43,9 +43,9 @@ BeyondLimits beyond_limits(const JointLimits &limits, const Vector3 &q_rad,
     return result;
 }
 
-Vector3 edge_torque_Nm(const DeviceDescription &device, const Vector3 &q_rad,
+Vector3 edge_torque_Nm(const device::DeviceDescription &device, const Vector3 &q_rad,
                        const Vector3 &q_rate_rad_per_s) noexcept {
-    const WorkspaceEdge &edge = device.edge;
+    const device::WorkspaceEdge &edge = device.edge;
     const BeyondLimits over = beyond_limits(device.joint_limits, q_rad, edge.margin_rad);
     Vector3 torque_Nm;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -58,4 +58,4 @@ Vector3 edge_torque_Nm(const DeviceDescription &device, const Vector3 &q_rad,
     return torque_Nm;
 }
 
-} // namespace springdrive
+} // namespace springdrive::servo

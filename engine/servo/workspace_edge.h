@@ -4,9 +4,9 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/device_file.h"
+#include "device/core/device_file.h"
 
-namespace springdrive {
+namespace springdrive::servo {
 
 /// How far joint angles are beyond limits drawn in by `margin_rad`: the joints, and the fold
 /// q₃ − q₂. Positive beyond the upper one, negative beyond the lower one, zero within [rad].
@@ -18,11 +18,11 @@ struct BeyondLimits {
 };
 
 /// RT-safe.
-[[nodiscard]] BeyondLimits beyond_limits(const JointLimits &limits, const Vector3 &q_rad,
+[[nodiscard]] BeyondLimits beyond_limits(const device::JointLimits &limits, const Vector3 &q_rad,
                                          double margin_rad) noexcept;
 
 /// Joint torques of the soft wall [N·m]; zero within. RT-safe.
-[[nodiscard]] Vector3 edge_torque_Nm(const DeviceDescription &device, const Vector3 &q_rad,
+[[nodiscard]] Vector3 edge_torque_Nm(const device::DeviceDescription &device, const Vector3 &q_rad,
                                      const Vector3 &q_rate_rad_per_s) noexcept;
 
-} // namespace springdrive
+} // namespace springdrive::servo

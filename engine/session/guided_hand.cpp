@@ -1,15 +1,15 @@
 #include "engine/session/guided_hand.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
 /// The last point in reach on the way from the workspace's centre to `wanted_m`.
-Vector3 nearest_in_reach(const PhantomGeometry &geometry, const Vector3 &centre_m,
+Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 &centre_m,
                          const Vector3 &wanted_m) {
-    if (joint_angles_rad(geometry, wanted_m)) {
+    if (device::joint_angles_rad(geometry, wanted_m)) {
         return wanted_m;
     }
     double in_reach = 0.0;
@@ -17,7 +17,8 @@ Vector3 nearest_in_reach(const PhantomGeometry &geometry, const Vector3 &centre_
     const Vector3 way_m = wanted_m - centre_m;
     for (int halving = 0; halving < 20; ++halving) {
         const double middle = 0.5 * (in_reach + out_of_reach);
-        const bool reached = joint_angles_rad(geometry, centre_m + middle * way_m).has_value();
+        const bool reached =
+            device::joint_angles_rad(geometry, centre_m + middle * way_m).has_value();
         (reached ? in_reach : out_of_reach) = middle;
     }
     return centre_m + in_reach * way_m;
@@ -25,8 +26,10 @@ Vector3 nearest_in_reach(const PhantomGeometry &geometry, const Vector3 &centre_
 
 } // namespace
 
-void GuidedHand::take_hold(SimulatedWorld *world, const DeviceDescription &device,
-                           const std::optional<HandPath> &path, const Vector3 &target_m) {
+void GuidedHand::take_hold(simulated::SimulatedWorld *world,
+                           const device::DeviceDescription &device,
+                           const std::optional<simulated::HandPath> &path,
+                           const Vector3 &target_m) {
     world_ = world;
     geometry_ = device.geometry;
     workspace_ = device.workspace;
@@ -50,4 +53,4 @@ void GuidedHand::follow(double time_s) {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

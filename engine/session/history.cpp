@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
@@ -33,7 +33,7 @@ void History::set_rate(double servo_hz) {
     }
 }
 
-void History::add(const ServoSample &sample) {
+void History::add(const servo::ServoSample &sample) {
     const PlotSample now = plotted(sample); // of every tick: it has a filter
     if (sample.tick % stride_ == 0) {
         keep(now);
@@ -46,7 +46,7 @@ void History::keep(const PlotSample &sample) {
     size_ = std::min(size_ + 1, samples_.size());
 }
 
-PlotSample History::plotted(const ServoSample &sample) {
+PlotSample History::plotted(const servo::ServoSample &sample) {
     if (sample.contact.touching) {
         const double pole = std::exp(-2.0 * std::numbers::pi * kFelt_hz / servo_hz_);
         felt_force_N_ = pole * felt_force_N_ + (1.0 - pole) * sample.tip_force_N;
@@ -55,11 +55,12 @@ PlotSample History::plotted(const ServoSample &sample) {
     }
     const double felt = std::isnan(sample.rendered_error_rad)
                             ? sample.rendered_error_rad
-                            : direction_error_rad(felt_force_N_, sample.contact.normal);
-    const double other = sample.tuning.map == MotionMap::transpose ? sample.inverse_error_rad
-                                                                   : sample.transpose_error_rad;
+                            : control::direction_error_rad(felt_force_N_, sample.contact.normal);
+    const double other = sample.tuning.map == control::MotionMap::transpose
+                             ? sample.inverse_error_rad
+                             : sample.transpose_error_rad;
     return {sample.time_s, sample.rendered_error_rad * kDegreesPerRadian, felt * kDegreesPerRadian,
             other * kDegreesPerRadian, sample.tip_force_N.norm()};
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 struct PlotSample {
     double time_s = 0.0;
@@ -27,7 +27,7 @@ public:
     /// Another rate from the next sample on; what is plotted stays.
     void set_rate(double servo_hz);
 
-    void add(const ServoSample &sample);
+    void add(const servo::ServoSample &sample);
 
     [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -37,7 +37,7 @@ public:
     }
 
 private:
-    [[nodiscard]] PlotSample plotted(const ServoSample &sample);
+    [[nodiscard]] PlotSample plotted(const servo::ServoSample &sample);
     void keep(const PlotSample &sample);
 
     double servo_hz_ = 0.0;
@@ -48,4 +48,4 @@ private:
     std::size_t size_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

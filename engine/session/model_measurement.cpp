@@ -1,12 +1,12 @@
 #include "engine/session/model_measurement.h"
 
-#include "engine/model_choice/choice_cache.h"
+#include "engine/lab/model_selection/choice_cache.h"
 
 #include <cmath>
 #include <exception>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
@@ -14,14 +14,14 @@ std::string text_of(const std::string &what, double share) {
     return what + ", " + std::to_string(std::lround(100.0 * share)) + " %";
 }
 
-std::string key_of(const ModelQuestion &question, const ModelMemory &memory) {
-    return model_choice_key(question, memory.device_text, memory.program_version);
+std::string key_of(const model_selection::ModelQuestion &question, const ModelMemory &memory) {
+    return model_selection::model_choice_key(question, memory.device_text, memory.program_version);
 }
 
 } // namespace
 
-Scene without_looks(const Scene &scene) {
-    Scene bare;
+scene::Scene without_looks(const scene::Scene &scene) {
+    scene::Scene bare;
     bare.file = scene.file;
     bare.surface = scene.surface;
     bare.flat_surface = scene.flat_surface;
@@ -35,32 +35,37 @@ Scene without_looks(const Scene &scene) {
     return bare;
 }
 
-std::optional<ModelChoice> remembered_choice(const ModelQuestion &question,
-                                             const ModelMemory &memory) {
-    return read_model_choice(model_cache_folder(), key_of(question, memory));
+std::optional<model_selection::ModelChoice>
+remembered_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory) {
+    return model_selection::read_model_choice(model_selection::model_cache_folder(),
+                                              key_of(question, memory));
 }
 
-ModelChoice measured_choice(const ModelQuestion &question, const ModelMemory &memory,
-                            const ModelProgress &progress) {
-    ModelChoice choice = choose_scene_model(question, progress);
-    write_model_choice(model_cache_folder(), key_of(question, memory), choice);
+model_selection::ModelChoice measured_choice(const model_selection::ModelQuestion &question,
+                                             const ModelMemory &memory,
+                                             const model_selection::ModelProgress &progress) {
+    model_selection::ModelChoice choice = model_selection::choose_scene_model(question, progress);
+    model_selection::write_model_choice(model_selection::model_cache_folder(),
+                                        key_of(question, memory), choice);
     return choice;
 }
 
-ModelChoice known_choice(const ModelQuestion &question, const ModelMemory &memory,
-                         const ModelProgress &progress) {
-    if (std::optional<ModelChoice> choice = remembered_choice(question, memory)) {
+model_selection::ModelChoice known_choice(const model_selection::ModelQuestion &question,
+                                          const ModelMemory &memory,
+                                          const model_selection::ModelProgress &progress) {
+    if (std::optional<model_selection::ModelChoice> choice = remembered_choice(question, memory)) {
         return *std::move(choice);
     }
     return measured_choice(question, memory, progress);
 }
 
-void ModelMeasurement::begin(const ModelQuestion &question, const ModelMemory &memory) {
+void ModelMeasurement::begin(const model_selection::ModelQuestion &question,
+                             const ModelMemory &memory) {
     forget();
     error_.clear();
     measuring_.start(
         [question, memory, scene = without_looks(*question.scene)](BackgroundTalk &talk) {
-            ModelQuestion own = question;
+            model_selection::ModelQuestion own = question;
             own.scene = &scene;
             return measured_choice(own, memory, [&talk](const std::string &what, double share) {
                 talk.tell(what, share);
@@ -72,7 +77,7 @@ std::string ModelMeasurement::progress() const {
     return text_of(measuring_.what(), measuring_.share());
 }
 
-std::optional<ModelChoice> ModelMeasurement::take() {
+std::optional<model_selection::ModelChoice> ModelMeasurement::take() {
     try {
         return measuring_.take();
     } catch (const std::exception &error) {
@@ -81,4 +86,4 @@ std::optional<ModelChoice> ModelMeasurement::take() {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

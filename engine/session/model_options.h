@@ -1,11 +1,11 @@
 // Which model of a scene a session runs, as plain values.
 #pragma once
 
-#include "engine/model_choice/model.h"
+#include "engine/lab/model_selection/model.h"
 
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// By default the model is what the other options make it, the scene's surface as it is given.
 struct ModelOptions {
@@ -14,9 +14,9 @@ struct ModelOptions {
     /// Whether an automatic model may bring its motion controller: not where somebody tuned one.
     bool takes_controller = true;
     // What is set counts in any case.
-    std::optional<PlantModel> plant;
+    std::optional<simulated::PlantModel> plant;
     std::optional<double> longest_step_s;
-    std::optional<ContactShape> surface;
+    std::optional<model_selection::ContactShape> surface;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -5,12 +5,13 @@
 #include <string>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
 /// One after the other.
-RecorderStatus sum(const RecorderStatus &first, const RecorderStatus &second) {
+record::RecorderStatus sum(const record::RecorderStatus &first,
+                           const record::RecorderStatus &second) {
     return {first.rows + second.rows, first.bytes + second.bytes, first.lost + second.lost,
             first.error.empty() ? second.error : first.error};
 }
@@ -25,15 +26,16 @@ std::filesystem::path name_of_part(const std::filesystem::path &first, std::size
 }
 
 Recording::Recording(ServoRun &servo)
-    : servo_(servo), recorder_(std::make_unique<Recorder>(servo.servo().record_ring())) {}
+    : servo_(servo), recorder_(std::make_unique<record::Recorder>(servo.servo().record_ring())) {}
 
-void Recording::begin(const std::filesystem::path &file, const RecordHeader &header) {
+void Recording::begin(const std::filesystem::path &file, const record::RecordHeader &header) {
     recorder_->start(file, header,
-                     servo_.is_in_lockstep() ? Recorder::Mode::pumped : Recorder::Mode::own_thread);
+                     servo_.is_in_lockstep() ? record::Recorder::Mode::pumped
+                                             : record::Recorder::Mode::own_thread);
     servo_.servo().feed_recorder(true);
 }
 
-void Recording::start(const std::filesystem::path &file, const RecordHeader &header) {
+void Recording::start(const std::filesystem::path &file, const record::RecordHeader &header) {
     begin(file, header);
     parts_ = {file};
     ended_ = {};
@@ -52,8 +54,8 @@ void Recording::end_part(std::string_view last_note) {
     recorder_.reset();
 }
 
-std::filesystem::path Recording::begin_part(const RecordHeader &header) {
-    recorder_ = std::make_unique<Recorder>(servo_.servo().record_ring());
+std::filesystem::path Recording::begin_part(const record::RecordHeader &header) {
+    recorder_ = std::make_unique<record::Recorder>(servo_.servo().record_ring());
     if (!std::exchange(goes_on_, false)) {
         return {};
     }
@@ -72,8 +74,8 @@ std::filesystem::path Recording::begin_part(const RecordHeader &header) {
     return file;
 }
 
-RecorderStatus Recording::status() const {
+record::RecorderStatus Recording::status() const {
     return recorder_ ? sum(ended_, recorder_->status()) : ended_;
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -3,7 +3,7 @@
 //   touch.rec ──another device──► touch-2.rec ──another device──► touch-3.rec
 #pragma once
 
-#include "engine/servo/record/recorder.h"
+#include "engine/record/recorder.h"
 #include "engine/session/servo_run.h"
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// Of one thread.
 class Recording {
@@ -21,7 +21,7 @@ public:
 
     /// Records every tick from now on. One that runs is stopped first.
     /// @throw InputError for a file that cannot be made
-    void start(const std::filesystem::path &file, const RecordHeader &header);
+    void start(const std::filesystem::path &file, const record::RecordHeader &header);
     void stop();
 
     /// In lockstep: writes what came since.
@@ -36,11 +36,11 @@ public:
 
     /// Goes on after `ServoRun::renew`: in a further file if one was ended; returns its name then.
     /// @throw InputError for one that cannot be made; the recording has ended then
-    std::filesystem::path begin_part(const RecordHeader &header);
+    std::filesystem::path begin_part(const record::RecordHeader &header);
 
     [[nodiscard]] bool is_running() const { return recorder_->is_recording(); }
     /// Of all parts of the recording that runs, or else of the last one.
-    [[nodiscard]] RecorderStatus status() const;
+    [[nodiscard]] record::RecorderStatus status() const;
     /// The file that is written to, or else the last one; empty when there was none.
     [[nodiscard]] std::filesystem::path file() const {
         return parts_.empty() ? std::filesystem::path() : parts_.back();
@@ -49,17 +49,17 @@ public:
     [[nodiscard]] const std::vector<std::filesystem::path> &parts() const { return parts_; }
 
 private:
-    void begin(const std::filesystem::path &file, const RecordHeader &header);
+    void begin(const std::filesystem::path &file, const record::RecordHeader &header);
 
     ServoRun &servo_;
-    std::unique_ptr<Recorder> recorder_; ///< on the servo's ring
+    std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring
     std::vector<std::filesystem::path> parts_;
-    RecorderStatus ended_; ///< sum of the parts before
-    bool goes_on_ = false; ///< between the end of a part and the next one's begin
+    record::RecorderStatus ended_; ///< sum of the parts before
+    bool goes_on_ = false;         ///< between the end of a part and the next one's begin
 };
 
 /// "touch-2.rec" after "touch.rec".
 [[nodiscard]] std::filesystem::path name_of_part(const std::filesystem::path &first,
                                                  std::size_t number);
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 class Remarks {
 public:
@@ -31,4 +31,4 @@ private:
     std::size_t taken_ = 0;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -1,24 +1,25 @@
 #include "engine/session/scene_loader.h"
 
+#include "base/sha256.h"
 #include "base/wanted.h"
-#include "engine/contact/preparation/mesh_remarks.h"
+#include "engine/contact/mesh/mesh_remarks.h"
 #include "engine/scene/gltf.h"
-#include "engine/servo/record/file_hash.h"
 
 #include <algorithm>
 #include <exception>
 #include <iterator>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
-                                        const Workspace &workspace, LoadProgress &progress) {
+                                        const device::Workspace &workspace,
+                                        scene::LoadProgress &progress) {
     const GivenUpBy given_up(&progress.is_given_up());
-    Scene scene = load_gltf(file, workspace, &progress);
-    progress.begin(LoadProgress::Stage::preparing, false);
-    HapticSurface surface(scene.surface, scene.shapes);
-    std::ranges::move(remarks_on(surface.report(), scene.surface.materials),
+    scene::Scene scene = scene::load_gltf(file, workspace, &progress);
+    progress.begin(scene::LoadProgress::Stage::preparing, false);
+    contact::HapticSurface surface(scene.surface, scene.shapes);
+    std::ranges::move(contact::remarks_on(surface.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
     return std::make_unique<LoadedScene>(
         LoadedScene{std::move(scene), std::move(surface), sha256_of_file(file)});
@@ -32,7 +33,7 @@ void SceneLoader::request(const std::filesystem::path &file, const Finish &finis
         return;
     }
     error_.clear();
-    progress_ = std::make_shared<LoadProgress>();
+    progress_ = std::make_shared<scene::LoadProgress>();
     loading_.start(
         [file, finish, workspace = workspace_, progress = progress_](BackgroundTalk &talk) {
             std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
@@ -58,4 +59,4 @@ std::unique_ptr<LoadedScene> SceneLoader::take() {
     return scene;
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/background.h"
-#include "engine/contact/haptic_surface.h"
-#include "engine/model_choice/model_choice.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/lab/model_selection/model_choice.h"
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 
@@ -14,21 +14,23 @@
 #include <string>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// A scene ready for eye and hand.
 struct LoadedScene {
-    Scene scene;
-    HapticSurface surface;
-    std::string sha256;                  ///< of its file
-    std::optional<ModelChoice> choice{}; ///< of the model that it is to run with, if one was chosen
+    scene::Scene scene;
+    contact::HapticSurface surface;
+    std::string sha256; ///< of its file
+    std::optional<model_selection::ModelChoice>
+        choice{}; ///< of the model that it is to run with, if one was chosen
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.
 /// @throw InputError as `load_gltf` does.
 /// @throw NotWanted soon after `progress` was given up
-[[nodiscard]] std::unique_ptr<LoadedScene>
-load_scene(const std::filesystem::path &file, const Workspace &workspace, LoadProgress &progress);
+[[nodiscard]] std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
+                                                      const device::Workspace &workspace,
+                                                      scene::LoadProgress &progress);
 
 /// Of one thread. Going away waits until what is being loaded has ended, unfinished, which takes
 /// a second at the most.
@@ -36,15 +38,15 @@ class SceneLoader {
 public:
     /// What is still to be done with a loaded scene, in the background too: it owns all it uses,
     /// and a scene with which it fails is not shown.
-    using Finish = std::function<void(LoadedScene &, LoadProgress &, BackgroundTalk &)>;
+    using Finish = std::function<void(LoadedScene &, scene::LoadProgress &, BackgroundTalk &)>;
 
-    explicit SceneLoader(Workspace workspace) : workspace_(std::move(workspace)) {}
+    explicit SceneLoader(device::Workspace workspace) : workspace_(std::move(workspace)) {}
     ~SceneLoader() { progress_->give_up(); }
     SceneLoader(const SceneLoader &) = delete;
     SceneLoader &operator=(const SceneLoader &) = delete;
 
     /// That scenes requested from now on are fitted into.
-    void set_workspace(const Workspace &workspace) { workspace_ = workspace; }
+    void set_workspace(const device::Workspace &workspace) { workspace_ = workspace; }
 
     /// Loads this one next; of several asked for meanwhile the last wins.
     void request(const std::filesystem::path &file, const Finish &finish);
@@ -62,11 +64,11 @@ private:
         Finish finish;
     };
 
-    Workspace workspace_;
-    std::shared_ptr<LoadProgress> progress_ = std::make_shared<LoadProgress>();
+    device::Workspace workspace_;
+    std::shared_ptr<scene::LoadProgress> progress_ = std::make_shared<scene::LoadProgress>();
     std::optional<Request> next_; ///< asked for while another was loading
     std::string error_;
     Background<std::unique_ptr<LoadedScene>> loading_; ///< the last, so that it is joined first
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -1,37 +1,38 @@
 #include "engine/session/scene_models.h"
 
-#include "engine/model_choice/contact_shapes.h"
+#include "engine/lab/model_selection/contact_shapes.h"
 
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
-ModelQuestion question_on(const Scene &scene, const ModelGround &ground, const Tuning &tuning) {
+model_selection::ModelQuestion question_on(const scene::Scene &scene, const ModelGround &ground,
+                                           const control::Tuning &tuning) {
     return {&scene, ground.device, tuning, ground.period_s, ground.delay_periods};
 }
 
 /// As set by option, or else as chosen.
 void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
-    std::optional<ContactShape> shape;
+    std::optional<model_selection::ContactShape> shape;
     if (loaded.choice) {
-        shape = model_of(*loaded.choice).shape;
+        shape = model_selection::model_of(*loaded.choice).shape;
     }
     if (wanted.surface) {
         shape = wanted.surface;
     }
-    if (shape && *shape != ContactShape{}) {
-        loaded.surface = haptic_surface_of(loaded.scene, *shape);
+    if (shape && *shape != model_selection::ContactShape{}) {
+        loaded.surface = model_selection::haptic_surface_of(loaded.scene, *shape);
     }
 }
 
-bool uses(const MotionController &controller, const Tuning &tuning) {
+bool uses(const model_selection::MotionController &controller, const control::Tuning &tuning) {
     return tuning.map == controller.map && tuning.alpha_mode == controller.alpha_mode;
 }
 
 /// With another motion controller: that is what a model chooses.
-Tuning with_controller_of(const Tuning &started_with, Tuning tuning) {
+control::Tuning with_controller_of(const control::Tuning &started_with, control::Tuning tuning) {
     tuning.map = started_with.map;
     tuning.alpha_mode = started_with.alpha_mode;
     return tuning;
@@ -44,15 +45,16 @@ void SceneModels::set_ground(const ModelGround &ground) {
     measurement_.forget();
 }
 
-ModelQuestion SceneModels::question(const Scene &scene, const Tuning &tuning) const {
+model_selection::ModelQuestion SceneModels::question(const scene::Scene &scene,
+                                                     const control::Tuning &tuning) const {
     return question_on(scene, ground_, with_controller_of(started_with_, tuning));
 }
 
-SceneLoader::Finish SceneModels::finish(const Tuning &tuning) const {
+SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
     return [wanted = wanted_, ground = ground_, tuning = with_controller_of(started_with_, tuning)](
-               LoadedScene &loaded, LoadProgress &progress, BackgroundTalk &talk) {
+               LoadedScene &loaded, scene::LoadProgress &progress, BackgroundTalk &talk) {
         if (wanted.automatic) {
-            progress.begin(LoadProgress::Stage::measuring, true);
+            progress.begin(scene::LoadProgress::Stage::measuring, true);
             loaded.choice = known_choice(question_on(loaded.scene, ground, tuning), ground.memory,
                                          [&](const std::string &what, double share) {
                                              talk.tell(what, share);
@@ -68,16 +70,18 @@ void SceneModels::note_shown(const LoadedScene &scene) {
     choice_ = scene.choice;
 }
 
-void SceneModels::apply_to(const LoadedScene &scene, const std::optional<ModelChoice> &before,
-                           bool may_hold_base, SimulationOptions &simulation,
-                           Tuning &tuning) const {
+void SceneModels::apply_to(const LoadedScene &scene,
+                           const std::optional<model_selection::ModelChoice> &before,
+                           bool may_hold_base, simulated::SimulationOptions &simulation,
+                           control::Tuning &tuning) const {
     if (scene.choice) {
-        const Model model = model_of(*scene.choice);
-        apply(model, simulation);
+        const model_selection::Model model = model_selection::model_of(*scene.choice);
+        model_selection::apply(model, simulation);
         simulation.planar = model.planar && may_hold_base;
-        const bool is_tuned = before && !uses(model_of(*before).controller, tuning);
+        const bool is_tuned =
+            before && !uses(model_selection::model_of(*before).controller, tuning);
         if (wanted_.takes_controller && !is_tuned) {
-            tuning = with_controller(model.controller, tuning);
+            tuning = model_selection::with_controller(model.controller, tuning);
         }
     }
     if (wanted_.plant) {
@@ -87,9 +91,9 @@ void SceneModels::apply_to(const LoadedScene &scene, const std::optional<ModelCh
     simulation.longest_step_s = wanted_.longest_step_s.value_or(simulation.longest_step_s);
 }
 
-void SceneModels::measure(const Scene &scene, const Tuning &tuning, bool fresh) {
-    const ModelQuestion asked = question(scene, tuning);
-    std::optional<ModelChoice> remembered;
+void SceneModels::measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh) {
+    const model_selection::ModelQuestion asked = question(scene, tuning);
+    std::optional<model_selection::ModelChoice> remembered;
     if (!fresh) {
         remembered = remembered_choice(asked, ground_.memory);
     }
@@ -101,9 +105,9 @@ void SceneModels::measure(const Scene &scene, const Tuning &tuning, bool fresh) 
 }
 
 void SceneModels::update() {
-    if (std::optional<ModelChoice> choice = measurement_.take()) {
+    if (std::optional<model_selection::ModelChoice> choice = measurement_.take()) {
         choice_ = std::move(choice);
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -8,11 +8,11 @@
 
 #include <optional>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// What a model is measured for, beside the scene and the gains.
 struct ModelGround {
-    DeviceDescription device;
+    device::DeviceDescription device;
     ModelMemory memory;
     double period_s = 1e-3;
     double delay_periods = 0.0;
@@ -22,7 +22,8 @@ struct ModelGround {
 class SceneModels {
 public:
     /// @param started_with  whose motion controller is a model's to replace
-    SceneModels(const ModelOptions &wanted, const Tuning &started_with, const ModelGround &ground)
+    SceneModels(const ModelOptions &wanted, const control::Tuning &started_with,
+                const ModelGround &ground)
         : wanted_(wanted), started_with_(started_with), ground_(ground) {}
 
     /// On another device, or at another rate. What was measured is of the old one.
@@ -35,7 +36,7 @@ public:
 
     /// What loading a scene ends with: its model is found, and its surface is that model's.
     /// @param tuning  whose gains are in force: a model is as good as those it was measured with
-    [[nodiscard]] SceneLoader::Finish finish(const Tuning &tuning) const;
+    [[nodiscard]] SceneLoader::Finish finish(const control::Tuning &tuning) const;
 
     /// The scene is shown from now on: what was measured is of another.
     void note_shown(const LoadedScene &scene);
@@ -44,28 +45,32 @@ public:
     /// somebody tuned since the choice before stays.
     /// @param before          of the scene before, if one ran with a choice
     /// @param may_hold_base   whether the base joint may be held from now on
-    void apply_to(const LoadedScene &scene, const std::optional<ModelChoice> &before,
-                  bool may_hold_base, SimulationOptions &simulation, Tuning &tuning) const;
+    void apply_to(const LoadedScene &scene,
+                  const std::optional<model_selection::ModelChoice> &before, bool may_hold_base,
+                  simulated::SimulationOptions &simulation, control::Tuning &tuning) const;
 
     /// Finds in the background which model the scene would get, for `choice` to tell.
     /// @param fresh  even if it is remembered from before
-    void measure(const Scene &scene, const Tuning &tuning, bool fresh);
+    void measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh);
     void give_up_measuring() { measurement_.forget(); }
     /// Takes in what was measured.
     void update();
 
     [[nodiscard]] const ModelMeasurement &measurement() const { return measurement_; }
     /// What the scene would get, once somebody measured it.
-    [[nodiscard]] const std::optional<ModelChoice> &choice() const { return choice_; }
+    [[nodiscard]] const std::optional<model_selection::ModelChoice> &choice() const {
+        return choice_;
+    }
 
 private:
-    [[nodiscard]] ModelQuestion question(const Scene &scene, const Tuning &tuning) const;
+    [[nodiscard]] model_selection::ModelQuestion question(const scene::Scene &scene,
+                                                          const control::Tuning &tuning) const;
 
     ModelOptions wanted_;
-    Tuning started_with_;
+    control::Tuning started_with_;
     ModelGround ground_;
-    std::optional<ModelChoice> choice_; ///< of the scene that is shown
+    std::optional<model_selection::ModelChoice> choice_; ///< of the scene that is shown
     ModelMeasurement measurement_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
-Scenes::Scenes(const Workspace &workspace, std::unique_ptr<LoadedScene> first)
+Scenes::Scenes(const device::Workspace &workspace, std::unique_ptr<LoadedScene> first)
     : now_(std::move(first)), loader_(workspace) {}
 
 void Scenes::request(const std::filesystem::path &file, const SceneLoader::Finish &finish) {
@@ -30,4 +30,4 @@ void Scenes::note_in_use(std::uint32_t id) {
     }
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

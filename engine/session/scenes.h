@@ -15,13 +15,13 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// Of one thread.
 class Scenes {
 public:
     /// @param first  not null
-    Scenes(const Workspace &workspace, std::unique_ptr<LoadedScene> first);
+    Scenes(const device::Workspace &workspace, std::unique_ptr<LoadedScene> first);
 
     /// Loads in the background; on failure the present one stays and `error` tells why. Of several
     /// asked for meanwhile the last wins.
@@ -35,7 +35,7 @@ public:
     void note_in_use(std::uint32_t id);
 
     /// That scenes requested from now on are fitted into.
-    void set_workspace(const Workspace &workspace) { loader_.set_workspace(workspace); }
+    void set_workspace(const device::Workspace &workspace) { loader_.set_workspace(workspace); }
 
     [[nodiscard]] LoadedScene &now() { return *now_; }
     [[nodiscard]] const LoadedScene &now() const { return *now_; }
@@ -56,4 +56,4 @@ private:
     SceneLoader loader_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::session {
 
-ServoRun::ServoRun(HapticDevice &device, const ServoWay &way)
-    : way_(way), device_(&device), servo_(std::make_unique<Servo>(device, way.servo_hz)),
+ServoRun::ServoRun(device::HapticDevice &device, const ServoWay &way)
+    : way_(way), device_(&device), servo_(std::make_unique<servo::Servo>(device, way.servo_hz)),
       history_(way.servo_hz) {
     publish();
 }
 
-void ServoRun::tune(const Tuning &tuning) {
+void ServoRun::tune(const control::Tuning &tuning) {
     inputs_.tuning = tuning;
     publish();
 }
@@ -21,7 +21,7 @@ void ServoRun::set_global_alpha(double alpha_rad2_per_m2) {
     publish();
 }
 
-void ServoRun::lower_limits(const SafetyLimits &limits) {
+void ServoRun::lower_limits(const servo::SafetyLimits &limits) {
     inputs_.limits = limits;
     publish();
 }
@@ -38,7 +38,8 @@ void ServoRun::reset_safety() {
     publish();
 }
 
-void ServoRun::touch(const HapticSurface &surface, std::uint32_t scene_id, const Tuning &tuning) {
+void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
+                     const control::Tuning &tuning) {
     inputs_.tuning = tuning;
     inputs_.surface = &surface;
     inputs_.scene_id = scene_id;
@@ -70,7 +71,7 @@ void ServoRun::advance(double frame_s) {
 }
 
 void ServoRun::take_in() {
-    servo_->drain([this](const ServoSample &sample) {
+    servo_->drain([this](const servo::ServoSample &sample) {
         latest_ = sample;
         next_tick_ = sample.tick + 1;
         statistics_.add(sample);
@@ -79,8 +80,8 @@ void ServoRun::take_in() {
     });
 }
 
-void ServoRun::note_standstill(const ServoSample &sample) {
-    if (device_->clock() != DeviceClock::servo || sample.missed_deadlines == 0) {
+void ServoRun::note_standstill(const servo::ServoSample &sample) {
+    if (device_->clock() != device::DeviceClock::servo || sample.missed_deadlines == 0) {
         return;
     }
     ++stood_still_.times;
@@ -94,13 +95,13 @@ void ServoRun::stop() {
 }
 
 bool ServoRun::stop_if_released() {
-    if (lets_pass(latest_.safety.state)) {
+    if (servo::lets_pass(latest_.safety.state)) {
         return false;
     }
     // What came back is a little old: look again where nothing can come after.
     const bool ran = servo_->pause();
     take_in();
-    if (lets_pass(latest_.safety.state)) {
+    if (servo::lets_pass(latest_.safety.state)) {
         if (ran) {
             servo_->resume();
         }
@@ -139,11 +140,11 @@ std::uint64_t ServoRun::set_rate(double servo_hz) {
     return next_tick_;
 }
 
-void ServoRun::renew(HapticDevice &device) {
+void ServoRun::renew(device::HapticDevice &device) {
     const double servo_hz = rate_hz();
     lost_ = lost_samples();
     device_ = &device;
-    servo_ = std::make_unique<Servo>(device, servo_hz);
+    servo_ = std::make_unique<servo::Servo>(device, servo_hz);
     // Counts from zero on, as the new loop has them: only what differs is an order.
     inputs_.stop_count = 0;
     inputs_.reset_count = 0;
@@ -154,4 +155,4 @@ void ServoRun::renew(HapticDevice &device) {
     publish();
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// How a servo is to run.
 struct ServoWay {
@@ -34,16 +34,17 @@ class ServoRun {
 public:
     /// @param device  must outlive it, or the call of `renew`
     /// @throw InputError as `servo_period_s` does
-    ServoRun(HapticDevice &device, const ServoWay &way);
+    ServoRun(device::HapticDevice &device, const ServoWay &way);
 
     // What is asked; in force from the next tick.
-    void tune(const Tuning &tuning);
+    void tune(const control::Tuning &tuning);
     void set_global_alpha(double alpha_rad2_per_m2);
-    void lower_limits(const SafetyLimits &limits);
+    void lower_limits(const servo::SafetyLimits &limits);
     void emergency_stop();
     void reset_safety();
     /// @param surface  must outlive the time until a sample has a later `scene_id`
-    void touch(const HapticSurface &surface, std::uint32_t scene_id, const Tuning &tuning);
+    void touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
+               const control::Tuning &tuning);
     /// To let the force fade and keep the motors braking until further notice.
     void release(bool asked);
 
@@ -74,38 +75,38 @@ public:
 
     /// Begins anew on another device, with what was asked before, but to release. Has to be
     /// started. An emergency stop that was given stays given. @pre stopped
-    void renew(HapticDevice &device);
+    void renew(device::HapticDevice &device);
 
     [[nodiscard]] double rate_hz() const { return servo_->rate_hz(); }
     [[nodiscard]] double period_s() const { return servo_->period_s(); }
     [[nodiscard]] bool is_in_lockstep() const { return way_.lockstep; }
-    [[nodiscard]] const ServoInputs &inputs() const { return inputs_; }
-    [[nodiscard]] const ServoSample &latest() const { return latest_; }
+    [[nodiscard]] const servo::ServoInputs &inputs() const { return inputs_; }
+    [[nodiscard]] const servo::ServoSample &latest() const { return latest_; }
     [[nodiscard]] const History &history() const { return history_; }
     /// Since the last change of rate or device.
-    [[nodiscard]] const ServoStatistics &statistics() const { return statistics_; }
+    [[nodiscard]] const servo::ServoStatistics &statistics() const { return statistics_; }
     [[nodiscard]] const StoodStill &stood_still() const { return stood_still_; }
     /// That this thread was too slow to take in.
     [[nodiscard]] std::uint64_t lost_samples() const { return lost_ + servo_->lost_samples(); }
 
     /// For a recorder. Another one after `renew`.
-    [[nodiscard]] Servo &servo() { return *servo_; }
+    [[nodiscard]] servo::Servo &servo() { return *servo_; }
 
 private:
     void publish() { servo_->publish(inputs_); }
-    void note_standstill(const ServoSample &sample);
+    void note_standstill(const servo::ServoSample &sample);
 
     ServoWay way_;
-    HapticDevice *device_;
-    std::unique_ptr<Servo> servo_;
-    ServoInputs inputs_;
+    device::HapticDevice *device_;
+    std::unique_ptr<servo::Servo> servo_;
+    servo::ServoInputs inputs_;
     double debt_ticks_ = 0.0; ///< of lockstep
     std::uint64_t lost_ = 0;  ///< of servos before
-    ServoSample latest_;
+    servo::ServoSample latest_;
     std::uint64_t next_tick_ = 0; ///< after the latest
-    ServoStatistics statistics_;
+    servo::ServoStatistics statistics_;
     StoodStill stood_still_;
     History history_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
@@ -18,35 +18,37 @@ constexpr double kStandstillTold_s = 0.05;
 
 } // namespace
 
-Session::Session(const SessionOptions &options, LoadProgress *progress) : options_(options) {
+Session::Session(const SessionOptions &options, scene::LoadProgress *progress) : options_(options) {
     if (options.cpu) {
-        check_cpu(*options.cpu);
-        keep_off_cpu(*options.cpu); // window, recorder and loader; the servo's thread goes there
+        servo::check_cpu(*options.cpu);
+        servo::keep_off_cpu(
+            *options.cpu); // window, recorder and loader; the servo's thread goes there
     }
-    static_cast<void>(servo_period_s(options.servo_hz));
+    static_cast<void>(servo::servo_period_s(options.servo_hz));
     const std::string text = text_of_device(options.device.file);
-    const DeviceDescription description = read_device_text(text, options.device.file);
+    const device::DeviceDescription description =
+        device::read_device_text(text, options.device.file);
     models_ = std::make_unique<SceneModels>(options.model, options.tuning,
                                             ground(text, description, options.servo_hz));
-    LoadProgress unwatched;
-    LoadProgress &watched = progress != nullptr ? *progress : unwatched;
+    scene::LoadProgress unwatched;
+    scene::LoadProgress &watched = progress != nullptr ? *progress : unwatched;
     BackgroundTalk nobody;
     std::unique_ptr<LoadedScene> scene = load_scene(options.scene, description.workspace, watched);
     models_->finish(options.tuning)(*scene, watched, nobody);
     models_->note_shown(*scene);
     scenes_ = std::make_unique<Scenes>(description.workspace, std::move(scene));
 
-    Tuning tuning = options.tuning;
+    control::Tuning tuning = options.tuning;
     Prepared first = prepare(options.device, text, tuning);
     simulation_ = first.request.simulation;
-    device_ = std::make_unique<OpenDevice>(std::move(first.device));
+    device_ = std::make_unique<factory::OpenDevice>(std::move(first.device));
     servo_ = std::make_unique<ServoRun>(device_->device(),
                                         ServoWay{options.servo_hz, options.lockstep, options.cpu});
     recording_ = std::make_unique<Recording>(*servo_);
     hand_.take_hold(device_->world(), description, simulation_.path, first.request.start_tip_m);
-    servo_->set_global_alpha(global_alpha_bound(description));
+    servo_->set_global_alpha(control::global_alpha_bound(description));
     if (options.late_limit_s) {
-        SafetyLimits limits = unlowered();
+        servo::SafetyLimits limits = servo::unlowered();
         limits.late_s = *options.late_limit_s;
         servo_->lower_limits(limits);
     }
@@ -93,9 +95,9 @@ void Session::note_standstill() {
     }
 }
 
-RecordHeader Session::header_of_record() const {
+record::RecordHeader Session::header_of_record() const {
     const LoadedScene &scene = scenes_->now();
-    RecordHeader header = record_header(servo_->rate_hz());
+    record::RecordHeader header = record::record_header(servo_->rate_hz());
     header.software = options_.program_version;
     header.delay_periods = device_->device().delay_periods();
     header.device_name = description().name;
@@ -135,7 +137,7 @@ void Session::measure_model(bool fresh) {
 
 void Session::show(const LoadedScene &before) {
     const LoadedScene &now = scenes_->now();
-    Tuning tuning = servo_->inputs().tuning;
+    control::Tuning tuning = servo_->inputs().tuning;
     models_->note_shown(now);
     models_->apply_to(now, before.choice, simulation_.planar, simulation_, tuning);
     if (now.choice && device_->world() != nullptr) {
@@ -150,7 +152,7 @@ void Session::show(const LoadedScene &before) {
 
 void Session::set_servo_rate(double servo_hz) {
     const double before_hz = servo_->rate_hz();
-    const double period_s = servo_period_s(servo_hz);
+    const double period_s = servo::servo_period_s(servo_hz);
     if (next_device_) {
         next_device_->device.device().set_period(period_s);
     }
@@ -167,4 +169,4 @@ void Session::set_servo_rate(double servo_hz) {
     choose_again();
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

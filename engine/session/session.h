@@ -23,7 +23,7 @@
 #include <optional>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// Everything is called from one thread; servo and recorder have their own.
 class Session {
@@ -31,7 +31,7 @@ public:
     /// Loads everything and starts nothing.
     /// @param progress  told how far the scene is, if somebody wants to know
     /// @throw InputError for what cannot be used
-    explicit Session(const SessionOptions &options, LoadProgress *progress = nullptr);
+    explicit Session(const SessionOptions &options, scene::LoadProgress *progress = nullptr);
     ~Session();
     Session(const Session &) = delete;
     Session &operator=(const Session &) = delete;
@@ -80,7 +80,7 @@ public:
 
     [[nodiscard]] ServoRun &servo() { return *servo_; }
     [[nodiscard]] const ServoRun &servo() const { return *servo_; }
-    [[nodiscard]] const ServoSample &latest() const { return servo_->latest(); }
+    [[nodiscard]] const servo::ServoSample &latest() const { return servo_->latest(); }
     [[nodiscard]] const Scenes &scenes() const { return *scenes_; }
     [[nodiscard]] SceneModels &models() { return *models_; }
     [[nodiscard]] const SceneModels &models() const { return *models_; }
@@ -88,13 +88,13 @@ public:
     [[nodiscard]] const Recording &recording() const { return *recording_; }
     [[nodiscard]] GuidedHand &hand() { return hand_; }
     [[nodiscard]] const GuidedHand &hand() const { return hand_; }
-    [[nodiscard]] OpenDevice &device() { return *device_; }
-    [[nodiscard]] const OpenDevice &device() const { return *device_; }
-    [[nodiscard]] const DeviceDescription &description() const {
+    [[nodiscard]] factory::OpenDevice &device() { return *device_; }
+    [[nodiscard]] const factory::OpenDevice &device() const { return *device_; }
+    [[nodiscard]] const device::DeviceDescription &description() const {
         return device_->device().description();
     }
     /// What a simulated device is told to simulate, and the hand's path.
-    [[nodiscard]] const SimulationOptions &simulation() const { return simulation_; }
+    [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
     [[nodiscard]] Remarks &remarks() { return remarks_; }
     [[nodiscard]] const Remarks &remarks() const { return remarks_; }
 
@@ -102,7 +102,7 @@ private:
     struct Prepared; ///< a device, opened and with all that it takes to begin on it
 
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
-                                   Tuning &tuning) const;
+                                   control::Tuning &tuning) const;
     void show(const LoadedScene &before);
     void choose_again();
     void go_on_with_exchange();
@@ -110,14 +110,15 @@ private:
     void begin_on(Prepared next);
     void note_standstill();
     [[nodiscard]] ModelGround ground(const std::string &device_text,
-                                     const DeviceDescription &device, double servo_hz) const;
-    [[nodiscard]] RecordHeader header_of_record() const;
+                                     const device::DeviceDescription &device,
+                                     double servo_hz) const;
+    [[nodiscard]] record::RecordHeader header_of_record() const;
 
     SessionOptions options_;
     std::unique_ptr<Scenes> scenes_; ///< whose surfaces the servo touches
     std::unique_ptr<SceneModels> models_;
-    SimulationOptions simulation_;
-    std::unique_ptr<OpenDevice> device_;
+    simulated::SimulationOptions simulation_;
+    std::unique_ptr<factory::OpenDevice> device_;
     std::unique_ptr<ServoRun> servo_;
     std::unique_ptr<Recording> recording_;
     std::unique_ptr<Prepared> next_device_;
@@ -128,4 +129,4 @@ private:
     Remarks remarks_;
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

@@ -1,7 +1,7 @@
 // The part of `Session` that opens, exchanges and reconnects devices.
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
-#include "engine/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
 #include "engine/session/session_parts.h"
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 #include <iterator>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
@@ -21,7 +21,7 @@ std::string dump(const nlohmann::json &json) {
 } // namespace
 
 std::string text_of_device(const std::filesystem::path &file) {
-    static_cast<void>(read_device_file(file)); // refuses, with the reason, what is none
+    static_cast<void>(device::read_device_file(file)); // refuses, with the reason, what is none
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -34,46 +34,46 @@ std::string note_on_scene(std::uint32_t scene_id, const LoadedScene &scene) {
                    {"triangles", scene.scene.surface.triangles.size()}}}});
 }
 
-ModelGround Session::ground(const std::string &device_text, const DeviceDescription &device,
+ModelGround Session::ground(const std::string &device_text, const device::DeviceDescription &device,
                             double servo_hz) const {
     return {device,
             {device_text, options_.program_version},
-            servo_period_s(servo_hz),
+            servo::servo_period_s(servo_hz),
             options_.delay_periods};
 }
 
 /// On the scene that is shown: the tip begins above it, or where the hand's path does.
 /// @param tuning  of the servo, which a model may bring
 Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string &text,
-                                   Tuning &tuning) const {
+                                   control::Tuning &tuning) const {
     const LoadedScene &scene = scenes_->now();
     const Vector3 &lower_m = scene.scene.lower_m;
     const Vector3 &upper_m = scene.scene.upper_m;
-    DeviceRequest request;
+    factory::DeviceRequest request;
     request.kind = choice.kind;
     request.serial = choice.serial;
-    request.description = read_device_text(text, choice.file);
-    request.period_s = servo_ ? servo_->period_s() : servo_period_s(options_.servo_hz);
-    SimulationOptions &simulation = request.simulation;
+    request.description = device::read_device_text(text, choice.file);
+    request.period_s = servo_ ? servo_->period_s() : servo::servo_period_s(options_.servo_hz);
+    simulated::SimulationOptions &simulation = request.simulation;
     simulation.servo_period_s = request.period_s;
     simulation.delay_periods = options_.delay_periods;
     simulation.effects = options_.effects;
-    const std::optional<ModelChoice> before = servo_ ? scene.choice : std::nullopt;
+    const std::optional<model_selection::ModelChoice> before = servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);
-    request.start_tip_m = start_above(request.description, lower_m, upper_m);
+    request.start_tip_m = rig::start_above(request.description, lower_m, upper_m);
     if (!options_.path.empty()) {
-        simulation.path = HandPath::read_csv(options_.path);
+        simulation.path = simulated::HandPath::read_csv(options_.path);
         request.start_tip_m = simulation.path->points().front().position_m;
     } else if (options_.plays_script) {
-        simulation.path = scripted_touch(request.description, scene.surface, lower_m, upper_m,
-                                         request.start_tip_m);
+        simulation.path = rig::scripted_touch(request.description, scene.surface, lower_m, upper_m,
+                                              request.start_tip_m);
     }
-    OpenDevice device = open_device(request);
+    factory::OpenDevice device = factory::open_device(request);
     return {choice, text, std::move(request), std::move(device)};
 }
 
 void Session::exchange_device(const DeviceChoice &choice) {
-    Tuning tuning = servo_->inputs().tuning;
+    control::Tuning tuning = servo_->inputs().tuning;
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
 }
@@ -105,10 +105,10 @@ void Session::begin_on(Prepared next) {
     *device_ = std::move(next.device);
     options_.device = next.choice;
     simulation_ = next.request.simulation;
-    const DeviceDescription &description = next.request.description;
+    const device::DeviceDescription &description = next.request.description;
     hand_.take_hold(device_->world(), description, simulation_.path, next.request.start_tip_m);
     scenes_->set_workspace(description.workspace);
-    servo_->set_global_alpha(global_alpha_bound(description));
+    servo_->set_global_alpha(control::global_alpha_bound(description));
     models_->set_ground(ground(next.text, description, servo_->rate_hz()));
     try {
         const std::filesystem::path part = recording_->begin_part(header_of_record());
@@ -136,4 +136,4 @@ void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
     });
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

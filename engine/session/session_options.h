@@ -10,22 +10,22 @@
 #include <optional>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// Which device, and the file that describes it.
 struct DeviceChoice {
     std::filesystem::path file;
-    DeviceKind kind = DeviceKind::simulated;
+    factory::DeviceKind kind = factory::DeviceKind::simulated;
     std::string serial; ///< empty: the only one of its kind
 };
 
 struct SessionOptions {
     std::filesystem::path scene;
     DeviceChoice device;
-    Tuning tuning;
+    control::Tuning tuning;
     double servo_hz = 1000.0;
-    double delay_periods = 0.0; ///< of the simulated device
-    PlantEffects effects;       ///< of the simulated device
+    double delay_periods = 0.0;      ///< of the simulated device
+    simulated::PlantEffects effects; ///< of the simulated device
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
     bool plays_script = false;  ///< without a path: the scripted touch, not `GuidedHand::move_to`
@@ -36,4 +36,4 @@ struct SessionOptions {
     std::string program_version;        ///< for records, and for what is remembered of models
 };
 
-} // namespace springdrive
+} // namespace springdrive::session

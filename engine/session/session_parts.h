@@ -7,13 +7,13 @@
 #include <filesystem>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::session {
 
 struct Session::Prepared {
     DeviceChoice choice;
     std::string text; ///< of the device's file
-    DeviceRequest request;
-    OpenDevice device;
+    factory::DeviceRequest request;
+    factory::OpenDevice device;
 };
 
 /// So that a record holds what the session ran on, whatever becomes of the file.
@@ -23,4 +23,4 @@ struct Session::Prepared {
 /// Between rows of a record: which scene it is from here on.
 [[nodiscard]] std::string note_on_scene(std::uint32_t scene_id, const LoadedScene &scene);
 
-} // namespace springdrive
+} // namespace springdrive::session

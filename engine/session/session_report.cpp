@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 
 namespace {
 
@@ -16,7 +16,8 @@ constexpr double kMicro = 1e6;
 constexpr double kMilli = 1e3;
 constexpr double kMega = 1e-6;
 
-void print_durations(std::ostream &out, const char *name, const DurationHistogram &durations) {
+void print_durations(std::ostream &out, const char *name,
+                     const servo::DurationHistogram &durations) {
     if (durations.count() > 0) {
         print(out, "servo: %s median %.1f µs, 99 %% %.1f µs, 99.9 %% %.1f µs, longest %.1f µs\n",
               name, kMicro * durations.quantile_s(0.5), kMicro * durations.quantile_s(0.99),
@@ -24,7 +25,7 @@ void print_durations(std::ostream &out, const char *name, const DurationHistogra
     }
 }
 
-nlohmann::json json_of(const DurationHistogram &durations) {
+nlohmann::json json_of(const servo::DurationHistogram &durations) {
     return {{"count", durations.count()},
             {"mean_s", durations.mean_s()},
             {"p50_s", durations.quantile_s(0.5)},
@@ -39,7 +40,7 @@ void print_time(std::ostream &out, const Session &session) {
     print(out, "servo: %llu ticks at %g Hz%s",
           static_cast<unsigned long long>(servo.statistics().ticks()), servo.rate_hz(),
           servo.is_in_lockstep() ? " in lockstep" : "");
-    if (session.device().device().clock() == DeviceClock::own) {
+    if (session.device().device().clock() == device::DeviceClock::own) {
         print(out, ", %llu deadlines missed",
               static_cast<unsigned long long>(servo.statistics().missed_deadlines()));
     }
@@ -62,15 +63,15 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path> &file
 
 void write_session_report(std::ostream &out, const Session &session) {
     print_time(out, session);
-    const ServoStatistics &servo = session.servo().statistics();
+    const servo::ServoStatistics &servo = session.servo().statistics();
     print_durations(out, "jitter", servo.lateness());
     print_durations(out, "compute", servo.compute());
-    const SafetyStatus &safety = session.latest().safety;
-    if (safety.state == SafetyState::tripped) {
-        print(out, "safety: stopped, %s\n", description(safety).c_str());
+    const servo::SafetyStatus &safety = session.latest().safety;
+    if (safety.state == servo::SafetyState::tripped) {
+        print(out, "safety: stopped, %s\n", servo::description(safety).c_str());
     }
     if (!session.recording().parts().empty()) {
-        const RecorderStatus record = session.recording().status();
+        const record::RecorderStatus record = session.recording().status();
         std::string files;
         for (const std::filesystem::path &part : session.recording().parts()) {
             files += part.string() + ", ";
@@ -84,10 +85,10 @@ void write_session_report(std::ostream &out, const Session &session) {
 
 void write_session_json(std::ostream &out, const Session &session) {
     const ServoRun &run = session.servo();
-    const ServoStatistics &servo = run.statistics();
-    const SafetyStatus &safety = session.latest().safety;
-    const RecorderStatus record = session.recording().status();
-    const DeviceIdentity identity = session.device().identity();
+    const servo::ServoStatistics &servo = run.statistics();
+    const servo::SafetyStatus &safety = session.latest().safety;
+    const record::RecorderStatus record = session.recording().status();
+    const device::DeviceIdentity identity = session.device().identity();
     nlohmann::json json;
     json["device"] = {{"name", session.description().name},
                       {"kind", identity.kind},
@@ -105,7 +106,7 @@ void write_session_json(std::ostream &out, const Session &session) {
     json["compute"] = json_of(servo.compute());
     json["write"] = json_of(servo.write());
     json["refused"] = session.remarks().all();
-    json["trip"] = safety.state == SafetyState::tripped ? description(safety) : "";
+    json["trip"] = safety.state == servo::SafetyState::tripped ? servo::description(safety) : "";
     json["record"] = {{"file", session.recording().file().string()},
                       {"files", names_of(session.recording().parts())},
                       {"rows", record.rows},
@@ -116,16 +117,16 @@ void write_session_json(std::ostream &out, const Session &session) {
 }
 
 bool was_stopped(const Session &session, std::ostream &complaints) {
-    const SafetyStatus &safety = session.latest().safety;
-    if (safety.state != SafetyState::tripped) {
+    const servo::SafetyStatus &safety = session.latest().safety;
+    if (safety.state != servo::SafetyState::tripped) {
         return false;
     }
-    complaints << "springdrive: the servo was stopped: " << description(safety) << '\n';
+    complaints << "springdrive: the servo was stopped: " << servo::description(safety) << '\n';
     return true;
 }
 
 bool record_is_whole(const Session &session, std::ostream &complaints) {
-    const RecorderStatus record = session.recording().status();
+    const record::RecorderStatus record = session.recording().status();
     if (!record.error.empty()) {
         complaints << "springdrive: " << record.error << '\n';
         return false;
@@ -139,4 +140,4 @@ bool record_is_whole(const Session &session, std::ostream &complaints) {
     return true;
 }
 
-} // namespace springdrive
+} // namespace springdrive::session

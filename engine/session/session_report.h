@@ -6,7 +6,7 @@
 
 #include <iosfwd>
 
-namespace springdrive {
+namespace springdrive::session {
 
 /// A few lines for people.
 void write_session_report(std::ostream &out, const Session &session);
@@ -20,4 +20,4 @@ void write_session_json(std::ostream &out, const Session &session);
 /// Whether the record, if there was one, holds every tick; if not, says on `complaints` why.
 [[nodiscard]] bool record_is_whole(const Session &session, std::ostream &complaints);
 
-} // namespace springdrive
+} // namespace springdrive::session

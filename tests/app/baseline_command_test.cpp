@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
-Ending baseline(std::vector<std::string> options) {
+testing::Ending baseline(std::vector<std::string> options) {
     options.insert(options.begin(), "baseline");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const Ending ending = baseline(options);
+    const testing::Ending ending = baseline(options);
     EXPECT_GT(ending.exit_status, 0) << names;
     EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
     EXPECT_EQ(ending.out, "");
@@ -41,7 +41,7 @@ std::vector<std::string> cells(const std::string &line) {
 
 /// At 250 Hz, where tuning is quick to end: three drives, the quiet one no louder than the spring.
 TEST(BaselineCommand, ComparesThreeDrives) {
-    const Ending ending =
+    const testing::Ending ending =
         baseline({"--servo-hz", "250", "--delay", "1", "--dR", "0.8", "--csv", "-"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     std::istringstream lines(ending.out);
@@ -82,4 +82,4 @@ TEST(BaselineCommand, RefusesWhatCannotBe) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

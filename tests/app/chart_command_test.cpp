@@ -1,5 +1,5 @@
 // Covers app/commands/chart_command.cpp: `springdrive chart` from outside.
-#include "engine/analysis/work_precision/charts.h"
+#include "engine/lab/charts/charts.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
@@ -12,18 +12,18 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 /// The quickest charts.
 constexpr const char *kQuick = "motion_stiffness,servo_rate_direction";
 
-Ending chart(const std::filesystem::path &out, std::vector<std::string> more = {}) {
+testing::Ending chart(const std::filesystem::path &out, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"chart", "--out", out.string()});
-    return run_program(more);
+    return testing::run_program(more);
 }
 
-void expect_one_line(const Ending &ending, int status, const std::string &names) {
+void expect_one_line(const testing::Ending &ending, int status, const std::string &names) {
     EXPECT_EQ(ending.exit_status, status);
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
@@ -38,19 +38,19 @@ std::set<std::string> files_in(const std::filesystem::path &folder) {
 }
 
 TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
-    const std::filesystem::path folder = fresh_folder("charts") / "new";
-    const Ending ending = chart(folder, {"--only", kQuick, "--repeats", "2"});
+    const std::filesystem::path folder = testing::fresh_folder("charts") / "new";
+    const testing::Ending ending = chart(folder, {"--only", kQuick, "--repeats", "2"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
     EXPECT_EQ(files_in(folder),
               (std::set<std::string>{"motion_stiffness.csv", "motion_stiffness.svg",
                                      "servo_rate_direction.csv", "servo_rate_direction.svg"}));
-    const std::string svg = contents_of(folder / "motion_stiffness.svg");
+    const std::string svg = testing::contents_of(folder / "motion_stiffness.svg");
     for (const char *part : {"PHANTOM 1.0", "least of 2 repetitions", "inverse (18)",
                              "transpose, α by hand", "α 1000"}) {
         EXPECT_NE(svg.find(part), std::string::npos) << part;
     }
-    const std::string csv = contents_of(folder / "motion_stiffness.csv");
+    const std::string csv = testing::contents_of(folder / "motion_stiffness.csv");
     EXPECT_TRUE(csv.starts_with("method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,"
                                 "error,stable,machine\n"));
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9); // a head, three and five points
@@ -58,20 +58,21 @@ TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
 }
 
 TEST(Charts, TakeTheDeviceAndTheTuning) {
-    const std::filesystem::path folder = fresh_folder("premium");
-    const Ending ending = chart(folder, {"--only", "servo_rate_direction", "--device-file",
-                                         assets() / "devices/phantom_premium_1_5.toml",
-                                         "--tuning-file", assets() / "tunings/soft.toml"});
+    const std::filesystem::path folder = testing::fresh_folder("premium");
+    const testing::Ending ending =
+        chart(folder, {"--only", "servo_rate_direction", "--device-file",
+                       testing::assets() / "devices/phantom_premium_1_5.toml", "--tuning-file",
+                       testing::assets() / "tunings/soft.toml"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    EXPECT_NE(contents_of(folder / "servo_rate_direction.svg").find("Premium 1.5"),
+    EXPECT_NE(testing::contents_of(folder / "servo_rate_direction.svg").find("Premium 1.5"),
               std::string::npos);
     std::filesystem::remove_all(folder);
 }
 
 TEST(Charts, SayWhatIsWrongInOneLine) {
-    const std::filesystem::path folder = fresh_folder("wrong_charts");
+    const std::filesystem::path folder = testing::fresh_folder("wrong_charts");
     std::ofstream(folder / "file") << "in the way";
-    expect_one_line(run_program({"chart"}), 2, "--out");
+    expect_one_line(testing::run_program({"chart"}), 2, "--out");
     expect_one_line(chart(folder / "file" / "below"), 1, "below");
     expect_one_line(chart(folder, {"--only", "everything"}), 2, "servo_rate_stiffness");
     expect_one_line(chart(folder, {"--repeats", "0"}), 1, "--repeats is 0; it must be from 1 to");
@@ -84,11 +85,11 @@ TEST(Charts, SayWhatIsWrongInOneLine) {
 }
 
 TEST(Charts, WithoutGnuplotTheNumbersStay) {
-    const std::filesystem::path folder = fresh_folder("charts_no_gnuplot");
+    const std::filesystem::path folder = testing::fresh_folder("charts_no_gnuplot");
     const char *inherited = std::getenv("PATH"); // NOLINT(concurrency-mt-unsafe)
     const std::string path = inherited != nullptr ? inherited : "";
     setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    const Ending ending = chart(folder / "out", {"--only", kQuick, "--repeats", "1"});
+    const testing::Ending ending = chart(folder / "out", {"--only", kQuick, "--repeats", "1"});
     setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
     expect_one_line(ending, 1, "gnuplot-nox");
     EXPECT_EQ(files_in(folder / "out"),
@@ -97,11 +98,11 @@ TEST(Charts, WithoutGnuplotTheNumbersStay) {
 }
 
 TEST(Charts, AreNamedAsTheListSays) {
-    ChartSetting setting;
-    setting.device = phantom_1_0();
+    charts::ChartSetting setting;
+    setting.device = testing::phantom_1_0();
     setting.repeats = 1;
     std::set<std::string_view> names;
-    for (const ChartMaker &maker : kCharts) {
+    for (const charts::ChartMaker &maker : charts::kCharts) {
         EXPECT_TRUE(names.insert(maker.name).second) << maker.name;
         if (maker.name.starts_with("servo_rate") || maker.name.starts_with("motion")) {
             EXPECT_EQ(maker.make(setting, [](double) {}).name, maker.name);
@@ -110,4 +111,4 @@ TEST(Charts, AreNamedAsTheListSays) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -6,22 +6,24 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 TEST(CommandLine, HelpListsTheSubcommands) {
-    const Ending help = run_program({"--help"});
+    const testing::Ending help = testing::run_program({"--help"});
     EXPECT_EQ(help.exit_status, 0);
     for (const char *name : {"demo", "figures", "stiffness", "touch", "inspect", "--scene"}) {
         EXPECT_NE(help.out.find(name), std::string::npos) << name << " in\n" << help.out;
     }
-    EXPECT_NE(run_program({"stiffness", "--help"}).out.find("--freq-from"), std::string::npos);
-    EXPECT_NE(run_program({"demo", "--help"}).out.find("--lockstep"), std::string::npos);
-    EXPECT_NE(run_program({"--lockstep", "--help"}).out.find("--lockstep"), std::string::npos);
+    EXPECT_NE(testing::run_program({"stiffness", "--help"}).out.find("--freq-from"),
+              std::string::npos);
+    EXPECT_NE(testing::run_program({"demo", "--help"}).out.find("--lockstep"), std::string::npos);
+    EXPECT_NE(testing::run_program({"--lockstep", "--help"}).out.find("--lockstep"),
+              std::string::npos);
 }
 
 TEST(CommandLine, NamesAnUnknownSubcommand) {
-    const Ending ending = run_program({"stifness"});
+    const testing::Ending ending = testing::run_program({"stifness"});
     EXPECT_EQ(ending.exit_status, 2);
     EXPECT_NE(ending.error.find("stifness"), std::string::npos) << ending.error;
 }
@@ -29,11 +31,11 @@ TEST(CommandLine, NamesAnUnknownSubcommand) {
 TEST(CommandLine, RefusesAnEmptyArgument) {
     for (const std::vector<std::string> &arguments :
          {std::vector<std::string>{"stiffness", "--dR", ""}, {""}, {"--scene", ""}}) {
-        const Ending ending = run_program(arguments);
+        const testing::Ending ending = testing::run_program(arguments);
         EXPECT_EQ(ending.exit_status, 2);
         EXPECT_NE(ending.error.find("empty"), std::string::npos) << ending.error;
     }
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 bool has_display() {
@@ -25,7 +25,7 @@ void expect_plain_text(const std::string &text) {
     }
 }
 
-void expect_one_clear_line(const Ending &ending, const std::string &names) {
+void expect_one_clear_line(const testing::Ending &ending, const std::string &names) {
     EXPECT_GT(ending.exit_status, 0);
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
@@ -61,11 +61,13 @@ const std::string kIndexNine = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA
 const std::string kNan = "AAAAAAAAAAAAAAAAAADAfwAAAAAAAAAAAAAAAAAAgD8AAAAAAAECAA==";
 
 TEST(Program, SaysWhatIsWrongWithASceneInOneLine) {
-    const std::filesystem::path folder = fresh_folder("bad_scenes");
-    const std::string sphere = contents_of(assets() / "scenes/sphere.gltf");
-    expect_one_clear_line(run_program({"--scene", (folder / "none.glb").string()}), "none.glb");
+    const std::filesystem::path folder = testing::fresh_folder("bad_scenes");
+    const std::string sphere = testing::contents_of(testing::assets() / "scenes/sphere.gltf");
+    expect_one_clear_line(testing::run_program({"--scene", (folder / "none.glb").string()}),
+                          "none.glb");
     const auto refused = [&folder](const std::string &name, const std::string &text) {
-        const Ending ending = run_program({"demo", "--scene", written(folder, name, text)});
+        const testing::Ending ending =
+            testing::run_program({"demo", "--scene", written(folder, name, text)});
         expect_one_clear_line(ending, name);
         return ending.error;
     };
@@ -82,39 +84,39 @@ TEST(Program, SaysWhatIsWrongWithASceneInOneLine) {
 }
 
 TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
-    expect_one_clear_line(run_program({"--frams", "3"}), "frams");
-    expect_one_clear_line(run_program({"--servo-hz", "99"}), "250");
-    expect_one_clear_line(run_program({"--servo-hz", "fast"}), "fast");
-    expect_one_clear_line(run_program({"--dR", "0"}), "--dR");
-    expect_one_clear_line(run_program({"--kp", "nan"}), "K_P");
-    expect_one_clear_line(run_program({"--map", "sideways"}), "sideways");
-    expect_one_clear_line(run_program({"--map", "0"}), "transpose");
-    expect_one_clear_line(run_program({"--alpha-mode", "often"}), "by_hand");
-    expect_one_clear_line(run_program({"--servo-hz", "nan"}), "10000");
-    expect_one_clear_line(run_program({"--servo-hz", "-5"}), "10000");
-    expect_one_clear_line(run_program({"--servo-hz", "inf"}), "10000");
-    expect_one_clear_line(run_program({"--delay", "-1"}), "delay");
-    expect_one_clear_line(run_program({"--device", "usb"}), "usb");
-    expect_one_clear_line(run_program({"--device-file", "none.toml"}), "none.toml");
-    expect_one_clear_line(run_program({"--tuning-file", "none.toml"}), "none.toml");
-    expect_one_clear_line(run_program({"--path", "none.csv"}), "none.csv");
-    expect_one_clear_line(run_program({"--lockstep"}), "--frames");
-    expect_one_clear_line(run_program({"--frames", "-3"}), "frames");
-    expect_one_clear_line(run_program({"record", "/no/such/folder/t.rec"}), "/no/such");
+    expect_one_clear_line(testing::run_program({"--frams", "3"}), "frams");
+    expect_one_clear_line(testing::run_program({"--servo-hz", "99"}), "250");
+    expect_one_clear_line(testing::run_program({"--servo-hz", "fast"}), "fast");
+    expect_one_clear_line(testing::run_program({"--dR", "0"}), "--dR");
+    expect_one_clear_line(testing::run_program({"--kp", "nan"}), "K_P");
+    expect_one_clear_line(testing::run_program({"--map", "sideways"}), "sideways");
+    expect_one_clear_line(testing::run_program({"--map", "0"}), "transpose");
+    expect_one_clear_line(testing::run_program({"--alpha-mode", "often"}), "by_hand");
+    expect_one_clear_line(testing::run_program({"--servo-hz", "nan"}), "10000");
+    expect_one_clear_line(testing::run_program({"--servo-hz", "-5"}), "10000");
+    expect_one_clear_line(testing::run_program({"--servo-hz", "inf"}), "10000");
+    expect_one_clear_line(testing::run_program({"--delay", "-1"}), "delay");
+    expect_one_clear_line(testing::run_program({"--device", "usb"}), "usb");
+    expect_one_clear_line(testing::run_program({"--device-file", "none.toml"}), "none.toml");
+    expect_one_clear_line(testing::run_program({"--tuning-file", "none.toml"}), "none.toml");
+    expect_one_clear_line(testing::run_program({"--path", "none.csv"}), "none.csv");
+    expect_one_clear_line(testing::run_program({"--lockstep"}), "--frames");
+    expect_one_clear_line(testing::run_program({"--frames", "-3"}), "frames");
+    expect_one_clear_line(testing::run_program({"record", "/no/such/folder/t.rec"}), "/no/such");
 }
 
 TEST(Program, HelpAndVersionSucceed) {
-    const Ending help = run_program({"--help"});
+    const testing::Ending help = testing::run_program({"--help"});
     EXPECT_EQ(help.exit_status, 0);
     EXPECT_NE(help.out.find("--scene"), std::string::npos);
     expect_plain_text(help.out);
-    EXPECT_EQ(run_program({"demo", "--help"}).exit_status, 0);
-    EXPECT_EQ(run_program({"--version"}).exit_status, 0);
+    EXPECT_EQ(testing::run_program({"demo", "--help"}).exit_status, 0);
+    EXPECT_EQ(testing::run_program({"--version"}).exit_status, 0);
 }
 
 /// A record as CSV.
 std::string telemetry_of(const std::filesystem::path &record) {
-    const Ending ending = run_program({"export", record, "--csv", "-"});
+    const testing::Ending ending = testing::run_program({"export", record, "--csv", "-"});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     return ending.out;
 }
@@ -129,30 +131,30 @@ protected:
 };
 
 TEST_F(Demo, LockstepRunsRepeatToTheLastBit) {
-    const std::filesystem::path folder = fresh_folder("lockstep");
+    const std::filesystem::path folder = testing::fresh_folder("lockstep");
     for (const char *name : {"first", "second"}) {
-        const Ending ending = run_program({"--lockstep", "--frames", "75", "--screenshot",
-                                           folder / (std::string(name) + ".png"), "--record",
-                                           folder / (std::string(name) + ".rec"), "--width", "640",
-                                           "--height", "400"});
+        const testing::Ending ending = testing::run_program(
+            {"--lockstep", "--frames", "75", "--screenshot", folder / (std::string(name) + ".png"),
+             "--record", folder / (std::string(name) + ".rec"), "--width", "640", "--height",
+             "400"});
         ASSERT_EQ(ending.exit_status, 0) << ending.error;
     }
     const std::string telemetry = telemetry_of(folder / "first.rec");
     // 75 frames of 1/60 s are 1250 ticks, and the header.
     EXPECT_EQ(std::count(telemetry.begin(), telemetry.end(), '\n'), 1251);
     EXPECT_TRUE(telemetry == telemetry_of(folder / "second.rec"));
-    EXPECT_EQ(contents_of(folder / "first.png").substr(1, 3), "PNG");
-    EXPECT_GT(contents_of(folder / "first.png").size(), 20'000U);
+    EXPECT_EQ(testing::contents_of(folder / "first.png").substr(1, 3), "PNG");
+    EXPECT_GT(testing::contents_of(folder / "first.png").size(), 20'000U);
     std::filesystem::remove_all(folder);
 }
 
 TEST_F(Demo, FollowsAPathFromAFile) {
-    const std::filesystem::path folder = fresh_folder("path");
+    const std::filesystem::path folder = testing::fresh_folder("path");
     const std::filesystem::path path =
         written(folder, "path.csv", "t,x,y,z\n0,0,0.08,0\n1.2,0,0.08,0\n1.7,0.03,0.08,0\n");
-    const Ending ending =
-        run_program({"demo", "--lockstep", "--seconds", "2.4", "--without", "all", "--path", path,
-                     "--scene", assets() / "scenes/plate.gltf", "--record", folder / "t.rec"});
+    const testing::Ending ending = testing::run_program(
+        {"demo", "--lockstep", "--seconds", "2.4", "--without", "all", "--path", path, "--scene",
+         testing::assets() / "scenes/plate.gltf", "--record", folder / "t.rec"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     std::istringstream telemetry(telemetry_of(folder / "t.rec"));
     std::string line;
@@ -177,10 +179,10 @@ TEST_F(Demo, FollowsAPathFromAFile) {
 }
 
 TEST_F(Demo, ASignalEndsItProperly) {
-    const std::filesystem::path folder = fresh_folder("signal");
+    const std::filesystem::path folder = testing::fresh_folder("signal");
     for (const int signal : {SIGTERM, SIGINT}) {
         const std::filesystem::path telemetry = folder / (std::to_string(signal) + ".rec");
-        const Ending ending = run_program(
+        const testing::Ending ending = testing::run_program(
             {"--width", "640", "--height", "400", "--record", telemetry}, signal, telemetry);
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         RecordProperty("seconds_after_signal", std::to_string(ending.after_signal.count()));
@@ -188,10 +190,10 @@ TEST_F(Demo, ASignalEndsItProperly) {
 }
 
 TEST_F(Demo, AScreenshotThatCannotBeWrittenIsSaid) {
-    const Ending ending =
-        run_program({"--lockstep", "--frames", "2", "--screenshot", "/no/such/folder/s.png"});
+    const testing::Ending ending = testing::run_program(
+        {"--lockstep", "--frames", "2", "--screenshot", "/no/such/folder/s.png"});
     expect_one_clear_line(ending, "/no/such/folder/s.png");
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

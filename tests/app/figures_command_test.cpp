@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 /// Columns of a CSV file by name; an empty cell is NaN. A cell that is no number counts as one.
@@ -47,12 +47,12 @@ double largest(const std::vector<double> &column) {
     return found;
 }
 
-Ending figures(const std::filesystem::path &out, std::vector<std::string> more = {}) {
+testing::Ending figures(const std::filesystem::path &out, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"figures", "--out", out.string()});
-    return run_program(more);
+    return testing::run_program(more);
 }
 
-void expect_one_line(const Ending &ending, int status, const std::string &names) {
+void expect_one_line(const testing::Ending &ending, int status, const std::string &names) {
     EXPECT_EQ(ending.exit_status, status);
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
@@ -60,13 +60,14 @@ void expect_one_line(const Ending &ending, int status, const std::string &names)
 
 TEST(Figures, ComeOutOfOneCommand) {
     // The folder's name is one that no shell would take as it is.
-    const std::filesystem::path folder = fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
-    const Ending ending = figures(folder);
+    const std::filesystem::path folder =
+        testing::fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
+    const testing::Ending ending = figures(folder);
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
     for (const FigureMaker &figure : kFigures) {
         const std::string name(figure.name);
-        const std::string svg = contents_of(folder / (name + ".svg"));
+        const std::string svg = testing::contents_of(folder / (name + ".svg"));
         EXPECT_NE(svg.find("<svg"), std::string::npos) << name;
         EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
         EXPECT_NE(svg.find("PHANTOM 1.0"), std::string::npos) << name;
@@ -76,7 +77,7 @@ TEST(Figures, ComeOutOfOneCommand) {
 }
 
 TEST(Figures, MeasuredStandsBesidePredicted) {
-    const std::filesystem::path folder = fresh_folder("measured");
+    const std::filesystem::path folder = testing::fresh_folder("measured");
     ASSERT_EQ(figures(folder, {"--q", "0,20,-15"}).exit_status, 0);
 
     auto stiffness = columns_of(folder / "fig2_stiffness.csv");
@@ -113,25 +114,26 @@ TEST(Figures, MeasuredStandsBesidePredicted) {
 }
 
 TEST(Figures, RepeatToTheLastByte) {
-    const std::filesystem::path folder = fresh_folder("repeat");
+    const std::filesystem::path folder = testing::fresh_folder("repeat");
     for (const char *run : {"first", "second"}) {
-        ASSERT_EQ(
-            figures(folder / run, {"--device-file", assets() / "devices/phantom_premium_1_5.toml",
-                                   "--tuning-file", assets() / "tunings/soft.toml"})
-                .exit_status,
-            0);
+        ASSERT_EQ(figures(folder / run,
+                          {"--device-file", testing::assets() / "devices/phantom_premium_1_5.toml",
+                           "--tuning-file", testing::assets() / "tunings/soft.toml"})
+                      .exit_status,
+                  0);
     }
     for (const auto &file : std::filesystem::directory_iterator(folder / "first")) {
-        EXPECT_TRUE(contents_of(file) == contents_of(folder / "second" / file.path().filename()))
+        EXPECT_TRUE(testing::contents_of(file) ==
+                    testing::contents_of(folder / "second" / file.path().filename()))
             << file.path();
     }
     std::filesystem::remove_all(folder);
 }
 
 TEST(Figures, SayWhatIsWrongInOneLine) {
-    const std::filesystem::path folder = fresh_folder("wrong");
+    const std::filesystem::path folder = testing::fresh_folder("wrong");
     std::ofstream(folder / "file") << "in the way";
-    expect_one_line(run_program({"figures"}), 2, "--out");
+    expect_one_line(testing::run_program({"figures"}), 2, "--out");
     expect_one_line(figures(folder / "file" / "below"), 1, "below");
     expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
     expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
@@ -150,12 +152,12 @@ TEST(Figures, SayWhatIsWrongInOneLine) {
 
 TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     // 0.02 Ω is not given to windings that may be cold: the figures are of what is, and say so.
-    const std::filesystem::path folder = fresh_folder("cold");
-    std::string tuning = contents_of(assets() / "tunings/firm.toml");
+    const std::filesystem::path folder = testing::fresh_folder("cold");
+    std::string tuning = testing::contents_of(testing::assets() / "tunings/firm.toml");
     const std::size_t dR = tuning.find("dR_Ohm");
     tuning.replace(dR, tuning.find('\n', dR) - dR, "dR_Ohm = 0.02");
     std::ofstream(folder / "tuning.toml") << tuning;
-    const Ending ending =
+    const testing::Ending ending =
         figures(folder / "out", {"--tuning-file", (folder / "tuning.toml").string()});
     EXPECT_EQ(ending.exit_status, 0);
     EXPECT_NE(ending.error.find("holds dR at 0.137"), std::string::npos) << ending.error;
@@ -167,11 +169,11 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
 }
 
 TEST(Figures, WithoutGnuplotTheNumbersStay) {
-    const std::filesystem::path folder = fresh_folder("no_gnuplot");
+    const std::filesystem::path folder = testing::fresh_folder("no_gnuplot");
     const char *inherited = std::getenv("PATH"); // NOLINT(concurrency-mt-unsafe)
     const std::string path = inherited != nullptr ? inherited : "";
     setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    const Ending ending = figures(folder / "out");
+    const testing::Ending ending = figures(folder / "out");
     setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
     expect_one_line(ending, 1, "gnuplot-nox");
     for (const FigureMaker &figure : kFigures) {
@@ -181,4 +183,4 @@ TEST(Figures, WithoutGnuplotTheNumbersStay) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 using nlohmann::json;
@@ -19,14 +19,14 @@ using nlohmann::json;
 const std::string kScenes = SPRINGDRIVE_ASSET_DIR "/scenes/";
 
 /// Without the model, which takes seconds to be measured.
-Ending inspect(std::vector<std::string> options) {
+testing::Ending inspect(std::vector<std::string> options) {
     options.insert(options.begin(), "inspect");
     options.emplace_back("--no-model");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 json inspected(const std::string &scene) {
-    const Ending ending = inspect({scene, "--json", "-"});
+    const testing::Ending ending = inspect({scene, "--json", "-"});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.error, "");
     return json::parse(ending.out);
@@ -67,12 +67,12 @@ TEST(InspectCommand, SaysHowASceneWasFitted) {
     EXPECT_FALSE(said["in_metres"]);
     EXPECT_GT(said["metres_per_unit"], 0.0);
     EXPECT_LT(said["metres_per_unit"], 1.0);
-    const Ending text = inspect({kScenes + "organic.gltf"});
+    const testing::Ending text = inspect({kScenes + "organic.gltf"});
     EXPECT_NE(text.out.find("fitted to the workspace"), std::string::npos) << text.out;
 }
 
 TEST(InspectCommand, PrintsATableWithMeanings) {
-    const Ending ending = inspect({"sphere:1280"});
+    const testing::Ending ending = inspect({"sphere:1280"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.error, "");
     for (const char *said : {"metres of the device's frame", "100.00 mm", "triangles kept",
@@ -83,10 +83,10 @@ TEST(InspectCommand, PrintsATableWithMeanings) {
 }
 
 TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
-    const std::filesystem::path cache = fresh_folder("inspect_cache");
+    const std::filesystem::path cache = testing::fresh_folder("inspect_cache");
     setenv("XDG_CACHE_HOME", cache.c_str(), 1);
     const std::vector<std::string> options{"inspect", kScenes + "profile.gltf", "--json", "-"};
-    const Ending first = run_program(options);
+    const testing::Ending first = testing::run_program(options);
     ASSERT_EQ(first.exit_status, 0) << first.error;
     EXPECT_EQ(first.error, ""); // progress is for terminals
     const json model = json::parse(first.out)["model"];
@@ -97,23 +97,24 @@ TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
     EXPECT_EQ(model["axes"][2]["name"], "joints");
     EXPECT_EQ(model["axes"][2]["chosen"], "2");
 
-    const Ending again = run_program(options); // times would differ, were it measured again
+    const testing::Ending again =
+        testing::run_program(options); // times would differ, were it measured again
     EXPECT_EQ(json::parse(again.out)["model"], model);
-    const Ending text = run_program({"inspect", kScenes + "profile.gltf"});
+    const testing::Ending text = testing::run_program({"inspect", kScenes + "profile.gltf"});
     for (const char *said : {"model: force to 0.1 N", "<- chosen", "transpose_on_the_fly",
                              "off the fullest", "a tick instead of"}) {
         EXPECT_NE(text.out.find(said), std::string::npos) << said << " in\n" << text.out;
     }
     auto measured_anew = options;
     measured_anew.emplace_back("--fresh");
-    EXPECT_NE(json::parse(run_program(measured_anew).out)["model"], model);
+    EXPECT_NE(json::parse(testing::run_program(measured_anew).out)["model"], model);
     unsetenv("XDG_CACHE_HOME");
 }
 
 TEST(InspectCommand, SaysWhatIsWrongInOneLine) {
     const auto expect_refused = [](const std::vector<std::string> &options,
                                    const std::string &names) {
-        const Ending ending = inspect(options);
+        const testing::Ending ending = inspect(options);
         EXPECT_GT(ending.exit_status, 0) << names;
         EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
         EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
@@ -128,4 +129,4 @@ TEST(InspectCommand, SaysWhatIsWrongInOneLine) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -6,12 +6,12 @@
 #include <sstream>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
 TEST(LoadLines, AFastLoadGoesWithoutAWordAndEndsAtOnce) {
     const auto start = std::chrono::steady_clock::now();
-    const LoadProgress progress;
+    const scene::LoadProgress progress;
     std::ostringstream out;
     { const LoadLines lines("scene.glb", progress, out, std::chrono::hours(1)); }
     EXPECT_EQ(out.str(), "");
@@ -19,8 +19,8 @@ TEST(LoadLines, AFastLoadGoesWithoutAWordAndEndsAtOnce) {
 }
 
 TEST(LoadLines, ASlowOneTellsFileStageAndPercent) {
-    LoadProgress progress;
-    progress.begin(LoadProgress::Stage::gathering, true);
+    scene::LoadProgress progress;
+    progress.begin(scene::LoadProgress::Stage::gathering, true);
     progress.advance_to(0.5);
     std::ostringstream out;
     {
@@ -32,4 +32,4 @@ TEST(LoadLines, ASlowOneTellsFileStageAndPercent) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

@@ -9,11 +9,11 @@
 #include <fstream>
 #include <string>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 void expect_refusal(const std::vector<std::string> &arguments, const std::string &names) {
-    const Ending ending = run_program(arguments);
+    const testing::Ending ending = testing::run_program(arguments);
     EXPECT_NE(ending.exit_status, 0) << names;
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
@@ -22,18 +22,20 @@ void expect_refusal(const std::vector<std::string> &arguments, const std::string
 class Record : public ::testing::Test {
 protected:
     void SetUp() override {
-        folder = fresh_folder(::testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder =
+            testing::fresh_folder(::testing::UnitTest::GetInstance()->current_test_info()->name());
     }
     void TearDown() override { std::filesystem::remove_all(folder); }
 
     /// 2.5 s in lockstep on the plate: 2500 ticks.
     std::string make(const std::string &name, std::vector<std::string> more = {}) {
-        std::vector<std::string> arguments{"record",    (folder / name).string(),
-                                           "--seconds", "2.5",
-                                           "--scene",   (assets() / "scenes/plate.gltf").string(),
-                                           "--lockstep"};
+        std::vector<std::string> arguments{
+            "record",    (folder / name).string(),
+            "--seconds", "2.5",
+            "--scene",   (testing::assets() / "scenes/plate.gltf").string(),
+            "--lockstep"};
         arguments.insert(arguments.end(), more.begin(), more.end());
-        const Ending ending = run_program(arguments);
+        const testing::Ending ending = testing::run_program(arguments);
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         return folder / name;
     }
@@ -42,7 +44,7 @@ protected:
 };
 
 TEST_F(Record, IsReplayedToTheLastBit) {
-    const Ending ending = run_program({"replay", make("touch.rec")});
+    const testing::Ending ending = testing::run_program({"replay", make("touch.rec")});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_NE(ending.out.find("replayed 2500 ticks"), std::string::npos) << ending.out;
     EXPECT_NE(ending.out.find("e_W_V                  equal to the last bit"), std::string::npos)
@@ -52,15 +54,16 @@ TEST_F(Record, IsReplayedToTheLastBit) {
 
 TEST_F(Record, ByTheClockIsReplayedToo) {
     const std::string file = folder / "clock.rec";
-    const Ending recorded =
-        run_program({"record", file, "--seconds", "1.5", "--servo-hz", "4000", "--json", "-"});
+    const testing::Ending recorded = testing::run_program(
+        {"record", file, "--seconds", "1.5", "--servo-hz", "4000", "--json", "-"});
     ASSERT_NE(recorded.out.find("\"jitter\""), std::string::npos) << recorded.error;
-    const Ending ending = run_program({"replay", file});
+    const testing::Ending ending = testing::run_program({"replay", file});
     EXPECT_EQ(ending.exit_status, 0) << ending.out;
 }
 
 TEST_F(Record, AnotherTuningIsAskedAsAQuestion) {
-    const Ending ending = run_program({"replay", make("touch.rec"), "--kp", "12", "--csv", "-"});
+    const testing::Ending ending =
+        testing::run_program({"replay", make("touch.rec"), "--kp", "12", "--csv", "-"});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(std::count(ending.out.begin(), ending.out.end(), '\n'), 2501);
     EXPECT_NE(ending.error.find("e_W_V                  differs in"), std::string::npos)
@@ -69,24 +72,25 @@ TEST_F(Record, AnotherTuningIsAskedAsAQuestion) {
 
 TEST_F(Record, IsExportedInPart) {
     const std::string file = make("touch.rec");
-    const Ending ending = run_program({"export", file, "--csv", "-", "--columns",
-                                       "tick,time_s,e_W*", "--from", "1.0", "--to", "1.009"});
+    const testing::Ending ending =
+        testing::run_program({"export", file, "--csv", "-", "--columns", "tick,time_s,e_W*",
+                              "--from", "1.0", "--to", "1.009"});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out.substr(0, ending.out.find('\n')), "tick,time_s,e_W1_V,e_W2_V,e_W3_V");
     EXPECT_EQ(std::count(ending.out.begin(), ending.out.end(), '\n'), 11);
     EXPECT_NE(ending.error.find("10 rows of 5 columns"), std::string::npos) << ending.error;
-    const Ending list = run_program({"export", file, "--list"});
+    const testing::Ending list = testing::run_program({"export", file, "--list"});
     EXPECT_NE(list.out.find("PHANTOM 1.0"), std::string::npos) << list.out;
     for (const char *format : {"--npy", "--mat"}) {
         const std::string out = folder / (std::string("touch") + format);
-        EXPECT_EQ(run_program({"export", file, format, out}).exit_status, 0) << format;
+        EXPECT_EQ(testing::run_program({"export", file, format, out}).exit_status, 0) << format;
         EXPECT_GT(std::filesystem::file_size(out), 2500U * 8U);
     }
 }
 
 TEST_F(Record, TwoRunsInLockstepHoldTheSameRows) {
     const auto rows = [this](const std::string &name) {
-        return run_program({"export", make(name), "--csv", "-"}).out;
+        return testing::run_program({"export", make(name), "--csv", "-"}).out;
     };
     EXPECT_TRUE(rows("first.rec") == rows("second.rec"));
 }
@@ -113,26 +117,27 @@ TEST_F(Record, MistakesAreSaidInOneLine) {
     expect_refusal({"export", file, "--csv", "/dev/full"}, "/dev/full");
     expect_refusal({"export", file, "--mat", "/dev/null"}, "/dev/null");
     expect_refusal({"export", file, "--mat", "-"}, "--mat");
-    const std::string before = contents_of(file);
+    const std::string before = testing::contents_of(file);
     expect_refusal({"export", file, "--csv", file}, "record itself");
     expect_refusal({"export", file, "--npy", file}, "record itself");
     expect_refusal({"export", file, "--mat", folder / "." / "touch.rec"}, "record itself");
     expect_refusal({"replay", file, "--csv", file}, "record itself");
-    EXPECT_TRUE(contents_of(file) == before);
+    EXPECT_TRUE(testing::contents_of(file) == before);
     expect_refusal({"export", file, "--mat", folder / "no/such.mat"}, "such.mat");
 }
 
 TEST_F(Record, AStoppedServoIsNoSuccess) {
     // A device that bears next to no force.
-    std::string device = contents_of(assets() / "devices/phantom_1_0.toml");
+    std::string device = testing::contents_of(testing::assets() / "devices/phantom_1_0.toml");
     device.replace(device.find("tip_speed_m_per_s = 2.0"), 23, "tip_speed_m_per_s = 0.01");
     std::ofstream(folder / "slow.toml") << device;
-    const Ending ending = run_program({"record", folder / "stopped.rec", "--seconds", "2.5",
-                                       "--lockstep", "--device-file", folder / "slow.toml"});
+    const testing::Ending ending =
+        testing::run_program({"record", folder / "stopped.rec", "--seconds", "2.5", "--lockstep",
+                              "--device-file", folder / "slow.toml"});
     EXPECT_EQ(ending.exit_status, 1);
     EXPECT_NE(ending.error.find("tip speed"), std::string::npos) << ending.error;
-    EXPECT_EQ(run_program({"replay", folder / "stopped.rec"}).exit_status, 0);
+    EXPECT_EQ(testing::run_program({"replay", folder / "stopped.rec"}).exit_status, 0);
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -1,6 +1,6 @@
 // Covers app/commands/stability_command.cpp, stability_options.cpp, stability_report.cpp and
 // stability_map_chart.cpp, from outside.
-#include "engine/analysis/stability/stability_limits.h"
+#include "engine/lab/limits/stability_limits.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 using Json = nlohmann::json;
 
-Ending stability(std::vector<std::string> options) {
+testing::Ending stability(std::vector<std::string> options) {
     options.insert(options.begin(), "stability");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 Json json_of(std::vector<std::string> options) {
@@ -28,7 +28,7 @@ Json json_of(std::vector<std::string> options) {
 }
 
 void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const Ending ending = stability(options);
+    const testing::Ending ending = stability(options);
     EXPECT_TRUE(ending.exit_status == 1 || ending.exit_status == 2)
         << names << ": " << ending.exit_status;
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
@@ -37,18 +37,18 @@ void expect_refused(const std::vector<std::string> &options, const std::string &
     EXPECT_EQ(ending.out, "");
 }
 
-StabilityCase firm() {
-    StabilityCase which;
-    which.device = phantom_1_0();
+loops::StabilityCase firm() {
+    loops::StabilityCase which;
+    which.device = testing::phantom_1_0();
     return which;
 }
 
 TEST(StabilityCommand, ExitsByTheAnswer) {
-    const Ending good = stability({});
+    const testing::Ending good = stability({});
     EXPECT_EQ(good.exit_status, 0) << good.error;
     EXPECT_NE(good.out.find("predicted  stable"), std::string::npos) << good.out;
     EXPECT_NE(good.out.find("simulated  stable"), std::string::npos) << good.out;
-    const Ending bad = stability({"--kp", "60"});
+    const testing::Ending bad = stability({"--kp", "60"});
     EXPECT_EQ(bad.exit_status, 3);
     EXPECT_EQ(bad.error, "");
     EXPECT_NE(bad.out.find("predicted  UNSTABLE"), std::string::npos) << bad.out;
@@ -57,7 +57,7 @@ TEST(StabilityCommand, ExitsByTheAnswer) {
 
 TEST(StabilityCommand, SaysWhyTheTwoMayDiffer) {
     // Just below the predicted line, where counts keep it rattling.
-    const Ending ending = stability({"--kp", "29.5"});
+    const testing::Ending ending = stability({"--kp", "29.5"});
     EXPECT_EQ(ending.exit_status, 3);
     EXPECT_NE(ending.out.find("predicted  stable"), std::string::npos) << ending.out;
     EXPECT_NE(ending.out.find("simulated  UNSTABLE"), std::string::npos) << ending.out;
@@ -65,8 +65,9 @@ TEST(StabilityCommand, SaysWhyTheTwoMayDiffer) {
 }
 
 TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
-    const StabilityParameter &kp = *stability_parameter_named("kp");
-    const std::vector<StabilityLimit> truth = predicted_limits(firm(), kp, {1.0, 100.0});
+    const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");
+    const std::vector<limits::StabilityLimit> truth =
+        limits::predicted_limits(firm(), kp, {1.0, 100.0});
     ASSERT_EQ(truth.size(), 1U);
     const std::vector<std::string> options{"--vary", "kp", "--from", "1", "--to", "100"};
     const Json json = json_of(options);
@@ -87,7 +88,7 @@ TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
     EXPECT_LT(limit["simulated"].get<double>(), limit["simulated_with_friction"].get<double>());
     EXPECT_NEAR(limit["ratio"].get<double>(), limit["simulated"].get<double>() / truth[0].predicted,
                 1e-12);
-    const Ending table = stability(options);
+    const testing::Ending table = stability(options);
     EXPECT_EQ(table.exit_status, 0);
     EXPECT_NE(table.out.find("K_P from 1 to 100 V/rad: one limit"), std::string::npos) << table.out;
     EXPECT_NE(table.out.find("30.01"), std::string::npos) << table.out;
@@ -105,7 +106,7 @@ TEST(StabilityCommand, SaysWhereThereIsNoLimit) {
           Range{{"--vary", "kp", "--from", "60", "--to", "70"}, "unstable", 0},
           Range{{"--vary", "kp", "--from", "1", "--to", "2", "--kp", "60"}, "stable", 3},
           Range{{"--vary", "dR", "--from", "-2", "--to", "-1"}, "unstable", 0}}) {
-        const Ending ending = stability(range.options);
+        const testing::Ending ending = stability(range.options);
         EXPECT_EQ(ending.exit_status, range.exit_status);
         EXPECT_NE(
             ending.out.find("no limit within it, predicted " + range.throughout + " throughout\n"),
@@ -121,43 +122,43 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
     const auto eigenvalue = [](const std::vector<std::string> &options) {
         return json_of(options)["predicted"]["largest_eigenvalue"].get<double>();
     };
-    StabilityCase which = firm();
-    EXPECT_EQ(eigenvalue({}), worst_member(which).eigenvalue);
-    which.freedom = Freedom::three_motors;
-    EXPECT_EQ(eigenvalue({"--motors", "3"}), worst_member(which).eigenvalue);
-    which.tuning.map = MotionMap::inverse;
+    loops::StabilityCase which = firm();
+    EXPECT_EQ(eigenvalue({}), loops::worst_member(which).eigenvalue);
+    which.freedom = loops::Freedom::three_motors;
+    EXPECT_EQ(eigenvalue({"--motors", "3"}), loops::worst_member(which).eigenvalue);
+    which.tuning.map = control::MotionMap::inverse;
     which.q_rad = Vector3(10.0, -5.0, 30.0) * std::numbers::pi / 180.0;
     EXPECT_EQ(eigenvalue({"--motors", "3", "--kinematics", "inverse", "--q", "10,-5,30"}),
-              worst_member(which).eigenvalue);
+              loops::worst_member(which).eigenvalue);
     which = firm();
-    which.hands = {no_hand()};
+    which.hands = {loops::no_hand()};
     which.period_s = 1.0 / 2500.0;
     which.delay_periods = 2;
     EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "2"}),
-              worst_member(which).eigenvalue);
+              loops::worst_member(which).eigenvalue);
     which.delay_periods = 1.25;
     EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "1.25"}),
-              worst_member(which).eigenvalue);
+              loops::worst_member(which).eigenvalue);
     which = firm();
-    which.drive = AmplifierKind::current_drive;
+    which.drive = device::AmplifierKind::current_drive;
     which.wall = {500.0, 1.5};
     EXPECT_EQ(
         eigenvalue({"--drive", "current", "--wall-stiffness", "500", "--wall-damping", "1.5"}),
-        worst_member(which).eigenvalue);
+        loops::worst_member(which).eigenvalue);
     which = firm();
     which.net_resistance_Ohm = -0.05;
-    EXPECT_EQ(eigenvalue({"--dR", "-0.05"}), worst_member(which).eigenvalue);
+    EXPECT_EQ(eigenvalue({"--dR", "-0.05"}), loops::worst_member(which).eigenvalue);
     which = firm();
-    which.rotor = driven_load(which, {1, no_hand()}).damping_Nms_per_rad(0, 0) > 0.0
-                      ? RotorLoad{3e-5, 1e-4, 0.0}
-                      : RotorLoad{};
+    which.rotor = loops::driven_load(which, {1, loops::no_hand()}).damping_Nms_per_rad(0, 0) > 0.0
+                      ? device::RotorLoad{3e-5, 1e-4, 0.0}
+                      : device::RotorLoad{};
     EXPECT_EQ(eigenvalue({"--inertia", "3e-5", "--damping", "1e-4"}),
-              worst_member(which).eigenvalue);
+              loops::worst_member(which).eigenvalue);
 }
 
 /// What the line says for a wall without B is where such a wall ends: motor 3, the weakest.
 TEST(StabilityCommand, TellsColgateAndSchenkelsLine) {
-    const Ending ending = stability(
+    const testing::Ending ending = stability(
         {"--drive", "current", "--wall-damping", "0", "--no-hand", "--vary", "wall-stiffness"});
     const std::string head = "2b/(T(1 + 2d) + 2/ω)";
     const std::size_t line = ending.out.find(head);
@@ -182,7 +183,7 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
 
 /// Its rows have drives, tunings and servos of their own.
 TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
-    for (const StabilityParameter &parameter : stability_parameters()) {
+    for (const loops::StabilityParameter &parameter : loops::stability_parameters()) {
         const std::string name(parameter.name);
         if (!name.starts_with("hand")) {
             const std::string option = name == "d"   ? "--delay"
@@ -202,14 +203,14 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
 }
 
 TEST(StabilityCommand, DrawsAMap) {
-    const std::filesystem::path folder = fresh_folder("stability_map");
-    const Ending ending = stability(
+    const std::filesystem::path folder = testing::fresh_folder("stability_map");
+    const testing::Ending ending = stability(
         {"--map", "kp=1:100,dR=0.1:2", "--steps", "4", "--no-hand", "--out", folder / "map.svg"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    const std::string svg = contents_of(folder / "map.svg");
+    const std::string svg = testing::contents_of(folder / "map.svg");
     EXPECT_NE(svg.find("<svg"), std::string::npos);
     EXPECT_NE(svg.find("</svg>"), std::string::npos);
-    std::istringstream csv(contents_of(folder / "map.csv"));
+    std::istringstream csv(testing::contents_of(folder / "map.csv"));
     std::string line;
     std::getline(csv, line);
     EXPECT_EQ(line, "kp,dR,largest_eigenvalue,stable_simulated,remaining_m_per_s");
@@ -227,11 +228,11 @@ TEST(StabilityCommand, DrawsAMap) {
             row.push_back(std::stod(cell));
         }
         ASSERT_EQ(row.size(), 5U) << line;
-        StabilityCase which = firm();
-        which.hands = {no_hand()};
+        loops::StabilityCase which = firm();
+        which.hands = {loops::no_hand()};
         which.tuning.K_P_V_per_rad = row[0];
         which.net_resistance_Ohm = row[1];
-        EXPECT_NEAR(row[2], worst_member(which).eigenvalue, 1e-6) << line;
+        EXPECT_NEAR(row[2], loops::worst_member(which).eigenvalue, 1e-6) << line;
     }
     EXPECT_EQ(rows, 16);
     EXPECT_EQ(gaps, 4); // after each row of the grid
@@ -293,4 +294,4 @@ TEST(StabilityCommand, RefusesMapsThatCannotBe) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
-Ending stiffness(std::vector<std::string> options) {
+testing::Ending stiffness(std::vector<std::string> options) {
     options.insert(options.begin(), "stiffness");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const Ending ending = stiffness(options);
+    const testing::Ending ending = stiffness(options);
     EXPECT_GT(ending.exit_status, 0) << names;
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
@@ -47,7 +47,7 @@ std::vector<Row> rows_of(const std::string &csv) {
 }
 
 TEST(StiffnessCommand, WritesPureCsvToStandardOutput) {
-    const Ending ending = stiffness({"--csv", "-", "--points", "9", "--freq-from", "2"});
+    const testing::Ending ending = stiffness({"--csv", "-", "--points", "9", "--freq-from", "2"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.error, "");
     EXPECT_EQ(ending.out.substr(0, ending.out.find('\n')),
@@ -65,29 +65,31 @@ TEST(StiffnessCommand, WritesPureCsvToStandardOutput) {
 }
 
 TEST(StiffnessCommand, WritesTheSameToAFile) {
-    const std::filesystem::path folder = fresh_folder("stiffness");
-    const Ending to_file = stiffness({"--points", "3", "--csv", folder / "k.csv"});
+    const std::filesystem::path folder = testing::fresh_folder("stiffness");
+    const testing::Ending to_file = stiffness({"--points", "3", "--csv", folder / "k.csv"});
     EXPECT_EQ(to_file.exit_status, 0) << to_file.error;
     EXPECT_EQ(to_file.out, "");
-    EXPECT_EQ(contents_of(folder / "k.csv"), stiffness({"--points", "3", "--csv", "-"}).out);
+    EXPECT_EQ(testing::contents_of(folder / "k.csv"),
+              stiffness({"--points", "3", "--csv", "-"}).out);
     std::filesystem::remove_all(folder);
 }
 
 TEST(StiffnessCommand, TellsLevelsCornersAndStability) {
-    const Ending ending = stiffness({"--points", "2"});
+    const testing::Ending ending = stiffness({"--points", "2"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     for (const char *said : {"0.2808", "2.301", "334.4 Hz", "159.2 Hz", "1458 Hz", " stable"}) {
         EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
     }
-    const Ending shaky = stiffness({"--points", "2", "--dR", "0.05", "--kp", "20", "--delay", "2"});
+    const testing::Ending shaky =
+        stiffness({"--points", "2", "--dR", "0.05", "--kp", "20", "--delay", "2"});
     EXPECT_NE(shaky.out.find("UNSTABLE"), std::string::npos) << shaky.out;
     EXPECT_NE(shaky.out.find(", delay 2\n"), std::string::npos) << shaky.out;
-    const Ending between = stiffness({"--points", "2", "--delay", "0.25"});
+    const testing::Ending between = stiffness({"--points", "2", "--delay", "0.25"});
     EXPECT_NE(between.out.find(", delay 0.25\n"), std::string::npos) << between.out;
 }
 
 TEST(StiffnessCommand, TakesAnotherMotor) {
-    const Ending ending = stiffness({"--motor", "5,0.001,0.05", "--dR", "1", "--kp", "2"});
+    const testing::Ending ending = stiffness({"--motor", "5,0.001,0.05", "--dR", "1", "--kp", "2"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_NE(ending.out.find("K_DC = k_T K_P/dR (13)  0.1 "), std::string::npos) << ending.out;
     EXPECT_NE(ending.out.find("K_HF = k_T²/L     (14)  2.5 "), std::string::npos) << ending.out;
@@ -126,10 +128,10 @@ TEST(StiffnessCommand, SaysWhatIsWrongInOneLine) {
 }
 
 TEST(StiffnessCommand, HoldsAContact) {
-    const Ending table = stiffness({"--hold", "1", "--seconds", "60"});
+    const testing::Ending table = stiffness({"--hold", "1", "--seconds", "60"});
     EXPECT_EQ(table.exit_status, 0) << table.error;
     EXPECT_NE(table.out, "");
-    const Ending csv = stiffness({"--hold", "1", "--seconds", "60", "--csv", "-"});
+    const testing::Ending csv = stiffness({"--hold", "1", "--seconds", "60", "--csv", "-"});
     EXPECT_EQ(csv.exit_status, 0) << csv.error;
     EXPECT_EQ(csv.out.substr(0, 6), "time_s") << csv.out;
     expect_refused({"--seconds", "60"}, "--hold");
@@ -140,4 +142,4 @@ TEST(StiffnessCommand, HoldsAContact) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

@@ -10,28 +10,28 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
 using nlohmann::json;
 
 const std::string kSphere = "sphere:1280";
 
-Ending touch(std::vector<std::string> options) {
+testing::Ending touch(std::vector<std::string> options) {
     options.insert(options.begin(), "touch");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 json figures(std::vector<std::string> options) {
     options.insert(options.end(), {"--json", "-"});
-    const Ending ending = touch(options);
+    const testing::Ending ending = touch(options);
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.error, "");
     return json::parse(ending.out);
 }
 
 void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const Ending ending = touch(options);
+    const testing::Ending ending = touch(options);
     EXPECT_GT(ending.exit_status, 0) << names;
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
@@ -66,7 +66,7 @@ TEST(TouchCommand, TellsFiguresOfEveryPath) {
 }
 
 TEST(TouchCommand, WritesEveryStepAsCsv) {
-    const Ending ending = touch({kSphere, "--steps", "300", "--csv", "-"});
+    const testing::Ending ending = touch({kSphere, "--steps", "300", "--csv", "-"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     std::istringstream lines(ending.out);
     std::string line;
@@ -92,7 +92,7 @@ TEST(TouchCommand, WritesEveryStepAsCsv) {
 }
 
 TEST(TouchCommand, PrintsATable) {
-    const Ending ending = touch({kSphere, "--steps", "500", "--seed", "7"});
+    const testing::Ending ending = touch({kSphere, "--steps", "500", "--seed", "7"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     for (const char *said : {"1280 of 1280", "slide", "seed 7", "in contact", "pop-throughs",
                              "stuck", "largest lag", "direction off sphere"}) {
@@ -101,7 +101,7 @@ TEST(TouchCommand, PrintsATable) {
 }
 
 TEST(TouchCommand, FollowsAPathFromAFile) {
-    const std::filesystem::path folder = fresh_folder("touch_path");
+    const std::filesystem::path folder = testing::fresh_folder("touch_path");
     std::ofstream(folder / "hand.csv") << "0,0,0.06,0\n0.1,0,0.048,0\n0.2,0,0.06,0\n";
     const json said = figures({kSphere, "--path", folder / "hand.csv"});
     EXPECT_EQ(said["steps"], 201); // both ends of 0.2 s at 1 kHz
@@ -131,13 +131,13 @@ TEST(TouchCommand, RepeatsARunToTheLastBit) {
 }
 
 TEST(TouchCommand, WritesToFiles) {
-    const std::filesystem::path folder = fresh_folder("touch_files");
-    const Ending ending = touch({kSphere, "--steps", "100", "--csv", folder / "steps.csv", "--json",
-                                 folder / "figures.json", "--strict"});
+    const std::filesystem::path folder = testing::fresh_folder("touch_files");
+    const testing::Ending ending = touch({kSphere, "--steps", "100", "--csv", folder / "steps.csv",
+                                          "--json", folder / "figures.json", "--strict"});
     EXPECT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
-    EXPECT_EQ(contents_of(folder / "steps.csv").substr(0, 7), "t,x,y,z");
-    EXPECT_EQ(json::parse(contents_of(folder / "figures.json"))["steps"], 100);
+    EXPECT_EQ(testing::contents_of(folder / "steps.csv").substr(0, 7), "t,x,y,z");
+    EXPECT_EQ(json::parse(testing::contents_of(folder / "figures.json"))["steps"], 100);
     std::filesystem::remove_all(folder);
 }
 
@@ -176,4 +176,4 @@ TEST(TouchCommand, SaysWhatIsWrongInOneLine) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

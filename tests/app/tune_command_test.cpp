@@ -1,8 +1,8 @@
 // Covers app/commands/tune_command.cpp, from outside, and how it looks whether it could write.
 #include "app/commands/common_options.h"
-#include "engine/analysis/stability/stability_simulation.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/limits/stability_simulation.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
@@ -15,16 +15,16 @@
 #include <string>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::app {
 namespace {
 
-Ending tune(std::vector<std::string> options) {
+testing::Ending tune(std::vector<std::string> options) {
     options.insert(options.begin(), "tune");
-    return run_program(options);
+    return testing::run_program(options);
 }
 
 void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const Ending ending = tune(options);
+    const testing::Ending ending = tune(options);
     EXPECT_GT(ending.exit_status, 0) << names;
     EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
     EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
@@ -34,34 +34,37 @@ void expect_refused(const std::vector<std::string> &options, const std::string &
 
 /// Both ways to get it, and that every command can use it. The whole search: seconds.
 TEST(TuneCommand, WritesATuningThatIsStable) {
-    const std::filesystem::path folder = fresh_folder("tune");
+    const std::filesystem::path folder = testing::fresh_folder("tune");
     const std::filesystem::path file = folder / "found.toml";
-    const Ending told =
+    const testing::Ending told =
         tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5", "--out", file});
     ASSERT_EQ(told.exit_status, 0) << told.error;
     EXPECT_EQ(told.out.substr(0, 4), "K_P ") << told.out;
     EXPECT_NE(told.out.find("margins: "), std::string::npos) << told.out;
 
-    const TuningFile found = read_whole_tuning_file(file);
-    EXPECT_EQ(what_is_wrong_with(found.tuning), "");
+    const control::TuningFile found = control::read_whole_tuning_file(file);
+    EXPECT_EQ(control::what_is_wrong_with(found.tuning), "");
     EXPECT_EQ(found.tuning.dR_Ohm, 0.8);
     ASSERT_TRUE(found.margins);
     EXPECT_NEAR(found.margins->servo_hz, 500.0, 1e-9);
     EXPECT_GE(found.margins->gain, 1.5 * (1.0 - 1e-3));
-    StabilityCase which;
-    which.device = phantom_1_0();
+    loops::StabilityCase which;
+    which.device = testing::phantom_1_0();
     which.tuning = found.tuning;
     which.period_s = 1.0 / 500.0;
-    for (const Freedom freedom : {Freedom::one_motor, Freedom::three_motors}) {
+    for (const loops::Freedom freedom : {loops::Freedom::one_motor, loops::Freedom::three_motors}) {
         which.freedom = freedom;
-        EXPECT_TRUE(is_stable(which));
+        EXPECT_TRUE(loops::is_stable(which));
     }
 
-    const Ending stable = run_program({"stability", "--tuning-file", file, "--servo-hz", "500"});
+    const testing::Ending stable =
+        testing::run_program({"stability", "--tuning-file", file, "--servo-hz", "500"});
     EXPECT_EQ(stable.exit_status, 0) << stable.out << stable.error;
 
-    const Ending to_standard_output = tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5"});
-    EXPECT_EQ(to_standard_output.out, contents_of(file)) << "what people want to know is apart";
+    const testing::Ending to_standard_output =
+        tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5"});
+    EXPECT_EQ(to_standard_output.out, testing::contents_of(file))
+        << "what people want to know is apart";
     EXPECT_EQ(to_standard_output.error.substr(0, 4), "K_P ") << to_standard_output.error;
     std::filesystem::remove_all(folder);
 }
@@ -83,7 +86,7 @@ TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
 
 /// Before the search, which would show its progress and what it found.
 TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
-    const std::filesystem::path folder = fresh_folder("tune_targets");
+    const std::filesystem::path folder = testing::fresh_folder("tune_targets");
     expect_refused({"--out", folder}, "is a folder");
     expect_refused({"--out", folder / ""}, "is a folder");
     expect_refused({"--out", folder / std::string(300, 'x')}, "cannot be written");
@@ -95,7 +98,7 @@ TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
 
 /// What is there stays until a tuning is found, and nothing else appears.
 TEST(TuneCommand, LeavesFilesAsTheyAreWhenItLooksWhetherItCouldWrite) {
-    const std::filesystem::path folder = fresh_folder("tune_existing");
+    const std::filesystem::path folder = testing::fresh_folder("tune_existing");
     const std::filesystem::path file = folder / "mine.toml";
     std::ofstream(file) << "mine";
     const auto written = std::filesystem::last_write_time(file);
@@ -105,11 +108,11 @@ TEST(TuneCommand, LeavesFilesAsTheyAreWhenItLooksWhetherItCouldWrite) {
     EXPECT_NO_THROW(check_writable("new.toml"));
     EXPECT_NO_THROW(check_writable("-"));
     EXPECT_NO_THROW(check_writable(""));
-    EXPECT_EQ(contents_of(file), "mine");
+    EXPECT_EQ(testing::contents_of(file), "mine");
     EXPECT_EQ(std::filesystem::last_write_time(file), written);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
     std::filesystem::remove_all(folder);
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::app

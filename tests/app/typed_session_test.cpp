@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
 /// Models are remembered in a folder of its own.
@@ -49,4 +49,4 @@ TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

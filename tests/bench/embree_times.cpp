@@ -2,7 +2,7 @@
 
 #ifdef SPRINGDRIVE_HAS_EMBREE
 
-#include "engine/contact/nearest.h"
+#include "engine/contact/mesh/nearest.h"
 #include "tests/bench/stopwatch.h"
 
 #include <Eigen/Geometry>
@@ -24,7 +24,7 @@ constexpr float kCastLength_m = 2e-3F;
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
 using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
 
-Scene build_scene(RTCDevice device, const TriangleSoup &soup) {
+Scene build_scene(RTCDevice device, const contact::TriangleSoup &soup) {
     Scene scene(rtcNewScene(device), &rtcReleaseScene);
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
@@ -66,8 +66,8 @@ RTCRayHit ray(const Vector3 &from_m, const Vector3 &direction) {
 }
 
 /// Where a line meets a triangle's plane, in double precision [m from `from_m`].
-double plane_distance_m(const TriangleSoup &soup, std::size_t triangle, const Vector3 &from_m,
-                        const Vector3 &direction) {
+double plane_distance_m(const contact::TriangleSoup &soup, std::size_t triangle,
+                        const Vector3 &from_m, const Vector3 &direction) {
     const auto &[a, b, c] = soup.triangles[triangle];
     const Vector3 &corner_m = soup.vertices_m[a];
     const Vector3 normal =
@@ -75,8 +75,8 @@ double plane_distance_m(const TriangleSoup &soup, std::size_t triangle, const Ve
     return normal.dot(corner_m - from_m) / normal.dot(direction);
 }
 
-void time_casts(RTCScene scene, const TriangleSoup &soup, const std::vector<Vector3> &tips_m,
-                EmbreeTimes &times) {
+void time_casts(RTCScene scene, const contact::TriangleSoup &soup,
+                const std::vector<Vector3> &tips_m, EmbreeTimes &times) {
     std::vector<double> times_ns;
     times_ns.reserve(kRepeats * tips_m.size());
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
@@ -100,7 +100,7 @@ void time_casts(RTCScene scene, const TriangleSoup &soup, const std::vector<Vect
 }
 
 struct Nearest {
-    const TriangleSoup *soup;
+    const contact::TriangleSoup *soup;
     Vector3 tip_m;
     double distance_m = INFINITY;
 };
@@ -110,8 +110,8 @@ bool consider_triangle(RTCPointQueryFunctionArguments *asked) {
     auto &nearest = *static_cast<Nearest *>(asked->userPtr);
     const auto &[a, b, c] = nearest.soup->triangles[asked->primID];
     const auto &vertices_m = nearest.soup->vertices_m;
-    const TrianglePoint found =
-        nearest_on_triangle({vertices_m[a], vertices_m[b], vertices_m[c]}, nearest.tip_m);
+    const contact::TrianglePoint found =
+        contact::nearest_on_triangle({vertices_m[a], vertices_m[b], vertices_m[c]}, nearest.tip_m);
     const double distance_m = (found.point_m - nearest.tip_m).norm();
     if (distance_m >= nearest.distance_m) {
         return false;
@@ -121,7 +121,7 @@ bool consider_triangle(RTCPointQueryFunctionArguments *asked) {
     return true;
 }
 
-double closest(RTCScene scene, const TriangleSoup &soup, const Vector3 &tip_m) {
+double closest(RTCScene scene, const contact::TriangleSoup &soup, const Vector3 &tip_m) {
     Nearest nearest{&soup, tip_m};
     RTCPointQueryContext context{};
     rtcInitPointQueryContext(&context);
@@ -131,8 +131,8 @@ double closest(RTCScene scene, const TriangleSoup &soup, const Vector3 &tip_m) {
     return nearest.distance_m;
 }
 
-Answers time_closest(RTCScene scene, const TriangleSoup &soup, const std::vector<Vector3> &tips_m,
-                     std::size_t queries) {
+Answers time_closest(RTCScene scene, const contact::TriangleSoup &soup,
+                     const std::vector<Vector3> &tips_m, std::size_t queries) {
     Answers answers;
     answers.distances_m.resize(std::min(queries, tips_m.size()));
     std::vector<double> times_ns;
@@ -148,7 +148,8 @@ Answers time_closest(RTCScene scene, const TriangleSoup &soup, const std::vector
 
 } // namespace
 
-std::optional<EmbreeTimes> time_embree(const TriangleSoup &soup, const std::vector<Vector3> &tips_m,
+std::optional<EmbreeTimes> time_embree(const contact::TriangleSoup &soup,
+                                       const std::vector<Vector3> &tips_m,
                                        std::size_t closest_queries) {
     const Device device(rtcNewDevice("threads=1"), &rtcReleaseDevice);
     const Scene scene = build_scene(device.get(), soup);
@@ -164,7 +165,7 @@ std::optional<EmbreeTimes> time_embree(const TriangleSoup &soup, const std::vect
 
 namespace springdrive::bench {
 
-std::optional<EmbreeTimes> time_embree(const TriangleSoup & /*soup*/,
+std::optional<EmbreeTimes> time_embree(const contact::TriangleSoup & /*soup*/,
                                        const std::vector<Vector3> & /*tips_m*/,
                                        std::size_t /*closest_queries*/) {
     return std::nullopt;

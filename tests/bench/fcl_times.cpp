@@ -21,7 +21,7 @@ constexpr double kBallRadius_m = 1e-4;
 
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
-std::shared_ptr<Model> build_model(const TriangleSoup &soup) {
+std::shared_ptr<Model> build_model(const contact::TriangleSoup &soup) {
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(soup.triangles.size());
     for (const auto &[a, b, c] : soup.triangles) {
@@ -36,8 +36,8 @@ std::shared_ptr<Model> build_model(const TriangleSoup &soup) {
 
 } // namespace
 
-std::optional<Answers> time_fcl(const TriangleSoup &soup, const std::vector<Vector3> &tips_m,
-                                std::size_t queries) {
+std::optional<Answers> time_fcl(const contact::TriangleSoup &soup,
+                                const std::vector<Vector3> &tips_m, std::size_t queries) {
     const fcl::CollisionObjectd surface(build_model(soup));
     fcl::CollisionObjectd ball(std::make_shared<fcl::Sphered>(kBallRadius_m));
     const fcl::DistanceRequestd request;
@@ -65,7 +65,7 @@ std::optional<Answers> time_fcl(const TriangleSoup &soup, const std::vector<Vect
 
 namespace springdrive::bench {
 
-std::optional<Answers> time_fcl(const TriangleSoup & /*soup*/,
+std::optional<Answers> time_fcl(const contact::TriangleSoup & /*soup*/,
                                 const std::vector<Vector3> & /*tips_m*/, std::size_t /*queries*/) {
     return std::nullopt;
 }

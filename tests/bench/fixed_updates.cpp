@@ -1,10 +1,10 @@
 // A fixed number of the proxy's updates over one fixed input, for tests/bench/count_instructions:
 //   fixed_updates INPUT UPDATES
 // Ends with an error if a contact is not of the kind that the input is for.
-#include "engine/contact/proxy.h"
-#include "engine/scenario/test_surfaces.h"
+#include "engine/contact/proxy/proxy.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/bench/touch_path.h"
-#include "tests/engine/contact/soups.h"
+#include "tests/engine/contact/mesh/soups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ using namespace springdrive::bench;
 constexpr int kUpdates = 1000;
 
 struct FixedInput {
-    TriangleSoup soup;
+    contact::TriangleSoup soup;
     Vector3 start_m{Vector3::Zero()};
     std::vector<Vector3> tips_m;
     std::vector<Vector3> resets_m; ///< where the proxy is put before each update, if it is
@@ -35,7 +35,7 @@ struct FixedInput {
     int most_constraints = 0;
 };
 
-TriangleSoup sphere() { return *test_surface_named("sphere:20480"); }
+contact::TriangleSoup sphere() { return *rig::test_surface_named("sphere:20480"); }
 
 FixedInput sliding() {
     FixedInput input{sphere(), {}, pressed_tips_m(Relief::smooth, lissajous_directions(kUpdates)),
@@ -73,17 +73,17 @@ FixedInput leaping() {
 FixedInput gathering() {
     FixedInput input = leaping();
     for (const Vector3 &tip_m : input.tips_m) {
-        input.resets_m.emplace_back((kTestSphereRadius_m + 5e-4) * tip_m.normalized());
+        input.resets_m.emplace_back((rig::kTestSphereRadius_m + 5e-4) * tip_m.normalized());
     }
     return input;
 }
 
 /// Walls of 60 mm in the planes x = 0, y = 0 and z = 0, which meet at the origin.
-TriangleSoup walls(int count) {
+contact::TriangleSoup walls(int count) {
     constexpr double kHalf_m = 0.03;
-    TriangleSoup soup;
+    contact::TriangleSoup soup;
     for (int wall = 0; wall < count; ++wall) {
-        TriangleSoup sheet = testing::sheet(10, kHalf_m);
+        contact::TriangleSoup sheet = testing::sheet(10, kHalf_m);
         for (Vector3 &vertex : sheet.vertices_m) {
             vertex += Vector3(kHalf_m, 0.0, kHalf_m);
             std::rotate(vertex.data(), vertex.data() + wall, vertex.data() + 3);
@@ -131,14 +131,14 @@ FixedInput input_named(std::string_view name) {
 }
 
 /// Counted by its name; what it does besides the updates is a few instructions each.
-[[gnu::noinline]] int run_updates(Proxy &proxy, const HapticSurface &surface,
+[[gnu::noinline]] int run_updates(contact::Proxy &proxy, const contact::HapticSurface &surface,
                                   const FixedInput &input, std::size_t updates) {
     int as_meant = 0;
     for (std::size_t i = 0; i < updates; ++i) {
         if (!input.resets_m.empty()) {
             proxy.reset(input.resets_m[i]);
         }
-        const Contact contact = proxy.update(surface, input.tips_m[i]);
+        const contact::Contact contact = proxy.update(surface, input.tips_m[i]);
         as_meant += contact.active_constraints >= input.least_constraints &&
                     contact.active_constraints <= input.most_constraints;
     }
@@ -157,8 +157,8 @@ int main(int argc, char **argv) {
         if (updates > input.tips_m.size()) {
             throw std::invalid_argument("1000 updates at most");
         }
-        const HapticSurface surface(input.soup);
-        Proxy proxy;
+        const contact::HapticSurface surface(input.soup);
+        contact::Proxy proxy;
         proxy.reset(input.start_m);
         if (run_updates(proxy, surface, input, updates) != static_cast<int>(updates)) {
             throw std::runtime_error("a contact is not of the kind meant");

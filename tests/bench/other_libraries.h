@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/contact/triangle_soup.h"
+#include "engine/contact/mesh/triangle_soup.h"
 
 #include <cstddef>
 #include <optional>
@@ -28,13 +28,14 @@ struct EmbreeTimes {
 
 /// Embree 3, robust, one thread; the first `closest_queries` tips only for the closest point.
 /// Nothing where it is not built in.
-[[nodiscard]] std::optional<EmbreeTimes> time_embree(const TriangleSoup &soup,
+[[nodiscard]] std::optional<EmbreeTimes> time_embree(const contact::TriangleSoup &soup,
                                                      const std::vector<Vector3> &tips_m,
                                                      std::size_t closest_queries);
 
 /// `fcl::distance` of a ball of 0.1 mm about the first `queries` tips to a BVHModel<OBBRSSd>, the
 /// ball's radius added again. Nothing where it is not built in.
-[[nodiscard]] std::optional<Answers>
-time_fcl(const TriangleSoup &soup, const std::vector<Vector3> &tips_m, std::size_t queries);
+[[nodiscard]] std::optional<Answers> time_fcl(const contact::TriangleSoup &soup,
+                                              const std::vector<Vector3> &tips_m,
+                                              std::size_t queries);
 
 } // namespace springdrive::bench

@@ -1,10 +1,11 @@
 // What the proxy costs beside Embree and FCL, as one Markdown table on standard output: a row for
-// each surface of engine/scenario/test_surfaces.h. docs/proxy.md tells what the columns are.
+// each surface of engine/lab/rig/scenario/test_surfaces.h. docs/proxy.md tells what the columns
+// are.
 //
 // Embree and FCL are optional (libembree-dev, libfcl-dev); without them their columns say so.
-#include "engine/contact/haptic_surface.h"
-#include "engine/contact/nearest.h"
-#include "engine/scenario/test_surfaces.h"
+#include "engine/contact/mesh/nearest.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/bench/other_libraries.h"
 #include "tests/bench/proxy_times.h"
 #include "tests/bench/stopwatch.h"
@@ -70,10 +71,10 @@ std::string mean_and_p99(const std::vector<double> &times_ns) {
 }
 
 /// By trying every triangle.
-double surface_distance_m(const TriangleSoup &soup, const Vector3 &tip_m) {
+double surface_distance_m(const contact::TriangleSoup &soup, const Vector3 &tip_m) {
     double least_m = INFINITY;
     for (const auto &[a, b, c] : soup.triangles) {
-        const TrianglePoint nearest = nearest_on_triangle(
+        const contact::TrianglePoint nearest = contact::nearest_on_triangle(
             {soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]}, tip_m);
         least_m = std::min(least_m, (nearest.point_m - tip_m).norm());
     }
@@ -81,7 +82,7 @@ double surface_distance_m(const TriangleSoup &soup, const Vector3 &tip_m) {
 }
 
 /// The columns of the proxy.
-void print_proxy(const HapticSurface &surface, Relief relief, const Counts &counts) {
+void print_proxy(const contact::HapticSurface &surface, Relief relief, const Counts &counts) {
     const std::vector<Vector3> directions = lissajous_directions(counts.updates);
     const std::vector<Vector3> pressed_m = pressed_tips_m(relief, directions);
     const ProxyTimes pressed = time_proxy(surface, pressed_m);
@@ -97,7 +98,8 @@ void print_proxy(const HapticSurface &surface, Relief relief, const Counts &coun
 }
 
 /// The columns of the other libraries.
-void print_others(const TriangleSoup &soup, Relief relief, const Counts &counts, Errors &errors) {
+void print_others(const contact::TriangleSoup &soup, Relief relief, const Counts &counts,
+                  Errors &errors) {
     const std::vector<Vector3> tips_m =
         pressed_tips_m(relief, lissajous_directions(counts.updates));
     const auto embree = time_embree(soup, tips_m, counts.closest);
@@ -127,9 +129,10 @@ void print_others(const TriangleSoup &soup, Relief relief, const Counts &counts,
 
 void print_row(Relief relief, std::size_t triangles, const Counts &counts, Errors &errors) {
     const std::string shape = relief == Relief::smooth ? "sphere" : "bumpy";
-    const TriangleSoup soup = *test_surface_named(shape + ":" + std::to_string(triangles));
-    HapticSurface surface;
-    const double preparation_ns = time_ns([&] { surface = HapticSurface(soup); });
+    const contact::TriangleSoup soup =
+        *rig::test_surface_named(shape + ":" + std::to_string(triangles));
+    contact::HapticSurface surface;
+    const double preparation_ns = time_ns([&] { surface = contact::HapticSurface(soup); });
     std::printf("| %s | %zu | %.3f | %.1f |", shape.c_str(), triangles, 1e-9 * preparation_ns,
                 1e-6 * static_cast<double>(surface.bytes()));
     print_proxy(surface, relief, counts);

@@ -1,6 +1,6 @@
 #include "tests/bench/proxy_times.h"
 
-#include "engine/contact/proxy.h"
+#include "engine/contact/proxy/proxy.h"
 #include "tests/bench/stopwatch.h"
 
 #include <benchmark/benchmark.h>
@@ -16,8 +16,8 @@ constexpr std::size_t kSweptBytes = 96'000'000;
 constexpr std::size_t kCacheLineBytes = 64;
 
 /// A proxy that came to the first tip from outside.
-Proxy proxy_at(const HapticSurface &surface, const Vector3 &tip_m) {
-    Proxy proxy;
+contact::Proxy proxy_at(const contact::HapticSurface &surface, const Vector3 &tip_m) {
+    contact::Proxy proxy;
     proxy.reset(1.5 * tip_m);
     benchmark::DoNotOptimize(proxy.update(surface, tip_m));
     return proxy;
@@ -39,14 +39,14 @@ private:
 
 } // namespace
 
-ProxyTimes time_proxy(const HapticSurface &surface, const std::vector<Vector3> &tips_m) {
+ProxyTimes time_proxy(const contact::HapticSurface &surface, const std::vector<Vector3> &tips_m) {
     ProxyTimes times;
     times.raw_ns.reserve(kRepeats * tips_m.size());
     std::size_t touching = 0;
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
-        Proxy proxy = proxy_at(surface, tips_m.front());
+        contact::Proxy proxy = proxy_at(surface, tips_m.front());
         for (const Vector3 &tip_m : tips_m) {
-            Contact contact;
+            contact::Contact contact;
             times.raw_ns.push_back(time_ns([&] {
                 contact = proxy.update(surface, tip_m);
                 benchmark::DoNotOptimize(contact);
@@ -59,10 +59,10 @@ ProxyTimes time_proxy(const HapticSurface &surface, const std::vector<Vector3> &
     return times;
 }
 
-std::vector<double> time_proxy_cold(const HapticSurface &surface,
+std::vector<double> time_proxy_cold(const contact::HapticSurface &surface,
                                     const std::vector<Vector3> &tips_m) {
     Sweep sweep;
-    Proxy proxy = proxy_at(surface, tips_m.front());
+    contact::Proxy proxy = proxy_at(surface, tips_m.front());
     std::vector<double> times_ns;
     times_ns.reserve(tips_m.size());
     for (const Vector3 &tip_m : tips_m) {

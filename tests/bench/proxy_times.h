@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/contact/haptic_surface.h"
+#include "engine/contact/proxy/haptic_surface.h"
 
 #include <vector>
 
@@ -16,12 +16,12 @@ struct ProxyTimes {
 
 /// Goes along the path `kRepeats` times, each time with a new proxy that does exactly the same. The
 /// step to the first tip is not timed.
-[[nodiscard]] ProxyTimes time_proxy(const HapticSurface &surface,
+[[nodiscard]] ProxyTimes time_proxy(const contact::HapticSurface &surface,
                                     const std::vector<Vector3> &tips_m);
 
 /// The same once, with 96 MB of other memory swept before each update, so that no cache holds
 /// anything of the surface [ns].
-[[nodiscard]] std::vector<double> time_proxy_cold(const HapticSurface &surface,
+[[nodiscard]] std::vector<double> time_proxy_cold(const contact::HapticSurface &surface,
                                                   const std::vector<Vector3> &tips_m);
 
 } // namespace springdrive::bench

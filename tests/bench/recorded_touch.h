@@ -4,7 +4,7 @@
 
 #include "device/simulated/hand_path.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/contact/haptic_surface.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/servo/servo_loop.h"
 
 #include <cstddef>
@@ -15,14 +15,14 @@ namespace springdrive::bench {
 
 /// A servo in lockstep on a device that a hand leads along a path.
 struct ServoRig {
-    ServoRig(const DeviceDescription &description, const HandPath &path,
-             const HapticSurface &surface);
+    ServoRig(const device::DeviceDescription &description, const simulated::HandPath &path,
+             const contact::HapticSurface &surface);
 
-    ServoSample tick() { return loop.tick(sealed_inputs); }
+    servo::ServoSample tick() { return loop.tick(sealed_inputs); }
 
-    SimulatedPhantom device;
-    ServoLoop loop;
-    ServoInputs sealed_inputs;
+    simulated::SimulatedPhantom device;
+    servo::ServoLoop loop;
+    servo::ServoInputs sealed_inputs;
 };
 
 struct RecordedTouch {
@@ -30,12 +30,12 @@ struct RecordedTouch {
     static constexpr std::size_t kBefore = 2500;
     static constexpr std::size_t kTicks = 8000; ///< with those before
 
-    DeviceDescription description;
-    HapticSurface surface;
-    HandPath path;
+    device::DeviceDescription description;
+    contact::HapticSurface surface;
+    simulated::HandPath path;
     // One for each tick.
-    std::vector<Measurement> states;
-    std::vector<ServoSample> samples;
+    std::vector<device::Measurement> states;
+    std::vector<servo::ServoSample> samples;
 
     [[nodiscard]] ServoRig rig() const { return {description, path, surface}; }
 };

@@ -48,22 +48,23 @@ void update_with(benchmark::State &state, const RecordedTouch &touch, const Inpu
 }
 
 void tick(benchmark::State &state, const RecordedTouch &touch) {
-    update_with(state, touch, [](const ServoRig &rig, std::size_t /*tick*/) -> const ServoInputs & {
-        return rig.sealed_inputs;
-    });
+    update_with(state, touch,
+                [](const ServoRig &rig, std::size_t /*tick*/) -> const servo::ServoInputs & {
+                    return rig.sealed_inputs;
+                });
 }
 
 /// A slider that never rests: each tick the law is asked twice, before the change and after it.
 void tick_while_tuning(benchmark::State &state, const RecordedTouch &touch) {
-    std::array<ServoInputs, 2> inputs;
+    std::array<servo::ServoInputs, 2> inputs;
     inputs[0].surface = &touch.surface;
     inputs[1] = inputs[0];
     inputs[1].tuning.K_P_V_per_rad = 5.9;
-    for (ServoInputs &sheet : inputs) {
-        sheet = sealed(sheet);
+    for (servo::ServoInputs &sheet : inputs) {
+        sheet = servo::sealed(sheet);
     }
     update_with(state, touch,
-                [&](const ServoRig & /*rig*/, std::size_t tick) -> const ServoInputs & {
+                [&](const ServoRig & /*rig*/, std::size_t tick) -> const servo::ServoInputs & {
                     return inputs[tick / 20 % inputs.size()];
                 });
 }

@@ -21,13 +21,15 @@ constexpr std::size_t kEnd = RecordedTouch::kBefore + 1000;
 
 void nothing() {}
 
-Configuration configuration_of(const HapticLaw &law, const ServoSample &sample) {
+control::Configuration configuration_of(const control::HapticLaw &law,
+                                        const servo::ServoSample &sample) {
     return law.configuration(sample.theta_rad, sample.theta_rate_rad_per_s);
 }
 
-std::vector<Configuration> configurations(const HapticLaw &law, const RecordedTouch &touch) {
-    std::vector<Configuration> all;
-    for (const ServoSample &sample : touch.samples) {
+std::vector<control::Configuration> configurations(const control::HapticLaw &law,
+                                                   const RecordedTouch &touch) {
+    std::vector<control::Configuration> all;
+    for (const servo::ServoSample &sample : touch.samples) {
         all.push_back(configuration_of(law, sample));
     }
     return all;
@@ -47,27 +49,27 @@ void step_device(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 void step_inputs(benchmark::State &state, const RecordedTouch &touch) {
-    ServoInputs inputs;
+    servo::ServoInputs inputs;
     inputs.surface = &touch.surface;
-    inputs = sealed(inputs);
-    over_ticks(state, kEnd, nothing, [&](std::size_t /*tick*/) { return is_whole(inputs); });
+    inputs = servo::sealed(inputs);
+    over_ticks(state, kEnd, nothing, [&](std::size_t /*tick*/) { return servo::is_whole(inputs); });
 }
 
 void step_configuration(benchmark::State &state, const RecordedTouch &touch) {
-    const HapticLaw law(touch.description);
-    VelocityFilter filter;
+    const control::HapticLaw law(touch.description);
+    control::VelocityFilter filter;
     over_ticks(
         state, kEnd, [&] { filter.reset(touch.samples[RecordedTouch::kBefore - 1].theta_rad); },
         [&](std::size_t tick) {
             const Vector3 theta_rad = law.theta_rad(touch.states[tick].counts);
-            const double pole =
-                velocity_filter_pole(touch.samples[tick].tuning.lambda_rad_per_s, kServoPeriod_s);
+            const double pole = control::velocity_filter_pole(
+                touch.samples[tick].tuning.lambda_rad_per_s, kServoPeriod_s);
             return law.configuration(theta_rad, filter.update(theta_rad, pole, kServoPeriod_s));
         });
 }
 
 void step_proxy(benchmark::State &state, const RecordedTouch &touch) {
-    Proxy proxy;
+    contact::Proxy proxy;
     over_ticks(
         state, RecordedTouch::kTicks,
         [&] {
@@ -80,26 +82,27 @@ void step_proxy(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 void step_law(benchmark::State &state, const RecordedTouch &touch) {
-    const HapticLaw law(touch.description);
-    const std::vector<Configuration> now = configurations(law, touch);
+    const control::HapticLaw law(touch.description);
+    const std::vector<control::Configuration> now = configurations(law, touch);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
-        const ServoSample &sample = touch.samples[tick];
+        const servo::ServoSample &sample = touch.samples[tick];
         return law(now[tick], sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
     });
 }
 
 /// What is added to a tick in which a tuning moves: its angles and its law once more, as before.
 void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
-    const HapticLaw law(touch.description);
-    ChangeOver change(kServoPeriod_s);
+    const control::HapticLaw law(touch.description);
+    servo::ChangeOver change(kServoPeriod_s);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
-        const ServoSample &sample = touch.samples[tick];
-        VelocityFilter filter(touch.samples[tick - 1].theta_rad,
-                              touch.samples[tick - 1].theta_rate_rad_per_s);
-        const double pole = velocity_filter_pole(sample.tuning.lambda_rad_per_s, kServoPeriod_s);
-        const Configuration now = law.configuration(
+        const servo::ServoSample &sample = touch.samples[tick];
+        control::VelocityFilter filter(touch.samples[tick - 1].theta_rad,
+                                       touch.samples[tick - 1].theta_rate_rad_per_s);
+        const double pole =
+            control::velocity_filter_pole(sample.tuning.lambda_rad_per_s, kServoPeriod_s);
+        const control::Configuration now = law.configuration(
             sample.theta_rad, filter.update(sample.theta_rad, pole, kServoPeriod_s));
-        const LawOutcome before =
+        const control::LawOutcome before =
             law(now, sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
         change.change(before.command.e_W_V, sample.command.e_W_V);
         change.fade();
@@ -108,16 +111,17 @@ void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 /// What the safety monitor sees in each tick.
-std::vector<Observation> observations(const HapticLaw &law, const RecordedTouch &touch) {
-    std::vector<Observation> all;
-    for (const ServoSample &sample : touch.samples) {
-        Observation seen;
+std::vector<servo::Observation> observations(const control::HapticLaw &law,
+                                             const RecordedTouch &touch) {
+    std::vector<servo::Observation> all;
+    for (const servo::ServoSample &sample : touch.samples) {
+        servo::Observation seen;
         seen.now = configuration_of(law, sample);
         seen.tip_force_N = sample.tip_force_N;
         seen.current_A = sample.current_A;
         seen.touching = sample.contact.touching;
         if (seen.touching) {
-            seen.spring_force_N = static_tip_force(
+            seen.spring_force_N = control::static_tip_force(
                 seen.now.J, law.k_T() * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm),
                 sample.theta_Sd_rad - sample.theta_rad);
             seen.spring_stretch_m = sample.contact.x0_m - sample.tip_m;
@@ -128,8 +132,9 @@ std::vector<Observation> observations(const HapticLaw &law, const RecordedTouch 
 }
 
 void step_safety_monitor(benchmark::State &state, const RecordedTouch &touch) {
-    const std::vector<Observation> seen = observations(HapticLaw(touch.description), touch);
-    std::optional<SafetyMonitor> monitor;
+    const std::vector<servo::Observation> seen =
+        observations(control::HapticLaw(touch.description), touch);
+    std::optional<servo::SafetyMonitor> monitor;
     over_ticks(
         state, kEnd,
         [&] {
@@ -144,38 +149,39 @@ void step_safety_monitor(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 void step_limiter(benchmark::State &state, const RecordedTouch &touch) {
-    const HapticLaw law(touch.description);
-    const std::vector<Configuration> now = configurations(law, touch);
+    const control::HapticLaw law(touch.description);
+    const std::vector<control::Configuration> now = configurations(law, touch);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
-        const ServoSample &sample = touch.samples[tick];
-        LimiterInputs inputs{now[tick], sample.limits, 1.0, Vector3::Zero()};
+        const servo::ServoSample &sample = touch.samples[tick];
+        servo::LimiterInputs inputs{now[tick], sample.limits, 1.0, Vector3::Zero()};
         for (std::size_t j = 0; j < sample.winding.size(); ++j) {
             inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
                 sample.winding[j].R_hat_limit_Ohm;
         }
-        return limited(touch.description, sample.command, inputs);
+        return servo::limited(touch.description, sample.command, inputs);
     });
 }
 
 void step_energy_observer(benchmark::State &state, const RecordedTouch &touch) {
-    const std::vector<Observation> seen = observations(HapticLaw(touch.description), touch);
-    EnergyObserver observer(kServoPeriod_s);
+    const std::vector<servo::Observation> seen =
+        observations(control::HapticLaw(touch.description), touch);
+    servo::EnergyObserver observer(kServoPeriod_s);
     over_ticks(
         state, kEnd, [&] { observer.reset(); },
         [&](std::size_t tick) {
-            const Observation &now = seen[tick];
+            const servo::Observation &now = seen[tick];
             observer.update(now.now.tip_m, now.tip_force_N,
-                            spring_energy_J(now.spring_force_N, now.spring_stretch_m, 1.0), 0.0,
-                            0.03);
+                            servo::spring_energy_J(now.spring_force_N, now.spring_stretch_m, 1.0),
+                            0.0, 0.03);
             return observer.generated_J();
         });
 }
 
 /// Into a ring as long as the record's: the memory is not in a cache.
 void step_telemetry(benchmark::State &state, const RecordedTouch &touch) {
-    SampleRing<ServoSample> ring(32'768);
+    SampleRing<servo::ServoSample> ring(32'768);
     over_ticks(
-        state, kEnd, [&] { ring.drain([](const ServoSample & /*sample*/) {}); },
+        state, kEnd, [&] { ring.drain([](const servo::ServoSample & /*sample*/) {}); },
         [&](std::size_t tick) { return ring.push(touch.samples[tick]); });
 }
 

@@ -1,6 +1,6 @@
 #include "tests/bench/touch_path.h"
 
-#include "engine/scenario/test_surfaces.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include <cmath>
 #include <cstddef>
@@ -33,12 +33,12 @@ double mean_length_per_phase() {
 
 double surface_radius_m(Relief relief, const Vector3 &direction) {
     if (relief == Relief::smooth) {
-        return kTestSphereRadius_m;
+        return rig::kTestSphereRadius_m;
     }
     const Vector3 phase =
-        2.0 * std::numbers::pi / kTestBumpLength_m * kTestSphereRadius_m * direction;
-    return kTestSphereRadius_m +
-           kTestBumpHeight_m * std::sin(phase.x()) * std::sin(phase.y()) * std::sin(phase.z());
+        2.0 * std::numbers::pi / rig::kTestBumpLength_m * rig::kTestSphereRadius_m * direction;
+    return rig::kTestSphereRadius_m +
+           rig::kTestBumpHeight_m * std::sin(phase.x()) * std::sin(phase.y()) * std::sin(phase.z());
 }
 
 /// From `low_m` to `high_m` and back, slowly and out of step with the figure.
@@ -63,7 +63,7 @@ std::vector<Vector3> tips_m(Relief relief, const std::vector<Vector3> &direction
 
 std::vector<Vector3> lissajous_directions(int updates) {
     const double phase_per_tick =
-        kMeanSpeed_m_per_s * kServoPeriod_s / (kTestSphereRadius_m * mean_length_per_phase());
+        kMeanSpeed_m_per_s * kServoPeriod_s / (rig::kTestSphereRadius_m * mean_length_per_phase());
     std::vector<Vector3> directions;
     directions.reserve(static_cast<std::size_t>(updates));
     for (int i = 0; i < updates; ++i) {

@@ -1,6 +1,6 @@
 #include "tests/support/cvode.h"
 
-#include "engine/analysis/work_precision/cvode_session.h"
+#include "engine/lab/charts/cvode_session.h"
 
 namespace springdrive::testing {
 
@@ -10,8 +10,8 @@ namespace {
 constexpr double kRelativeTolerance = 1e-12;
 
 int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *rates) {
-    cvode::view<Eigen::VectorXd>(y_rate) =
-        (*static_cast<const Rates *>(rates))(time_s, cvode::view<Eigen::VectorXd>(y));
+    charts::cvode::view<Eigen::VectorXd>(y_rate) =
+        (*static_cast<const Rates *>(rates))(time_s, charts::cvode::view<Eigen::VectorXd>(y));
     return 0;
 }
 
@@ -19,8 +19,8 @@ int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *rates) {
 
 Eigen::VectorXd integrate(const Rates &rates, const Eigen::VectorXd &start, double end_s) {
     Rates function = rates;
-    cvode::Session<Eigen::VectorXd> session(CvodeMethod::adams, kRelativeTolerance, call_rates,
-                                            start.size());
+    charts::cvode::Session<Eigen::VectorXd> session(charts::CvodeMethod::adams, kRelativeTolerance,
+                                                    call_rates, start.size());
     session.restart(0.0, end_s, start, &function);
     double reached_s = 0.0;
     session.run(end_s, reached_s);

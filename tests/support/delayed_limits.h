@@ -2,7 +2,7 @@
 // simulations.
 #pragma once
 
-#include "engine/analysis/stability/simulated_limit.h"
+#include "engine/lab/limits/simulated_limit.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 
@@ -17,10 +17,11 @@
 namespace springdrive::testing {
 
 /// Runge-Kutta tells the same as eigenvalues 2 % inside and 2 % outside of a limit of K_P.
-inline void expect_runge_kutta_agrees(const StabilityCase &which, const StabilityLimit &limit) {
+inline void expect_runge_kutta_agrees(const loops::StabilityCase &which,
+                                      const limits::StabilityLimit &limit) {
     const double outward = limit.stable_below ? 0.02 : -0.02;
     for (const double share : {1.0 - outward, 1.0 + outward}) {
-        StabilityCase beside = which;
+        loops::StabilityCase beside = which;
         beside.tuning.K_P_V_per_rad = share * limit.predicted;
         EXPECT_EQ(RungeKuttaLoop(beside).dies_out(), limit.stable_below == (share < 1.0))
             << "K_P " << share << " of " << limit.predicted << ", T " << which.period_s << ", d "
@@ -33,18 +34,19 @@ inline void expect_runge_kutta_agrees(const StabilityCase &which, const Stabilit
 /// Returns the worst deviation of the first, as a share.
 inline double expect_gain_limits_agree(int loops, unsigned seed) {
     std::mt19937_64 random(seed);
-    const StabilityParameter &kp = *stability_parameter_named("kp");
+    const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");
     double worst = 0.0;
     for (int found = 0; found < loops;) {
-        const StabilityCase which = random_delayed_loop(random);
-        const std::vector<StabilityLimit> limits = predicted_limits(which, kp, {kp.from, kp.to});
+        const loops::StabilityCase which = random_delayed_loop(random);
+        const std::vector<limits::StabilityLimit> limits =
+            limits::predicted_limits(which, kp, {kp.from, kp.to});
         if (limits.empty()) {
             continue;
         }
         ++found;
-        const StabilityLimit &limit = limits.front();
+        const limits::StabilityLimit &limit = limits.front();
         const std::optional<double> tried =
-            simulated_limit(which, kp, limit, TrialOptions::linear());
+            limits::simulated_limit(which, kp, limit, limits::TrialOptions::linear());
         EXPECT_TRUE(tried) << limit.predicted << ", d " << which.delay_periods;
         const double deviation = std::abs(tried.value_or(HUGE_VAL) / limit.predicted - 1.0);
         EXPECT_LE(deviation, 0.02) << "T " << which.period_s << ", d " << which.delay_periods;

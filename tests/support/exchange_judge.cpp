@@ -1,9 +1,9 @@
 #include "tests/support/exchange_judge.h"
 
 #include "engine/control/velocity_filter.h"
+#include "engine/record/record_reader.h"
+#include "engine/record/replay.h"
 #include "engine/servo/change_over.h"
-#include "engine/servo/record/record_reader.h"
-#include "engine/servo/record/replay.h"
 #include "engine/servo/safety_monitor.h"
 
 #include <algorithm>
@@ -17,24 +17,24 @@ namespace {
 /// Of the volts themselves.
 constexpr double kRoundOff_V = 1e-9;
 
-bool passes(const ServoSample &sample) {
-    return sample.safety.state != SafetyState::waiting &&
-           sample.safety.state != SafetyState::tripped;
+bool passes(const servo::ServoSample &sample) {
+    return sample.safety.state != servo::SafetyState::waiting &&
+           sample.safety.state != servo::SafetyState::tripped;
 }
 
-bool is_held_back(const ServoSample &sample) {
+bool is_held_back(const servo::ServoSample &sample) {
     return sample.held_back.force || sample.held_back.voltage || sample.held_back.at_edge;
 }
 
 class Judge {
 public:
-    explicit Judge(const DeviceDescription &device)
+    explicit Judge(const device::DeviceDescription &device)
         : law_(device), supply_V_(device.motor.front().supply_V) {}
 
-    void take(const ServoSample &sample) {
+    void take(const servo::ServoSample &sample) {
         ++found.rows;
-        expect(sample.safety.state != SafetyState::tripped, sample,
-               "tripped, " + description(sample.safety));
+        expect(sample.safety.state != servo::SafetyState::tripped, sample,
+               "tripped, " + servo::description(sample.safety));
         if (before_) {
             check_order(*before_, sample);
         }
@@ -52,13 +52,13 @@ public:
     JudgedRecord found;
 
 private:
-    void expect(bool good, const ServoSample &sample, const std::string &what) {
+    void expect(bool good, const servo::ServoSample &sample, const std::string &what) {
         if (!good && found.first_fault.empty()) {
             found.first_fault = what + " in tick " + std::to_string(sample.tick);
         }
     }
 
-    void check_order(const ServoSample &before, const ServoSample &now) {
+    void check_order(const servo::ServoSample &before, const servo::ServoSample &now) {
         expect(now.tick == before.tick + 1, now, "a tick is missing");
         expect(now.measurement_number == before.measurement_number + 1, now,
                "a measurement is missing");
@@ -67,7 +67,7 @@ private:
         expect(std::abs(now.measured_s - before.measured_s - now.since_last_s) < 1e-9, now,
                "a time of another measurement");
         expect(now.scene_id >= before.scene_id, now, "a scene of before");
-        expect(now.arrival == Arrival::fresh && now.since_last_s > 0.0, now,
+        expect(now.arrival == device::Arrival::fresh && now.since_last_s > 0.0, now,
                "nothing was measured");
     }
 
@@ -76,28 +76,30 @@ private:
     }
 
     /// e_W that the law wants on the motion of `now`, touching as it does, as `tuned` was tuned.
-    [[nodiscard]] Vector3 wanted_V(const ServoSample &before, const ServoSample &now,
-                                   const ServoSample &tuned) const {
-        VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
-        const double pole = velocity_filter_pole(tuned.tuning.lambda_rad_per_s, now.since_last_s);
-        const Configuration state =
+    [[nodiscard]] Vector3 wanted_V(const servo::ServoSample &before, const servo::ServoSample &now,
+                                   const servo::ServoSample &tuned) const {
+        control::VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
+        const double pole =
+            control::velocity_filter_pole(tuned.tuning.lambda_rad_per_s, now.since_last_s);
+        const control::Configuration state =
             law_.configuration(now.theta_rad, filter.update(now.theta_rad, pole, now.since_last_s));
         return law_(state, now.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
     }
 
     /// And what it last was, where a scene is another: its contact is not known any more.
-    [[nodiscard]] Vector3 unchanged_V(const ServoSample &before, const ServoSample &now) const {
+    [[nodiscard]] Vector3 unchanged_V(const servo::ServoSample &before,
+                                      const servo::ServoSample &now) const {
         if (now.scene_id == before.scene_id) {
             return within_supply(wanted_V(before, now, before) + before.carried_V);
         }
-        const Configuration then =
+        const control::Configuration then =
             law_.configuration(before.theta_rad, before.theta_rate_rad_per_s);
-        const LawOutcome last =
+        const control::LawOutcome last =
             law_(then, before.contact, before.tuning, before.global_alpha_rad2_per_m2);
         return within_supply(last.command.e_W_V + before.carried_V);
     }
 
-    void check_step(const ServoSample &before, const ServoSample &now) {
+    void check_step(const servo::ServoSample &before, const servo::ServoSample &now) {
         if (is_held_back(before) || is_held_back(now)) {
             return; // what the limiter takes off is no part of a change
         }
@@ -107,9 +109,10 @@ private:
         const double ramp_V = (std::abs(now.safety.ramp - before.safety.ramp) + kRoundOff_V) *
                               (unchanged.cwiseAbs().maxCoeff() + now.carried_V.norm());
         expect(std::abs(now.safety.ramp - before.safety.ramp) <=
-                   now.since_last_s / kRampTime_s + 1e-12,
+                   now.since_last_s / servo::kRampTime_s + 1e-12,
                now, "a step of the ramp");
-        const double allowed_V = kGreatestChange_V_per_s * now.since_last_s + ramp_V + kRoundOff_V;
+        const double allowed_V =
+            servo::kGreatestChange_V_per_s * now.since_last_s + ramp_V + kRoundOff_V;
         found.greatest_step_V = std::max(found.greatest_step_V, step_V);
         found.greatest_share = std::max(found.greatest_share, step_V / allowed_V);
         expect(step_V <= allowed_V, now,
@@ -117,22 +120,22 @@ private:
                    std::to_string(allowed_V) + " V,");
     }
 
-    HapticLaw law_;
+    control::HapticLaw law_;
     double supply_V_;
-    std::optional<ServoSample> before_;
+    std::optional<servo::ServoSample> before_;
 };
 
 } // namespace
 
 JudgedRecord judge_record(const std::filesystem::path &file) {
-    RecordReader reader(file);
-    const DeviceDescription device =
-        read_device_text(reader.header().device_toml, reader.header().device_file);
+    record::RecordReader reader(file);
+    const device::DeviceDescription device =
+        device::read_device_text(reader.header().device_toml, reader.header().device_file);
     Judge judge(device);
-    Replay replay(device);
+    record::Replay replay(device);
     while (reader.next()) {
         for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-            const ServoSample sample = reader.read_sample(row);
+            const servo::ServoSample sample = reader.read_sample(row);
             judge.take(sample);
             static_cast<void>(replay.take(sample));
         }

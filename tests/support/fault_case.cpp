@@ -18,8 +18,8 @@ double log_uniform(std::mt19937 &random, double lowest, double highest) {
     return std::exp(uniform(random, std::log(lowest), std::log(highest)));
 }
 
-HandParameters FaultCase::hand() const {
-    HandParameters hand = firm ? kFirmHand : kLightHand;
+device::HandParameters FaultCase::hand() const {
+    device::HandParameters hand = firm ? kFirmHand : kLightHand;
     hand.greatest_speed_m_per_s = hand_m_per_s;
     return hand;
 }
@@ -36,7 +36,7 @@ FaultCase random_case(std::mt19937 &random, int number, Place place) {
     static const std::array<std::string, 3> kTunings{"firm", "soft", "stiffest"};
     FaultCase what;
     what.tuning_name = kTunings[static_cast<std::size_t>(number % 3)];
-    what.tuning = read_tuning_file(assets() / "tunings" / (what.tuning_name + ".toml"));
+    what.tuning = control::read_tuning_file(assets() / "tunings" / (what.tuning_name + ".toml"));
     what.servo_hz = number % 12 == 7 ? 10'000.0 : (number / 3 % 2 == 0 ? 1000.0 : 4000.0);
     what.firm = number / 6 % 2 == 0;
     what.on_plate = place == Place::plate || place == Place::running_on_plate ||

@@ -14,15 +14,15 @@ namespace springdrive::testing {
 inline constexpr int kFaultsOfACause = 72;
 static_assert(14 * kFaultsOfACause > 1000);
 
-inline const HandParameters kLightHand{0.03, 1.0, 100.0, 3.0};
-inline const HandParameters kFirmHand{0.3, 30.0, 1500.0, 20.0};
+inline const device::HandParameters kLightHand{0.03, 1.0, 100.0, 3.0};
+inline const device::HandParameters kFirmHand{0.3, 30.0, 1500.0, 20.0};
 
 /// Where the hand is when the fault comes.
 enum class Place : std::uint8_t { anywhere, free, plate, running_free, running_on_plate };
 
 struct FaultCase {
     std::string tuning_name;
-    Tuning tuning;
+    control::Tuning tuning;
     double servo_hz = 1000.0;
     bool firm = false;
     bool on_plate = false;
@@ -31,7 +31,7 @@ struct FaultCase {
     double hand_m_per_s = 0.2;
     std::uint64_t at_tick = 0;
 
-    [[nodiscard]] HandParameters hand() const;
+    [[nodiscard]] device::HandParameters hand() const;
     [[nodiscard]] std::string description() const;
 };
 

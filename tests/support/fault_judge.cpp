@@ -1,6 +1,6 @@
 #include "tests/support/fault_judge.h"
 
-#include "engine/servo/winding_guard.h"
+#include "device/core/motor/winding_guard.h"
 #include "engine/servo/workspace_edge.h"
 
 #include <Eigen/LU>
@@ -19,7 +19,7 @@ constexpr double kVolts_s = 0.02;  // how long e_W may be above its limit, safet
 
 } // namespace
 
-TipAt::TipAt(const PhantomGeometry &geometry, const Vector3 &theta_rad)
+TipAt::TipAt(const device::PhantomGeometry &geometry, const Vector3 &theta_rad)
     : q_rad(theta_rad.array() / geometry.transmission_ratio.array()) {
     const double l1 = geometry.upper_arm_m;
     const double l2 = geometry.forearm_m;
@@ -39,27 +39,28 @@ Vector3 TipAt::force_N(const Vector3 &torque_Nm) const {
     return J.transpose().partialPivLu().solve(torque_Nm);
 }
 
-FaultJudge::FaultJudge(const DeviceDescription &device, double period_s)
-    : device_(device), law_(device), k_T_(torque_constants(device)), period_s_(period_s),
-      winding_C_(Vector3::Constant(kWarmestAir_C)), housing_C_(Vector3::Constant(kWarmestAir_C)) {}
+FaultJudge::FaultJudge(const device::DeviceDescription &device, double period_s)
+    : device_(device), law_(device), k_T_(control::torque_constants(device)), period_s_(period_s),
+      winding_C_(Vector3::Constant(device::kWarmestAir_C)),
+      housing_C_(Vector3::Constant(device::kWarmestAir_C)) {}
 
 void FaultJudge::reset() {
     knows_energy_ = false;
     generated_J_ = 0.0;
     may_volts_ = 0;
     must_volts_ = 0;
-    state_ = SafetyState::waiting;
+    state_ = servo::SafetyState::waiting;
 }
 
-TripCause FaultJudge::first_must() const {
+servo::TripCause FaultJudge::first_must() const {
     const auto *found = std::find_if(findings_.begin(), findings_.end(),
                                      [](const Finding &finding) { return finding.must; });
-    return found == findings_.end() ? TripCause::none
-                                    : static_cast<TripCause>(found - findings_.begin());
+    return found == findings_.end() ? servo::TripCause::none
+                                    : static_cast<servo::TripCause>(found - findings_.begin());
 }
 
 /// @param slack  a share of the limit within which either answer is right
-void FaultJudge::find(TripCause cause, double measured, double limit, double slack) {
+void FaultJudge::find(servo::TripCause cause, double measured, double limit, double slack) {
     Finding &finding = findings_[static_cast<std::size_t>(cause)];
     if (!finding.must && (finding.limit == 0.0 || measured > finding.measured)) { // or the first
         finding.measured = measured;
@@ -69,34 +70,38 @@ void FaultJudge::find(TripCause cause, double measured, double limit, double sla
     finding.must |= !(measured <= limit * (1.0 + slack));
 }
 
-void FaultJudge::look_at_link(const Measurement &measured, const SafetyLimits &limits) {
-    find(TripCause::device_lost, measured.health == DeviceHealth::ok ? 0.0 : 1.0, 0.5, 0.0);
-    find(TripCause::board_fault, measured.faults.bits, 0.0, 0.0);
-    stale_s_ = measured.arrival == Arrival::fresh ? 0.0 : stale_s_ + elapsed_s_;
-    find(TripCause::stale_measurement, stale_s_, limits.stale_s, kRoundOff);
+void FaultJudge::look_at_link(const device::Measurement &measured,
+                              const servo::SafetyLimits &limits) {
+    find(servo::TripCause::device_lost, measured.health == device::DeviceHealth::ok ? 0.0 : 1.0,
+         0.5, 0.0);
+    find(servo::TripCause::board_fault, measured.faults.bits, 0.0, 0.0);
+    stale_s_ = measured.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s_;
+    find(servo::TripCause::stale_measurement, stale_s_, limits.stale_s, kRoundOff);
 }
 
-void FaultJudge::look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing,
-                                const SafetyLimits &limits) {
-    find(TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
-    find(TripCause::torn_inputs, torn ? 1.0 : 0.0, 0.5, 0.0);
-    find(TripCause::missed_deadlines, timing.missed_in_a_row * period_s_, limits.late_s, kRoundOff);
+void FaultJudge::look_at_window(const servo::ServoInputs &inputs, bool torn,
+                                const servo::TickTiming &timing,
+                                const servo::SafetyLimits &limits) {
+    find(servo::TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
+    find(servo::TripCause::torn_inputs, torn ? 1.0 : 0.0, 0.5, 0.0);
+    find(servo::TripCause::missed_deadlines, timing.missed_in_a_row * period_s_, limits.late_s,
+         kRoundOff);
     const bool silent = inputs.heartbeat == heartbeat_ && inputs.heartbeat != 0;
     heartbeat_ = inputs.heartbeat;
     silent_s_ = silent ? silent_s_ + elapsed_s_ : 0.0;
-    find(TripCause::window_silent, silent_s_, limits.window_silence_s, kRoundOff);
+    find(servo::TripCause::window_silent, silent_s_, limits.window_silence_s, kRoundOff);
 }
 
 /// Peak currents, and the upper estimate of each winding's temperature: its network from
 /// winding_temperature.h taken in small straight steps.
-void FaultJudge::look_at_currents(const Vector3 &current_A, const ServoSample &sample) {
+void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSample &sample) {
     constexpr int kParts = 8;
     const double h = period_s_ / kParts;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
-        find(TripCause::current, std::abs(current_A[j]),
+        const device::MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
+        find(servo::TripCause::current, std::abs(current_A[j]),
              std::min(motor.peak_current_A, sample.limits.current_A), kRoundOff);
-        const ThermalParameters &thermal = motor.thermal;
+        const device::ThermalParameters &thermal = motor.thermal;
         double worst_A = std::max(std::abs(current_A[j]), std::abs(current_A_[j]));
         if (!std::isfinite(current_A[j]) || !std::isfinite(current_A_[j])) {
             worst_A = motor.peak_current_A;
@@ -107,7 +112,7 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const ServoSample &s
             const double inner_W =
                 (winding_C_[j] - housing_C_[j]) / thermal.winding_housing_K_per_W;
             const double outer_W =
-                (housing_C_[j] - kWarmestAir_C) / thermal.housing_ambient_K_per_W;
+                (housing_C_[j] - device::kWarmestAir_C) / thermal.housing_ambient_K_per_W;
             winding_C_[j] += h * (worst_A * worst_A * R_Ohm - inner_W) *
                              thermal.winding_housing_K_per_W / thermal.winding_time_s;
             housing_C_[j] +=
@@ -115,30 +120,31 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const ServoSample &s
         }
         const double limit_C = std::min(thermal.greatest_winding_C, sample.limits.winding_C);
         constexpr double kSlack_K = 5e-4; // of steps this straight
-        find(TripCause::winding_temperature, winding_C_[j], limit_C, kSlack_K / limit_C);
+        find(servo::TripCause::winding_temperature, winding_C_[j], limit_C, kSlack_K / limit_C);
     }
     current_A_ = current_A;
 }
 
-void FaultJudge::look_at_motion(const TipAt &now, const ServoSample &sample, double since_last_s) {
+void FaultJudge::look_at_motion(const TipAt &now, const servo::ServoSample &sample,
+                                double since_last_s) {
     if (knows_tip_) {
         // No hand does twice the greatest speed; and less than that speed is none of the encoders'.
         const double count_m =
             2.0 * std::numbers::pi / device_.encoder_counts_per_turn * now.J.norm();
         const double way_m = device_.limits.tip_speed_m_per_s * since_last_s;
         const double jump_m = (now.tip_m - tip_m_).norm();
-        Finding &finding = findings_[static_cast<std::size_t>(TripCause::encoder_jump)];
+        Finding &finding = findings_[static_cast<std::size_t>(servo::TripCause::encoder_jump)];
         finding = {jump_m > way_m + 2 * count_m, jump_m > 2 * way_m + 5 * count_m, jump_m, way_m};
     }
     tip_m_ = now.tip_m;
     knows_tip_ = true;
-    find(TripCause::tip_speed, (now.J * rate_rad_per_s_).norm(), sample.limits.tip_speed_m_per_s,
-         kRoundOff);
+    find(servo::TripCause::tip_speed, (now.J * rate_rad_per_s_).norm(),
+         sample.limits.tip_speed_m_per_s, kRoundOff);
     look_at_stops(now.q_rad, sample.limits.beyond_stops_rad);
 }
 
 void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
-    const JointLimits &stops = device_.joint_limits;
+    const device::JointLimits &stops = device_.joint_limits;
     const double fold_rad = q_rad[2] - q_rad[1];
     double worst_rad =
         std::max(fold_rad - stops.greatest_q3_minus_q2_rad, stops.least_q3_minus_q2_rad - fold_rad);
@@ -146,14 +152,14 @@ void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
         worst_rad =
             std::max({worst_rad, q_rad[j] - stops.highest_rad[j], stops.lowest_rad[j] - q_rad[j]});
     }
-    find(TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
+    find(servo::TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
 }
 
 /// The definition of energy_observer.h: ΔG = F̄·Δx + ΔS, forgotten over half a second. What of the
 /// spring's force is not let through counts as held at a constant force.
 void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
-                                const ServoSample &sample) {
-    if (state_ != SafetyState::running) {
+                                const servo::ServoSample &sample) {
+    if (state_ != servo::SafetyState::running) {
         knows_energy_ = false;
         generated_J_ = 0.0;
         return;
@@ -185,37 +191,38 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
     energy_tip_m_ = now.tip_m;
     energy_force_N_ = force_N;
     stored_J_ = stored_J;
-    find(TripCause::energy, generated_J_, sample.limits.generated_energy_J, 1e-3);
+    find(servo::TripCause::energy, generated_J_, sample.limits.generated_energy_J, 1e-3);
 }
 
-void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const ServoSample &sample) {
-    const bool felt = state_ == SafetyState::running;
+void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const servo::ServoSample &sample) {
+    const bool felt = state_ == servo::SafetyState::running;
     const double limit_V = std::min(device_.motor[0].supply_V, sample.limits.voltage_V);
     const double worst_V = bearable_V.cwiseAbs().maxCoeff();
     may_volts_ = felt && worst_V > limit_V * (1.0 - kRoundOff) ? may_volts_ + 1 : 0;
     must_volts_ = felt && worst_V > limit_V * (1.0 + kRoundOff) ? must_volts_ + 1 : 0;
     const double slack_s = 1e-3 * period_s_;
-    findings_[static_cast<std::size_t>(TripCause::voltage)] = {
+    findings_[static_cast<std::size_t>(servo::TripCause::voltage)] = {
         may_volts_ * period_s_ > kVolts_s + slack_s, must_volts_ * period_s_ > kVolts_s + slack_s,
         worst_V, limit_V};
 }
 
 /// How much of the force that was wanted may go out, by the rule of command_limiter.h: so much that
 /// the currents it settles at, and their force, are within 95 % of their limits.
-FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const DeviceCommand &wanted,
-                                          const ServoSample &sample) const {
-    const MotorParameters &motor = device_.motor[0];
+FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const device::DeviceCommand &wanted,
+                                          const servo::ServoSample &sample) const {
+    const device::MotorParameters &motor = device_.motor[0];
     Vector3 least_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double R_hat_Ohm =
             std::min(wanted.cancelled_resistance_Ohm[j],
                      sample.winding[static_cast<std::size_t>(j)].R_hat_limit_Ohm);
         least_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
-                                kLeastResidualShare * motor.resistance_Ohm);
+                                device::kLeastResidualShare * motor.resistance_Ohm);
     }
     const Vector3 &N = device_.geometry.transmission_ratio;
     const Vector3 edge_Nm =
-        edge_torque_Nm(device_, now.q_rad, rate_rad_per_s_.cwiseQuotient(N)).cwiseQuotient(N);
+        servo::edge_torque_Nm(device_, now.q_rad, rate_rad_per_s_.cwiseQuotient(N))
+            .cwiseQuotient(N);
     const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
     const Vector3 settling_A =
         (wanted.e_W_V - back_emf_V).cwiseQuotient(least_Ohm) + edge_Nm.cwiseQuotient(k_T_);
@@ -226,20 +233,23 @@ FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const DeviceCommand 
     return {share, back_emf_V + share * settling_A.cwiseProduct(least_Ohm)};
 }
 
-void FaultJudge::look(const Measurement &measured, const ServoInputs &inputs, bool torn,
-                      const TickTiming &timing, const ServoSample &sample) {
+void FaultJudge::look(const device::Measurement &measured, const servo::ServoInputs &inputs,
+                      bool torn, const servo::TickTiming &timing,
+                      const servo::ServoSample &sample) {
     findings_ = {};
     const std::uint64_t period = period_ + 1 + timing.missed_deadlines;
     elapsed_s_ = static_cast<double>(period - period_) * period_s_;
     period_ = period;
-    const SafetyLimits limits = lowered(limits_of(device_), inputs.limits);
+    const servo::SafetyLimits limits = servo::lowered(servo::limits_of(device_), inputs.limits);
     look_at_window(inputs, torn, timing, limits);
     look_at_link(measured, limits);
-    if (measured.health == DeviceHealth::lost || measured.arrival == Arrival::repeated ||
-        measured.arrival == Arrival::corrupt || measured.arrival == Arrival::absent) {
+    if (measured.health == device::DeviceHealth::lost ||
+        measured.arrival == device::Arrival::repeated ||
+        measured.arrival == device::Arrival::corrupt ||
+        measured.arrival == device::Arrival::absent) {
         return; // of the rest it tells nothing
     }
-    find(TripCause::not_finite, measured.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
+    find(servo::TripCause::not_finite, measured.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
 
     const double rad_per_count = 2.0 * std::numbers::pi / device_.encoder_counts_per_turn;
     const Vector3 theta_rad =
@@ -256,12 +266,13 @@ void FaultJudge::look(const Measurement &measured, const ServoInputs &inputs, bo
     const TipAt now(device_.geometry, theta_rad);
     const Vector3 force_N = now.force_N(k_T_.cwiseProduct(measured.current_A));
     look_at_currents(measured.current_A, sample);
-    find(TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
+    find(servo::TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
     look_at_motion(now, sample, since_last_s);
     look_at_energy(now, force_N, sample);
-    DeviceCommand wanted = law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact,
-                                sample.tuning, sample.global_alpha_rad2_per_m2)
-                               .command;
+    device::DeviceCommand wanted =
+        law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
+             sample.global_alpha_rad2_per_m2)
+            .command;
     wanted.e_W_V += sample.carried_V;
     const Bearable passes = bearable(now, wanted, sample);
     look_at_voltage(passes.e_W_V, sample);

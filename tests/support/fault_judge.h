@@ -22,11 +22,11 @@ struct Finding {
     double limit = 0.0;
 };
 
-inline constexpr std::size_t kTripCauses = kTripCauseNames.size();
+inline constexpr std::size_t kTripCauses = servo::kTripCauseNames.size();
 
 /// Tip and J = ∂x/∂θ at motor angles, by the formulae of DESIGN section 5 written out.
 struct TipAt {
-    TipAt(const PhantomGeometry &geometry, const Vector3 &theta_rad);
+    TipAt(const device::PhantomGeometry &geometry, const Vector3 &theta_rad);
 
     Vector3 q_rad;
     Vector3 tip_m;
@@ -38,44 +38,44 @@ struct TipAt {
 
 class FaultJudge {
 public:
-    FaultJudge(const DeviceDescription &device, double period_s);
+    FaultJudge(const device::DeviceDescription &device, double period_s);
 
     /// One tick on: what came from the device, and what the servo made of it.
-    void look(const Measurement &measured, const ServoInputs &inputs, bool torn,
-              const TickTiming &timing, const ServoSample &sample);
+    void look(const device::Measurement &measured, const servo::ServoInputs &inputs, bool torn,
+              const servo::TickTiming &timing, const servo::ServoSample &sample);
 
     /// As the monitor is reset in the coming tick, so is what the judge remembers.
     void reset();
 
-    [[nodiscard]] const Finding &of(TripCause cause) const {
+    [[nodiscard]] const Finding &of(servo::TripCause cause) const {
         return findings_[static_cast<std::size_t>(cause)];
     }
     /// The first of the causes that must trip, in their order; none where none must.
-    [[nodiscard]] TripCause first_must() const;
+    [[nodiscard]] servo::TripCause first_must() const;
     [[nodiscard]] double generated_J() const { return generated_J_; }
     [[nodiscard]] double upper_winding_C() const { return winding_C_.maxCoeff(); }
 
 private:
-    void find(TripCause cause, double measured, double limit, double slack);
-    void look_at_link(const Measurement &measured, const SafetyLimits &limits);
-    void look_at_window(const ServoInputs &inputs, bool torn, const TickTiming &timing,
-                        const SafetyLimits &limits);
-    void look_at_currents(const Vector3 &current_A, const ServoSample &sample);
-    void look_at_motion(const TipAt &now, const ServoSample &sample, double since_last_s);
+    void find(servo::TripCause cause, double measured, double limit, double slack);
+    void look_at_link(const device::Measurement &measured, const servo::SafetyLimits &limits);
+    void look_at_window(const servo::ServoInputs &inputs, bool torn,
+                        const servo::TickTiming &timing, const servo::SafetyLimits &limits);
+    void look_at_currents(const Vector3 &current_A, const servo::ServoSample &sample);
+    void look_at_motion(const TipAt &now, const servo::ServoSample &sample, double since_last_s);
     void look_at_stops(const Vector3 &q_rad, double limit_rad);
-    void look_at_energy(const TipAt &now, const Vector3 &force_N, const ServoSample &sample);
-    void look_at_voltage(const Vector3 &bearable_V, const ServoSample &sample);
+    void look_at_energy(const TipAt &now, const Vector3 &force_N, const servo::ServoSample &sample);
+    void look_at_voltage(const Vector3 &bearable_V, const servo::ServoSample &sample);
 
     /// What force and currents bear of a wanted command.
     struct Bearable {
         double share = 1.0;
         Vector3 e_W_V{Vector3::Zero()};
     };
-    [[nodiscard]] Bearable bearable(const TipAt &now, const DeviceCommand &wanted,
-                                    const ServoSample &sample) const;
+    [[nodiscard]] Bearable bearable(const TipAt &now, const device::DeviceCommand &wanted,
+                                    const servo::ServoSample &sample) const;
 
-    DeviceDescription device_;
-    HapticLaw law_;
+    device::DeviceDescription device_;
+    control::HapticLaw law_;
     Vector3 k_T_;
     double period_s_;
     std::array<Finding, kTripCauses> findings_{};
@@ -94,7 +94,7 @@ private:
     Vector3 current_A_{Vector3::Zero()};
     Vector3 winding_C_;
     Vector3 housing_C_;
-    SafetyState state_ = SafetyState::waiting; ///< after the last tick
+    servo::SafetyState state_ = servo::SafetyState::waiting; ///< after the last tick
     bool knows_energy_ = false;
     Vector3 energy_tip_m_{Vector3::Zero()};
     Vector3 energy_force_N_{Vector3::Zero()};

@@ -17,7 +17,8 @@ constexpr int kLatched_ticks = 200;
 constexpr double kForceRoundOff = 2e-3; // of encoder counts against the truth
 constexpr double kHeartbeat_s = 0.016;
 
-SimulationOptions at_rate_with_hand(const FaultCase &what, SimulationOptions options, HandOf hand) {
+simulated::SimulationOptions at_rate_with_hand(const FaultCase &what,
+                                               simulated::SimulationOptions options, HandOf hand) {
     options.servo_period_s = 1.0 / what.servo_hz;
     if (hand == HandOf::fault_case) {
         options.hand = what.hand();
@@ -25,14 +26,15 @@ SimulationOptions at_rate_with_hand(const FaultCase &what, SimulationOptions opt
     return options;
 }
 
-bool says_no_numbers(TripCause cause) {
-    return cause == TripCause::emergency_stop || cause == TripCause::device_lost ||
-           cause == TripCause::not_finite || cause == TripCause::torn_inputs;
+bool says_no_numbers(servo::TripCause cause) {
+    return cause == servo::TripCause::emergency_stop || cause == servo::TripCause::device_lost ||
+           cause == servo::TripCause::not_finite || cause == servo::TripCause::torn_inputs;
 }
 
 } // namespace
 
-FaultRig::FaultRig(const FaultCase &fault_case, const SimulationOptions &options, HandOf hand)
+FaultRig::FaultRig(const FaultCase &fault_case, const simulated::SimulationOptions &options,
+                   HandOf hand)
     : what(fault_case),
       device(phantom_1_0(), at_rate_with_hand(fault_case, options, hand), fault_case.start_m),
       judge(device.description(), 1.0 / fault_case.servo_hz),
@@ -47,16 +49,16 @@ int FaultRig::ticks_in(double time_s) const {
     return static_cast<int>(std::lround(time_s * what.servo_hz));
 }
 
-ServoSample FaultRig::tick() {
+servo::ServoSample FaultRig::tick() {
     if (ticks_ == static_cast<std::uint64_t>(ticks_in(kHandGoes_s))) {
         device.set_hand_target(what.target_m);
     }
     if (window_lives && ticks_ % static_cast<std::uint64_t>(ticks_in(kHeartbeat_s)) == 0) {
         ++inputs.heartbeat;
     }
-    const TickTiming now = timing ? timing() : TickTiming{};
-    const Measurement measured = loop_.read();
-    ServoInputs arrived = sealed(inputs);
+    const servo::TickTiming now = timing ? timing() : servo::TickTiming{};
+    const device::Measurement measured = loop_.read();
+    servo::ServoInputs arrived = servo::sealed(inputs);
     if (tear) {
         tear(arrived);
     }
@@ -73,7 +75,7 @@ ServoSample FaultRig::tick() {
     return last_;
 }
 
-void FaultRig::check(const Measurement &measured) {
+void FaultRig::check(const device::Measurement &measured) {
     EXPECT_EQ(last_.tick, ticks_);
     EXPECT_EQ(device.periods(), ticks_ + 1);
     EXPECT_EQ(last_.counts, measured.counts);
@@ -87,12 +89,12 @@ void FaultRig::check(const Measurement &measured) {
     if (has_tripped()) {
         late_ = 0;
         check_braking();
-    } else if (late_ > 0 || judge.first_must() != TripCause::none) {
+    } else if (late_ > 0 || judge.first_must() != servo::TripCause::none) {
         most_ticks_late_ = std::max(most_ticks_late_, ++late_);
         EXPECT_LE(late_, 0) << "no trip in tick " << ticks_ << " by "
-                            << kTripCauseNames[static_cast<std::size_t>(judge.first_must())];
+                            << servo::kTripCauseNames[static_cast<std::size_t>(judge.first_must())];
     }
-    if (judge.generated_J() != 0.0 && last_.safety.state == SafetyState::running) {
+    if (judge.generated_J() != 0.0 && last_.safety.state == servo::SafetyState::running) {
         EXPECT_NEAR(last_.generated_energy_J, judge.generated_J(), 1e-3 * 0.03);
     }
     recent_.emplace_back(last_.tip_m, last_.contact.touching);
@@ -104,11 +106,11 @@ void FaultRig::check(const Measurement &measured) {
 /// True forces by true currents, at the end of every tick. Once it has tripped, no more than what a
 /// shorted winding has still to lose, e^(−T R/L) a tick, and what it answers the hand's speed with.
 void FaultRig::check_force() {
-    const DeviceDescription &device_of = device.description();
+    const device::DeviceDescription &device_of = device.description();
     const TipAt truth(device_of.geometry, device.truth().theta_rad);
-    const Vector3 k_T = torque_constants(device_of);
+    const Vector3 k_T = control::torque_constants(device_of);
     const double force_N = truth.force_N(k_T.cwiseProduct(device.truth().current_A)).norm();
-    const MotorParameters &motor = device_of.motor[0];
+    const device::MotorParameters &motor = device_of.motor[0];
     const double R_Ohm =
         (1.0 - motor.commutation_ripple) * motor.resistance_Ohm - device.sag_Ohm().maxCoeff();
     const double brake_N =
@@ -137,13 +139,13 @@ void FaultRig::check_braking() const {
 
 /// The cause is one that can be seen, none that must come first is passed over, its numbers fit.
 void FaultRig::check_trip() const {
-    const SafetyStatus &status = last_.safety;
+    const servo::SafetyStatus &status = last_.safety;
     const Finding &found = judge.of(status.cause);
-    EXPECT_TRUE(found.may) << springdrive::description(status) << ", but the judge has "
-                           << found.measured << " of " << found.limit;
+    EXPECT_TRUE(found.may) << servo::description(status) << ", but the judge has " << found.measured
+                           << " of " << found.limit;
     for (std::size_t cause = 1; cause < static_cast<std::size_t>(status.cause); ++cause) {
-        EXPECT_FALSE(judge.of(static_cast<TripCause>(cause)).must)
-            << kTripCauseNames[cause] << " comes before " << springdrive::description(status);
+        EXPECT_FALSE(judge.of(static_cast<servo::TripCause>(cause)).must)
+            << servo::kTripCauseNames[cause] << " comes before " << servo::description(status);
     }
     if (says_no_numbers(status.cause)) {
         EXPECT_EQ(status.measured, 0.0);
@@ -151,7 +153,8 @@ void FaultRig::check_trip() const {
     }
     EXPECT_GT(status.measured, status.limit);
     EXPECT_NEAR(status.measured, found.measured, 2e-3 * found.limit);
-    if (status.cause != TripCause::encoder_jump) { // how far is a jump, is for the monitor to say
+    if (status.cause !=
+        servo::TripCause::encoder_jump) { // how far is a jump, is for the monitor to say
         EXPECT_NEAR(status.limit, found.limit, 1e-9 * found.limit);
     }
 }
@@ -160,7 +163,7 @@ void FaultRig::run_to_fault() {
     while (ticks_ < what.at_tick && !has_tripped()) {
         tick();
     }
-    EXPECT_FALSE(has_tripped()) << "before any fault: " << springdrive::description(last_.safety);
+    EXPECT_FALSE(has_tripped()) << "before any fault: " << servo::description(last_.safety);
 }
 
 void FaultRig::run_to_trip(double at_most_s) {
@@ -169,16 +172,16 @@ void FaultRig::run_to_trip(double at_most_s) {
     }
 }
 
-void FaultRig::expect_tripped_by(TripCause cause) const {
+void FaultRig::expect_tripped_by(servo::TripCause cause) const {
     EXPECT_TRUE(has_tripped());
-    EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(last_.safety.cause)],
-              kTripCauseNames[static_cast<std::size_t>(cause)])
-        << springdrive::description(last_.safety);
+    EXPECT_EQ(servo::kTripCauseNames[static_cast<std::size_t>(last_.safety.cause)],
+              servo::kTripCauseNames[static_cast<std::size_t>(cause)])
+        << servo::description(last_.safety);
     EXPECT_LE(most_ticks_late_, 1);
 }
 
 void FaultRig::expect_latched() {
-    const TripCause cause = last_.safety.cause;
+    const servo::TripCause cause = last_.safety.cause;
     for (int i = 0; i < kLatched_ticks; ++i) {
         tick();
         ASSERT_TRUE(has_tripped());
@@ -193,11 +196,11 @@ void FaultRig::reset() {
     recent_.clear();
 }
 
-void FaultRig::expect_reset_trips_again(TripCause cause, double within_s) {
+void FaultRig::expect_reset_trips_again(servo::TripCause cause, double within_s) {
     reset();
     tick();
     run_to_trip(within_s);
-    expect_tripped_by(cause == TripCause::none ? last_.safety.cause : cause);
+    expect_tripped_by(cause == servo::TripCause::none ? last_.safety.cause : cause);
 }
 
 void FaultRig::expect_recovery() {
@@ -205,8 +208,8 @@ void FaultRig::expect_recovery() {
     reset();
     for (int i = 0; i < ticks_in(4.0); ++i) {
         tick();
-        ASSERT_FALSE(has_tripped()) << springdrive::description(last_.safety);
-        if (last_.safety.state != SafetyState::waiting) {
+        ASSERT_FALSE(has_tripped()) << servo::description(last_.safety);
+        if (last_.safety.state != servo::SafetyState::waiting) {
             check_rest();
             return;
         }
@@ -219,7 +222,7 @@ void FaultRig::expect_reset_waits() {
     reset();
     for (int i = 0; i < kLatched_ticks; ++i) {
         tick();
-        ASSERT_NE(last_.safety.state, SafetyState::starting);
+        ASSERT_NE(last_.safety.state, servo::SafetyState::starting);
         check_braking();
     }
 }

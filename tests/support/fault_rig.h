@@ -26,19 +26,19 @@ enum class HandOf : std::uint8_t { fault_case, options };
 
 class FaultRig {
 public:
-    explicit FaultRig(const FaultCase &what, const SimulationOptions &options = {},
+    explicit FaultRig(const FaultCase &what, const simulated::SimulationOptions &options = {},
                       HandOf hand = HandOf::fault_case);
 
-    ServoSample tick();
+    servo::ServoSample tick();
     /// Until the tick of the fault is the next. Nothing may trip on the way.
     void run_to_fault();
     /// Until it trips, at most for so long.
     void run_to_trip(double at_most_s);
-    void expect_tripped_by(TripCause cause) const;
+    void expect_tripped_by(servo::TripCause cause) const;
     /// Brakes on, though nothing is wrong any more or all still is.
     void expect_latched();
     /// A reset does not help while the fault is there. No cause: any will do.
-    void expect_reset_trips_again(TripCause cause, double within_s);
+    void expect_reset_trips_again(servo::TripCause cause, double within_s);
     /// Or where the fault shows only with voltage on: it does not start, since the tip touches.
     void expect_reset_waits();
     /// And does when it is gone: after the tip has come to rest in free space, not before.
@@ -50,8 +50,10 @@ public:
         device.commit({kind, size}, device.periods());
     }
 
-    [[nodiscard]] const ServoSample &last() const { return last_; }
-    [[nodiscard]] bool has_tripped() const { return last_.safety.state == SafetyState::tripped; }
+    [[nodiscard]] const servo::ServoSample &last() const { return last_; }
+    [[nodiscard]] bool has_tripped() const {
+        return last_.safety.state == servo::SafetyState::tripped;
+    }
     /// Ticks from the first that must trip to the trip; the command goes out in the next.
     [[nodiscard]] int most_ticks_late() const { return most_ticks_late_; }
     [[nodiscard]] double greatest_force_N() const { return greatest_force_N_; }
@@ -59,23 +61,23 @@ public:
 
     FaultCase what;
     FaultyDevice device;
-    ServoInputs inputs;
+    servo::ServoInputs inputs;
     FaultJudge judge;
-    std::function<TickTiming()> timing;      ///< none: never late
-    std::function<void(ServoInputs &)> tear; ///< of the sealed inputs, on their way
+    std::function<servo::TickTiming()> timing;      ///< none: never late
+    std::function<void(servo::ServoInputs &)> tear; ///< of the sealed inputs, on their way
     bool window_lives = true;
     bool force_is_bounded = true; ///< false where the fault itself leaves no bound
 
 private:
-    void check(const Measurement &measured);
+    void check(const device::Measurement &measured);
     void check_trip() const;
     void check_force();
     void check_braking() const;
     void check_rest() const;
 
-    ServoLoop loop_;
-    HapticSurface plate_;
-    ServoSample last_;
+    servo::ServoLoop loop_;
+    contact::HapticSurface plate_;
+    servo::ServoSample last_;
     std::uint64_t ticks_ = 0;
     std::uint64_t since_reset_ = 0;
     int late_ = 0;

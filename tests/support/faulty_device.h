@@ -44,28 +44,28 @@ struct Fault {
     Vector3 size{Vector3::Zero()};
 };
 
-class FaultyDevice final : public HapticDevice {
+class FaultyDevice final : public device::HapticDevice {
 public:
-    FaultyDevice(const DeviceDescription &description, const SimulationOptions &options,
-                 const Vector3 &start_tip_m)
+    FaultyDevice(const device::DeviceDescription &description,
+                 const simulated::SimulationOptions &options, const Vector3 &start_tip_m)
         : device_(description, options, start_tip_m) {}
 
-    [[nodiscard]] const DeviceDescription &description() const override {
+    [[nodiscard]] const device::DeviceDescription &description() const override {
         return device_.description();
     }
     [[nodiscard]] double delay_periods() const override { return device_.delay_periods(); }
 
-    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::servo; }
-    [[nodiscard]] Measurement read() noexcept override {
+    [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
+    [[nodiscard]] device::Measurement read() noexcept override {
         device_.write(reaching_the_motors(last_command_));
-        const Measurement truth = device_.read();
+        const device::Measurement truth = device_.read();
         past_counts_[periods_ % past_counts_.size()] = truth.counts;
         answer_ = as_reported(truth);
         ++periods_;
         return answer_;
     }
-    void write(const DeviceCommand &command) noexcept override { last_command_ = command; }
-    [[nodiscard]] DeviceIdentity identity() const override { return device_.identity(); }
+    void write(const device::DeviceCommand &command) noexcept override { last_command_ = command; }
+    [[nodiscard]] device::DeviceIdentity identity() const override { return device_.identity(); }
     void set_period(double period_s) override { device_.set_period(period_s); }
     void zero(const Vector3 &theta_rad) override { device_.zero(theta_rad); }
     void close() noexcept override { device_.close(); }
@@ -92,8 +92,10 @@ public:
 
     void set_hand_target(const Vector3 &target_m) noexcept { device_.set_hand_target(target_m); }
 
-    [[nodiscard]] const SimulatedPhantom::Truth &truth() const { return device_.truth(); }
-    [[nodiscard]] const DeviceCommand &last_command() const { return last_command_; }
+    [[nodiscard]] const simulated::SimulatedPhantom::Truth &truth() const {
+        return device_.truth();
+    }
+    [[nodiscard]] const device::DeviceCommand &last_command() const { return last_command_; }
     [[nodiscard]] std::uint64_t periods() const { return periods_; }
 
 private:
@@ -101,7 +103,7 @@ private:
         return periods_ >= from_ ? fault_.kind : FaultKind::none;
     }
 
-    [[nodiscard]] DeviceCommand reaching_the_motors(DeviceCommand command) const {
+    [[nodiscard]] device::DeviceCommand reaching_the_motors(device::DeviceCommand command) const {
         if (present() == FaultKind::amplifier_gain) {
             command.e_W_V = command.e_W_V.cwiseProduct(fault_.size);
         } else if (present() == FaultKind::sagging_winding) {
@@ -110,14 +112,15 @@ private:
         return command;
     }
 
-    [[nodiscard]] Measurement as_reported(Measurement state) const {
+    [[nodiscard]] device::Measurement as_reported(device::Measurement state) const {
         const FaultKind kind = present();
-        if (const std::optional<Arrival> arrival = arrival_by(kind)) {
+        if (const std::optional<device::Arrival> arrival = arrival_by(kind)) {
             const std::uint64_t number = state.number;
             state = answer_;
             state.number = kind == FaultKind::repeated ? answer_.number : number;
             state.arrival = *arrival;
-            state.health = kind == FaultKind::silent ? DeviceHealth::lost : DeviceHealth::ok;
+            state.health =
+                kind == FaultKind::silent ? device::DeviceHealth::lost : device::DeviceHealth::ok;
         }
         if (kind == FaultKind::board) {
             state.faults.bits = static_cast<std::uint16_t>(fault_.size[0]);
@@ -146,15 +149,15 @@ private:
     }
 
     /// How a measurement comes that tells nothing.
-    [[nodiscard]] static std::optional<Arrival> arrival_by(FaultKind kind) {
+    [[nodiscard]] static std::optional<device::Arrival> arrival_by(FaultKind kind) {
         switch (kind) {
         case FaultKind::silent:
         case FaultKind::absent:
-            return Arrival::absent;
+            return device::Arrival::absent;
         case FaultKind::corrupt:
-            return Arrival::corrupt;
+            return device::Arrival::corrupt;
         case FaultKind::repeated:
-            return Arrival::repeated;
+            return device::Arrival::repeated;
         default:
             return std::nullopt;
         }
@@ -175,12 +178,12 @@ private:
         }
     }
 
-    SimulatedPhantom device_;
+    simulated::SimulatedPhantom device_;
     Fault fault_;
     std::uint64_t from_ = 0;
     std::uint64_t periods_ = 0;
-    DeviceCommand last_command_;
-    Measurement answer_;
+    device::DeviceCommand last_command_;
+    device::Measurement answer_;
     std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
 };
 

@@ -2,7 +2,7 @@
 // and its plant moves on by as many periods as passed.
 #pragma once
 
-#include "device/forwarding_device.h"
+#include "device/core/forwarding_device.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,21 +10,21 @@
 
 namespace springdrive::testing {
 
-class OwnClockDevice final : public ForwardingDevice {
+class OwnClockDevice final : public device::ForwardingDevice {
 public:
     /// @param most_periods  that the plant makes up for in one read; a longer gap leaves it behind
-    OwnClockDevice(HapticDevice &device, double period_s, int most_periods = 100)
-        : ForwardingDevice(device), period_s_(period_s), most_periods_(most_periods) {}
+    OwnClockDevice(device::HapticDevice &device, double period_s, int most_periods = 100)
+        : device::ForwardingDevice(device), period_s_(period_s), most_periods_(most_periods) {}
 
-    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::own; }
-    [[nodiscard]] Measurement read() noexcept override {
+    [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::own; }
+    [[nodiscard]] device::Measurement read() noexcept override {
         const double now_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
         const double passed = started_ ? std::round((now_s - last_s_) / period_s_) : 1.0;
         last_s_ = now_s;
         started_ = true;
-        Measurement measured = ForwardingDevice::read();
+        device::Measurement measured = device::ForwardingDevice::read();
         for (int i = 1; i < std::min(static_cast<int>(std::min(passed, 1e6)), most_periods_); ++i) {
-            measured = ForwardingDevice::read();
+            measured = device::ForwardingDevice::read();
         }
         measured.time_s = now_s;
         return measured;

@@ -1,7 +1,7 @@
 // Loops for tests of stability, drawn at random over what motors, servos and hands may be.
 #pragma once
 
-#include "engine/analysis/stability/stability_limits.h"
+#include "engine/lab/limits/stability_limits.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -28,9 +28,9 @@ private:
 };
 
 /// A motor such as there are from watch makers' to robots'.
-inline MotorParameters random_motor(std::mt19937_64 &random) {
+inline device::MotorParameters random_motor(std::mt19937_64 &random) {
     Draw draw(random);
-    MotorParameters motor = phantom_1_0().motor[0];
+    device::MotorParameters motor = phantom_1_0().motor[0];
     motor.resistance_Ohm = draw.by_ratio(0.5, 10.0);
     motor.inductance_H = draw.by_ratio(5e-5, 2e-3);
     motor.torque_constant_Nm_per_A = draw.by_ratio(0.01, 0.06);
@@ -39,9 +39,10 @@ inline MotorParameters random_motor(std::mt19937_64 &random) {
 }
 
 /// Gains of a loop that may be stable.
-inline Tuning random_tuning(const MotorParameters &motor, std::mt19937_64 &random) {
+inline control::Tuning random_tuning(const device::MotorParameters &motor,
+                                     std::mt19937_64 &random) {
     Draw draw(random);
-    Tuning tuning;
+    control::Tuning tuning;
     tuning.dR_Ohm = motor.resistance_Ohm * draw.by_ratio(0.05, 1.0);
     tuning.K_P_V_per_rad = draw.by_ratio(0.1, 10.0);
     tuning.K_D_Vs_per_rad = draw.even(0.0, 0.02);
@@ -51,22 +52,23 @@ inline Tuning random_tuning(const MotorParameters &motor, std::mt19937_64 &rando
 }
 
 /// One motor that moves an inertia of its own, in one hand or in none.
-inline StabilityCase random_rotor_loop(std::mt19937_64 &random) {
+inline loops::StabilityCase random_rotor_loop(std::mt19937_64 &random) {
     Draw draw(random);
-    StabilityCase which;
+    loops::StabilityCase which;
     which.device = phantom_1_0();
     which.device.motor.fill(random_motor(random));
     which.tuning = random_tuning(which.device.motor[0], random);
     which.period_s = draw.by_ratio(2e-4, 2e-3);
     which.delay_periods = draw.whole(0, 3);
-    which.rotor = RotorLoad{draw.by_ratio(1e-6, 1e-4), draw.by_ratio(1e-7, 1e-3), 0.0};
-    which.hands = {draw.whole(0, 2) == 0 ? no_hand() : hand_of_firmness(draw.even(0.0, 1.0))};
+    which.rotor = device::RotorLoad{draw.by_ratio(1e-6, 1e-4), draw.by_ratio(1e-7, 1e-3), 0.0};
+    which.hands = {draw.whole(0, 2) == 0 ? loops::no_hand()
+                                         : loops::hand_of_firmness(draw.even(0.0, 1.0))};
     return which;
 }
 
 /// The same with a delay of any number of periods up to three.
-inline StabilityCase random_delayed_loop(std::mt19937_64 &random) {
-    StabilityCase which = random_rotor_loop(random);
+inline loops::StabilityCase random_delayed_loop(std::mt19937_64 &random) {
+    loops::StabilityCase which = random_rotor_loop(random);
     which.delay_periods = Draw(random).even(0.0, 3.0);
     return which;
 }

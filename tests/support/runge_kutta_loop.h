@@ -2,8 +2,8 @@
 // predicts and what simulates.
 #pragma once
 
-#include "device/phantom/kinematics.h"
-#include "engine/analysis/stability/stability_case.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/lab/loops/stability_case.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,19 +18,20 @@ namespace springdrive::testing {
 ///         changes within the period, and steps end there
 class RungeKuttaLoop {
 public:
-    explicit RungeKuttaLoop(const StabilityCase &which)
+    explicit RungeKuttaLoop(const loops::StabilityCase &which)
         : tuning_(which.tuning), motor_(which.device.motor[1]),
           dR_Ohm_(which.dR_Ohm(which.device.motor[1])), period_s_(which.period_s),
           load_(*which.rotor) {
         double whole = 0.0;
         fraction_ = std::modf(which.delay_periods, &whole);
         held_V_.assign(static_cast<std::size_t>(whole) + 1, 0.0);
-        const double lever_m = motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
-        const Hand &hand = which.hands.front();
+        const double lever_m =
+            device::motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
+        const loops::Hand &hand = which.hands.front();
         load_.inertia_kg_m2 += hand.mass_kg * lever_m * lever_m;
         load_.damping_Nms_per_rad += hand.damping_Ns_per_m * lever_m * lever_m;
         load_.stiffness_Nm_per_rad += hand.stiffness_N_per_m * lever_m * lever_m;
-        const double K_L = inductive_stiffness_Nm_per_rad(motor_);
+        const double K_L = device::inductive_stiffness_Nm_per_rad(motor_);
         const double fastest_per_s =
             std::max(std::abs(dR_Ohm_) / motor_.inductance_H,
                      std::sqrt((K_L + load_.stiffness_Nm_per_rad) / load_.inertia_kg_m2) +
@@ -106,11 +107,11 @@ private:
         state_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     }
 
-    Tuning tuning_;
-    MotorParameters motor_;
+    control::Tuning tuning_;
+    device::MotorParameters motor_;
     double dR_Ohm_;
     double period_s_;
-    RotorLoad load_;
+    device::RotorLoad load_;
     double fraction_ = 0.0; ///< of d
     double steps_a_second_ = 0.0;
     Vector3 state_{1e-3, 0.1, 0.0}; ///< θ, θ̇, i

@@ -1,26 +1,27 @@
 // Surfaces that several tests share.
 #pragma once
 
-#include "engine/contact/triangle_soup.h"
+#include "engine/contact/mesh/triangle_soup.h"
 
 #include <array>
 #include <cstdint>
 #include <ostream>
 
-namespace springdrive {
+namespace springdrive::contact {
 
 /// For GoogleTest, which would print its bytes.
 inline void PrintTo(const TriangleSoup &soup, std::ostream *out) {
     *out << soup.triangles.size() << " triangles";
 }
 
-} // namespace springdrive
+} // namespace springdrive::contact
 
 namespace springdrive::testing {
 
 /// A closed box, wound outward, with one material.
-inline TriangleSoup box_soup(const Vector3 &lower_m, const Vector3 &upper_m, double eta = 0.0) {
-    TriangleSoup soup;
+inline contact::TriangleSoup box_soup(const Vector3 &lower_m, const Vector3 &upper_m,
+                                      double eta = 0.0) {
+    contact::TriangleSoup soup;
     for (int corner = 0; corner < 8; ++corner) {
         soup.vertices_m.emplace_back((corner & 1) != 0 ? upper_m.x() : lower_m.x(),
                                      (corner & 2) != 0 ? upper_m.y() : lower_m.y(),

@@ -32,20 +32,20 @@ double beyond_stops_rad(std::uint32_t serial) { return 0.05 - 0.001 * serial; }
 double global_alpha(std::uint32_t serial) { return 500.0 + 100.0 * serial; }
 double surface_eta(std::uint32_t scene_id) { return 0.2 * (scene_id % 3U); }
 
-SimulationOptions at_rate(double servo_hz) {
-    SimulationOptions options;
+simulated::SimulationOptions at_rate(double servo_hz) {
+    simulated::SimulationOptions options;
     options.servo_period_s = 1.0 / servo_hz;
     return options;
 }
 
-HapticSurface plate(std::uint32_t scene_id) {
-    return HapticSurface(box_soup(Vector3(-0.1, -0.04, -0.1), Vector3(0.1, 0.001 * scene_id, 0.1),
-                                  surface_eta(scene_id)));
+contact::HapticSurface plate(std::uint32_t scene_id) {
+    return contact::HapticSurface(box_soup(
+        Vector3(-0.1, -0.04, -0.1), Vector3(0.1, 0.001 * scene_id, 0.1), surface_eta(scene_id)));
 }
 
-bool passes(const ServoSample &sample) {
-    return sample.safety.state == SafetyState::starting ||
-           sample.safety.state == SafetyState::running;
+bool passes(const servo::ServoSample &sample) {
+    return sample.safety.state == servo::SafetyState::starting ||
+           sample.safety.state == servo::SafetyState::running;
 }
 
 } // namespace
@@ -57,7 +57,7 @@ std::string StormFigures::text() const {
         << greatest_step_V << " V, trips:";
     for (std::size_t cause = 1; cause < by_cause.size(); ++cause) {
         if (by_cause[cause] > 0) {
-            out << ' ' << kTripCauseNames[cause] << ' ' << by_cause[cause];
+            out << ' ' << servo::kTripCauseNames[cause] << ' ' << by_cause[cause];
         }
     }
     return out.str();
@@ -75,8 +75,8 @@ TuningStorm::TuningStorm(double servo_hz)
 void TuningStorm::publish() {
     const auto serial = std::uniform_int_distribution<std::uint32_t>(0, kSerials - 1)(random_);
     std::uniform_real_distribution<double> share(0.0, 1.0);
-    Tuning &tuning = inputs_.tuning;
-    for (const Parameter &parameter : kParameters) {
+    control::Tuning &tuning = inputs_.tuning;
+    for (const control::Parameter &parameter : control::kParameters) {
         const double x = share(random_);
         tuning.*parameter.value =
             parameter.logarithmic
@@ -86,8 +86,8 @@ void TuningStorm::publish() {
     }
     tuning.K_D_Vs_per_rad = tuning.K_P_V_per_rad / 200.0;
     tuning.eta = tuning.alpha_rad2_per_m2 / 20'000.0;
-    tuning.map = serial % 2 == 0 ? MotionMap::transpose : MotionMap::inverse;
-    tuning.alpha_mode = static_cast<AlphaMode>(serial % 3);
+    tuning.map = serial % 2 == 0 ? control::MotionMap::transpose : control::MotionMap::inverse;
+    tuning.alpha_mode = static_cast<control::AlphaMode>(serial % 3);
     inputs_.limits.winding_C = winding_C(serial);
     inputs_.limits.beyond_stops_rad = beyond_stops_rad(serial);
     inputs_.global_alpha_rad2_per_m2 = global_alpha(serial);
@@ -101,32 +101,32 @@ void TuningStorm::publish() {
 }
 
 /// Up and down, again and again; up after a trip, for the rest that a start wants.
-void TuningStorm::lift_and_press(const ServoSample &sample) {
+void TuningStorm::lift_and_press(const servo::ServoSample &sample) {
     const auto ticks = static_cast<std::uint64_t>(kPress_s / period_s_);
     if (passes(sample)) {
         if (sample.tick % ticks == 0) {
             device_.set_hand_target(sample.tick / ticks % 2 == 0 ? kPressing_m : kAbove_m);
         }
-    } else if (sample.safety.state == SafetyState::tripped && sample.tick >= next_reset_) {
+    } else if (sample.safety.state == servo::SafetyState::tripped && sample.tick >= next_reset_) {
         ++figures_.trips;
         ++figures_.by_cause[static_cast<std::size_t>(sample.safety.cause)];
-        expect(sample.safety.cause != TripCause::torn_inputs, sample, "torn inputs");
+        expect(sample.safety.cause != servo::TripCause::torn_inputs, sample, "torn inputs");
         device_.set_hand_target(kFree_m);
         ++inputs_.reset_count;
         next_reset_ = sample.tick + ticks;
     }
 }
 
-void TuningStorm::expect(bool good, const ServoSample &sample, const char *what) {
+void TuningStorm::expect(bool good, const servo::ServoSample &sample, const char *what) {
     if (!good && figures_.faults++ < kMostTold) {
         ADD_FAILURE() << what << " in tick " << sample.tick;
     }
 }
 
 /// What is in force is whole, and within its ranges.
-void TuningStorm::check_set(const ServoSample &sample) {
-    const Tuning &tuning = sample.tuning;
-    expect(is_valid(tuning), sample, "a parameter out of its range");
+void TuningStorm::check_set(const servo::ServoSample &sample) {
+    const control::Tuning &tuning = sample.tuning;
+    expect(control::is_valid(tuning), sample, "a parameter out of its range");
     const double serial_of_alpha = (sample.global_alpha_rad2_per_m2 - 500.0) / 100.0;
     const auto serial = static_cast<std::uint32_t>(std::lround(serial_of_alpha));
     expect(sample.global_alpha_rad2_per_m2 == global_alpha(serial) && serial < kSerials, sample,
@@ -134,7 +134,7 @@ void TuningStorm::check_set(const ServoSample &sample) {
     expect(sample.limits.winding_C == winding_C(serial) &&
                sample.limits.beyond_stops_rad == beyond_stops_rad(serial),
            sample, "limits of another set");
-    expect((tuning.map == MotionMap::transpose) == (serial % 2 == 0) &&
+    expect((tuning.map == control::MotionMap::transpose) == (serial % 2 == 0) &&
                static_cast<std::uint32_t>(tuning.alpha_mode) == serial % 3,
            sample, "a map of another set");
     // Glided together, arrived together: within what counts as arrived.
@@ -146,32 +146,33 @@ void TuningStorm::check_set(const ServoSample &sample) {
 }
 
 /// e_W as wanted on the state of one sample under the tuning of another, within the supply.
-Vector3 TuningStorm::wanted_V(const ServoSample &state, const ServoSample &tuned,
-                              const Configuration &now) const {
+Vector3 TuningStorm::wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
+                              const control::Configuration &now) const {
     return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
 }
 
 /// The step that this tick's changes alone made of e_W: to what it would have been without them,
 /// or after a change of scene to what it last was. And R̂ i, by as little.
-void TuningStorm::check_step(const ServoSample &sample) {
+void TuningStorm::check_step(const servo::ServoSample &sample) {
     const auto within_supply = [&](const Vector3 &e_W_V) -> Vector3 {
         return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
     };
-    const auto configuration = [&](const ServoSample &tuned) {
-        VelocityFilter filter(before_.theta_rad, before_.theta_rate_rad_per_s);
+    const auto configuration = [&](const servo::ServoSample &tuned) {
+        control::VelocityFilter filter(before_.theta_rad, before_.theta_rate_rad_per_s);
         const double since_last_s = (1.0 + sample.missed_periods) * period_s_;
-        const double pole = velocity_filter_pole(tuned.tuning.lambda_rad_per_s, since_last_s);
+        const double pole =
+            control::velocity_filter_pole(tuned.tuning.lambda_rad_per_s, since_last_s);
         return law_.configuration(sample.theta_rad,
                                   filter.update(sample.theta_rad, pole, since_last_s));
     };
-    const Configuration now = configuration(sample);
+    const control::Configuration now = configuration(sample);
     expect((now.theta_rate_rad_per_s - sample.theta_rate_rad_per_s).norm() < 1e-6, sample,
            "a velocity that is not the filter's");
     const Vector3 after_V = within_supply(wanted_V(sample, sample, now)) + sample.carried_V;
     Vector3 unchanged_V;
     if (sample.scene_id != before_.scene_id) {
         ++figures_.scenes;
-        const Configuration then =
+        const control::Configuration then =
             law_.configuration(before_.theta_rad, before_.theta_rate_rad_per_s);
         unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.carried_V);
     } else {
@@ -180,14 +181,14 @@ void TuningStorm::check_step(const ServoSample &sample) {
     }
     const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();
     figures_.greatest_step_V = std::max(figures_.greatest_step_V, step_V);
-    expect(step_V <= kGreatestChange_V_per_s * period_s_ + 1e-6, sample, "a step in e_W");
+    expect(step_V <= servo::kGreatestChange_V_per_s * period_s_ + 1e-6, sample, "a step in e_W");
     const double peak_A = device_.description().motor[0].peak_current_A;
     expect(std::abs(sample.tuning.dR_Ohm - before_.tuning.dR_Ohm) * peak_A <=
-               kGreatestChange_V_per_s * period_s_ + 1e-9,
+               servo::kGreatestChange_V_per_s * period_s_ + 1e-9,
            sample, "a step in R̂ i");
 }
 
-void TuningStorm::check(const ServoSample &sample) {
+void TuningStorm::check(const servo::ServoSample &sample) {
     expect(sample.tick == figures_.samples, sample, "a lost sample");
     ++figures_.samples;
     check_set(sample);
@@ -213,11 +214,11 @@ StormFigures TuningStorm::blow(double seconds) {
         while (figures_.published < due) {
             publish();
         }
-        servo_.drain([&](const ServoSample &sample) { check(sample); });
+        servo_.drain([&](const servo::ServoSample &sample) { check(sample); });
         std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
     servo_.stop();
-    servo_.drain([&](const ServoSample &sample) { check(sample); });
+    servo_.drain([&](const servo::ServoSample &sample) { check(sample); });
     EXPECT_EQ(servo_.lost_samples(), 0U);
     return figures_;
 }

@@ -26,7 +26,7 @@ struct StormFigures {
     std::uint64_t scenes = 0; ///< that came into force
     std::uint64_t trips = 0;  ///< wild tunings are not all stable
     std::uint64_t faults = 0; ///< expectations that failed; the first few say which
-    std::array<int, kTripCauseNames.size()> by_cause{};
+    std::array<int, servo::kTripCauseNames.size()> by_cause{};
     double greatest_step_V = 0.0; ///< that a change made of e_W in a tick
 
     [[nodiscard]] std::string text() const;
@@ -40,26 +40,26 @@ public:
 
 private:
     void publish();
-    void lift_and_press(const ServoSample &sample);
-    void check(const ServoSample &sample);
-    void check_set(const ServoSample &sample);
-    void check_step(const ServoSample &sample);
-    void expect(bool good, const ServoSample &sample, const char *what);
-    [[nodiscard]] Vector3 wanted_V(const ServoSample &state, const ServoSample &tuned,
-                                   const Configuration &now) const;
+    void lift_and_press(const servo::ServoSample &sample);
+    void check(const servo::ServoSample &sample);
+    void check_set(const servo::ServoSample &sample);
+    void check_step(const servo::ServoSample &sample);
+    void expect(bool good, const servo::ServoSample &sample, const char *what);
+    [[nodiscard]] Vector3 wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
+                                   const control::Configuration &now) const;
 
-    SimulatedPhantom device_;
-    HapticLaw law_;
+    simulated::SimulatedPhantom device_;
+    control::HapticLaw law_;
     Vector3 supply_V_;
     double period_s_;
-    std::array<HapticSurface, 3> surfaces_;
+    std::array<contact::HapticSurface, 3> surfaces_;
     std::mt19937 random_{61};
-    ServoInputs inputs_;
+    servo::ServoInputs inputs_;
     StormFigures figures_;
     bool knows_before_ = false;
-    ServoSample before_;
+    servo::ServoSample before_;
     std::uint64_t next_reset_ = 0; ///< no sooner than in this tick
-    Servo servo_;                  ///< the last, so that it stops first
+    servo::Servo servo_;           ///< the last, so that it stops first
 };
 
 } // namespace springdrive::testing

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
 using Corners = std::vector<std::optional<NameCorner>>;
@@ -52,4 +52,4 @@ TEST(NamePlaces, CrossTheFewestStrokes) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

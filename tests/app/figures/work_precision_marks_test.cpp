@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
-WorkPoint point(const std::string &method, double cost_ns, double error, bool stable = true) {
+rig::WorkPoint point(const std::string &method, double cost_ns, double error, bool stable = true) {
     return {method, "setting", {0.9 * cost_ns, cost_ns, 2.0 * cost_ns}, error, stable};
 }
 
@@ -26,7 +26,7 @@ double number_of(const ChartMarks &marks, const std::string &name) {
 }
 
 TEST(WorkPrecisionMarks, NumberTheMethodsOfTheRows) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a, b", 10, 1e-3), point("c", 1e3, 1e-3), point("a, b", 1e5, 1e-6)};
     const ChartMarks marks = work_precision_marks(chart, "note");
     EXPECT_EQ(value_of(marks, "methods"), "'\"a, b\" \"c\" '");
@@ -35,7 +35,7 @@ TEST(WorkPrecisionMarks, NumberTheMethodsOfTheRows) {
 }
 
 TEST(WorkPrecisionMarks, RangesHoldEveryPointAndItsSpread) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 1e3, 1e-5)};
     const ChartMarks marks = work_precision_marks(chart, "");
     EXPECT_LT(number_of(marks, "cost_low_s"), 9e-9);
@@ -46,7 +46,7 @@ TEST(WorkPrecisionMarks, RangesHoldEveryPointAndItsSpread) {
 }
 
 TEST(WorkPrecisionMarks, AnErrorOfZeroStandsBelowAllOthers) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, 0.0), point("b", 10, 1e-5), point("c", 10, NAN, false)};
     const ChartMarks marks = work_precision_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_of_zero"), 1e-6);
@@ -55,14 +55,14 @@ TEST(WorkPrecisionMarks, AnErrorOfZeroStandsBelowAllOthers) {
 }
 
 TEST(WorkPrecisionMarks, HaveRangesWhereNothingIsFinite) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, NAN, false), point("a", 10, INFINITY, false)};
     const ChartMarks marks = work_precision_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_low"), number_of(marks, "error_high"));
 }
 
 TEST(WorkPrecisionMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-6), point("exact", 10, 1.4e-17)};
     const ChartMarks marks = work_precision_marks(chart, "");
     EXPECT_GT(number_of(marks, "round_off"), 1.4e-17);
@@ -75,7 +75,7 @@ TEST(WorkPrecisionMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
 }
 
 TEST(WorkPrecisionMarks, AFailureWithoutAnErrorStandsAboveAll) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, NAN, false)};
     const ChartMarks marks = work_precision_marks(chart, "");
     EXPECT_EQ(number_of(marks, "has_failures"), 1.0);
@@ -88,7 +88,7 @@ TEST(WorkPrecisionMarks, AFailureWithoutAnErrorStandsAboveAll) {
 }
 
 TEST(WorkPrecisionMarks, NameTheEndsOfEachLineAtDifferentCorners) {
-    WorkPrecisionChart chart;
+    rig::WorkPrecisionChart chart;
     chart.points = {point("a", 10, 1.0), point("a", 100, 0.1), point("a", 1e4, 1e-3),
                     point("b", 10.1, 0.99), point("b", 1e4, 1e-5)};
     const ChartMarks marks = work_precision_marks(chart, "");
@@ -106,4 +106,4 @@ TEST(WorkPrecisionMarks, NameTheEndsOfEachLineAtDifferentCorners) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
-StabilityCase firm() {
-    StabilityCase which;
+loops::StabilityCase firm() {
+    loops::StabilityCase which;
     which.device = testing::phantom_1_0();
     return which;
 }
@@ -34,11 +34,11 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
     for (int row = 0; row < StabilityGrid::kRows; row += 3) {
         for (int column = 0; column < StabilityGrid::kColumns; column += 5) {
             // As typed into the tuning, where the grid sets the net resistance.
-            StabilityCase there = firm();
+            loops::StabilityCase there = firm();
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
             there.tuning.dR_Ohm = StabilityGrid::dR_Ohm(row);
             // The motors of this device are alike, so both are the same but for rounding.
-            EXPECT_NEAR(grid.at(column, row), worst_member(there).eigenvalue, 1e-9);
+            EXPECT_NEAR(grid.at(column, row), loops::worst_member(there).eigenvalue, 1e-9);
             stable += grid.at(column, row) < 1.0 ? 1 : 0;
         }
     }
@@ -54,4 +54,4 @@ TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
 constexpr PixelSize kViewport{880.0, 520.0};
@@ -257,4 +257,4 @@ TEST(Camera, ZoomNeverPassesThroughTheTarget) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

@@ -16,7 +16,7 @@
 #include <numbers>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::app {
 namespace {
 
 constexpr double kFloat_m = 1e-6; // of coordinates below a metre in float, summed a few times
@@ -44,16 +44,16 @@ TEST_P(EveryShape, IsWoundOutwardAlongItsNormals) {
     const ShapeMesh mesh = make_shape(GetParam());
     int with_area = 0;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-        const VisualVertex &a = mesh.vertices.at(mesh.indices[i]);
-        const VisualVertex &b = mesh.vertices.at(mesh.indices[i + 1]);
-        const VisualVertex &c = mesh.vertices.at(mesh.indices[i + 2]);
+        const scene::VisualVertex &a = mesh.vertices.at(mesh.indices[i]);
+        const scene::VisualVertex &b = mesh.vertices.at(mesh.indices[i + 1]);
+        const scene::VisualVertex &c = mesh.vertices.at(mesh.indices[i + 2]);
         const glm::vec3 area = glm::cross(to_vec3(b.position_m) - to_vec3(a.position_m),
                                           to_vec3(c.position_m) - to_vec3(a.position_m));
         if (glm::length(area) < 1e-5F) {
             continue; // at a pole
         }
         ++with_area;
-        for (const VisualVertex *corner : {&a, &b, &c}) {
+        for (const scene::VisualVertex *corner : {&a, &b, &c}) {
             ASSERT_NEAR(glm::length(to_vec3(corner->normal)), 1.0F, 1e-5F);
             ASSERT_GT(glm::dot(area, to_vec3(corner->normal)), 0.0F);
         }
@@ -116,19 +116,19 @@ TEST(Spindle, RunsFromPointToPointAtItsRadiusUnmirrored) {
 }
 
 TEST(LinkageSolids, ForearmRunsFromTheElbowToTheTip) {
-    const PhantomGeometry geometry = testing::phantom_1_0().geometry;
-    const LinkagePose pose = linkage_pose(geometry, Vector3(0.3, 0.2, -0.15));
+    const device::PhantomGeometry geometry = testing::phantom_1_0().geometry;
+    const device::LinkagePose pose = device::linkage_pose(geometry, Vector3(0.3, 0.2, -0.15));
     const Solid forearm = only_one(linkage_solids(pose, -0.06, false), Shape::taper);
     EXPECT_LT((start_of(forearm) - pose.elbow_m).norm(), kFloat_m);
     EXPECT_LT((end_of(forearm) - pose.tip_m).norm(), kFloat_m);
 }
 
 TEST(LinkageSolids, AreFiniteWhereTheLinkageIsSingularToo) {
-    const PhantomGeometry geometry = testing::phantom_1_0().geometry;
+    const device::PhantomGeometry geometry = testing::phantom_1_0().geometry;
     constexpr double kRightAngle = std::numbers::pi / 2.0;
     for (const Vector3 &q : {Vector3(0.0, 0.0, kRightAngle), Vector3(0.0, kRightAngle, 0.0),
                              Vector3(0.5, 0.0, -kRightAngle)}) {
-        const LinkagePose pose = linkage_pose(geometry, q);
+        const device::LinkagePose pose = device::linkage_pose(geometry, q);
         for (const Solid &solid : linkage_solids(pose, -0.06, false)) {
             ASSERT_TRUE(start_of(solid).allFinite() && end_of(solid).allFinite());
             ASSERT_GT(glm::determinant(glm::mat3(solid.model)), 0.0F);
@@ -137,8 +137,8 @@ TEST(LinkageSolids, AreFiniteWhereTheLinkageIsSingularToo) {
 }
 
 TEST(LinkageSolids, AreRedWhenTripped) {
-    const PhantomGeometry geometry = testing::phantom_1_0().geometry;
-    const LinkagePose pose = linkage_pose(geometry, Vector3::Zero());
+    const device::PhantomGeometry geometry = testing::phantom_1_0().geometry;
+    const device::LinkagePose pose = device::linkage_pose(geometry, Vector3::Zero());
     for (const Solid &solid : linkage_solids(pose, -0.06, true)) {
         EXPECT_GT(solid.colour.r, 2.0F * solid.colour.g);
         EXPECT_GT(solid.colour.r, 2.0F * solid.colour.b);
@@ -209,4 +209,4 @@ TEST_F(Markers, TargetRingFacesTheCamera) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::app

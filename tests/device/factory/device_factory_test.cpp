@@ -2,7 +2,7 @@
 #include "device/factory/device_factory.h"
 
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::factory {
 namespace {
 
 const Vector3 kStart_m(0.01, 0.02, -0.01);
@@ -25,7 +25,7 @@ DeviceRequest request() {
     return asked;
 }
 
-Vector3 theta_rad(const OpenDevice &open, const Measurement &measured) {
+Vector3 theta_rad(const OpenDevice &open, const device::Measurement &measured) {
     const double rad_per_count = open.device().description().rad_per_count();
     return rad_per_count * Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
 }
@@ -49,7 +49,7 @@ TEST(DeviceFactory, OpensWhatIsPresentByKindAndSerial) {
     EXPECT_EQ(open.identity().serial, asked.serial);
     EXPECT_EQ(open.state(), DeviceState::zeroed);
     EXPECT_NE(open.world(), nullptr);
-    EXPECT_EQ(open.device().read().health, DeviceHealth::ok);
+    EXPECT_EQ(open.device().read().health, device::DeviceHealth::ok);
 }
 
 TEST(DeviceFactory, SaysInOneLineWhatIsNotThere) {
@@ -72,9 +72,10 @@ TEST(DeviceFactory, SaysInOneLineWhatIsNotThere) {
 
 TEST(DeviceFactory, TheSimulatedOneKnowsWhereItStands) {
     OpenDevice open = open_device(request());
-    const PhantomGeometry &geometry = open.device().description().geometry;
+    const device::PhantomGeometry &geometry = open.device().description().geometry;
     const Vector3 theta = theta_rad(open, open.device().read());
-    const Vector3 tip_m = tip_position_m(geometry, joint_from_motor(geometry, theta));
+    const Vector3 tip_m =
+        device::tip_position_m(geometry, device::joint_from_motor(geometry, theta));
     EXPECT_LT((tip_m - kStart_m).norm(), 1e-3); // to its counts, and what its weight bends the hand
 }
 
@@ -106,16 +107,17 @@ TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
     constexpr std::array kCalls{Call::zero, Call::close, Call::reconnect};
     for (int order = 0; order < 81; ++order) {
         OpenDevice open = open_device(request());
-        const HapticDevice *const device = &open.device();
+        const device::HapticDevice *const device = &open.device();
         DeviceState expected = DeviceState::zeroed;
         for (int rest = order, n = 0; n < 4; ++n, rest /= 3) {
             const Call call = kCalls[static_cast<std::size_t>(rest % 3)];
             make(call, open, expected);
             ASSERT_EQ(open.state(), expected) << order << ", call " << n;
-            const Measurement measured = open.device().read();
+            const device::Measurement measured = open.device().read();
             const bool is_closed = expected == DeviceState::closed;
-            ASSERT_EQ(measured.health, is_closed ? DeviceHealth::lost : DeviceHealth::ok);
-            ASSERT_EQ(has_news(measured.arrival), !is_closed);
+            ASSERT_EQ(measured.health,
+                      is_closed ? device::DeviceHealth::lost : device::DeviceHealth::ok);
+            ASSERT_EQ(device::has_news(measured.arrival), !is_closed);
             const double tolerance_rad = 40.0 * device->description().rad_per_count();
             if (call == Call::zero && !is_closed) {
                 ASSERT_LT((theta_rad(open, measured) - kElsewhere_rad).norm(), tolerance_rad);
@@ -129,7 +131,7 @@ TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
 
 TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
     OpenDevice open = open_device(request());
-    DeviceCommand command;
+    device::DeviceCommand command;
     command.e_W_V = Vector3(2.0, 2.0, 2.0);
     const auto greatest_current_A = [&] {
         double greatest_A = 0.0;
@@ -150,11 +152,11 @@ TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
 
 TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {
     OpenDevice open = open_device(request());
-    const Measurement before = open.device().read();
+    const device::Measurement before = open.device().read();
     open.close();
     static_cast<void>(open.device().read());
     open.reconnect();
-    const Measurement after = open.device().read();
+    const device::Measurement after = open.device().read();
     EXPECT_EQ(after.number, before.number + 2);
     EXPECT_GT(after.time_s, before.time_s);
 }
@@ -162,12 +164,12 @@ TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {
 TEST(DeviceFactory, AssignmentClosesAndTakesOver) {
     OpenDevice open = open_device(request());
     OpenDevice other = open_device(request());
-    const HapticDevice *const taken = &other.device();
+    const device::HapticDevice *const taken = &other.device();
     open = std::move(other);
     EXPECT_EQ(&open.device(), taken);
     EXPECT_EQ(open.state(), DeviceState::zeroed);
-    EXPECT_EQ(open.device().read().health, DeviceHealth::ok);
+    EXPECT_EQ(open.device().read().health, device::DeviceHealth::ok);
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::factory

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 using Modes = std::array<FrictionMode, 3>;
@@ -171,4 +171,4 @@ TEST(FrictionSolver, TwoJointsAreThreeWithOneByItself) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

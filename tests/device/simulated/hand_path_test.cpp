@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 std::filesystem::path written(const std::string &name, const std::string &text) {
@@ -74,4 +74,4 @@ TEST(HandPath, SaysWhichLineIsWrong) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -12,11 +12,11 @@
 #include <cmath>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
-const JointLimits &limits() {
-    static const JointLimits read = testing::phantom_1_0().joint_limits;
+const device::JointLimits &limits() {
+    static const device::JointLimits read = testing::phantom_1_0().joint_limits;
     return read;
 }
 
@@ -75,7 +75,8 @@ TEST(JointStops, AreNotFeltInside) {
 
 TEST(JointStops, PressBackBeyondEachOfTheirEightLines) {
     const double fold_rad = 0.5;
-    const JointLimits box{Vector3::Constant(-1.0), Vector3::Constant(1.0), -fold_rad, fold_rad};
+    const device::JointLimits box{Vector3::Constant(-1.0), Vector3::Constant(1.0), -fold_rad,
+                                  fold_rad};
     struct Line {
         Vector3 at_rad;
         Vector3 outwards;
@@ -102,4 +103,4 @@ TEST(JointStops, PressBackBeyondEachOfTheirEightLines) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -2,7 +2,7 @@
 // on, the plant never gains energy, and friction holds what it can hold.
 #include "device/simulated/simulated_phantom.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -13,7 +13,7 @@
 #include <limits>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 const Vector3 kStart_m(0.02, 0.03, 0.01);
@@ -29,21 +29,21 @@ SimulationOptions free_running(double mass_kg) {
 HandPath at(const Vector3 &target_m) { return HandPath({{0.0, target_m}}); }
 
 /// A place in the workspace that the linkage can take.
-Vector3 random_place(std::mt19937_64 &random, const DeviceDescription &device) {
+Vector3 random_place(std::mt19937_64 &random, const device::DeviceDescription &device) {
     while (true) {
         const Vector3 q_rad = testing::random_workspace_angles(device, random);
         if (device.joint_limits.allow(q_rad)) {
-            return tip_position_m(device.geometry, q_rad);
+            return device::tip_position_m(device.geometry, q_rad);
         }
     }
 }
 
-class FreeRunning : public ::testing::TestWithParam<AmplifierKind> {};
+class FreeRunning : public ::testing::TestWithParam<device::AmplifierKind> {};
 
 TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
     std::mt19937_64 random(11);
     for (int run = 0; run < 100; ++run) {
-        const DeviceDescription description =
+        const device::DeviceDescription description =
             run % 2 == 0 ? testing::phantom_1_0() : testing::phantom_premium_1_5();
         SimulationOptions options = free_running(0.05);
         options.amplifier = GetParam();
@@ -56,7 +56,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
             options.effects.coulomb_friction = false;
         }
         SimulatedPhantom device(description, options, random_place(random, description));
-        const bool shorted = GetParam() == AmplifierKind::spring_drive;
+        const bool shorted = GetParam() == device::AmplifierKind::spring_drive;
         device.set_in_motion(testing::random_vector(random, 6.0),
                              shorted ? testing::random_vector(random, 2.0) : Vector3::Zero());
 
@@ -65,7 +65,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
         const double scale_J = std::abs(before_J) + 0.1;
         double total_rise_J = 0.0;
         for (int k = 0; k < 1000; ++k) {
-            device.advance(DeviceCommand::braking());
+            device.advance(device::DeviceCommand::braking());
             const double now_J = device.stored_energy_J();
             // 10 sub-steps of some tens of operations each, every one of round-off ε.
             ASSERT_LE(now_J - before_J, 10 * 50 * std::numeric_limits<double>::epsilon() * scale_J)
@@ -79,28 +79,29 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Windings, FreeRunning,
-                         ::testing::Values(AmplifierKind::current_drive,
-                                           AmplifierKind::spring_drive),
+                         ::testing::Values(device::AmplifierKind::current_drive,
+                                           device::AmplifierKind::spring_drive),
                          [](const auto &instance) {
-                             return instance.param == AmplifierKind::current_drive ? "Undriven"
-                                                                                   : "Shorted";
+                             return instance.param == device::AmplifierKind::current_drive
+                                        ? "Undriven"
+                                        : "Shorted";
                          });
 
 TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
     // 300 rad/s under half a kilogramme, ten times the default step: one step alone has no answer
     // that iteration finds.
-    DeviceDescription description = testing::phantom_premium_1_5();
+    device::DeviceDescription description = testing::phantom_premium_1_5();
     description.inertia.tip_load_kg = 0.5;
     SimulationOptions options = free_running(0.0);
-    options.amplifier = AmplifierKind::current_drive;
+    options.amplifier = device::AmplifierKind::current_drive;
     options.effects = PlantEffects::none();
     options.longest_step_s = 1e-3;
     SimulatedPhantom device(description, options,
-                            tip_position_m(description.geometry, Vector3(0.1, 0.2, 0.1)));
+                            device::tip_position_m(description.geometry, Vector3(0.1, 0.2, 0.1)));
     device.set_in_motion(300.0 * Vector3(0.6, 0.64, -0.48), Vector3::Zero());
     const double initial_J = device.stored_energy_J();
     for (int k = 0; k < 1000; ++k) {
-        device.advance(DeviceCommand::braking());
+        device.advance(device::DeviceCommand::braking());
         ASSERT_LE(device.stored_energy_J(), initial_J * (1.0 + 1e-12)) << "period " << k;
     }
     EXPECT_NEAR(device.stored_energy_J(), initial_J, 1e-9 * initial_J);
@@ -109,7 +110,8 @@ TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
 TEST(Lossless, FreeRunningKeepsItsEnergy) {
     std::mt19937_64 random(12);
     SimulationOptions options = free_running(0.0);
-    options.amplifier = AmplifierKind::current_drive; // commanded to no current: open windings
+    options.amplifier =
+        device::AmplifierKind::current_drive; // commanded to no current: open windings
     options.effects = PlantEffects::none();
     options.effects.gravity = true;
     for (int run = 0; run < 5; ++run) {
@@ -118,7 +120,7 @@ TEST(Lossless, FreeRunningKeepsItsEnergy) {
         device.set_in_motion(testing::random_vector(random, 6.0), Vector3::Zero());
         const double initial_J = device.stored_energy_J();
         for (int k = 0; k < 1000; ++k) {
-            device.advance(DeviceCommand::braking());
+            device.advance(device::DeviceCommand::braking());
             // 100,000 sub-steps whose round-off adds up like a random walk.
             ASSERT_NEAR(device.stored_energy_J(), initial_J, 1e-12 * (std::abs(initial_J) + 0.1));
         }
@@ -136,14 +138,14 @@ SimulationOptions pulled(const Vector3 &force_N) {
 }
 
 /// The joints' share of their breakaway torque under a force at the tip, the largest.
-double load_share(const DeviceDescription &device, const Vector3 &force_N) {
-    const Vector3 q_rad = *joint_angles_rad(device.geometry, kStart_m);
-    const Vector3 torque_Nm = joint_jacobian(device.geometry, q_rad).transpose() * force_N;
+double load_share(const device::DeviceDescription &device, const Vector3 &force_N) {
+    const Vector3 q_rad = *device::joint_angles_rad(device.geometry, kStart_m);
+    const Vector3 torque_Nm = device::joint_jacobian(device.geometry, q_rad).transpose() * force_N;
     return torque_Nm.cwiseAbs().cwiseQuotient(device.friction.coulomb_Nm).maxCoeff();
 }
 
 TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
-    const DeviceDescription description = testing::phantom_1_0();
+    const device::DeviceDescription description = testing::phantom_1_0();
     std::mt19937_64 random(3);
     std::normal_distribution<double> one;
     for (int run = 0; run < 3; ++run) {
@@ -153,9 +155,9 @@ TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
         options.longest_step_s = 5e-4;
         SimulatedPhantom device(description, options, kStart_m);
         const Vector3 start_rad = device.truth().theta_rad;
-        const Measurement first = device.advance(DeviceCommand::braking());
+        const device::Measurement first = device.advance(device::DeviceCommand::braking());
         for (int k = 0; k < 60'000; ++k) {
-            ASSERT_EQ(device.advance(DeviceCommand::braking()).counts, first.counts);
+            ASSERT_EQ(device.advance(device::DeviceCommand::braking()).counts, first.counts);
         }
         EXPECT_EQ(device.truth().theta_rad, start_rad);
         EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
@@ -163,14 +165,14 @@ TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
 }
 
 TEST(Friction, GivesWayAboveBreakaway) {
-    const DeviceDescription description = testing::phantom_1_0();
+    const device::DeviceDescription description = testing::phantom_1_0();
     for (const double share : {0.999, 1.001}) {
         Vector3 force_N(0.3, 1.0, -0.2);
         force_N *= share / load_share(description, force_N);
         SimulatedPhantom device(description, pulled(force_N), kStart_m);
         const Vector3 start_rad = device.truth().theta_rad;
         for (int k = 0; k < 1000; ++k) {
-            device.advance(DeviceCommand::braking());
+            device.advance(device::DeviceCommand::braking());
         }
         EXPECT_EQ(device.truth().theta_rad != start_rad, share > 1.0);
     }
@@ -184,11 +186,11 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
     SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
     device.set_in_motion(Vector3(2.0, -3.0, 2.5), Vector3::Zero());
     for (int k = 0; k < 3000; ++k) {
-        device.advance(DeviceCommand::braking());
+        device.advance(device::DeviceCommand::braking());
     }
     const Vector3 rest_rad = device.truth().theta_rad;
     for (int k = 0; k < 3000; ++k) {
-        device.advance(DeviceCommand::braking());
+        device.advance(device::DeviceCommand::braking());
         ASSERT_EQ(device.truth().theta_rad, rest_rad);
         ASSERT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
     }
@@ -197,7 +199,7 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
 TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     // Alone, Coulomb friction takes τ_c |Δq| from every joint that turns.
     SimulationOptions options = free_running(0.0);
-    options.amplifier = AmplifierKind::current_drive;
+    options.amplifier = device::AmplifierKind::current_drive;
     options.effects = PlantEffects::none();
     options.effects.coulomb_friction = true;
     SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
@@ -207,12 +209,13 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     Vector3 way_rad = Vector3::Zero();
     Vector3 before_rad = device.truth().theta_rad;
     for (int k = 0; k < 400; ++k) {
-        device.advance(DeviceCommand::braking());
+        device.advance(device::DeviceCommand::braking());
         way_rad += (device.truth().theta_rad - before_rad).cwiseAbs();
         before_rad = device.truth().theta_rad;
     }
     EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
-    const double lost_J = coulomb_Nm.dot(joint_from_motor(device.description().geometry, way_rad));
+    const double lost_J =
+        coulomb_Nm.dot(device::joint_from_motor(device.description().geometry, way_rad));
     // Exact but for the one sub-step in which a joint stops, h = 100 µs of a tenth of a second.
     EXPECT_NEAR(lost_J / initial_J, 1.0, 1e-3);
 }
@@ -223,11 +226,12 @@ TEST(JointStops, HoldALinkageThatFallsIntoThem) {
     const double at_rest_J = device.stored_energy_J();
     device.set_in_motion(Vector3(8.0, 5.0, -5.0), Vector3::Zero());
     const double kinetic_J = device.stored_energy_J() - at_rest_J;
-    const JointLimits &limits = device.description().joint_limits;
+    const device::JointLimits &limits = device.description().joint_limits;
     double deepest_rad = 0.0;
     for (int k = 0; k < 5000; ++k) {
-        device.advance(DeviceCommand::braking());
-        const Vector3 q = joint_from_motor(device.description().geometry, device.truth().theta_rad);
+        device.advance(device::DeviceCommand::braking());
+        const Vector3 q =
+            device::joint_from_motor(device.description().geometry, device.truth().theta_rad);
         deepest_rad = std::max({deepest_rad, (q - limits.highest_rad).maxCoeff(),
                                 (limits.lowest_rad - q).maxCoeff(),
                                 q[2] - q[1] - limits.greatest_q3_minus_q2_rad,
@@ -239,4 +243,4 @@ TEST(JointStops, HoldALinkageThatFallsIntoThem) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

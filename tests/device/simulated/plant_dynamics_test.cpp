@@ -3,7 +3,7 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "device/simulated/plant_model.h"
 #include "tests/support/configurations.h"
 #include "tests/support/cvode.h"
@@ -18,7 +18,7 @@
 #include <random>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 using Eigen::VectorXd;
@@ -37,11 +37,13 @@ SimulationOptions bare(PlantDynamics dynamics) {
     return options;
 }
 
-DeviceCommand voltage(const Vector3 &e_W_V) { return {e_W_V, Vector3::Constant(kCancelled_Ohm)}; }
+device::DeviceCommand voltage(const Vector3 &e_W_V) {
+    return {e_W_V, Vector3::Constant(kCancelled_Ohm)};
+}
 
 /// The tip's way from its start, under a constant command.
 template <typename Command>
-Vector3 moved_m(const DeviceDescription &device, const SimulationOptions &options,
+Vector3 moved_m(const device::DeviceDescription &device, const SimulationOptions &options,
                 const Command &command, int periods = kPeriods) {
     SimulatedPhantom plant(device, options, kStart_m);
     for (int k = 0; k < periods; ++k) {
@@ -56,16 +58,17 @@ constexpr double kSmall = 1e-6;
 
 /// The base joint at the start, reflected to itself.
 struct BaseJoint {
-    DeviceDescription device = testing::phantom_1_0();
-    Vector3 q_rad = *joint_angles_rad(device.geometry, kStart_m);
+    device::DeviceDescription device = testing::phantom_1_0();
+    Vector3 q_rad = *device::joint_angles_rad(device.geometry, kStart_m);
     double N = device.geometry.transmission_ratio[0];
     double k_T = device.motor[0].torque_constant_Nm_per_A;
     double dR_Ohm = device.motor[0].resistance_Ohm - kCancelled_Ohm;
-    double reach_m = joint_jacobian(device.geometry, q_rad).col(0).norm();
+    double reach_m = device::joint_jacobian(device.geometry, q_rad).col(0).norm();
     double drive_Nms_per_rad = N * N * k_T * k_T / dR_Ohm;
 
     [[nodiscard]] double inertia_kg_m2(double hand_kg) const {
-        return mass_matrix(linkage_moments(device.geometry, device.inertia, hand_kg), q_rad)(0, 0) +
+        return device::mass_matrix(
+                   device::linkage_moments(device.geometry, device.inertia, hand_kg), q_rad)(0, 0) +
                N * N * device.motor[0].rotor_inertia_kg_m2;
     }
 };
@@ -77,9 +80,9 @@ TEST(RigidBody, RunsUpAsARotorBehindADamper) {
     options.hand = {0.1, 0.0, 0.0, 0.0, 1.0};
     SimulatedPhantom plant(base.device, options, kStart_m);
     const double tau_s = base.inertia_kg_m2(options.hand.mass_kg) / base.drive_Nms_per_rad;
-    const DeviceCommand command = voltage(Vector3(kSmall, 0.0, 0.0));
+    const device::DeviceCommand command = voltage(Vector3(kSmall, 0.0, 0.0));
     for (int k = 1; k <= kPeriods; ++k) {
-        const Measurement state = plant.advance(command);
+        const device::Measurement state = plant.advance(command);
         const double rate = kSmall / base.k_T * (1.0 - std::exp(-1e-3 * k / tau_s));
         // Second order: (h/τ)²/12 = 5e-6 of the way, τ being 13 ms.
         ASSERT_NEAR(plant.truth().theta_rate_rad_per_s[0], rate, 1e-5 * kSmall / base.k_T);
@@ -92,7 +95,8 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
     // No mass: drive and hand's damper against the hand's spring, τ = (B + b r²)/(k r²).
     const BaseJoint base;
     SimulationOptions options = bare(PlantDynamics::coupling);
-    const Vector3 sideways = joint_jacobian(base.device.geometry, base.q_rad).col(0).normalized();
+    const Vector3 sideways =
+        device::joint_jacobian(base.device.geometry, base.q_rad).col(0).normalized();
     options.path = HandPath({{0.0, kStart_m + kSmall * sideways}});
     SimulatedPhantom plant(base.device, options, kStart_m);
     const double r_squared = base.reach_m * base.reach_m;
@@ -112,13 +116,13 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
 
 TEST(Coupling, WithACurrentDriveTheHandAloneHoldsTheTip) {
     SimulationOptions options = bare(PlantDynamics::coupling);
-    options.amplifier = AmplifierKind::current_drive;
+    options.amplifier = device::AmplifierKind::current_drive;
     const BaseJoint base;
     PlantCommand command;
     command.current_A[0] = kSmall;
     // At rest k x = J⁻ᵀ N k_T i, after ten time constants b/k of 20 ms.
     const Vector3 end_m = moved_m(base.device, options, command, 400);
-    const Matrix3 J = joint_jacobian(base.device.geometry, base.q_rad);
+    const Matrix3 J = device::joint_jacobian(base.device.geometry, base.q_rad);
     const Vector3 force_N = J.transpose().inverse() * Vector3(base.N * base.k_T * kSmall, 0.0, 0.0);
     EXPECT_LT((end_m - force_N / options.hand.stiffness_N_per_m).norm(), 1e-6 * end_m.norm());
 }
@@ -141,11 +145,11 @@ void PrintTo(const Case &plant, std::ostream *out) { *out << plant.name(); }
 /// The equations of simulated_phantom.h with what is left out left out, y = (q, q̇, i).
 class Equations {
 public:
-    Equations(const DeviceDescription &device, const SimulationOptions &options,
-              const Vector3 &start_m, const DeviceCommand &command)
+    Equations(const device::DeviceDescription &device, const SimulationOptions &options,
+              const Vector3 &start_m, const device::DeviceCommand &command)
         : device_(device), options_(options), command_(command), target_m_(start_m),
-          inertia_(linkage_moments(device.geometry, device.inertia, options.hand.mass_kg)),
-          weight_(linkage_moments(device.geometry, device.inertia, 0.0)) {}
+          inertia_(device::linkage_moments(device.geometry, device.inertia, options.hand.mass_kg)),
+          weight_(device::linkage_moments(device.geometry, device.inertia, 0.0)) {}
 
     [[nodiscard]] Vector3 tip_at_end_m(const Vector3 &start_q_rad,
                                        const Vector3 &start_rate) const {
@@ -153,7 +157,7 @@ public:
         start << start_q_rad, start_rate, Vector3::Zero();
         const VectorXd end = testing::integrate(
             [this](double, const VectorXd &y) { return rates(y); }, start, kEnd_s);
-        return tip_position_m(device_.geometry, end.head<3>());
+        return device::tip_position_m(device_.geometry, end.head<3>());
     }
 
 private:
@@ -175,14 +179,14 @@ private:
         const Vector3 w = y.segment<3>(3);
         const bool winds = options_.dynamics == PlantDynamics::electromechanical;
         const Vector3 current_A = winds ? Vector3(y.tail<3>()) : at_once_A(w);
-        Matrix3 M = mass_matrix(inertia_, q);
+        Matrix3 M = device::mass_matrix(inertia_, q);
         for (int j = 0; j < 3; ++j) {
             const double N = device_.geometry.transmission_ratio[j];
             M(j, j) += N * N * device_.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
         }
         y_rate.head<3>() = w;
         y_rate.segment<3>(3) =
-            solved(M, torque(q, w, current_A) - coriolis_torque_Nm(inertia_, q, w));
+            solved(M, torque(q, w, current_A) - device::coriolis_torque_Nm(inertia_, q, w));
         if (winds) {
             y_rate.tail<3>() =
                 (at_once_A(w) - current_A) * dR_Ohm() / device_.motor[0].inductance_H;
@@ -194,21 +198,21 @@ private:
         return device_.motor[0].resistance_Ohm - command_.cancelled_resistance_Ohm[0];
     }
     [[nodiscard]] Vector3 at_once_A(const Vector3 &w) const {
-        return (command_.e_W_V -
-                device_.motor[0].torque_constant_Nm_per_A * motor_from_joint(device_.geometry, w)) /
+        return (command_.e_W_V - device_.motor[0].torque_constant_Nm_per_A *
+                                     device::motor_from_joint(device_.geometry, w)) /
                dR_Ohm();
     }
     [[nodiscard]] Vector3 torque(const Vector3 &q, const Vector3 &w,
                                  const Vector3 &current_A) const {
-        const Matrix3 J = joint_jacobian(device_.geometry, q);
-        const HandParameters &hand = options_.hand;
+        const Matrix3 J = device::joint_jacobian(device_.geometry, q);
+        const device::HandParameters &hand = options_.hand;
         const Vector3 tip_N =
-            hand.stiffness_N_per_m * (target_m_ - tip_position_m(device_.geometry, q)) -
+            hand.stiffness_N_per_m * (target_m_ - device::tip_position_m(device_.geometry, q)) -
             hand.damping_Ns_per_m * (J * w);
-        return J.transpose() * tip_N - gravity_torque_Nm(weight_, q) -
+        return J.transpose() * tip_N - device::gravity_torque_Nm(weight_, q) -
                device_.friction.viscous_Nms_per_rad * w +
                device_.motor[0].torque_constant_Nm_per_A *
-                   motor_from_joint(device_.geometry, current_A);
+                   device::motor_from_joint(device_.geometry, current_A);
     }
     /// In a plane, the base joint does not answer.
     [[nodiscard]] Vector3 solved(const Matrix3 &A, const Vector3 &b) const {
@@ -220,18 +224,18 @@ private:
         return x;
     }
 
-    DeviceDescription device_;
+    device::DeviceDescription device_;
     SimulationOptions options_;
-    DeviceCommand command_;
+    device::DeviceCommand command_;
     Vector3 target_m_;
-    LinkageMoments inertia_;
-    LinkageMoments weight_;
+    device::LinkageMoments inertia_;
+    device::LinkageMoments weight_;
 };
 
 class ReducedPlant : public ::testing::TestWithParam<Case> {};
 
 TEST_P(ReducedPlant, IsMetAtSecondOrder) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random(81);
     for (int run = 0; run < 6; ++run) {
         SimulationOptions options = bare(GetParam().dynamics);
@@ -239,12 +243,12 @@ TEST_P(ReducedPlant, IsMetAtSecondOrder) {
         options.effects.gravity = true;
         options.effects.viscous_friction = true;
         const Vector3 start_q_rad = testing::random_workspace_angles(device, random);
-        const Vector3 start_m = tip_position_m(device.geometry, start_q_rad);
+        const Vector3 start_m = device::tip_position_m(device.geometry, start_q_rad);
         Vector3 start_rate = testing::random_vector(random, 1.0);
         if (options.planar) {
             start_rate[0] = 0.0;
         }
-        const DeviceCommand command = voltage(testing::random_vector(random, 0.3));
+        const device::DeviceCommand command = voltage(testing::random_vector(random, 0.3));
 
         const Vector3 truth_m =
             Equations(device, options, start_m, command).tip_at_end_m(start_q_rad, start_rate);
@@ -281,14 +285,14 @@ template <typename Fuller> double order(const Vector3 &reduced_m, const Fuller &
 }
 
 TEST(RigidBody, IsTheLimitOfSmallInductance) {
-    const DeviceCommand command = voltage(Vector3(0.1, -0.2, 0.15));
+    const device::DeviceCommand command = voltage(Vector3(0.1, -0.2, 0.15));
     SimulationOptions options = bare(PlantDynamics::rigid_body);
     options.longest_step_s = 10e-6;
     const Vector3 reduced_m = moved_m(testing::phantom_1_0(), options, command);
     options.dynamics = PlantDynamics::electromechanical;
     const double found = order(reduced_m, [&](double share) {
-        DeviceDescription device = testing::phantom_1_0();
-        for (MotorParameters &motor : device.motor) {
+        device::DeviceDescription device = testing::phantom_1_0();
+        for (device::MotorParameters &motor : device.motor) {
             motor.inductance_H *= share;
         }
         return moved_m(device, options, command);
@@ -297,20 +301,20 @@ TEST(RigidBody, IsTheLimitOfSmallInductance) {
 }
 
 TEST(Coupling, IsTheLimitOfSmallMasses) {
-    const DeviceCommand command = voltage(Vector3(0.1, -0.2, 0.15));
+    const device::DeviceCommand command = voltage(Vector3(0.1, -0.2, 0.15));
     SimulationOptions options = bare(PlantDynamics::coupling);
     options.longest_step_s = 10e-6;
     const Vector3 reduced_m = moved_m(testing::phantom_1_0(), options, command);
     options.dynamics = PlantDynamics::rigid_body;
     const double found = order(reduced_m, [&](double share) {
-        DeviceDescription device = testing::phantom_1_0();
-        for (LinkBody *body : {&device.inertia.upper_arm, &device.inertia.crank,
-                               &device.inertia.rod, &device.inertia.forearm}) {
+        device::DeviceDescription device = testing::phantom_1_0();
+        for (device::LinkBody *body : {&device.inertia.upper_arm, &device.inertia.crank,
+                                       &device.inertia.rod, &device.inertia.forearm}) {
             body->mass_kg *= share;
             body->inertia_kg_m2 *= share;
         }
         device.inertia.base_kg_m2 *= share;
-        for (MotorParameters &motor : device.motor) {
+        for (device::MotorParameters &motor : device.motor) {
             motor.rotor_inertia_kg_m2 *= share;
         }
         SimulationOptions light = options;
@@ -323,7 +327,7 @@ TEST(Coupling, IsTheLimitOfSmallMasses) {
 // The plane.
 
 TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random(82);
     for (const PlantModel &model : kPlantModels) {
         for (int run = 0; run < 4; ++run) {
@@ -336,8 +340,8 @@ TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
             SimulationOptions options;
             options.dynamics = model.dynamics;
             options.effects = model.effects;
-            options.path = HandPath({{0.0, tip_position_m(device.geometry, to_q_rad)}});
-            const Vector3 start_m = tip_position_m(device.geometry, q_rad);
+            options.path = HandPath({{0.0, device::tip_position_m(device.geometry, to_q_rad)}});
+            const Vector3 start_m = device::tip_position_m(device.geometry, q_rad);
             SimulatedPhantom whole(device, options, start_m);
             options.planar = true;
             SimulatedPhantom planar(device, options, start_m);
@@ -370,9 +374,9 @@ TEST(Planar, TheBaseStandsStillWhateverPushes) {
         plant.set_in_motion(Vector3(1.0, 0.0, 0.0), Vector3(1.0, 0.0, 0.0));
         plant.set_hand_target(kStart_m + Vector3(0.05, 0.0, 0.0));
         const double start_rad = plant.truth().theta_rad[0];
-        const Measurement first = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
+        const device::Measurement first = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
         for (int k = 0; k < kPeriods; ++k) {
-            const Measurement state = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
+            const device::Measurement state = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
             ASSERT_EQ(state.counts[0], first.counts[0]);
             ASSERT_EQ(state.current_A[0], 0.0);
             ASSERT_EQ(plant.truth().theta_rad[0], start_rad);
@@ -385,7 +389,7 @@ TEST(Planar, TheBaseStandsStillWhateverPushes) {
 // What holds for all.
 
 TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random(83);
     for (int run = 0; run < 40; ++run) {
         SimulationOptions options;
@@ -402,7 +406,7 @@ TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
         double before_J = plant.stored_energy_J();
         const double scale_J = std::abs(before_J) + 0.1;
         for (int k = 0; k < 100; ++k) {
-            plant.advance(DeviceCommand::braking());
+            plant.advance(device::DeviceCommand::braking());
             const double now_J = plant.stored_energy_J();
             // 10 sub-steps of some tens of operations each, every one of round-off ε.
             ASSERT_LE(now_J - before_J, 10 * 50 * std::numeric_limits<double>::epsilon() * scale_J)
@@ -415,8 +419,9 @@ TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
 TEST(ReducedPlants, StandWhateverStepAndHand) {
     // Steps as long as the servo's period, and hands from none to a vice.
     for (const PlantModel &model : kPlantModels) {
-        for (const HandParameters &hand :
-             {HandParameters{0.01, 0.0, 0.0, 0.0, 1.0}, HandParameters{0.2, 1e3, 1e6, 1e6, 10.0}}) {
+        for (const device::HandParameters &hand :
+             {device::HandParameters{0.01, 0.0, 0.0, 0.0, 1.0},
+              device::HandParameters{0.2, 1e3, 1e6, 1e6, 10.0}}) {
             SimulationOptions options;
             options.dynamics = model.dynamics;
             options.effects = model.effects;
@@ -434,7 +439,7 @@ TEST(ReducedPlants, StandWhateverStepAndHand) {
 }
 
 TEST(ReducedPlants, RefuseWhatMakesNoSense) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     SimulationOptions options = bare(PlantDynamics::coupling);
     EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m));
     options.effects.coulomb_friction = true;
@@ -445,11 +450,11 @@ TEST(ReducedPlants, RefuseWhatMakesNoSense) {
     options.effects.structural_compliance = false;
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
     EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m)); // a spring drive holds the tip
-    options.amplifier = AmplifierKind::current_drive;
+    options.amplifier = device::AmplifierKind::current_drive;
     EXPECT_THROW(SimulatedPhantom(device, options, kStart_m), InputError);
     options.hand.damping_Ns_per_m = 1.0;
     EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m));
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,6 +1,6 @@
 // Covers SimulatedPhantom::simulate_as: how much is simulated changes while the device runs.
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "device/simulated/plant_model.h"
 #include "device/simulated/simulated_phantom.h"
 #include "tests/support/devices.h"
@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <numbers>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 const Vector3 kStart_m(0.02, 0.03, 0.01);
@@ -25,9 +25,9 @@ SimulationOptions simulating(const PlantModel &model, bool planar = false) {
     return options;
 }
 
-Measurement run(SimulatedPhantom &device, int ticks,
-                const DeviceCommand &command = DeviceCommand::braking()) {
-    Measurement state;
+device::Measurement run(SimulatedPhantom &device, int ticks,
+                        const device::DeviceCommand &command = device::DeviceCommand::braking()) {
+    device::Measurement state;
     for (int k = 0; k < ticks; ++k) {
         state = device.advance(command);
     }
@@ -77,8 +77,8 @@ TEST(PlantExchange, TheSameAgainChangesNothing) {
             if (k % 50 == 7) {
                 again.simulate_as(simulating(model));
             }
-            const DeviceCommand command{Vector3(0.6, -0.4, 0.5) * std::sin(0.05 * k),
-                                        Vector3::Constant(1.5)};
+            const device::DeviceCommand command{Vector3(0.6, -0.4, 0.5) * std::sin(0.05 * k),
+                                                Vector3::Constant(1.5)};
             EXPECT_EQ(once.advance(command).counts, again.advance(command).counts);
             ASSERT_EQ(once.truth().tip_m, again.truth().tip_m) << model.name << " at " << k;
             ASSERT_EQ(once.truth().current_A, again.truth().current_A);
@@ -91,10 +91,10 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
         for (const PlantModel &to : kPlantModels) {
             SimulatedPhantom device(testing::phantom_1_0(), simulating(from), kStart_m);
             device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
-            Measurement last = run(device, 60);
+            device::Measurement last = run(device, 60);
             device.simulate_as(simulating(to));
             for (int k = 0; k < 200; ++k) {
-                const Measurement state = device.advance(DeviceCommand::braking());
+                const device::Measurement state = device.advance(device::DeviceCommand::braking());
                 for (std::size_t j = 0; j < 3; ++j) {
                     // Twice as fast as the hand's target goes, 0.8 m/s, is some 50 counts of a
                     // motor a tick.
@@ -109,7 +109,7 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
 
 TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
     // Without dry friction a rest has no past.
-    const DeviceCommand push{Vector3(0.05, -0.04, 0.03), Vector3::Constant(1.5)};
+    const device::DeviceCommand push{Vector3(0.05, -0.04, 0.03), Vector3::Constant(1.5)};
     for (const PlantModel &from : kPlantModels) {
         for (const PlantModel &to : kPlantModels) {
             SimulationOptions before = simulating(from);
@@ -132,13 +132,13 @@ TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
 }
 
 TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
-    const DeviceDescription description = testing::phantom_1_0();
+    const device::DeviceDescription description = testing::phantom_1_0();
     const Vector3 within_rad(0.0, 0.7, 0.7 - 60.0 * std::numbers::pi / 180);
     const Vector3 beyond_rad(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180); // they fold 65°
-    const Vector3 within_m = tip_position_m(description.geometry, within_rad);
-    const Vector3 beyond_m = tip_position_m(description.geometry, beyond_rad);
-    ASSERT_TRUE(can_reach(description, within_m));
-    ASSERT_FALSE(can_reach(description, beyond_m));
+    const Vector3 within_m = device::tip_position_m(description.geometry, within_rad);
+    const Vector3 beyond_m = device::tip_position_m(description.geometry, beyond_rad);
+    ASSERT_TRUE(device::can_reach(description, within_m));
+    ASSERT_FALSE(device::can_reach(description, beyond_m));
     SimulatedPhantom device(description, simulating(kPlantModels.front()), beyond_m);
     run(device, 10);
     device.simulate_as(simulating(kPlantModels.back()));
@@ -150,10 +150,10 @@ TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
     }
     device.set_hand_target(within_m);
     run(device, 1000);
-    EXPECT_TRUE(can_reach(description, device.truth().tip_m));
+    EXPECT_TRUE(device::can_reach(description, device.truth().tip_m));
     device.set_hand_target(beyond_m); // from inside they hold
     run(device, 1000);
-    const Vector3 q_rad = joint_from_motor(description.geometry, device.truth().theta_rad);
+    const Vector3 q_rad = device::joint_from_motor(description.geometry, device.truth().theta_rad);
     EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.least_q3_minus_q2_rad - 0.02);
 }
 
@@ -174,4 +174,4 @@ TEST(PlantExchange, WhatCannotBeSimulatedIsRefusedAndChangesNothing) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,7 +1,7 @@
 // Covers device/simulated/simulated_phantom.cpp against CVODE.
 #include "device/simulated/simulated_phantom.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/configurations.h"
 #include "tests/support/cvode.h"
 #include "tests/support/devices.h"
@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 using Eigen::VectorXd;
@@ -25,9 +25,9 @@ const double kStep_s = SimulationOptions{}.longest_step_s;
 
 /// One motion of the whole plant, with every effect smooth.
 struct Trial {
-    DeviceDescription device = testing::phantom_1_0();
+    device::DeviceDescription device = testing::phantom_1_0();
     SimulationOptions options;
-    DeviceCommand command;
+    device::DeviceCommand command;
     Vector3 start_q_rad{Vector3::Zero()};
     Vector3 start_rate{Vector3::Zero()};
     Vector3 start_current_A{Vector3::Zero()};
@@ -46,13 +46,14 @@ class PlantEquations {
 public:
     explicit PlantEquations(const Trial &trial)
         : device_(trial.device), options_(trial.options), command_(trial.command),
-          target_m_(tip_position_m(device_.geometry, trial.start_q_rad)), start_(18) {
+          target_m_(device::tip_position_m(device_.geometry, trial.start_q_rad)), start_(18) {
         start_ << trial.start_q_rad, trial.start_rate, trial.start_current_A, target_m_,
-            joint_jacobian(device_.geometry, trial.start_q_rad) * trial.start_rate, Vector3::Zero();
+            device::joint_jacobian(device_.geometry, trial.start_q_rad) * trial.start_rate,
+            Vector3::Zero();
         // A hand's mass has to be accelerated, but not held up.
-        inertia_ = linkage_moments(device_.geometry, device_.inertia,
-                                   bends() ? 0.0 : options_.hand.mass_kg);
-        weight_ = linkage_moments(device_.geometry, device_.inertia, 0.0);
+        inertia_ = device::linkage_moments(device_.geometry, device_.inertia,
+                                           bends() ? 0.0 : options_.hand.mass_kg);
+        weight_ = device::linkage_moments(device_.geometry, device_.inertia, 0.0);
     }
 
     [[nodiscard]] Ending integrated() const {
@@ -62,11 +63,11 @@ public:
         };
         const VectorXd before = at(kPeriods - 1);
         const VectorXd end = at(kPeriods);
-        const HandParameters &hand = options_.hand;
+        const device::HandParameters &hand = options_.hand;
         const Vector3 impulse = end.tail<3>() - before.tail<3>() -
                                 hand.damping_Ns_per_m * (end - before).segment<3>(9) -
                                 hand.mass_kg * (end - before).segment<3>(12);
-        return {motor_from_joint(device_.geometry, end.head<3>()), end.segment<3>(9),
+        return {device::motor_from_joint(device_.geometry, end.head<3>()), end.segment<3>(9),
                 end.segment<3>(6), impulse / kPeriod_s};
     }
 
@@ -78,20 +79,21 @@ private:
         const Vector3 w = y.segment<3>(3);
         const Vector3 tip_m = y.segment<3>(9);
         const Vector3 tip_rate = y.segment<3>(12);
-        const Matrix3 J = joint_jacobian(device_.geometry, q);
+        const Matrix3 J = device::joint_jacobian(device_.geometry, q);
         const Vector3 spring_N = options_.hand.stiffness_N_per_m * (target_m_ - tip_m);
         const Vector3 pull_N = spring_N - options_.hand.damping_Ns_per_m * tip_rate;
         Vector3 on_linkage_N = pull_N;
         if (bends()) {
             on_linkage_N = device_.structure.stiffness_N_per_m *
-                               (tip_m - tip_position_m(device_.geometry, q)) +
+                               (tip_m - device::tip_position_m(device_.geometry, q)) +
                            device_.structure.damping_Ns_per_m * (tip_rate - J * w);
         }
         const Vector3 q_acceleration =
             acceleration(q, w, y.segment<3>(6), J.transpose() * on_linkage_N);
         const Vector3 tip_acceleration =
             bends() ? Vector3((pull_N - on_linkage_N) / options_.hand.mass_kg)
-                    : Vector3(J * q_acceleration + joint_jacobian_rate(device_.geometry, q, w) * w);
+                    : Vector3(J * q_acceleration +
+                              device::joint_jacobian_rate(device_.geometry, q, w) * w);
         VectorXd y_rate(18);
         y_rate << w, q_acceleration, current_rate(q, w, y.segment<3>(6)), tip_rate,
             tip_acceleration, spring_N;
@@ -100,12 +102,12 @@ private:
 
     [[nodiscard]] Vector3 acceleration(const Vector3 &q, const Vector3 &w, const Vector3 &current_A,
                                        const Vector3 &load_Nm) const {
-        Matrix3 M = mass_matrix(inertia_, q);
-        Vector3 torque_Nm = load_Nm - coriolis_torque_Nm(inertia_, q, w) -
-                            gravity_torque_Nm(weight_, q) -
+        Matrix3 M = device::mass_matrix(inertia_, q);
+        Vector3 torque_Nm = load_Nm - device::coriolis_torque_Nm(inertia_, q, w) -
+                            device::gravity_torque_Nm(weight_, q) -
                             device_.friction.viscous_Nms_per_rad * w;
         for (int j = 0; j < 3; ++j) {
-            const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
+            const device::MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
             const double N = device_.geometry.transmission_ratio[j];
             M(j, j) += N * N * motor.rotor_inertia_kg_m2;
             torque_Nm[j] += N * motor.torque_constant_Nm_per_A * current_A[j];
@@ -115,12 +117,12 @@ private:
 
     [[nodiscard]] Vector3 current_rate(const Vector3 &q, const Vector3 &w,
                                        const Vector3 &current_A) const {
-        if (options_.amplifier == AmplifierKind::current_drive) {
+        if (options_.amplifier == device::AmplifierKind::current_drive) {
             return Vector3::Zero(); // holds the 0 A that it starts with
         }
         Vector3 rate;
         for (int j = 0; j < 3; ++j) {
-            const MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
+            const device::MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
             const double N = device_.geometry.transmission_ratio[j];
             const double ripple =
                 options_.effects.commutation_ripple ? motor.commutation_ripple : 0.0;
@@ -134,20 +136,20 @@ private:
         return rate;
     }
 
-    DeviceDescription device_;
+    device::DeviceDescription device_;
     SimulationOptions options_;
-    DeviceCommand command_;
+    device::DeviceCommand command_;
     Vector3 target_m_;
     VectorXd start_;
-    LinkageMoments inertia_;
-    LinkageMoments weight_;
+    device::LinkageMoments inertia_;
+    device::LinkageMoments weight_;
 };
 
 Ending simulated(const Trial &trial, double step_s) {
     SimulationOptions options = trial.options;
     options.longest_step_s = step_s;
     SimulatedPhantom plant(trial.device, options,
-                           tip_position_m(trial.device.geometry, trial.start_q_rad));
+                           device::tip_position_m(trial.device.geometry, trial.start_q_rad));
     plant.set_in_motion(trial.start_rate, trial.start_current_A);
     for (int k = 0; k < kPeriods; ++k) {
         plant.advance(trial.command);
@@ -158,12 +160,12 @@ Ending simulated(const Trial &trial, double step_s) {
 
 /// What a trial is about.
 struct Plant {
-    AmplifierKind amplifier = AmplifierKind::spring_drive;
+    device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     bool bends = false;
 
     [[nodiscard]] std::string name() const {
-        return std::string(amplifier == AmplifierKind::spring_drive ? "SpringDrive"
-                                                                    : "CurrentDrive") +
+        return std::string(amplifier == device::AmplifierKind::spring_drive ? "SpringDrive"
+                                                                            : "CurrentDrive") +
                (bends ? "Compliant" : "Rigid");
     }
 };
@@ -181,7 +183,7 @@ Trial random_trial(const Plant &plant, std::mt19937_64 &random) {
     trial.options.hand.greatest_force_N = 1e6; // a limit has a corner
     trial.start_q_rad = testing::random_workspace_angles(trial.device, random);
     trial.start_rate = testing::random_vector(random, 2.0);
-    if (plant.amplifier == AmplifierKind::spring_drive) { // a current drive stays at 0 A
+    if (plant.amplifier == device::AmplifierKind::spring_drive) { // a current drive stays at 0 A
         trial.start_current_A = testing::random_vector(random, 0.5);
         trial.command.e_W_V = testing::random_vector(random, 0.3);
         trial.command.cancelled_resistance_Ohm.setConstant(1.6);
@@ -211,18 +213,18 @@ TEST_P(PlantReference, IsMetAtSecondOrderAndFarBelowAnEncoderCount) {
         EXPECT_LT((usual.tip_m - truth.tip_m).norm(), 3e-8);
         EXPECT_LT((usual.hand_force_N - truth.hand_force_N).norm(), 3e-4);
         EXPECT_LT((usual.current_A - truth.current_A).norm(), 5e-5);
-        if (GetParam().amplifier == AmplifierKind::spring_drive) {
+        if (GetParam().amplifier == device::AmplifierKind::spring_drive) {
             EXPECT_NEAR(order(truth.current_A, usual.current_A, fine.current_A), 2.0, 0.15);
         }
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Plants, PlantReference,
-                         ::testing::Values(Plant{AmplifierKind::spring_drive, false},
-                                           Plant{AmplifierKind::spring_drive, true},
-                                           Plant{AmplifierKind::current_drive, false},
-                                           Plant{AmplifierKind::current_drive, true}),
+                         ::testing::Values(Plant{device::AmplifierKind::spring_drive, false},
+                                           Plant{device::AmplifierKind::spring_drive, true},
+                                           Plant{device::AmplifierKind::current_drive, false},
+                                           Plant{device::AmplifierKind::current_drive, true}),
                          [](const auto &instance) { return instance.param.name(); });
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -2,7 +2,7 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -14,12 +14,12 @@
 #include <numbers>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 const Vector3 kStart_m(0.02, 0.03, 0.01);
 
-DeviceCommand voltage(const Vector3 &e_W_V, double R_hat_Ohm) {
+device::DeviceCommand voltage(const Vector3 &e_W_V, double R_hat_Ohm) {
     return {e_W_V, Vector3::Constant(R_hat_Ohm)};
 }
 
@@ -39,9 +39,9 @@ SimulationOptions held() {
 
 TEST(SimulatedPhantom, StaysAtRestWhereItStarts) {
     SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
-    const Measurement first = device.advance(DeviceCommand::braking());
+    const device::Measurement first = device.advance(device::DeviceCommand::braking());
     for (int i = 0; i < 2000; ++i) {
-        EXPECT_EQ(device.advance(DeviceCommand::braking()).counts, first.counts);
+        EXPECT_EQ(device.advance(device::DeviceCommand::braking()).counts, first.counts);
     }
     EXPECT_LT((device.truth().tip_m - kStart_m).norm(), 1e-12);
 }
@@ -51,10 +51,10 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
     // circuit with the closed form i = e_W/dR (1 − e^(−dR t/L)).
     SimulatedPhantom device(testing::phantom_1_0(), held(), kStart_m);
     const double dR = 0.3;
-    const MotorParameters &m = device.description().motor[0];
-    const DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
+    const device::MotorParameters &m = device.description().motor[0];
+    const device::DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
     for (int k = 1; k <= 10; ++k) {
-        const Measurement state = device.advance(command);
+        const device::Measurement state = device.advance(command);
         const Vector3 expected =
             command.e_W_V / dR * (1.0 - std::exp(-dR * k * 1e-3 / m.inductance_H));
         // The vice gives by 1 µm per kN; what is left of k_T θ̇ is below 1e-7 of e_W.
@@ -67,9 +67,9 @@ TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
     SimulationOptions options = held();
     options.effects.amplifier_limits = true;
     SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
-    const MotorParameters &m = device.description().motor[0];
+    const device::MotorParameters &m = device.description().motor[0];
     const double dR = -0.1;
-    const DeviceCommand command = voltage(Vector3(1e-3, 0.0, 0.0), m.resistance_Ohm - dR);
+    const device::DeviceCommand command = voltage(Vector3(1e-3, 0.0, 0.0), m.resistance_Ohm - dR);
     double before = 0.0;
     for (int k = 1; k <= 8; ++k) {
         const double current = device.advance(command).current_A[0];
@@ -107,7 +107,7 @@ TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
     for (int k = 0; k < 500; ++k) {
-        const Measurement state = device.advance(DeviceCommand::braking());
+        const device::Measurement state = device.advance(device::DeviceCommand::braking());
         const double rad_per_count = 2.0 * std::numbers::pi / 4096;
         for (int j = 0; j < 3; ++j) {
             ASSERT_LE(std::abs(state.counts[static_cast<std::size_t>(j)] * rad_per_count -
@@ -123,7 +123,7 @@ TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
         SimulationOptions options = bare();
         options.delay_periods = delay;
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
-        const DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
+        const device::DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
         int silent = 0;
         while (device.advance(kick).current_A[0] < 1e-9) { // round-off of the rest at the start
             ++silent;
@@ -141,8 +141,9 @@ TEST(SimulatedPhantom, AFractionOfADelaySplitsAPeriodExactly) {
         options.delay_periods = std::uniform_real_distribution<double>(0.0, 3.0)(random);
         SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
         const double dR = 0.3;
-        const MotorParameters &m = device.description().motor[0];
-        const DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
+        const device::MotorParameters &m = device.description().motor[0];
+        const device::DeviceCommand command =
+            voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
         for (int k = 1; k <= 8; ++k) {
             const Vector3 current_A = device.advance(command).current_A;
             const double since_s = std::max(0.0, k - options.delay_periods) * 1e-3;
@@ -163,12 +164,12 @@ TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
     for (const double period_s : {1e-3, 0.25e-3, 4e-3, 1e-3}) {
         device.set_period(period_s);
         for (int i = 0; i < 7; ++i) {
-            const Measurement measured = device.read();
+            const device::Measurement measured = device.read();
             time_s += period_s;
             EXPECT_EQ(measured.number, ++number);
             EXPECT_NEAR(measured.time_s, time_s, 1e-15 * static_cast<double>(number));
             EXPECT_NEAR(device.truth().time_s, time_s, 1e-12);
-            EXPECT_EQ(measured.arrival, Arrival::fresh);
+            EXPECT_EQ(measured.arrival, device::Arrival::fresh);
         }
     }
     EXPECT_THROW(device.set_period(0.0), InputError);
@@ -178,7 +179,7 @@ TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
 TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
     SimulatedPhantom written(testing::phantom_1_0(), {}, kStart_m);
     SimulatedPhantom held_on(testing::phantom_1_0(), {}, kStart_m);
-    const DeviceCommand command = voltage(Vector3(0.3, -0.2, 0.1), 1.0);
+    const device::DeviceCommand command = voltage(Vector3(0.3, -0.2, 0.1), 1.0);
     held_on.write(command);
     for (int i = 0; i < 50; ++i) {
         EXPECT_EQ(written.advance(command).counts, held_on.read().counts);
@@ -189,10 +190,10 @@ TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
 TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
     SimulationOptions options = bare();
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
-    DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // looks at none of them
-    open.mode = CommandMode::open;
-    DeviceCommand brake = open;
-    brake.mode = CommandMode::brake;
+    device::DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // looks at none of them
+    open.mode = device::CommandMode::open;
+    device::DeviceCommand brake = open;
+    brake.mode = device::CommandMode::brake;
     const Vector3 rate(0.5, 0.4, -0.3);
     SimulatedPhantom coasting(testing::phantom_1_0(), options, kStart_m);
     SimulatedPhantom braking(testing::phantom_1_0(), options, kStart_m);
@@ -204,7 +205,7 @@ TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
     for (int i = 0; i < 100; ++i) {
         EXPECT_TRUE(coasting.advance(open).current_A.isZero(0.0));
         braking.advance(brake);
-        shorted.advance(DeviceCommand::braking());
+        shorted.advance(device::DeviceCommand::braking());
     }
     EXPECT_NEAR(coasting.stored_energy_J(), energy_J, 1e-9 * energy_J); // round-off: no loss at all
     EXPECT_LT(braking.stored_energy_J(), 0.9 * energy_J);
@@ -213,11 +214,11 @@ TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
 
 TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
-    const Measurement before = device.read();
+    const device::Measurement before = device.read();
     const double per_count = device.description().rad_per_count();
     const Vector3 theta_rad = device.truth().theta_rad;
     device.zero(theta_rad + Vector3(1.0, -2.0, 3.0));
-    const Measurement after = device.read();
+    const device::Measurement after = device.read();
     for (std::size_t j = 0; j < 3; ++j) {
         const double moved = per_count * (after.counts[j] - before.counts[j]);
         EXPECT_NEAR(moved, (std::array{1.0, -2.0, 3.0}[j]), 2.0 * per_count);
@@ -226,20 +227,20 @@ TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
 
 TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
-    const DeviceCommand command = voltage(Vector3(0.3, 0.0, 0.0), 1.0);
+    const device::DeviceCommand command = voltage(Vector3(0.3, 0.0, 0.0), 1.0);
     for (int i = 0; i < 20; ++i) {
         device.advance(command);
     }
     device.close();
     for (int i = 0; i < 500; ++i) {
-        const Measurement measured = device.advance(command);
-        EXPECT_EQ(measured.health, DeviceHealth::lost);
-        EXPECT_EQ(measured.arrival, Arrival::absent);
+        const device::Measurement measured = device.advance(command);
+        EXPECT_EQ(measured.health, device::DeviceHealth::lost);
+        EXPECT_EQ(measured.arrival, device::Arrival::absent);
     }
     EXPECT_LT(device.truth().current_A.norm(), 1e-3); // nothing drives it
     device.reconnect();
-    const Measurement back = device.read();
-    EXPECT_EQ(back.health, DeviceHealth::ok);
+    const device::Measurement back = device.read();
+    EXPECT_EQ(back.health, device::DeviceHealth::ok);
     EXPECT_EQ(back.counts, (std::array<std::int32_t, 3>{}));
     EXPECT_FALSE(device.identity().kind.empty());
 }
@@ -252,7 +253,7 @@ TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
     const double greatest = options.hand.greatest_force_N + 2.0 * options.hand.damping_Ns_per_m *
                                                                 options.hand.greatest_speed_m_per_s;
     for (int k = 0; k < 300; ++k) {
-        device.advance(DeviceCommand::braking());
+        device.advance(device::DeviceCommand::braking());
         ASSERT_LT(device.truth().hand_force_N.norm(), greatest);
     }
 }
@@ -265,11 +266,11 @@ TEST(SimulatedPhantom, ACommandThatIsNotFiniteBrakes) {
 }
 
 TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
-    const DeviceDescription description = testing::phantom_1_0();
+    const device::DeviceDescription description = testing::phantom_1_0();
     EXPECT_THROW(SimulatedPhantom(description, {}, Vector3(1.0, 0.0, 0.0)), InputError);
     // Within reach, but the links fold further than their stops allow: 70° in place of 65°.
-    const Vector3 folded_m = tip_position_m(description.geometry,
-                                            Vector3(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180));
+    const Vector3 folded_m = device::tip_position_m(
+        description.geometry, Vector3(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180));
     EXPECT_THROW(SimulatedPhantom(description, {}, folded_m), InputError);
     SimulationOptions options = bare();
     EXPECT_NO_THROW(SimulatedPhantom(description, options, folded_m));
@@ -280,4 +281,4 @@ TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::simulated {
 namespace {
 
 template <int size> void expect_solutions() {
@@ -39,4 +39,4 @@ TEST(SmallSystem, ThatIsSingularHasNoFiniteAnswer) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::simulated

@@ -1,5 +1,5 @@
 // Covers engine/control/motion_control.cpp: α over the workspace.
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
 #include "tests/support/configurations.h"
@@ -14,13 +14,14 @@
 #include <random>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::control {
 namespace {
 
 /// Both devices, with the motors of their data sheet and with motors that are not alike.
-std::vector<DeviceDescription> devices_and_unequal_ones() {
-    std::vector<DeviceDescription> devices{testing::phantom_1_0(), testing::phantom_premium_1_5()};
-    for (DeviceDescription device : {devices[0], devices[1]}) {
+std::vector<device::DeviceDescription> devices_and_unequal_ones() {
+    std::vector<device::DeviceDescription> devices{testing::phantom_1_0(),
+                                                   testing::phantom_premium_1_5()};
+    for (device::DeviceDescription device : {devices[0], devices[1]}) {
         device.motor[1].torque_constant_Nm_per_A *= 1.2;
         device.motor[2].torque_constant_Nm_per_A *= 0.8;
         devices.push_back(device);
@@ -28,12 +29,12 @@ std::vector<DeviceDescription> devices_and_unequal_ones() {
     return devices;
 }
 
-Configuration random_place(const DeviceDescription &device, std::mt19937_64 &random) {
+Configuration random_place(const device::DeviceDescription &device, std::mt19937_64 &random) {
     const Vector3 q_rad = testing::random_workspace_angles(device, random);
     Configuration now;
-    now.theta_rad = motor_from_joint(device.geometry, q_rad);
-    now.tip_m = tip_position_m(device.geometry, q_rad);
-    now.J = motor_jacobian(device.geometry, q_rad);
+    now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
+    now.tip_m = device::tip_position_m(device.geometry, q_rad);
+    now.J = device::motor_jacobian(device.geometry, q_rad);
     return now;
 }
 
@@ -54,7 +55,7 @@ TEST(Alpha, AtItsBoundRendersASphereThatTouchesTheEllipsoidFromWithin) {
     // (25)–(28): K_trans = α k̄ I, whose λ_max is at most λ_min(K_inv), the two equal at the bound.
     // A part in a million above, the sphere is outside.
     std::mt19937_64 random(7);
-    for (const DeviceDescription &device : devices_and_unequal_ones()) {
+    for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const Vector3 weights = relative_stiffness(device);
         ASSERT_NEAR(weights.mean(), 1.0, 1e-15);
         for (int i = 0; i < 1000; ++i) {
@@ -83,19 +84,19 @@ TEST(Alpha, AtItsBoundRendersASphereThatTouchesTheEllipsoidFromWithin) {
 
 TEST(Alpha, GlobalIsTheLeastOverTheWorkspaceGrid) {
     constexpr int kPoints = 15;
-    for (const DeviceDescription &device : devices_and_unequal_ones()) {
+    for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const double global = global_alpha_bound(device, kPoints);
         double least = INFINITY;
         for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
             const Eigen::Vector3i index(i % kPoints, i / kPoints % kPoints,
                                         i / (kPoints * kPoints));
             const Vector3 share = index.cast<double>() / (kPoints - 1) - Vector3::Constant(0.5);
-            const auto q =
-                joint_angles_rad(device.geometry, device.workspace.centre_m +
-                                                      share.cwiseProduct(device.workspace.size_m));
+            const auto q = device::joint_angles_rad(
+                device.geometry,
+                device.workspace.centre_m + share.cwiseProduct(device.workspace.size_m));
             if (q) {
-                const double here =
-                    alpha_bound(motor_jacobian(device.geometry, *q), relative_stiffness(device));
+                const double here = alpha_bound(device::motor_jacobian(device.geometry, *q),
+                                                relative_stiffness(device));
                 // Round-off of where the grid's points are.
                 ASSERT_LE(global, here * (1.0 + 1e-12));
                 least = std::min(least, here);
@@ -107,13 +108,13 @@ TEST(Alpha, GlobalIsTheLeastOverTheWorkspaceGrid) {
 
 TEST(Alpha, GlobalIsWithinTheBoundBetweenTheGridPointsToo) {
     std::mt19937_64 random(9);
-    for (const DeviceDescription &device : devices_and_unequal_ones()) {
+    for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const double global = global_alpha_bound(device);
         double least = INFINITY;
         for (int i = 0; i < 5000; ++i) {
             const Vector3 q = testing::random_workspace_angles(device, random);
-            least = std::min(
-                least, alpha_bound(motor_jacobian(device.geometry, q), relative_stiffness(device)));
+            least = std::min(least, alpha_bound(device::motor_jacobian(device.geometry, q),
+                                                relative_stiffness(device)));
         }
         // The grid may miss the true least by what α changes over half its pitch.
         EXPECT_LT(global, 1.02 * least);
@@ -122,4 +123,4 @@ TEST(Alpha, GlobalIsWithinTheBoundBetweenTheGridPointsToo) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::control

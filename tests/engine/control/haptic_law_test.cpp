@@ -1,7 +1,7 @@
 // Covers engine/control/haptic_law.cpp: the parts put together as (30), (18) or (23), (10) say.
 #include "engine/control/haptic_law.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -14,7 +14,7 @@
 #include <random>
 #include <utility>
 
-namespace springdrive {
+namespace springdrive::control {
 namespace {
 
 constexpr double kGlobalAlpha = 1234.5;
@@ -24,13 +24,13 @@ protected:
     /// A random place and motion.
     Configuration any_configuration() {
         const Vector3 q_rad = testing::random_workspace_angles(device, random);
-        return law.configuration(motor_from_joint(device.geometry, q_rad),
+        return law.configuration(device::motor_from_joint(device.geometry, q_rad),
                                  testing::random_vector(random, 30.0));
     }
 
     /// A face, edge or vertex a few millimetres from the tip.
-    Contact any_contact(const Configuration &now, int constraints = 1) {
-        Contact contact;
+    contact::Contact any_contact(const Configuration &now, int constraints = 1) {
+        contact::Contact contact;
         contact.touching = true;
         contact.x0_m = now.tip_m + testing::random_vector(random, 3e-3);
         contact.normal = (contact.x0_m - now.tip_m).normalized();
@@ -45,7 +45,7 @@ protected:
     }
 
     std::mt19937_64 random{12};
-    DeviceDescription device = testing::phantom_1_0();
+    device::DeviceDescription device = testing::phantom_1_0();
     HapticLaw law{device};
     double k_T = device.motor[0].torque_constant_Nm_per_A;
 };
@@ -59,7 +59,7 @@ TEST_F(HapticLawTest, TheConfigurationIsThatOfTheCounts) {
     for (int run = 0; run < 100; ++run) {
         const Configuration now = any_configuration();
         const Vector3 q_rad = now.theta_rad.cwiseQuotient(device.geometry.transmission_ratio);
-        EXPECT_EQ(now.tip_m, tip_position_m(device.geometry, q_rad));
+        EXPECT_EQ(now.tip_m, device::tip_position_m(device.geometry, q_rad));
         constexpr double kStep_rad = 1e-5;
         for (Eigen::Index j = 0; j < 3; ++j) {
             const Vector3 step_rad = kStep_rad * Vector3::Unit(j);
@@ -74,7 +74,7 @@ TEST_F(HapticLawTest, InFreeSpaceItOnlyCancelsTheBackEmf) {
     for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
         for (int run = 0; run < 100; ++run) {
             const Configuration now = any_configuration();
-            Contact free;
+            contact::Contact free;
             free.x0_m = now.tip_m;
             Tuning tuning;
             tuning.map = map;
@@ -94,7 +94,7 @@ TEST_F(HapticLawTest, AtRestTheTransposeMapMakesASphericalSpring) {
     for (int run = 0; run < 500; ++run) {
         Configuration now = any_configuration();
         now.theta_rate_rad_per_s.setZero();
-        const Contact contact = any_contact(now, run % 3 + 1);
+        const contact::Contact contact = any_contact(now, run % 3 + 1);
         Tuning tuning;
         tuning.eta = 0.25;
         const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
@@ -113,7 +113,7 @@ TEST_F(HapticLawTest, AtRestTheTransposeMapMakesASphericalSpring) {
 TEST_F(HapticLawTest, TheInverseMapGoesToWhereTheLinkageReachesTheSetPoint) {
     for (int run = 0; run < 500; ++run) {
         const Configuration now = any_configuration();
-        const Contact contact = any_contact(now);
+        const contact::Contact contact = any_contact(now);
         Tuning tuning;
         tuning.map = MotionMap::inverse;
         const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
@@ -123,7 +123,7 @@ TEST_F(HapticLawTest, TheInverseMapGoesToWhereTheLinkageReachesTheSetPoint) {
         EXPECT_EQ(found.used.theta_Sd_rad, found.inverse->theta_Sd_rad);
         const Vector3 q_Sd_rad =
             found.used.theta_Sd_rad.cwiseQuotient(device.geometry.transmission_ratio);
-        EXPECT_LT((tip_position_m(device.geometry, q_Sd_rad) - found.x_Sd_m).norm(), 1e-12);
+        EXPECT_LT((device::tip_position_m(device.geometry, q_Sd_rad) - found.x_Sd_m).norm(), 1e-12);
         // ẋ_Sd: what of the tip's motion the contact allows, and η of the rest.
         const Vector3 x_rate = now.J * now.theta_rate_rad_per_s;
         const Vector3 set_rate = now.J * found.used.theta_Sd_rate_rad_per_s;
@@ -154,7 +154,7 @@ TEST_F(HapticLawTest, EWIsDriftCompensationOfTheMapInUse) {
 
 TEST_F(HapticLawTest, AlphaComesFromWhereTheTuningSays) {
     const Configuration now = any_configuration();
-    const Contact contact = any_contact(now);
+    const contact::Contact contact = any_contact(now);
     Tuning tuning;
     tuning.alpha_rad2_per_m2 = 777.0;
     for (const auto &[mode, expected] :
@@ -176,7 +176,8 @@ TEST_F(HapticLawTest, TheBoundIsTheLeastStiffnessOfAnyDirection) {
             const Vector3 u = testing::random_vector(random, 1.0).normalized();
             largest = std::max(largest, (now.J.transpose() * u).squaredNorm());
         }
-        const double bound = law(now, Contact{}, Tuning{}, kGlobalAlpha).alpha_bound_rad2_per_m2;
+        const double bound =
+            law(now, contact::Contact{}, Tuning{}, kGlobalAlpha).alpha_bound_rad2_per_m2;
         EXPECT_LE(bound, 1.0 / largest * (1.0 + 1e-12));
         EXPECT_GT(bound, 0.999 / largest);
     }
@@ -184,7 +185,7 @@ TEST_F(HapticLawTest, TheBoundIsTheLeastStiffnessOfAnyDirection) {
 
 TEST_F(HapticLawTest, WithoutAnAnswerTheInverseMapGivesNoForce) {
     const Configuration now = any_configuration();
-    Contact contact = any_contact(now);
+    contact::Contact contact = any_contact(now);
     contact.eta = 0.0;
     contact.x0_m = Vector3(0.0, 1.0, 0.0); // a metre up: nobody reaches that
     Tuning tuning;
@@ -205,7 +206,8 @@ TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
           std::pair(0.0, 0.995 * 2.18), std::pair(-1.0, 0.995 * 2.18)}) {
         Tuning tuning;
         tuning.dR_Ohm = dR_Ohm;
-        const DeviceCommand command = law(now, Contact{}, tuning, kGlobalAlpha).command;
+        const device::DeviceCommand command =
+            law(now, contact::Contact{}, tuning, kGlobalAlpha).command;
         EXPECT_LT((command.cancelled_resistance_Ohm.array() - R_hat_Ohm).abs().maxCoeff(), 1e-12);
     }
 }
@@ -213,7 +215,7 @@ TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
 TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
     for (int run = 0; run < 200; ++run) {
         const Configuration now = any_configuration();
-        const Contact contact = any_contact(now);
+        const contact::Contact contact = any_contact(now);
         const LawOutcome found = law(now, contact, Tuning{}, kGlobalAlpha);
         const Vector3 direction = law.force_direction(now, found.transpose).normalized();
         EXPECT_LT((direction - contact.normal).norm(), 1e-7);
@@ -222,7 +224,7 @@ TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
 
 TEST_F(HapticLawTest, RemembersNothing) {
     const Configuration now = any_configuration();
-    const Contact contact = any_contact(now);
+    const contact::Contact contact = any_contact(now);
     const Vector3 first_V = law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V;
     for (int run = 0; run < 20; ++run) {
         const Configuration other = any_configuration();
@@ -232,4 +234,4 @@ TEST_F(HapticLawTest, RemembersNothing) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::control

@@ -1,7 +1,7 @@
 // Covers engine/control/motion_control.cpp.
 #include "engine/control/motion_control.h"
 
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "tests/support/devices.h"
 
@@ -13,21 +13,21 @@
 #include <numbers>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::control {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
-Configuration at(const DeviceDescription &device, const Vector3 &q_rad) {
+Configuration at(const device::DeviceDescription &device, const Vector3 &q_rad) {
     Configuration now;
-    now.theta_rad = motor_from_joint(device.geometry, q_rad);
-    now.tip_m = tip_position_m(device.geometry, q_rad);
-    now.J = motor_jacobian(device.geometry, q_rad);
+    now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
+    now.tip_m = device::tip_position_m(device.geometry, q_rad);
+    now.J = device::motor_jacobian(device.geometry, q_rad);
     return now;
 }
 
-Contact wall(const Vector3 &x0_m, const Vector3 &normal) {
-    Contact contact;
+contact::Contact wall(const Vector3 &x0_m, const Vector3 &normal) {
+    contact::Contact contact;
     contact.touching = true;
     contact.x0_m = x0_m;
     contact.normal = normal;
@@ -60,7 +60,8 @@ struct PlanarError {
     double inverse_deg = 0.0;
     double transpose_deg = 0.0;
 };
-PlanarError largest_planar_error(const DeviceDescription &device, double q2_deg, double q3_deg) {
+PlanarError largest_planar_error(const device::DeviceDescription &device, double q2_deg,
+                                 double q3_deg) {
     const Configuration now =
         at(device, Vector3(0.0, q2_deg * kRadiansPerDegree, q3_deg * kRadiansPerDegree));
     const Vector3 weights = relative_stiffness(device);
@@ -88,7 +89,7 @@ PlanarError largest_planar_error(const DeviceDescription &device, double q2_deg,
 
 TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
     // DESIGN section 5, first identity: |q₃ − q₂| exactly, where l₁ = l₂ and N₂ = N₃.
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     const PlanarError paper = largest_planar_error(device, 20.0, -15.0);
     EXPECT_NEAR(paper.inverse_deg, 35.0, 0.1);
     EXPECT_LT(paper.transpose_deg, 0.1);
@@ -102,7 +103,7 @@ TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
 TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
     // DESIGN section 5, second identity: α = N²/(l²(1 + |sin(q₃ − q₂)|)) for the two joints. The
     // base joint's own eigenvalue is N₁²/r², so the bound for all three is the lesser of the two.
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     const double l = device.geometry.upper_arm_m;
     std::mt19937_64 random(6);
     for (int i = 0; i < 1000; ++i) {
@@ -112,20 +113,21 @@ TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
         const double r = l * (std::cos(q[1]) + std::sin(q[2]));
         const double planar = N * N / (l * l * (1.0 + std::abs(std::sin(q[2] - q[1]))));
         const double expected = std::min(planar, N1 * N1 / (r * r));
-        ASSERT_NEAR(alpha_bound(motor_jacobian(device.geometry, q), Vector3::Ones()), expected,
+        ASSERT_NEAR(alpha_bound(device::motor_jacobian(device.geometry, q), Vector3::Ones()),
+                    expected,
                     1e-11 * expected); // round-off of a 3×3 eigenvalue
     }
 }
 
 TEST(MotionControl, FreeSpaceAsksForNothing) {
     // (16): x_Sd = x and ẋ_Sd = ẋ leave only e_W = k_T θ̇_f, with either map.
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     const Vector3 k_T = torque_constants(device);
     std::mt19937_64 random(8);
     for (int i = 0; i < 200; ++i) {
         Configuration now = at(device, random_configuration(random));
         now.theta_rate_rad_per_s = 5.0 * random_unit(random);
-        Contact free;
+        contact::Contact free;
         free.x0_m = now.tip_m;
         const TipSetPoint target =
             contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), free, free.eta);
@@ -140,7 +142,7 @@ TEST(MotionControl, FreeSpaceAsksForNothing) {
 
 TEST(MotionControl, SlidingIsNotHeldBack) {
     // On a frictionless face the set-point moves along: no force resists tangential motion.
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     Configuration now = at(device, Vector3(0.2, 0.1, -0.3));
     const Vector3 normal = Vector3(1.0, 2.0, 3.0).normalized();
     const Vector3 tangent = normal.cross(Vector3::UnitX()).normalized();
@@ -158,7 +160,7 @@ TEST(MotionControl, SurfaceAndTuningMultiplyTheirStiffness) {
 }
 
 TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     // q₃ − q₂ = −90°: folded onto each other (DESIGN section 6).
     const Configuration now =
         at(device, Vector3(0.0, 70.0 * kRadiansPerDegree, 160.0 * kRadiansPerDegree));
@@ -200,4 +202,4 @@ TEST(ForceDirection, IsExactForSmallAnglesAndSilentForNoForce) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::control

@@ -19,7 +19,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::control {
 namespace {
 
 std::string complaint(const std::string &from, const std::string &to) {
@@ -258,4 +258,4 @@ TEST(Parameters, BothSidesOfEveryRange) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::control

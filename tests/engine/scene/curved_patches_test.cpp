@@ -1,6 +1,6 @@
 #include "engine/scene/curved_patches.h"
 
-#include "tests/engine/contact/soups.h"
+#include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <random>
 #include <tuple>
 
-namespace springdrive {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRadius_m = 0.04;
@@ -19,7 +19,7 @@ constexpr double kRadian = 180.0 / std::numbers::pi;
 constexpr double kRounding_m = 1e-16; // of a sum of a few coordinates of 0.04 m
 
 SmoothMesh sphere(int level) {
-    const TriangleSoup soup = testing::icosphere(level, kRadius_m);
+    const contact::TriangleSoup soup = testing::icosphere(level, kRadius_m);
     SmoothMesh mesh{soup.vertices_m, {}, soup.triangles};
     for (const Vector3 &vertex : mesh.positions) {
         mesh.normals.push_back(vertex.normalized());
@@ -294,4 +294,4 @@ TEST(CurvedPatches, TrianglesWithoutAreaDoNoHarm) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -1,8 +1,8 @@
 // Covers engine/scene/curved_patches.cpp as it is felt: 80 triangles, smoothed, under a proxy.
 #include "engine/scene/curved_patches.h"
 
-#include "engine/contact/proxy.h"
-#include "tests/engine/contact/soups.h"
+#include "engine/contact/proxy/proxy.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
@@ -10,15 +10,15 @@
 #include <cmath>
 #include <numbers>
 
-namespace springdrive {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRadius_m = 0.05;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// 80 triangles with the normals of a sphere, cut as finely as scenes are.
-HapticSurface smoothed_sphere() {
-    TriangleSoup soup = testing::icosphere(1, kRadius_m);
+contact::HapticSurface smoothed_sphere() {
+    contact::TriangleSoup soup = testing::icosphere(1, kRadius_m);
     SmoothMesh coarse{soup.vertices_m, {}, soup.triangles};
     for (const Vector3 &vertex : coarse.positions) {
         coarse.normals.push_back(vertex.normalized());
@@ -29,7 +29,7 @@ HapticSurface smoothed_sphere() {
     soup.vertices_m = fine.positions;
     soup.triangles = fine.triangles;
     soup.material_of_triangle.assign(fine.triangles.size(), 0);
-    return HapticSurface(soup);
+    return contact::HapticSurface(soup);
 }
 
 Vector3 direction(double t) {
@@ -38,16 +38,16 @@ Vector3 direction(double t) {
 }
 
 TEST(CurvedTouch, TurnsTheForceByLessThanADegreeATickOnEightyTriangles) {
-    const HapticSurface surface = smoothed_sphere();
+    const contact::HapticSurface surface = smoothed_sphere();
     ASSERT_EQ(surface.report().closed_components, 1U);
-    Proxy proxy;
+    contact::Proxy proxy;
     proxy.reset(1.2 * kRadius_m * direction(0.0));
     double phase = 0.0;
     Vector3 last = Vector3::Zero();
     double largest_rad = 0.0;
     for (int i = 0; i < 50000; ++i) {
         const Vector3 now = direction(phase);
-        const Contact contact = proxy.update(surface, (kRadius_m - 1.5e-3) * now);
+        const contact::Contact contact = proxy.update(surface, (kRadius_m - 1.5e-3) * now);
         ASSERT_TRUE(contact.touching);
         if (i > 0) {
             largest_rad =
@@ -65,7 +65,7 @@ TEST(CurvedTouch, TurnsTheForceByLessThanADegreeATickOnEightyTriangles) {
 }
 
 TEST(CurvedTouch, MakesNoEnergyOnAClosedPath) {
-    const HapticSurface surface = smoothed_sphere();
+    const contact::HapticSurface surface = smoothed_sphere();
     std::mt19937_64 random(1);
     for (int path = 0; path < 20; ++path) {
         const Vector3 a = testing::random_direction(random);
@@ -77,11 +77,11 @@ TEST(CurvedTouch, MakesNoEnergyOnAClosedPath) {
                            u.normalized());
         };
         Vector3 tip = tip_at(0.0);
-        Proxy proxy;
+        contact::Proxy proxy;
         proxy.reset(tip);
         double work = 0.0; // of the hand, over the stiffness [m²]
         for (int i = 1; i <= 4000; ++i) {
-            const Contact contact = proxy.update(surface, tip);
+            const contact::Contact contact = proxy.update(surface, tip);
             const Vector3 next = tip_at(i / 4000.0);
             if (contact.touching) {
                 work += 0.5 *
@@ -94,4 +94,4 @@ TEST(CurvedTouch, MakesNoEnergyOnAClosedPath) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::scene

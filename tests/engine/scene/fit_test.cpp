@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace springdrive {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRounding = 1e-12; // relative, a few operations in double precision
@@ -19,7 +19,7 @@ BoundingBox box_of(const Vector3 &lower, const Vector3 &upper) {
 }
 
 TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
-    const Workspace workspace{Vector3(0.01, 0.02, 0.03), Vector3(0.3, 0.2, 0.1)};
+    const device::Workspace workspace{Vector3(0.01, 0.02, 0.03), Vector3(0.3, 0.2, 0.1)};
     std::mt19937_64 random(7);
     std::uniform_real_distribution<double> coordinate(-100.0, 100.0);
     for (int trial = 0; trial < 200; ++trial) {
@@ -38,14 +38,14 @@ TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
 }
 
 TEST(Fit, AFlatSceneIsScaledByWhatItSpans) {
-    const Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
+    const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
     const Fit fit = fit_into(workspace, box_of(Vector3(0, 5, 0), Vector3(3, 5, 0.5)));
     EXPECT_NEAR(fit.scale, 0.06, kRounding); // 0.6 × 0.3 / 3
     EXPECT_NEAR(fit(Vector3(0, 5, 0)).y(), 0.0, kRounding);
 }
 
 TEST(Fit, RefusesAPointAndTheBoundless) {
-    const Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
+    const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
     EXPECT_THROW((void)fit_into(workspace, box_of(Vector3(1, 2, 3), Vector3(1, 2, 3))), InputError);
     EXPECT_THROW((void)fit_into(workspace, box_of(Vector3(-1.5e308, 0, 0), Vector3(1.5e308, 0, 0))),
                  InputError);
@@ -54,7 +54,7 @@ TEST(Fit, RefusesAPointAndTheBoundless) {
 }
 
 TEST(Fit, WithinMeansOnEverySide) {
-    const Workspace workspace{Vector3(1, 1, 1), Vector3(2, 2, 2)};
+    const device::Workspace workspace{Vector3(1, 1, 1), Vector3(2, 2, 2)};
     EXPECT_TRUE(lies_within(workspace, box_of(Vector3(0, 0, 0), Vector3(2, 2, 2))));
     for (int axis = 0; axis < 3; ++axis) {
         Vector3 beyond = Vector3::Zero();
@@ -65,4 +65,4 @@ TEST(Fit, WithinMeansOnEverySide) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::scene

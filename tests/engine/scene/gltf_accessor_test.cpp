@@ -2,7 +2,7 @@
 
 #include "tests/engine/scene/gltf_builder.h"
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 /// A triangle whose position accessor and buffer view are given in full.
@@ -128,4 +128,4 @@ TEST(GltfAccessor, RefusesComponentTypesThatAttributesCannotHave) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 
 inline constexpr int kByte = 5120;
 inline constexpr int kUnsignedByte = 5121;
@@ -24,7 +24,9 @@ inline constexpr int kUnsignedShort = 5123;
 inline constexpr int kUnsignedInt = 5125;
 inline constexpr int kFloat = 5126;
 
-inline Workspace small_workspace() { return {Vector3(0.0, 0.03, -0.015), Vector3(0.2, 0.1, 0.1)}; }
+inline device::Workspace small_workspace() {
+    return {Vector3(0.0, 0.03, -0.015), Vector3(0.2, 0.1, 0.1)};
+}
 
 inline std::string to_base64(std::string_view bytes) {
     constexpr std::string_view kDigits =
@@ -208,7 +210,7 @@ inline GltfBuilder one_triangle(const std::string &node_members = "") {
 }
 
 /// The corners of every triangle, in order.
-inline std::vector<std::array<Vector3, 3>> corners_of(const TriangleSoup &surface) {
+inline std::vector<std::array<Vector3, 3>> corners_of(const contact::TriangleSoup &surface) {
     std::vector<std::array<Vector3, 3>> corners;
     for (const auto &triangle : surface.triangles) {
         corners.push_back({surface.vertices_m[triangle[0]], surface.vertices_m[triangle[1]],
@@ -217,4 +219,4 @@ inline std::vector<std::array<Vector3, 3>> corners_of(const TriangleSoup &surfac
     return corners;
 }
 
-} // namespace springdrive::test
+} // namespace springdrive::scene

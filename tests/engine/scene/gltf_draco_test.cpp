@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 using Corners = std::array<std::array<float, 3>, 3>;
@@ -105,4 +105,4 @@ TEST(GltfDraco, DamagedDataAreRefused) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -2,7 +2,7 @@
 
 #include "tests/engine/scene/gltf_builder.h"
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 void expect_message(const std::string &message, const std::string &part) {
@@ -150,4 +150,4 @@ TEST(GltfFile, ExtensionsAndAnimationsLeftOutAreRemarkedOn) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

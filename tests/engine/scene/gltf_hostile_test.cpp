@@ -9,7 +9,7 @@
 
 #include <random>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 /// Ends in a scene whose indices are sound, or in an InputError of one line.
@@ -149,4 +149,4 @@ TEST(GltfHostile, TheUndamagedFilesLoad) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 namespace {
 
 TEST(GltfJson, DepthCountsBracketsOutsideStringsOnly) {
@@ -64,4 +64,4 @@ TEST(GltfJson, WhatIsNoGltfComesBackAsItIs) {
 }
 
 } // namespace
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 /// 2 × 1 pixels: one half-transparent orange, one nearly transparent blue.
@@ -186,4 +186,4 @@ TEST(GltfMaterial, DoubleSidedComesThrough) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

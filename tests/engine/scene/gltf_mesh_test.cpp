@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 constexpr float kSinglePrecision = 1e-6F; // of unit vectors and colours
@@ -20,7 +20,7 @@ Vector3 position_of(const VisualVertex &vertex) {
 }
 
 /// Twice the volume's triple: six times what the triangles enclose, positive when wound outwards.
-double six_volumes(const TriangleSoup &surface) {
+double six_volumes(const contact::TriangleSoup &surface) {
     double sum = 0.0;
     for (const auto &[a, b, c] : corners_of(surface)) {
         sum += a.dot(b.cross(c));
@@ -178,4 +178,4 @@ TEST(GltfMesh, WithoutMaterialItIsWhiteAndSingleSided) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -4,7 +4,7 @@
 
 #include "tests/engine/scene/gltf_builder.h"
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 class GltfModels : public ::testing::Test {
@@ -81,4 +81,4 @@ TEST_F(GltfModels, DenseSphereIsASphereOnceDecompressed) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

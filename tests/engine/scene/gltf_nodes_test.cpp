@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRounding_m = 1e-14; // a few double operations on metres
@@ -166,4 +166,4 @@ TEST(GltfNodes, NamesFallBackToTheMeshAndThenToTheNumber) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 /// A ribbon of `count` vertices, no two alike.
@@ -39,7 +39,7 @@ bool same_triangle(const std::array<Vector3, 3> &a, std::array<Vector3, 3> b) {
     return false;
 }
 
-void expect_same_surface(const TriangleSoup &a, const TriangleSoup &b) {
+void expect_same_surface(const contact::TriangleSoup &a, const contact::TriangleSoup &b) {
     const auto left = corners_of(a);
     const auto right = corners_of(b);
     ASSERT_EQ(left.size(), right.size());
@@ -209,4 +209,4 @@ TEST(GltfPrimitive, AssemblyKeepsEveryCornerInRange) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

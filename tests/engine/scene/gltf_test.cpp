@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRounding_m = 1e-12; // a few double operations on metres
@@ -132,4 +132,4 @@ TEST(Gltf, ANameWithLineEndsStillMakesOneLine) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

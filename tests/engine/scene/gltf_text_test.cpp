@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace springdrive::gltf {
+namespace springdrive::scene::gltf {
 namespace {
 
 TEST(GltfText, OneLineHasNoControlCharacters) {
@@ -25,4 +25,4 @@ TEST(GltfText, ShortestNumberReadsBackAsItself) {
 }
 
 } // namespace
-} // namespace springdrive::gltf
+} // namespace springdrive::scene::gltf

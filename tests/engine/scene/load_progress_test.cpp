@@ -4,7 +4,7 @@
 #include "engine/scene/load_allowance.h"
 #include "tests/engine/scene/gltf_builder.h"
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 TEST(LoadProgress, TellsStageAndPercentWhereItIsKnown) {
@@ -44,4 +44,4 @@ TEST(LoadAllowance, EndsAtTheStatedMemory) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kSinglePrecision = 1e-6; // relative, of coordinates that were stored as floats
@@ -20,7 +20,7 @@ std::filesystem::path scene_file(const std::string &name) {
     return std::filesystem::path(SPRINGDRIVE_ASSET_DIR) / "scenes" / (name + ".gltf");
 }
 
-Workspace phantom_1_0_workspace() {
+device::Workspace phantom_1_0_workspace() {
     return {Vector3(0.0, 0.030, -0.015), Vector3(0.254, 0.178, 0.127)};
 }
 
@@ -28,7 +28,7 @@ Scene load_own(const std::string &name) {
     return load_gltf(scene_file(name), phantom_1_0_workspace());
 }
 
-double volume_of(const TriangleSoup &surface) {
+double volume_of(const contact::TriangleSoup &surface) {
     double six_volumes = 0.0;
     for (const auto &[a, b, c] : corners_of(surface)) {
         six_volumes += a.dot(b.cross(c));
@@ -39,7 +39,7 @@ double volume_of(const TriangleSoup &surface) {
 using Point = std::array<double, 3>;
 
 /// How often each directed edge is used, vertices at the same place being one.
-std::map<std::pair<Point, Point>, int> directed_edges(const TriangleSoup &surface) {
+std::map<std::pair<Point, Point>, int> directed_edges(const contact::TriangleSoup &surface) {
     std::map<std::pair<Point, Point>, int> edges;
     const auto point = [](const Vector3 &v) { return Point{v.x(), v.y(), v.z()}; };
     for (const auto &corners : corners_of(surface)) {
@@ -50,7 +50,7 @@ std::map<std::pair<Point, Point>, int> directed_edges(const TriangleSoup &surfac
     return edges;
 }
 
-void expect_closed_and_consistently_wound(const TriangleSoup &surface) {
+void expect_closed_and_consistently_wound(const contact::TriangleSoup &surface) {
     const auto edges = directed_edges(surface);
     for (const auto &[edge, uses] : edges) {
         ASSERT_NE(edge.first, edge.second);
@@ -60,7 +60,7 @@ void expect_closed_and_consistently_wound(const TriangleSoup &surface) {
 }
 
 /// V − E + F of the welded surface: 2 for each closed surface without handles.
-long euler_characteristic(const TriangleSoup &surface) {
+long euler_characteristic(const contact::TriangleSoup &surface) {
     std::set<Point> points;
     for (const auto &corners : corners_of(surface)) {
         for (const Vector3 &corner : corners) {
@@ -163,7 +163,7 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
     EXPECT_EQ(part.colours.size(), part.positions_m.size());
     const auto field = [](const Vector3 &p) {
         double sum = 0.0;
-        for (const Blob &blob : organic_shape().blobs) {
+        for (const rig::Blob &blob : rig::organic_shape().blobs) {
             const double d = (p - blob.centre).norm() / blob.radius;
             sum += d < 1.0 ? std::pow(1.0 - d * d, 3) : 0.0;
         }
@@ -171,7 +171,7 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
     };
     for (std::size_t i = 0; i < part.positions_m.size(); ++i) {
         const Vector3 &p = part.positions_m[i];
-        ASSERT_NEAR(field(p), organic_shape().level, 1e-12);
+        ASSERT_NEAR(field(p), rig::organic_shape().level, 1e-12);
         // The normal agrees with the field's steepest descent, by central differences.
         constexpr double kStep = 1e-5;
         Vector3 descent;
@@ -182,10 +182,10 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
         ASSERT_LT((descent.normalized() - part.normals[i]).norm(), 1e-6);
         // Along the ray from the origin it stays above the level before, below it after.
         for (const double share : {0.25, 0.5, 0.75, 0.95}) {
-            ASSERT_GT(field(share * p), organic_shape().level);
+            ASSERT_GT(field(share * p), rig::organic_shape().level);
         }
         for (const double share : {1.05, 1.25, 1.5, 2.0}) {
-            ASSERT_LT(field(share * p), organic_shape().level);
+            ASSERT_LT(field(share * p), rig::organic_shape().level);
         }
     }
 }
@@ -243,4 +243,4 @@ TEST(OwnScenes, GeodesicSphereHasTheVerticesThatEulerAsksFor) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

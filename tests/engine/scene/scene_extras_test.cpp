@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
@@ -82,4 +82,4 @@ TEST(SceneExtras, RefusesWhatIsNoToleranceAndNoFlag) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

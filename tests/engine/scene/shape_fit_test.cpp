@@ -1,12 +1,12 @@
 #include "engine/scene/shape_fit.h"
 
-#include "engine/contact/haptic_surface.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <cmath>
 #include <random>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 using gltf::fit_shape;
@@ -23,8 +23,8 @@ BoundingBox box_of(const Vector3 &lower, const Vector3 &upper) {
 
 BoundingBox box_of(const Vector3 &half_size) { return box_of(-half_size, half_size); }
 
-AnalyticShape fitted(ShapeKind kind, const Vector3 &half_size,
-                     const Eigen::Affine3d &to_device = Eigen::Affine3d::Identity()) {
+contact::AnalyticShape fitted(ShapeKind kind, const Vector3 &half_size,
+                              const Eigen::Affine3d &to_device = Eigen::Affine3d::Identity()) {
     return fit_shape(kind, box_of(half_size), to_device, 3, "node 'ball'");
 }
 
@@ -54,23 +54,30 @@ Eigen::Affine3d random_similarity(std::mt19937_64 &dice, bool mirrored) {
 }
 
 TEST(ShapeFit, SizesAreThoseOfTheBox) {
-    EXPECT_EQ(std::get<Sphere>(fitted(ShapeKind::sphere, {0.5, 0.5, 0.5}).size()).radius_m, 0.5);
-    const auto box = std::get<Box>(fitted(ShapeKind::box, {0.25, 0.5, 1.0}).size());
+    EXPECT_EQ(std::get<contact::Sphere>(fitted(ShapeKind::sphere, {0.5, 0.5, 0.5}).size()).radius_m,
+              0.5);
+    const auto box = std::get<contact::Box>(fitted(ShapeKind::box, {0.25, 0.5, 1.0}).size());
     EXPECT_EQ(box.half_size_m, Vector3(0.25, 0.5, 1.0));
-    const auto cylinder = std::get<Cylinder>(fitted(ShapeKind::cylinder, {0.5, 2.0, 0.5}).size());
+    const auto cylinder =
+        std::get<contact::Cylinder>(fitted(ShapeKind::cylinder, {0.5, 2.0, 0.5}).size());
     EXPECT_EQ(cylinder.radius_m, 0.5);
     EXPECT_EQ(cylinder.half_height_m, 2.0);
-    const auto capsule = std::get<Capsule>(fitted(ShapeKind::capsule, {0.5, 2.0, 0.5}).size());
+    const auto capsule =
+        std::get<contact::Capsule>(fitted(ShapeKind::capsule, {0.5, 2.0, 0.5}).size());
     EXPECT_EQ(capsule.radius_m, 0.5);
     EXPECT_EQ(capsule.half_axis_m, 1.5);
     EXPECT_EQ(fitted(ShapeKind::box, {0.25, 0.5, 1.0}).material(), 3);
 }
 
 TEST(ShapeFit, TheLargestExtentCountsWhereTessellationCutsSome) {
-    EXPECT_EQ(std::get<Sphere>(fitted(ShapeKind::sphere, {0.995, 1.0, 0.991}).size()).radius_m,
-              1.0);
-    EXPECT_EQ(std::get<Cylinder>(fitted(ShapeKind::cylinder, {0.995, 2, 1}).size()).radius_m, 1.0);
-    EXPECT_EQ(std::get<Capsule>(fitted(ShapeKind::capsule, {1.0, 0.991, 1.0}).size()).half_axis_m,
+    EXPECT_EQ(
+        std::get<contact::Sphere>(fitted(ShapeKind::sphere, {0.995, 1.0, 0.991}).size()).radius_m,
+        1.0);
+    EXPECT_EQ(
+        std::get<contact::Cylinder>(fitted(ShapeKind::cylinder, {0.995, 2, 1}).size()).radius_m,
+        1.0);
+    EXPECT_EQ(std::get<contact::Capsule>(fitted(ShapeKind::capsule, {1.0, 0.991, 1.0}).size())
+                  .half_axis_m,
               0.0);
 }
 
@@ -91,7 +98,7 @@ TEST(ShapeFit, APlateLiesAcrossItsThinnestExtent) {
     for (int flat = 0; flat < 3; ++flat) {
         Vector3 half(0.3, 0.2, 0.1);
         half[flat] = 0.0009;
-        const AnalyticShape plate = fitted(ShapeKind::plate, half);
+        const contact::AnalyticShape plate = fitted(ShapeKind::plate, half);
         half[flat] = 0.0;
         EXPECT_LT((plate.bounds().max() - half).norm(), kRounding_m);
         EXPECT_LT((plate.bounds().min() + half).norm(), kRounding_m);
@@ -115,13 +122,13 @@ TEST(ShapeFit, TurnedMirroredAndScaledTheShapeMovesWithItsMesh) {
                                                              : round;
             const BoundingBox box =
                 box_of(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0) + 2.0 * half);
-            const AnalyticShape here =
+            const contact::AnalyticShape here =
                 fit_shape(kind, box, Eigen::Affine3d::Identity(), 0, "node 0");
-            const AnalyticShape there = fit_shape(kind, box, to_device, 0, "node 0");
+            const contact::AnalyticShape there = fit_shape(kind, box, to_device, 0, "node 0");
             const Vector3 query =
                 Vector3(1.0, 2.0, 3.0) + half + Vector3(normal(dice), normal(dice), normal(dice));
-            const NearestOnShape a = here.nearest(query);
-            const NearestOnShape b = there.nearest(to_device * query);
+            const contact::NearestOnShape a = here.nearest(query);
+            const contact::NearestOnShape b = there.nearest(to_device * query);
             const double tolerance_m = 20.0 * kRounding_m * (1.0 + scale);
             EXPECT_NEAR(b.distance_m, scale * a.distance_m, tolerance_m);
             EXPECT_LT((b.point_m - to_device * a.point_m).norm(), tolerance_m);
@@ -132,10 +139,11 @@ TEST(ShapeFit, TurnedMirroredAndScaledTheShapeMovesWithItsMesh) {
 TEST(ShapeFit, PlatesAndBoxesMayBeStretchedAlongTheirAxes) {
     const Eigen::Affine3d stretched(Eigen::AngleAxisd(0.3, Vector3(1, 2, 3).normalized()) *
                                     Eigen::Scaling(2.0, -3.0, 4.0));
-    const auto box = std::get<Box>(fitted(ShapeKind::box, {0.5, 0.25, 0.125}, stretched).size());
+    const auto box =
+        std::get<contact::Box>(fitted(ShapeKind::box, {0.5, 0.25, 0.125}, stretched).size());
     EXPECT_LT((box.half_size_m - Vector3(1.0, 0.75, 0.5)).norm(), kRounding_m);
     const auto plate =
-        std::get<Plate>(fitted(ShapeKind::plate, {0.5, 0.0, 0.125}, stretched).size());
+        std::get<contact::Plate>(fitted(ShapeKind::plate, {0.5, 0.0, 0.125}, stretched).size());
     EXPECT_NEAR(plate.half_x_m, 1.0, kRounding_m);
     EXPECT_NEAR(plate.half_z_m, 0.5, kRounding_m);
     const std::string same = "its transform scales by 2 by 3 by 4; the three must be the same";
@@ -183,7 +191,7 @@ TEST(ShapeFit, ANodeWithAShapeIsDrawnAsItsMeshAndTouchedAsItsShape) {
     ASSERT_EQ(scene.meshes.size(), 1U);
     EXPECT_EQ(scene.meshes[0].indices.size(), 36U);
     ASSERT_EQ(scene.shapes.size(), 1U);
-    EXPECT_EQ(std::get<Sphere>(scene.shapes[0].size()).radius_m, 2.0);
+    EXPECT_EQ(std::get<contact::Sphere>(scene.shapes[0].size()).radius_m, 2.0);
     EXPECT_EQ(scene.shapes[0].nearest(Vector3(1, 2, 6)).distance_m, 1.0);
     ASSERT_EQ(scene.surface.materials.size(), 1U);
     EXPECT_EQ(scene.surface.materials[scene.shapes[0].material()].name, "ball");
@@ -216,11 +224,12 @@ TEST(ShapeFit, ShapesAndTrianglesStandSideBySideWithMaterialsOfTheirOwn) {
 
 TEST(ShapeFit, NoMoreShapesThanTheProxyTakes) {
     GltfBuilder builder = cube(R"("extras": {"shape": "box"})");
-    while (builder.nodes.size() < kMostShapes) {
+    while (builder.nodes.size() < contact::kMostShapes) {
         builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
     }
     const Scene scene = load(builder);
-    EXPECT_EQ(HapticSurface(scene.surface, scene.shapes).shapes().size(), kMostShapes);
+    EXPECT_EQ(contact::HapticSurface(scene.surface, scene.shapes).shapes().size(),
+              contact::kMostShapes);
     builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
     expect_failure(builder, "more than 64 nodes that are touched as shapes");
 }
@@ -236,4 +245,4 @@ TEST(ShapeFit, FilesWithShapesThatCannotBeAreRefusedInOneLine) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

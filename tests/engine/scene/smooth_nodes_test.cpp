@@ -1,12 +1,12 @@
 #include "engine/scene/smooth_nodes.h"
 
-#include "engine/contact/preparation/mesh_preparation.h"
-#include "tests/engine/contact/soups.h"
+#include "engine/contact/mesh/mesh_preparation.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <cmath>
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 std::vector<float> floats(const std::vector<Vector3> &vectors) {
@@ -22,7 +22,7 @@ std::vector<float> floats(const std::vector<Vector3> &vectors) {
 /// An icosphere of radius 0.04 m in metres, accessors 0 and 1 its positions and normals, 2 its
 /// indices; one node.
 GltfBuilder ball(const std::string &node_members, int level = 1) {
-    TriangleSoup soup = springdrive::testing::icosphere(level, 0.04);
+    contact::TriangleSoup soup = springdrive::testing::icosphere(level, 0.04);
     GltfBuilder builder;
     builder.asset = kMetres;
     builder.add_positions(floats(soup.vertices_m));
@@ -46,7 +46,7 @@ TEST(SmoothNodes, EyeAndHandGetTheSameCurvedSurface) {
     const Scene scene = load(ball(kSmoothBall));
     ASSERT_EQ(scene.meshes.size(), 1U);
     const VisualMesh &drawn = scene.meshes[0];
-    const TriangleSoup &touched = scene.surface;
+    const contact::TriangleSoup &touched = scene.surface;
     ASSERT_GT(touched.triangles.size(), 10'000U);
     ASSERT_EQ(drawn.indices.size(), 3 * touched.triangles.size());
     for (std::size_t i = 0; i < drawn.indices.size(); ++i) {
@@ -135,7 +135,7 @@ TEST(SmoothNodes, PrimitivesOfOneNodeStayJoined) {
         // Which end an edge is computed from depends on the numbering, and so do its last places.
         ASSERT_LT((parts.surface.vertices_m[i] - whole.surface.vertices_m[i]).norm(), 1e-16);
     }
-    EXPECT_EQ(prepare_mesh(parts.surface).report.open_edges, 0U);
+    EXPECT_EQ(contact::prepare_mesh(parts.surface).report.open_edges, 0U);
 }
 
 TEST(SmoothNodes, RefusesMeshesWithoutNormals) {
@@ -174,4 +174,4 @@ TEST(SmoothNodes, WhatIsFineEnoughOrTooLargeStaysAsItIs) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -2,7 +2,7 @@
 
 #include "tests/engine/scene/gltf_builder.h"
 
-namespace springdrive::test {
+namespace springdrive::scene {
 namespace {
 
 gltf::TouchExtras read(const std::string &json, const gltf::TouchExtras &parent = {}) {
@@ -22,7 +22,7 @@ TEST(TouchExtras, NodesWithoutAnyFeelRigidAndSmooth) {
         EXPECT_EQ(touch.material.eta, 0.0);
         EXPECT_EQ(touch.material.static_friction, 0.0);
         EXPECT_EQ(touch.material.dynamic_friction, 0.0);
-        EXPECT_EQ(touch.material.sides, TouchSides::automatic);
+        EXPECT_EQ(touch.material.sides, contact::TouchSides::automatic);
         EXPECT_FALSE(touch.smooth);
         EXPECT_FALSE(touch.shape);
     }
@@ -32,12 +32,12 @@ TEST(TouchExtras, AFileCanSayAllOfIt) {
     const Scene scene = load(one_triangle(R"("name": "pad", "extras": {"eta": 0.25,
         "static_friction": 0.75, "dynamic_friction": 0.5, "sides": "two"})"));
     ASSERT_EQ(scene.surface.materials.size(), 1U);
-    const SurfaceMaterial &material = scene.surface.materials[0];
+    const contact::SurfaceMaterial &material = scene.surface.materials[0];
     EXPECT_EQ(material.name, "pad");
     EXPECT_EQ(material.eta, 0.25);
     EXPECT_EQ(material.static_friction, 0.75);
     EXPECT_EQ(material.dynamic_friction, 0.5);
-    EXPECT_EQ(material.sides, TouchSides::two);
+    EXPECT_EQ(material.sides, contact::TouchSides::two);
 }
 
 TEST(TouchExtras, OneCoefficientOfFrictionStandsForBoth) {
@@ -63,15 +63,15 @@ TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
                          "sides": "two"}})"};
     const Scene scene = load(builder);
     ASSERT_EQ(scene.surface.materials.size(), 2U);
-    const SurfaceMaterial &heir = scene.surface.materials[0];
+    const contact::SurfaceMaterial &heir = scene.surface.materials[0];
     EXPECT_EQ(heir.eta, 0.5);
     EXPECT_EQ(heir.static_friction, 0.75);
     EXPECT_EQ(heir.dynamic_friction, 0.25);
-    EXPECT_EQ(heir.sides, TouchSides::one);
-    const SurfaceMaterial &rebel = scene.surface.materials[1];
+    EXPECT_EQ(heir.sides, contact::TouchSides::one);
+    const contact::SurfaceMaterial &rebel = scene.surface.materials[1];
     EXPECT_EQ(rebel.eta, 0.0);
     EXPECT_EQ(rebel.static_friction, 0.0);
-    EXPECT_EQ(rebel.sides, TouchSides::two);
+    EXPECT_EQ(rebel.sides, contact::TouchSides::two);
 
     const gltf::TouchExtras parent = read(R"({"smooth": true, "shape": "box"})");
     EXPECT_EQ(parent.shape, gltf::ShapeKind::box);
@@ -137,4 +137,4 @@ TEST(TouchExtras, RefusesSidesThatAShapeDoesNotHave) {
 }
 
 } // namespace
-} // namespace springdrive::test
+} // namespace springdrive::scene

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::scene {
 namespace {
 
 /// Vertices that carry their number as x; triangles between random ones.
@@ -76,4 +76,4 @@ TEST(VisualPieces, ASmallMeshStaysAsItIs) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::scene

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 TEST(ChangeOver, NoChangeMovesTheSumByMoreThanItsBound) {
@@ -68,4 +68,4 @@ TEST(ChangeOver, ThereAndBackLeavesNothing) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -1,8 +1,8 @@
 // Covers engine/servo/command_limiter.cpp.
 #include "engine/servo/command_limiter.h"
 
-#include "device/phantom/kinematics.h"
-#include "engine/servo/winding_guard.h"
+#include "device/core/motor/winding_guard.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -16,25 +16,26 @@
 #include <random>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 /// One random tick of one device: what is wanted, and what stands.
 struct Case {
-    DeviceDescription device;
+    device::DeviceDescription device;
     LimiterInputs inputs;
-    DeviceCommand wanted;
+    device::DeviceCommand wanted;
 };
 
-double coldest_limit_Ohm(const MotorParameters &motor) {
-    return (1.0 - kLeastResidualShare) * least_resistance_Ohm(motor, kColdestAir_C);
+double coldest_limit_Ohm(const device::MotorParameters &motor) {
+    return (1.0 - device::kLeastResidualShare) *
+           device::least_resistance_Ohm(motor, device::kColdestAir_C);
 }
 
-Configuration at(const DeviceDescription &device, const Vector3 &q_rad) {
-    Configuration now;
-    now.theta_rad = motor_from_joint(device.geometry, q_rad);
-    now.tip_m = tip_position_m(device.geometry, q_rad);
-    now.J = motor_jacobian(device.geometry, q_rad);
+control::Configuration at(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    control::Configuration now;
+    now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
+    now.tip_m = device::tip_position_m(device.geometry, q_rad);
+    now.J = device::motor_jacobian(device.geometry, q_rad);
     return now;
 }
 
@@ -44,7 +45,7 @@ protected:
         return std::uniform_real_distribution<double>(lowest, highest)(random);
     }
 
-    Case any_case(const DeviceDescription &device) {
+    Case any_case(const device::DeviceDescription &device) {
         Case c{device, {}, {}};
         c.inputs.now = at(device, testing::random_workspace_angles(device, random));
         c.inputs.now.theta_rate_rad_per_s = testing::random_vector(random, 60.0);
@@ -60,23 +61,23 @@ protected:
     }
 
     std::mt19937_64 random{4};
-    std::array<DeviceDescription, 2> devices{testing::phantom_1_0(),
-                                             testing::phantom_premium_1_5()};
+    std::array<device::DeviceDescription, 2> devices{testing::phantom_1_0(),
+                                                     testing::phantom_premium_1_5()};
 };
 
 /// dR of (6) at the least R of any commutator angle, as far as an amplifier goes.
-Vector3 residual_Ohm(const DeviceDescription &device, const Vector3 &R_hat_Ohm) {
+Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_hat_Ohm) {
     Vector3 dR_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
+        const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
         dR_Ohm[j] = std::max(motor.resistance_Ohm * (1.0 - motor.commutation_ripple) - R_hat_Ohm[j],
-                             kLeastResidualShare * motor.resistance_Ohm);
+                             device::kLeastResidualShare * motor.resistance_Ohm);
     }
     return dR_Ohm;
 }
 
 /// Where the currents of a command go to while the motors turn on: (e_W − k_T θ̇)/dR.
-Vector3 settling_A(const Case &c, const DeviceCommand &command) {
+Vector3 settling_A(const Case &c, const device::DeviceCommand &command) {
     const double k_T = c.device.motor[0].torque_constant_Nm_per_A;
     return (command.e_W_V - k_T * c.inputs.now.theta_rate_rad_per_s)
         .cwiseQuotient(residual_Ohm(c.device, command.cancelled_resistance_Ohm));
@@ -114,7 +115,7 @@ TEST_F(CommandLimiter, WindingsThatAreAlikeStayWithinTheLimitAllTheWay) {
     // i(t) = i_s + (i₀ − i_s) e^(−t dR/L) from any currents that are within it themselves.
     for (int run = 0; run < 5000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
-        const DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
+        const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
         const Vector3 end_A = settling_A(c, command);
         const double limit_N = kLimiterShare * c.inputs.limits.tip_force_N;
         Vector3 start_A = testing::random_vector(random, 5.5);
@@ -142,7 +143,7 @@ TEST_F(CommandLimiter, WindingsOfUnequalWarmthPassTheShareButByLittle) {
         for (double &limit_Ohm : c.inputs.R_hat_limit_Ohm) {
             limit_Ohm += any(0.0, 0.12);
         }
-        const DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
+        const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
         const Vector3 dR_Ohm = residual_Ohm(c.device, command.cancelled_resistance_Ohm);
         const Vector3 end_A = settling_A(c, command);
         double most = 0.0;
@@ -171,8 +172,8 @@ TEST_F(CommandLimiter, WhatNeedsNoLimitingPassesBitForBit) {
         c.wanted.cancelled_resistance_Ohm = testing::random_vector(random, 1.0).cwiseAbs();
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
         const Vector3 current_A = settling_A(c, c.wanted);
-        const Vector3 q_rad = joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
-        JointLimits within = c.device.joint_limits;
+        const Vector3 q_rad = device::joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
+        device::JointLimits within = c.device.joint_limits;
         const double margin_rad = c.device.edge.margin_rad;
         within.lowest_rad.array() += margin_rad;
         within.highest_rad.array() -= margin_rad;
@@ -243,14 +244,14 @@ TEST_F(CommandLimiter, AtNoRampNothingPassesAndAtHalfOfItHalfDoes) {
     c.inputs.ramp = 0.0;
     EXPECT_EQ(limited(c.device, c.wanted, c.inputs).command.e_W_V, Vector3::Zero());
     c.inputs.ramp = 0.5;
-    const DeviceCommand half = limited(c.device, c.wanted, c.inputs).command;
+    const device::DeviceCommand half = limited(c.device, c.wanted, c.inputs).command;
     EXPECT_EQ(half.e_W_V, 0.5 * c.wanted.e_W_V);
     EXPECT_EQ(half.cancelled_resistance_Ohm, 0.5 * c.wanted.cancelled_resistance_Ohm);
 }
 
 TEST_F(CommandLimiter, TheEdgePushesThroughWhateverTheTuningIs) {
     // The soft wall's torque arrives at the joint: k_T e_W/dR N is what the spring there asks for.
-    const DeviceDescription &device = devices[0];
+    const device::DeviceDescription &device = devices[0];
     const double beyond_rad = 0.01;
     const double q1_rad = device.joint_limits.highest_rad[0] - device.edge.margin_rad + beyond_rad;
     for (const double R_hat_Ohm : {0.0, 1.0, 2.0}) {
@@ -283,4 +284,4 @@ TEST_F(CommandLimiter, WhereTheLinkageIsSingularItGivesNoForce) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 using Nanoseconds = std::int64_t;
@@ -170,4 +170,4 @@ TEST(Deadlines, InARowEndsWithATickThatMissedNone) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

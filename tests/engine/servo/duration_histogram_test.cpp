@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 TEST(DurationHistogram, QuantilesAreWithinABinOfTheTrueOnes) {
@@ -41,4 +41,4 @@ TEST(DurationHistogram, TakesNothingZeroAndForever) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

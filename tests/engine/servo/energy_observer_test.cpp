@@ -10,7 +10,7 @@
 #include <numbers>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -206,4 +206,4 @@ TEST(EnergyObserver, ALimitedSpringHoldsWhatItTakesToStretchIt) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

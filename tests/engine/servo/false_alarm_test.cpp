@@ -11,24 +11,25 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
 struct Hand {
     const char *name = "";
-    HandParameters parameters{};
+    device::HandParameters parameters{};
     double depth_m = 0.0; ///< of its target, when it presses
 };
 
-const std::array<Hand, 3> kHands{{{"light", kLightHand, 0.025},
-                                  {"relaxed", HandParameters{}, 0.012},
-                                  {"firm", kFirmHand, 0.004}}};
+const std::array<Hand, 3> kHands{{{"light", testing::kLightHand, 0.025},
+                                  {"relaxed", device::HandParameters{}, 0.012},
+                                  {"firm", testing::kFirmHand, 0.004}}};
 
 /// Rests, taps thrice, presses, slides 20 mm and lifts.
-SimulationOptions taps_and_presses(const FaultCase &what, double speed_m_per_s, double depth_m) {
-    std::vector<HandPath::Point> points{{0.0, what.start_m}, {1.15, what.start_m}};
+simulated::SimulationOptions taps_and_presses(const testing::FaultCase &what, double speed_m_per_s,
+                                              double depth_m) {
+    std::vector<simulated::HandPath::Point> points{{0.0, what.start_m}, {1.15, what.start_m}};
     const auto go = [&](const Vector3 &to_m) {
-        const HandPath::Point from = points.back();
+        const simulated::HandPath::Point from = points.back();
         points.push_back({from.time_s + (to_m - from.position_m).norm() / speed_m_per_s, to_m});
     };
     const Vector3 above = Vector3(what.start_m.x(), 0.005, what.start_m.z());
@@ -42,7 +43,7 @@ SimulationOptions taps_and_presses(const FaultCase &what, double speed_m_per_s, 
     points.push_back({points.back().time_s + 0.15, below});
     go(below + Vector3(0.02, 0.0, 0.0));
     go(above + Vector3(0.02, 0.0, 0.0));
-    SimulationOptions options;
+    simulated::SimulationOptions options;
     options.path.emplace(std::move(points));
     return options;
 }
@@ -55,7 +56,7 @@ struct Extremes {
 };
 
 /// A run whose path ends with the last of its points.
-void run(FaultRig &rig, double until_s, Extremes &seen) {
+void run(testing::FaultRig &rig, double until_s, Extremes &seen) {
     bool touched = false;
     for (int tick = 0; tick < rig.ticks_in(until_s) && !rig.has_tripped(); ++tick) {
         const ServoSample sample = rig.tick();
@@ -78,14 +79,16 @@ TEST_P(FalseAlarm, NoneWhereHandsPressAndTap) {
         for (const double eta : {0.0, 0.5, 0.9}) {
             for (const Hand &hand : kHands) {
                 for (const double speed_m_per_s : {0.05, 0.1, 0.2, 0.4}) {
-                    FaultCase what = random_case(random, tuning, Place::plate);
+                    testing::FaultCase what =
+                        testing::random_case(random, tuning, testing::Place::plate);
                     what.servo_hz = GetParam();
                     what.start_m.y() = 0.012;
                     what.tuning.eta = eta;
-                    SimulationOptions options = taps_and_presses(what, speed_m_per_s, hand.depth_m);
+                    simulated::SimulationOptions options =
+                        taps_and_presses(what, speed_m_per_s, hand.depth_m);
                     options.hand = hand.parameters;
                     const double until_s = options.path->points().back().time_s + 0.05;
-                    FaultRig rig(what, options, HandOf::options);
+                    testing::FaultRig rig(what, options, testing::HandOf::options);
                     Extremes seen;
                     SCOPED_TRACE(what.tuning_name + ", η " + std::to_string(eta) + ", " +
                                  hand.name + " hand at " + std::to_string(speed_m_per_s) + " m/s");
@@ -110,4 +113,4 @@ INSTANTIATE_TEST_SUITE_P(AtRate, FalseAlarm, ::testing::Values(1000.0, 4000.0),
                          });
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

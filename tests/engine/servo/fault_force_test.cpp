@@ -13,26 +13,26 @@
 #include <random>
 #include <string>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = kFaultsOfACause;
+constexpr int kFaults = testing::kFaultsOfACause;
 
 TEST(FaultInjection, TipForce) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(41);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::running_on_plate));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         // The device's own limit, or one that was lowered while nobody felt it.
-        const double limit_N = i % 2 == 0 ? 8.5 : uniform(random, 6.0, 8.0);
+        const double limit_N = i % 2 == 0 ? 8.5 : testing::uniform(random, 6.0, 8.0);
         rig.inputs.limits.tip_force_N = limit_N;
         rig.run_to_fault();
         const double force_N = rig.last().tip_force_N.norm();
         EXPECT_GT(force_N, 0.2);
         // An amplifier that gives too much.
-        const double gain = limit_N / force_N * log_uniform(random, 1.1, 2.0);
-        rig.commit(FaultKind::amplifier_gain, Vector3::Constant(gain));
+        const double gain = limit_N / force_N * testing::log_uniform(random, 1.1, 2.0);
+        rig.commit(testing::FaultKind::amplifier_gain, Vector3::Constant(gain));
         rig.run_to_trip(0.05);
         // Where one tick brings it beyond both limits, the winding's is named.
         rig.expect_tripped_by(rig.last().safety.cause == TripCause::current ? TripCause::current
@@ -49,15 +49,17 @@ TEST(FaultInjection, Energy) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(42);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultCase what = random_case(random, i, Place::running_on_plate);
+        testing::FaultCase what = testing::random_case(random, i, testing::Place::running_on_plate);
         what.firm = what.firm && what.tuning_name != "soft"; // it would hold a soft spring's double
-        what.target_m.y() = -uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
-        FaultRig rig(what);
+        what.target_m.y() = -testing::uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
+        testing::FaultRig rig(what);
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        rig.inputs.limits.generated_energy_J = 0.03 * uniform(random, 0.1, what.firm ? 0.3 : 1.0);
+        rig.inputs.limits.generated_energy_J =
+            0.03 * testing::uniform(random, 0.1, what.firm ? 0.3 : 1.0);
         // Wires swapped: what should push out pulls in.
-        rig.commit(FaultKind::amplifier_gain, -Vector3::Ones() * uniform(random, 1.0, 1.4));
+        rig.commit(testing::FaultKind::amplifier_gain,
+                   -Vector3::Ones() * testing::uniform(random, 1.0, 1.4));
         rig.run_to_trip(1.0);
         rig.expect_tripped_by(TripCause::energy);
         rig.expect_latched();
@@ -68,24 +70,27 @@ TEST(FaultInjection, Energy) {
 }
 
 /// One of the faults that may show in several ways, or in none.
-Fault some_fault(std::mt19937 &random, const FaultCase &what) {
+testing::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
     switch (std::uniform_int_distribution<int>(0, 4)(random)) {
     case 0: // R falls to R̂, or below it
-        return {FaultKind::sagging_winding,
-                Vector3::Constant(what.tuning.dR_Ohm + uniform(random, -0.1, 0.4))};
+        return {testing::FaultKind::sagging_winding,
+                Vector3::Constant(what.tuning.dR_Ohm + testing::uniform(random, -0.1, 0.4))};
     case 1:
-        return {FaultKind::sagging_winding, Vector3::Unit(static_cast<int>(random() % 3)) *
-                                                (what.tuning.dR_Ohm + uniform(random, 0.0, 0.4))};
+        return {testing::FaultKind::sagging_winding,
+                Vector3::Unit(static_cast<int>(random() % 3)) *
+                    (what.tuning.dR_Ohm + testing::uniform(random, 0.0, 0.4))};
     case 2:
-        return {FaultKind::late_counts,
-                Vector3::Constant(std::floor(what.servo_hz * log_uniform(random, 0.002, 0.04)))};
+        return {testing::FaultKind::late_counts,
+                Vector3::Constant(
+                    std::floor(what.servo_hz * testing::log_uniform(random, 0.002, 0.04)))};
     case 3: {
         Vector3 gain = Vector3::Ones();
         gain[static_cast<int>(random() % 3)] = -1.0;
-        return {FaultKind::amplifier_gain, gain};
+        return {testing::FaultKind::amplifier_gain, gain};
     }
     default:
-        return {FaultKind::amplifier_gain, Vector3::Constant(log_uniform(random, 1.2, 10.0))};
+        return {testing::FaultKind::amplifier_gain,
+                Vector3::Constant(testing::log_uniform(random, 1.2, 10.0))};
     }
 }
 
@@ -94,13 +99,13 @@ TEST(FaultInjection, WhicheverCauseIsFirst) {
     RecordProperty("faults", kAny);
     std::mt19937 random(43);
     int tripped = 0;
-    std::array<int, kTripCauses> by_cause{};
+    std::array<int, testing::kTripCauses> by_cause{};
     double greatest_N = 0.0;
     for (int i = 0; i < kAny && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        const Fault fault = some_fault(random, rig.what);
+        const testing::Fault fault = some_fault(random, rig.what);
         SCOPED_TRACE("fault " + std::to_string(static_cast<int>(fault.kind)) + " of " +
                      std::to_string(fault.size.maxCoeff()));
         rig.commit(fault.kind, fault.size);
@@ -121,4 +126,4 @@ TEST(FaultInjection, WhicheverCauseIsFirst) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

@@ -11,10 +11,10 @@
 #include <numbers>
 #include <random>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = kFaultsOfACause;
+constexpr int kFaults = testing::kFaultsOfACause;
 
 /// One or several motors, each with −1, 0 or 1, not all zero.
 Vector3 some_motors(std::mt19937 &random) {
@@ -28,7 +28,8 @@ Vector3 some_motors(std::mt19937 &random) {
 }
 
 /// A fault that is there at once, and each time that somebody resets.
-void see_through(FaultRig &rig, FaultKind kind, const Vector3 &size, TripCause cause) {
+void see_through(testing::FaultRig &rig, testing::FaultKind kind, const Vector3 &size,
+                 TripCause cause) {
     rig.run_to_fault();
     rig.commit(kind, size);
     rig.tick();
@@ -44,9 +45,9 @@ TEST(FaultInjection, DeviceLost) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(21);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        see_through(rig, FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
+        see_through(rig, testing::FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
     }
 }
 
@@ -55,10 +56,10 @@ TEST(FaultInjection, StaleMeasurements) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(24);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        constexpr std::array<FaultKind, 3> kKinds{FaultKind::absent, FaultKind::corrupt,
-                                                  FaultKind::repeated};
+        constexpr std::array<testing::FaultKind, 3> kKinds{
+            testing::FaultKind::absent, testing::FaultKind::corrupt, testing::FaultKind::repeated};
         rig.run_to_fault();
         rig.force_is_bounded = false; // the hand moves on behind a held e_W
         rig.commit(kKinds[static_cast<std::size_t>(i) % kKinds.size()], Vector3::Zero());
@@ -78,12 +79,13 @@ TEST(FaultInjection, BoardFault) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(25);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         // An amplifier's own fault opens the windings, where no brake bounds the hand.
         const double bits =
             static_cast<double>(2 * std::uniform_int_distribution<int>(1, 31)(random));
-        see_through(rig, FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
+        see_through(rig, testing::FaultKind::board, Vector3(bits, 0.0, 0.0),
+                    TripCause::board_fault);
     }
 }
 
@@ -91,9 +93,11 @@ TEST(FaultInjection, NotFinite) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(22);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        see_through(rig, random() % 2 == 0 ? FaultKind::not_a_number : FaultKind::infinite,
+        see_through(rig,
+                    random() % 2 == 0 ? testing::FaultKind::not_a_number
+                                      : testing::FaultKind::infinite,
                     some_motors(random), TripCause::not_finite);
     }
 }
@@ -102,29 +106,29 @@ TEST(FaultInjection, CurrentReading) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(23);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         const double peak_A = rig.device.description().motor[0].peak_current_A;
-        const double read_A = peak_A * (1.0 + log_uniform(random, 1e-4, 0.5));
-        see_through(rig, FaultKind::current_reading, read_A * some_motors(random),
+        const double read_A = peak_A * (1.0 + testing::log_uniform(random, 1e-4, 0.5));
+        see_through(rig, testing::FaultKind::current_reading, read_A * some_motors(random),
                     TripCause::current);
         EXPECT_DOUBLE_EQ(rig.inputs.limits.current_A, unlowered().current_A);
     }
 }
 
 /// Counts that move the tip by so much, the motors as in `signs`.
-Vector3 jump_counts(const FaultRig &rig, const Vector3 &signs, double way_m) {
-    const DeviceDescription &device = rig.device.description();
-    const TipAt now(device.geometry, rig.device.truth().theta_rad);
+Vector3 jump_counts(const testing::FaultRig &rig, const Vector3 &signs, double way_m) {
+    const device::DeviceDescription &device = rig.device.description();
+    const testing::TipAt now(device.geometry, rig.device.truth().theta_rad);
     const double tip_m_per_count =
         (now.J * signs).norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
     return (signs * (way_m / tip_m_per_count)).array().round();
 }
 
 /// Further than a tip at twice its greatest speed comes in a tick, and five counts.
-double surely_a_jump_m(const FaultRig &rig) {
-    const DeviceDescription &device = rig.device.description();
-    const TipAt now(device.geometry, rig.device.truth().theta_rad);
+double surely_a_jump_m(const testing::FaultRig &rig) {
+    const device::DeviceDescription &device = rig.device.description();
+    const testing::TipAt now(device.geometry, rig.device.truth().theta_rad);
     return 2.0 * device.limits.tip_speed_m_per_s / rig.what.servo_hz +
            5.0 * now.J.norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
 }
@@ -133,12 +137,12 @@ TEST(FaultInjection, EncoderJump) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(24);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        const double way_m = log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
+        const double way_m = testing::log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
         const bool flickers = i % 2 == 0;
-        rig.commit(flickers ? FaultKind::count_flicker : FaultKind::count_step,
+        rig.commit(flickers ? testing::FaultKind::count_flicker : testing::FaultKind::count_step,
                    jump_counts(rig, some_motors(random), way_m));
         rig.tick();
         rig.expect_tripped_by(TripCause::encoder_jump);
@@ -154,4 +158,4 @@ TEST(FaultInjection, EncoderJump) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

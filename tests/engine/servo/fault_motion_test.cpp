@@ -1,7 +1,7 @@
 // Covers the safety monitor's answer to what moves or warms too much: a hand that yanks, joints or
 // encoders beyond the stops, a hot motor, a lasting wish for more voltage. What is held to in every
 // tick of every fault is said in tests/support/fault_rig.h.
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_rig.h"
 
@@ -17,17 +17,18 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = kFaultsOfACause;
+constexpr int kFaults = testing::kFaultsOfACause;
 
 /// Where the hand goes before the fault, and from then on at another speed to another place.
-SimulationOptions yanking(const FaultCase &what, const Vector3 &end_m, double speed_m_per_s) {
+simulated::SimulationOptions yanking(const testing::FaultCase &what, const Vector3 &end_m,
+                                     double speed_m_per_s) {
     const double yank_s = static_cast<double>(what.at_tick) / what.servo_hz;
     const double goes_s = (what.target_m - what.start_m).norm() / what.hand_m_per_s;
-    SimulationOptions options;
-    options.path.emplace(std::vector<HandPath::Point>{
+    simulated::SimulationOptions options;
+    options.path.emplace(std::vector<simulated::HandPath::Point>{
         {0.0, what.start_m},
         {0.3, what.start_m},
         {std::min(0.3 + goes_s, yank_s - 0.01), what.target_m},
@@ -40,15 +41,17 @@ TEST(FaultInjection, TipSpeed) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(31);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultCase what = random_case(random, i, Place::anywhere);
+        testing::FaultCase what = testing::random_case(random, i, testing::Place::anywhere);
         what.at_tick = std::max(what.at_tick, static_cast<std::uint64_t>(0.4 * what.servo_hz));
         what.start_m.x() = -0.06;
         what.target_m.x() = -0.055;
         const double device_limit = 2.0;
-        const double limit = what.firm && i % 4 == 0 ? device_limit : log_uniform(random, 0.2, 0.6);
-        const double speed = std::min(limit * uniform(random, 2.0, 3.0), 3.0);
-        const Vector3 end_m(0.07, uniform(random, 0.02, 0.05), uniform(random, -0.03, 0.03));
-        FaultRig rig(what, yanking(what, end_m, speed));
+        const double limit =
+            what.firm && i % 4 == 0 ? device_limit : testing::log_uniform(random, 0.2, 0.6);
+        const double speed = std::min(limit * testing::uniform(random, 2.0, 3.0), 3.0);
+        const Vector3 end_m(0.07, testing::uniform(random, 0.02, 0.05),
+                            testing::uniform(random, -0.03, 0.03));
+        testing::FaultRig rig(what, yanking(what, end_m, speed));
         SCOPED_TRACE(rig.what.description() + ", then at " + std::to_string(speed) + " m/s");
         rig.run_to_fault();
         if (limit < device_limit) {
@@ -74,12 +77,13 @@ TEST(FaultInjection, TipSpeed) {
 }
 
 /// Joint angles near one of the stops that can be reached at all, well off all others.
-Vector3 angles_near(std::mt19937 &random, const JointLimits &stops, int stop) {
+Vector3 angles_near(std::mt19937 &random, const device::JointLimits &stops, int stop) {
     constexpr double kOff_rad = 0.2;
-    const double near_rad = uniform(random, 0.1, 0.14); // beyond the soft wall's margin, 0.087
+    const double near_rad =
+        testing::uniform(random, 0.1, 0.14); // beyond the soft wall's margin, 0.087
     while (true) {
-        Vector3 q(uniform(random, -0.7, 0.7), uniform(random, -0.5, 1.9), 0.0);
-        q[2] = q[1] + uniform(random, -0.8, 0.7);
+        Vector3 q(testing::uniform(random, -0.7, 0.7), testing::uniform(random, -0.5, 1.9), 0.0);
+        q[2] = q[1] + testing::uniform(random, -0.8, 0.7);
         if (stop < 2) {
             q[0] = stop == 0 ? stops.highest_rad[0] - near_rad : stops.lowest_rad[0] + near_rad;
         } else if (stop == 2) {
@@ -114,25 +118,25 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
     constexpr std::array<std::pair<int, double>, 6> kTowards{
         {{0, 1.0}, {0, -1.0}, {1, 1.0}, {2, -1.0}, {2, 1.0}, {2, -1.0}}};
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultCase what = random_case(random, i, Place::free);
+        testing::FaultCase what = testing::random_case(random, i, testing::Place::free);
         what.firm = true; // a light one gives way to the soft wall, and gets nowhere
         const int stop = i % 6;
-        const DeviceDescription device = phantom_1_0();
+        const device::DeviceDescription device = testing::phantom_1_0();
         const Vector3 q_rad = angles_near(random, device.joint_limits, stop);
-        what.start_m = tip_position_m(device.geometry, q_rad);
+        what.start_m = device::tip_position_m(device.geometry, q_rad);
         what.target_m = what.start_m;
-        FaultRig rig(what);
+        testing::FaultRig rig(what);
         SCOPED_TRACE(rig.what.description() + ", stop " + std::to_string(stop));
         if (i % 2 == 0) {
-            rig.inputs.limits.beyond_stops_rad = uniform(random, 0.002, 0.05);
+            rig.inputs.limits.beyond_stops_rad = testing::uniform(random, 0.002, 0.05);
         }
         rig.run_to_fault();
         const auto &[joint, sign] = kTowards[static_cast<std::size_t>(stop)];
-        const double rate_rad_per_s = uniform(random, 0.15, 0.35);
+        const double rate_rad_per_s = testing::uniform(random, 0.15, 0.35);
         const double counts_per_tick = rate_rad_per_s / what.servo_hz *
                                        device.geometry.transmission_ratio[joint] *
                                        device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
-        rig.commit(FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
+        rig.commit(testing::FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
         rig.run_to_trip(3.0);
         rig.expect_tripped_by(TripCause::beyond_stops);
         rig.expect_latched();
@@ -147,11 +151,12 @@ TEST(FaultInjection, WindingTemperature) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(33);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::running_on_plate));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         // As if the motor were so much hotter: what is left to the limit is used up soon.
-        rig.inputs.limits.winding_C = rig.judge.upper_winding_C() + uniform(random, -0.05, 0.05);
+        rig.inputs.limits.winding_C =
+            rig.judge.upper_winding_C() + testing::uniform(random, -0.05, 0.05);
         rig.run_to_trip(2.0);
         rig.expect_tripped_by(TripCause::winding_temperature);
         EXPECT_LT(rig.device.truth().winding_C.maxCoeff(), rig.last().safety.limit);
@@ -168,12 +173,12 @@ TEST(FaultInjection, VoltageThatLasts) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(34);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::running_on_plate));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         // Lowered, it glides there in up to a second.
         rig.inputs.limits.voltage_V =
-            uniform(random, 0.2, 0.8) * rig.last().command.e_W_V.cwiseAbs().maxCoeff();
+            testing::uniform(random, 0.2, 0.8) * rig.last().command.e_W_V.cwiseAbs().maxCoeff();
         rig.run_to_trip(2.0);
         rig.expect_tripped_by(TripCause::voltage);
         rig.expect_latched();
@@ -184,4 +189,4 @@ TEST(FaultInjection, VoltageThatLasts) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

@@ -9,16 +9,16 @@
 #include <algorithm>
 #include <random>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = kFaultsOfACause;
+constexpr int kFaults = testing::kFaultsOfACause;
 
 TEST(FaultInjection, EmergencyStop) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(11);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.inputs.emergency_stop = true;
@@ -34,20 +34,20 @@ TEST(FaultInjection, EmergencyStop) {
 
 /// Changes one thing of a sealed set, as if half of it were another's.
 void tear_at(int where, ServoInputs &inputs) {
-    const auto parameters = static_cast<int>(kParameters.size());
+    const auto parameters = static_cast<int>(control::kParameters.size());
     const auto limits = static_cast<int>(kSafetyLimits.size());
     if (where < parameters) {
-        const Parameter &parameter = kParameters[static_cast<std::size_t>(where)];
+        const control::Parameter &parameter = control::kParameters[static_cast<std::size_t>(where)];
         inputs.tuning.*parameter.value = 0.5 * (parameter.lowest + parameter.highest);
     } else if (where < parameters + limits) {
         inputs.limits.*kSafetyLimits[static_cast<std::size_t>(where - parameters)].value = 1e9;
     } else {
         switch (where - parameters - limits) {
         case 0:
-            inputs.tuning.map = MotionMap::inverse;
+            inputs.tuning.map = control::MotionMap::inverse;
             break;
         case 1:
-            inputs.tuning.alpha_mode = AlphaMode::by_hand;
+            inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
             break;
         case 2:
             inputs.scene_id ^= 1U;
@@ -71,7 +71,7 @@ TEST(FaultInjection, TornInputs) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(12);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.tear = [&](ServoInputs &inputs) { tear_at(i % 22, inputs); };
@@ -90,14 +90,15 @@ TEST(FaultInjection, MissedDeadlines) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(13);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.force_is_bounded = false; // the servo is not there to bound it
-        const double most = log_uniform(random, 1.0, 70.0);
+        const double most = testing::log_uniform(random, 1.0, 70.0);
         std::uint32_t in_a_row = 0;
         rig.timing = [&] {
-            const auto missed = static_cast<std::uint32_t>(uniform(random, 1.0, most + 1.0));
+            const auto missed =
+                static_cast<std::uint32_t>(testing::uniform(random, 1.0, most + 1.0));
             rig.device.pass_by(static_cast<int>(missed));
             in_a_row += missed;
             return TickTiming{missed, in_a_row};
@@ -118,9 +119,9 @@ TEST(FaultInjection, WindowSilent) {
     RecordProperty("faults", kFaults);
     std::mt19937 random(14);
     for (int i = 0; i < kFaults && !HasFailure(); ++i) {
-        FaultRig rig(random_case(random, i, Place::anywhere));
+        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        const double limit_s = i % 6 == 0 ? 2.0 : log_uniform(random, 0.05, 1.0);
+        const double limit_s = i % 6 == 0 ? 2.0 : testing::log_uniform(random, 0.05, 1.0);
         rig.inputs.limits.window_silence_s = limit_s;
         rig.run_to_fault();
         rig.window_lives = false;
@@ -139,4 +140,4 @@ TEST(FaultInjection, WindowSilent) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

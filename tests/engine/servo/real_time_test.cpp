@@ -1,8 +1,8 @@
 // Covers engine/servo/servo_loop.cpp and all that it calls: a tick allocates nothing, locks
 // nothing and makes no system call. For the thread that ticks, see servo_real_time_test.cpp.
 #include "device/simulated/plant_model.h"
-#include "engine/contact/proxy.h"
-#include "engine/scenario/scripted_touch.h"
+#include "engine/contact/proxy/proxy.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
 #include "engine/servo/servo_loop.h"
 #include "engine/session/scene_loader.h"
 #include "tests/support/devices.h"
@@ -21,19 +21,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
-std::unique_ptr<LoadedScene> scene_named(const std::string &name,
-                                         const DeviceDescription &description) {
-    LoadProgress progress;
-    return load_scene(testing::assets() / "scenes" / (name + ".gltf"), description.workspace,
-                      progress);
+std::unique_ptr<session::LoadedScene> scene_named(const std::string &name,
+                                                  const device::DeviceDescription &description) {
+    scene::LoadProgress progress;
+    return session::load_scene(testing::assets() / "scenes" / (name + ".gltf"),
+                               description.workspace, progress);
 }
 
 /// Every scene of the project, touched by the scripted hand, with every map and source of α.
 struct Rig {
-    Rig(const std::string &scene_name, MotionMap map, AlphaMode alpha_mode)
+    Rig(const std::string &scene_name, control::MotionMap map, control::AlphaMode alpha_mode)
         : description(testing::phantom_1_0()), scene(scene_named(scene_name, description)),
           device(description, options(), start()), loop(device, 1e-3) {
         inputs.surface = &scene->surface;
@@ -43,12 +43,12 @@ struct Rig {
     }
 
     [[nodiscard]] Vector3 start() const {
-        return start_above(description, scene->scene.lower_m, scene->scene.upper_m);
+        return rig::start_above(description, scene->scene.lower_m, scene->scene.upper_m);
     }
-    [[nodiscard]] SimulationOptions options() const {
-        SimulationOptions simulation;
-        simulation.path = scripted_touch(description, scene->surface, scene->scene.lower_m,
-                                         scene->scene.upper_m, start());
+    [[nodiscard]] simulated::SimulationOptions options() const {
+        simulated::SimulationOptions simulation;
+        simulation.path = rig::scripted_touch(description, scene->surface, scene->scene.lower_m,
+                                              scene->scene.upper_m, start());
         return simulation;
     }
 
@@ -64,9 +64,9 @@ struct Rig {
         return touching;
     }
 
-    DeviceDescription description;
-    std::unique_ptr<LoadedScene> scene;
-    SimulatedPhantom device;
+    device::DeviceDescription description;
+    std::unique_ptr<session::LoadedScene> scene;
+    simulated::SimulatedPhantom device;
     ServoLoop loop;
     ServoInputs inputs;
 };
@@ -75,9 +75,11 @@ constexpr int kTicks = 3000; // of which 1200 before the hand sets off
 
 template <typename Check> void for_every_rig(Check &&check) {
     for (const char *scene : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
-        for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
-            for (const AlphaMode mode :
-                 {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+        for (const control::MotionMap map :
+             {control::MotionMap::inverse, control::MotionMap::transpose}) {
+            for (const control::AlphaMode mode :
+                 {control::AlphaMode::on_the_fly, control::AlphaMode::global,
+                  control::AlphaMode::by_hand}) {
                 Rig rig(scene, map, mode);
                 check(rig, scene);
             }
@@ -107,9 +109,9 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
 }
 
 TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
-    Rig rig("plate", MotionMap::transpose, AlphaMode::on_the_fly);
-    for (const PlantModel &model : kPlantModels) {
-        SimulationOptions options = rig.options();
+    Rig rig("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
+    for (const simulated::PlantModel &model : simulated::kPlantModels) {
+        simulated::SimulationOptions options = rig.options();
         options.dynamics = model.dynamics;
         options.effects = model.effects;
         rig.device.simulate_as(options);
@@ -118,14 +120,16 @@ TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
 }
 
 TEST(RealTime, AProxyOnShapesAndWithFrictionAllocatesAndLocksNothing) {
-    using Size = AnalyticShape::Size;
+    using Size = contact::AnalyticShape::Size;
     for (const Size &size :
-         {Size(Plate{0.03, 0.03}), Size(Sphere{0.02}), Size(Box{Vector3::Constant(0.02)}),
-          Size(Cylinder{0.02, 0.01}), Size(Capsule{0.02, 0.01})}) {
-        TriangleSoup soup;
+         {Size(contact::Plate{0.03, 0.03}), Size(contact::Sphere{0.02}),
+          Size(contact::Box{Vector3::Constant(0.02)}), Size(contact::Cylinder{0.02, 0.01}),
+          Size(contact::Capsule{0.02, 0.01})}) {
+        contact::TriangleSoup soup;
         soup.materials = {{"rough", 0.0, 0.4, 0.3}};
-        const HapticSurface surface(soup, {AnalyticShape(size, Eigen::Isometry3d::Identity(), 0)});
-        Proxy proxy(0.5e-3);
+        const contact::HapticSurface surface(
+            soup, {contact::AnalyticShape(size, Eigen::Isometry3d::Identity(), 0)});
+        contact::Proxy proxy(0.5e-3);
         proxy.reset({0.0, 0.05, 0.0});
         int touching = 0;
         expect_quiet([&] {
@@ -159,7 +163,7 @@ int exit_status_without_system_calls(Rig &rig, bool call_one) {
 }
 
 TEST(RealTime, ATickMakesNoSystemCall) {
-    Rig witness("plate", MotionMap::transpose, AlphaMode::on_the_fly);
+    Rig witness("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
     const int killed = exit_status_without_system_calls(witness, true);
     if (killed == 77) {
         GTEST_SKIP() << "this kernel has no seccomp";
@@ -171,4 +175,4 @@ TEST(RealTime, ATickMakesNoSystemCall) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -102,4 +102,4 @@ TEST(RestWatch, AResetStartsTheTimeAnew) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

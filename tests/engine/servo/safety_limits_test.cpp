@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -36,7 +36,7 @@ TEST(SafetyLimits, AreThoseOfTheDeviceFile) {
 }
 
 TEST(SafetyLimits, OfMotorsThatDifferTheOneThatBearsMostCounts) {
-    DeviceDescription device = testing::phantom_1_0();
+    device::DeviceDescription device = testing::phantom_1_0();
     device.motor[1].supply_V = 24.0;
     device.motor[2].peak_current_A = 9.0;
     device.motor[0].thermal.greatest_winding_C = 155.0;
@@ -100,4 +100,4 @@ TEST(SafetyLimits, NonsenseChangesNothing) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -10,8 +10,10 @@
 
 #include <cmath>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
+
+using testing::SafetyMonitorTest;
 
 TEST_F(SafetyMonitorTest, WaitsForATenthOfASecondAtRestThenRampsForASecond) {
     int waiting = 0;
@@ -24,7 +26,7 @@ TEST_F(SafetyMonitorTest, WaitsForATenthOfASecondAtRestThenRampsForASecond) {
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
     int starting = 0;
     while (monitor.status().state == SafetyState::starting && starting < 2000) {
-        const DeviceCommand command = pass(calm());
+        const device::DeviceCommand command = pass(calm());
         ++starting;
         const double ramp = monitor.status().ramp;
         EXPECT_NEAR(ramp, starting * kPeriod_s / 1.0, 1e-12);
@@ -117,10 +119,10 @@ TEST_F(SafetyMonitorTest, AResetOfWhatDidNotTripDoesNothing) {
 
 TEST_F(SafetyMonitorTest, HoldsCommandsToSupplyForceAndResistance) {
     start_up();
-    const DeviceCommand absurd{Vector3(1e3, -1e3, 0.0), Vector3(10.0, -1.0, 2.0)};
-    const DeviceCommand command = pass(calm(), {}, absurd);
+    const device::DeviceCommand absurd{Vector3(1e3, -1e3, 0.0), Vector3(10.0, -1.0, 2.0)};
+    const device::DeviceCommand command = pass(calm(), {}, absurd);
     EXPECT_TRUE(monitor.held_back().force);
-    const MotorParameters &motor = device.motor[0];
+    const device::MotorParameters &motor = device.motor[0];
     Vector3 settling_A;
     for (Eigen::Index j = 0; j < 3; ++j) {
         EXPECT_LE(std::abs(command.e_W_V[j]), motor.supply_V);
@@ -131,12 +133,12 @@ TEST_F(SafetyMonitorTest, HoldsCommandsToSupplyForceAndResistance) {
                                 command.cancelled_resistance_Ohm[j]);
     }
     const Vector3 k_T = Vector3::Constant(motor.torque_constant_Nm_per_A);
-    EXPECT_LE(static_tip_force(calm().now.J, k_T, settling_A).norm(),
+    EXPECT_LE(control::static_tip_force(calm().now.J, k_T, settling_A).norm(),
               kLimiterShare * device.limits.tip_force_N * (1.0 + 1e-9));
     // A lowered voltage, where neither force nor current is the narrower.
     SafetyOrders orders;
     orders.limits.voltage_V = 0.25;
-    DeviceCommand held;
+    device::DeviceCommand held;
     for (int i = 0; i < 1000 && monitor.limits().voltage_V > 0.25; ++i) { // it glides there
         held = pass(calm(), orders);
     }
@@ -178,12 +180,12 @@ TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
 
 TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
     start_up();
-    const double limit_Ohm =
-        (1.0 - kLeastResidualShare) * least_resistance_Ohm(device.motor[0], kColdestAir_C);
-    DeviceCommand wanted = little();
+    const double limit_Ohm = (1.0 - device::kLeastResidualShare) *
+                             device::least_resistance_Ohm(device.motor[0], device::kColdestAir_C);
+    device::DeviceCommand wanted = little();
     wanted.cancelled_resistance_Ohm =
         Vector3(0.999 * limit_Ohm, 1.001 * limit_Ohm, device.motor[2].resistance_Ohm);
-    const DeviceCommand command = pass(calm(), {}, wanted);
+    const device::DeviceCommand command = pass(calm(), {}, wanted);
     EXPECT_EQ(command.cancelled_resistance_Ohm, Vector3(0.999 * limit_Ohm, limit_Ohm, limit_Ohm));
     EXPECT_FALSE(monitor.windings()[0].is_limited);
     EXPECT_TRUE(monitor.windings()[1].is_limited);
@@ -193,7 +195,7 @@ TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
 TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
     start_up();
     // Tuned on a winding that surely is warm, R̂ may exceed what the data sheet's 25 °C allows...
-    DeviceCommand wanted = little();
+    device::DeviceCommand wanted = little();
     wanted.cancelled_resistance_Ohm = Vector3::Constant(device.motor[0].resistance_Ohm);
     Observation loaded = calm();
     loaded.current_A = Vector3::Constant(2.0);
@@ -207,10 +209,11 @@ TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
     // ...and comes down with the winding as it cools, whatever the operator still asks for.
     for (int i = 0; i < 60000; ++i) {
         const double R_hat_Ohm = pass(calm(), {}, wanted).cancelled_resistance_Ohm[0];
-        ASSERT_LT(R_hat_Ohm, least_resistance_Ohm(device.motor[0], monitor.windings()[0].least_C));
+        ASSERT_LT(R_hat_Ohm,
+                  device::least_resistance_Ohm(device.motor[0], monitor.windings()[0].least_C));
     }
     EXPECT_TRUE(monitor.windings()[0].is_limited);
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 using testing::SafetyMonitorTest;
@@ -81,4 +81,4 @@ TEST_F(SafetyMonitorTest, StillTripsWhileItLetsGoAndATripStays) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 std::string told(TripCause cause, double measured = 0.0, double limit = 0.0) {
@@ -57,4 +57,4 @@ TEST(SafetyStatus, ANumberThatIsNoneOrHugeIsToldToo) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

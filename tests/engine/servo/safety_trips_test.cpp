@@ -15,21 +15,23 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
 /// All that a tick brings before the monitor.
 struct Tick {
     Observation seen;
     SafetyOrders orders;
-    DeviceCommand wanted;
+    device::DeviceCommand wanted;
 };
 
-class SafetyTrips : public SafetyMonitorTest {
+class SafetyTrips : public testing::SafetyMonitorTest {
 protected:
     [[nodiscard]] Tick fine() const { return {calm(), {}, little()}; }
 
-    DeviceCommand pass_tick(const Tick &tick) { return pass(tick.seen, tick.orders, tick.wanted); }
+    device::DeviceCommand pass_tick(const Tick &tick) {
+        return pass(tick.seen, tick.orders, tick.wanted);
+    }
 
     [[nodiscard]] Tick with_speed(double speed_m_per_s) const {
         Tick tick = fine();
@@ -39,7 +41,7 @@ protected:
     }
 
     /// It tripped in this very tick, and stays so, whatever is shown to it.
-    void expect_tripped(const DeviceCommand &command, TripCause cause) {
+    void expect_tripped(const device::DeviceCommand &command, TripCause cause) {
         expect_braking(command);
         EXPECT_EQ(monitor.status().state, SafetyState::tripped);
         EXPECT_EQ(monitor.status().cause, cause) << description(monitor.status());
@@ -114,7 +116,7 @@ TEST_F(SafetyTrips, EmergencyStop) {
 
 TEST_F(SafetyTrips, ALostDevice) {
     Tick lost = fine();
-    lost.seen.link.health = DeviceHealth::lost;
+    lost.seen.link.health = device::DeviceHealth::lost;
     expect_line(fine(), lost, TripCause::device_lost);
 }
 
@@ -246,11 +248,12 @@ TEST_F(SafetyTrips, EncodersThatJump) {
 }
 
 TEST_F(SafetyTrips, AnglesBeyondTheStops) {
-    const JointLimits &limits = device.joint_limits;
+    const device::JointLimits &limits = device.joint_limits;
     const double give_rad = device.limits.beyond_stops_rad;
     const auto at_q = [&](const Vector3 &q_rad) {
         Tick tick = fine();
-        tick.seen.now.theta_rad = motor_from_joint(device.geometry, q_rad); // the tip elsewhere
+        tick.seen.now.theta_rad =
+            device::motor_from_joint(device.geometry, q_rad); // the tip elsewhere
         return tick;
     };
     for (const double sign : {-1.0, 1.0}) {
@@ -318,7 +321,7 @@ TEST_F(SafetyTrips, VoltageThatLasts) {
     for (int i = 0; i < tolerated; ++i) {
         pass_tick(beyond);
     }
-    const DeviceCommand command = pass_tick(beyond);
+    const device::DeviceCommand command = pass_tick(beyond);
     EXPECT_NEAR(monitor.status().measured, 1.001 * limit, 1e-9);
     EXPECT_EQ(monitor.status().limit, limit);
     expect_tripped(command, TripCause::voltage);
@@ -337,10 +340,10 @@ TEST_F(SafetyTrips, WindingTemperatureByALoweredLimit) {
     // Unloaded windings are at most as warm as the warmest air.
     Tick within = fine();
     Tick beyond = fine();
-    within.orders.limits.winding_C = kWarmestAir_C + 0.01;
-    beyond.orders.limits.winding_C = kWarmestAir_C - 0.01;
+    within.orders.limits.winding_C = device::kWarmestAir_C + 0.01;
+    beyond.orders.limits.winding_C = device::kWarmestAir_C - 0.01;
     expect_line(within, beyond, TripCause::winding_temperature);
-    expect_numbers(beyond, kWarmestAir_C, kWarmestAir_C - 0.01);
+    expect_numbers(beyond, device::kWarmestAir_C, device::kWarmestAir_C - 0.01);
 }
 
 TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
@@ -407,12 +410,12 @@ TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
     // Everything from one cause on to the last, all in one tick.
     const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
         {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},
-        {TripCause::device_lost, [](Tick &t) { t.seen.link.health = DeviceHealth::lost; }},
+        {TripCause::device_lost, [](Tick &t) { t.seen.link.health = device::DeviceHealth::lost; }},
         {TripCause::board_fault,
-         [](Tick &t) { t.seen.link.faults.bits = BoardFaults::kTemperature; }},
+         [](Tick &t) { t.seen.link.faults.bits = device::BoardFaults::kTemperature; }},
         {TripCause::stale_measurement,
          [](Tick &t) {
-             t.seen.link.arrival = Arrival::late;
+             t.seen.link.arrival = device::Arrival::late;
              t.orders.limits.stale_s = 0.5e-3;
          }},
         {TripCause::not_finite, [](Tick &t) { t.seen.all_finite = false; }},
@@ -455,4 +458,4 @@ TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

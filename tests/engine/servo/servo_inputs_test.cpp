@@ -15,20 +15,20 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
-const HapticSurface kSurface;
+const contact::HapticSurface kSurface;
 
 ServoInputs any_inputs(std::mt19937_64 &random) {
     std::uniform_real_distribution<double> share(0.0, 1.0);
     ServoInputs inputs;
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         inputs.tuning.*parameter.value =
             parameter.lowest + share(random) * (parameter.highest - parameter.lowest);
     }
-    inputs.tuning.map = static_cast<MotionMap>(random() % 2);
-    inputs.tuning.alpha_mode = static_cast<AlphaMode>(random() % 3);
+    inputs.tuning.map = static_cast<control::MotionMap>(random() % 2);
+    inputs.tuning.alpha_mode = static_cast<control::AlphaMode>(random() % 3);
     for (const SafetyLimit &limit : kSafetyLimits) {
         if (share(random) < 0.5) {
             inputs.limits.*limit.value = 10.0 * share(random);
@@ -61,7 +61,7 @@ double flipped_double(double value, int bit) {
 std::vector<Bit> every_bit() {
     std::vector<Bit> bits;
     for (int bit = 0; bit < 64; ++bit) {
-        for (const Parameter &p : kParameters) {
+        for (const control::Parameter &p : control::kParameters) {
             bits.push_back({std::string(p.name), [bit, &p](ServoInputs &inputs) {
                                 double &value = inputs.tuning.*p.value;
                                 value = flipped_double(value, bit);
@@ -74,7 +74,7 @@ std::vector<Bit> every_bit() {
                             }});
         }
         bits.push_back({"surface", [bit](ServoInputs &inputs) {
-                            inputs.surface = std::bit_cast<const HapticSurface *>(
+                            inputs.surface = std::bit_cast<const contact::HapticSurface *>(
                                 flipped(std::bit_cast<std::uintptr_t>(inputs.surface), bit));
                         }});
         bits.push_back({"global_alpha", [bit](ServoInputs &inputs) {
@@ -93,11 +93,11 @@ std::vector<Bit> every_bit() {
     }
     for (int bit = 0; bit < 8; ++bit) {
         bits.push_back({"map", [bit](ServoInputs &inputs) {
-                            inputs.tuning.map = static_cast<MotionMap>(
+                            inputs.tuning.map = static_cast<control::MotionMap>(
                                 flipped(static_cast<std::uint8_t>(inputs.tuning.map), bit));
                         }});
         bits.push_back({"alpha_mode", [bit](ServoInputs &inputs) {
-                            inputs.tuning.alpha_mode = static_cast<AlphaMode>(
+                            inputs.tuning.alpha_mode = static_cast<control::AlphaMode>(
                                 flipped(static_cast<std::uint8_t>(inputs.tuning.alpha_mode), bit));
                         }});
     }
@@ -123,7 +123,7 @@ TEST(ServoInputs, SealingChangesNothingElse) {
     std::mt19937_64 random(8);
     const ServoInputs inputs = any_inputs(random);
     const ServoInputs same = sealed(inputs);
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         EXPECT_EQ(same.tuning.*parameter.value, inputs.tuning.*parameter.value);
     }
     for (const SafetyLimit &limit : kSafetyLimits) {
@@ -169,4 +169,4 @@ TEST(ServoInputs, HalfOfOneAndHalfOfAnotherIsNoticed) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

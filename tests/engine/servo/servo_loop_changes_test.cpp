@@ -1,6 +1,6 @@
 // Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and inputs
 // that arrive torn.
-#include "device/forwarding_device.h"
+#include "device/core/forwarding_device.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/parameters.h"
 #include "engine/control/velocity_filter.h"
@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 using testing::following;
@@ -33,18 +33,18 @@ using testing::Rig;
 constexpr double kBound_V = kGreatestChange_V_per_s * kPeriod_s;
 
 /// Pressed on the plate by a firm hand where the maps differ, and slid along it slowly.
-SimulationOptions firm_contact() {
-    SimulationOptions options = following({{0.0, kStart_m},
-                                           {0.3, Vector3(0.0, 0.003, -0.04)},
-                                           {0.6, Vector3(0.0, -0.009, -0.04)},
-                                           {1.6, Vector3(0.01, -0.009, -0.03)}});
+simulated::SimulationOptions firm_contact() {
+    simulated::SimulationOptions options = following({{0.0, kStart_m},
+                                                      {0.3, Vector3(0.0, 0.003, -0.04)},
+                                                      {0.6, Vector3(0.0, -0.009, -0.04)},
+                                                      {1.6, Vector3(0.01, -0.009, -0.03)}});
     options.hand = {0.1, 20.0, 800.0, 10.0, 0.4};
     return options;
 }
 
 /// Volts of e_W for the newtons of the hand.
-Tuning firm_tuning() {
-    Tuning tuning;
+control::Tuning firm_tuning() {
+    control::Tuning tuning;
     tuning.dR_Ohm = 1.0;
     tuning.K_P_V_per_rad = 10.0;
     return tuning;
@@ -57,10 +57,11 @@ struct FirmRig : Rig {
 
 /// e_W of `now`, had nothing changed since `before`: the law of then on the state of now, from
 /// what the two samples say alone.
-Vector3 unchanged_V(const HapticLaw &law, const ServoSample &before, const ServoSample &now) {
-    VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
-    const double pole = velocity_filter_pole(before.tuning.lambda_rad_per_s, kPeriod_s);
-    const Configuration state =
+Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
+                    const ServoSample &now) {
+    control::VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
+    const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, kPeriod_s);
+    const control::Configuration state =
         law.configuration(now.theta_rad, filter.update(now.theta_rad, pole, kPeriod_s));
     return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2).command.e_W_V +
            before.carried_V;
@@ -83,7 +84,7 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
     FirmRig rig;
     first(rig.inputs);
     rig.run(kStartUp_s + 0.8);
-    const HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device.description());
     ServoSample before = rig.tick();
     EXPECT_TRUE(before.contact.touching);
     EXPECT_EQ(before.safety.state, SafetyState::running) << change.name;
@@ -116,9 +117,9 @@ TEST(ServoLoopChanges, WithoutOneTheLawIsReproducedFromTheSamples) {
 
 TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
     const auto by_hand = [](ServoInputs &inputs) { // so that α is felt too
-        inputs.tuning.alpha_mode = AlphaMode::by_hand;
+        inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
     };
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         const double now = firm_tuning().*parameter.value;
         for (const double value : {parameter.lowest, 0.5 * (parameter.lowest + now),
                                    std::min(1.5 * now + 0.3, parameter.highest)}) {
@@ -139,27 +140,27 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWByNoMoreThanTheyMay) 
     };
     const auto global = [&](ServoInputs &inputs) {
         start(inputs);
-        inputs.tuning.alpha_mode = AlphaMode::global;
+        inputs.tuning.alpha_mode = control::AlphaMode::global;
     };
     const auto inverse = [&](ServoInputs &inputs) {
         start(inputs);
-        inputs.tuning.map = MotionMap::inverse;
+        inputs.tuning.map = control::MotionMap::inverse;
     };
-    const auto to_map = [](MotionMap map) {
+    const auto to_map = [](control::MotionMap map) {
         return [map](ServoInputs &inputs) { inputs.tuning.map = map; };
     };
-    const auto to_alpha = [](AlphaMode mode) {
+    const auto to_alpha = [](control::AlphaMode mode) {
         return [mode](ServoInputs &inputs) { inputs.tuning.alpha_mode = mode; };
     };
     const auto to_global = [](double alpha) {
         return [alpha](ServoInputs &inputs) { inputs.global_alpha_rad2_per_m2 = alpha; };
     };
     const std::vector<std::pair<Change, std::function<void(ServoInputs &)>>> changes{
-        {{"to the inverse map", to_map(MotionMap::inverse), 0.1}, start},
-        {{"to the transpose map", to_map(MotionMap::transpose), 0.1}, inverse},
-        {{"to α by hand", to_alpha(AlphaMode::by_hand), 0.3}, start},
-        {{"to the global α", to_alpha(AlphaMode::global), 0.3}, start},
-        {{"to α on the fly", to_alpha(AlphaMode::on_the_fly), 0.3}, global},
+        {{"to the inverse map", to_map(control::MotionMap::inverse), 0.1}, start},
+        {{"to the transpose map", to_map(control::MotionMap::transpose), 0.1}, inverse},
+        {{"to α by hand", to_alpha(control::AlphaMode::by_hand), 0.3}, start},
+        {{"to the global α", to_alpha(control::AlphaMode::global), 0.3}, start},
+        {{"to α on the fly", to_alpha(control::AlphaMode::on_the_fly), 0.3}, global},
         {{"to a lower global α", to_global(500.0), 0.3}, global},
         {{"to no global α", to_global(0.0), 0.3}, global}};
     for (const auto &[change, first] : changes) {
@@ -174,14 +175,15 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
     FirmRig rig;
     rig.inputs.global_alpha_rad2_per_m2 = 2500.0;
     rig.run(kStartUp_s + 0.8);
-    const HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device.description());
     ServoSample before = rig.tick();
     double most_V = 0.0;
     for (int tick = 0; tick < 600; ++tick) {
         if (tick % 7 == 0) {
-            Tuning &tuning = rig.inputs.tuning;
-            tuning.map = tick % 2 == 0 ? MotionMap::inverse : MotionMap::transpose;
-            tuning.alpha_mode = static_cast<AlphaMode>(tick % 3);
+            control::Tuning &tuning = rig.inputs.tuning;
+            tuning.map =
+                tick % 2 == 0 ? control::MotionMap::inverse : control::MotionMap::transpose;
+            tuning.alpha_mode = static_cast<control::AlphaMode>(tick % 3);
             tuning.K_P_V_per_rad = tick % 4 == 0 ? 6.0 : 12.0;
             tuning.lambda_rad_per_s = tick % 5 == 0 ? 500.0 : 1500.0;
             rig.inputs.global_alpha_rad2_per_m2 = 2000.0 + tick;
@@ -203,9 +205,9 @@ TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
     rig.inputs.tuning.K_P_V_per_rad = 20.0;
     rig.inputs.tuning.alpha_rad2_per_m2 = 20'000.0;
     rig.run(kStartUp_s + 0.8);
-    const HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device.description());
     ServoSample before = rig.tick();
-    rig.inputs.tuning.alpha_mode = AlphaMode::by_hand;
+    rig.inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
     Vector3 law_V = Vector3::Zero();
     for (int tick = 0; tick < 10; ++tick) {
         const ServoSample now = rig.tick();
@@ -219,16 +221,17 @@ TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
 
 TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
     // The new scene starts free around the tip: e_W goes from what it was to nothing, bit by bit.
-    const HapticSurface elsewhere(
+    const contact::HapticSurface elsewhere(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
-    for (const HapticSurface *next : {&elsewhere, static_cast<const HapticSurface *>(nullptr)}) {
+    for (const contact::HapticSurface *next :
+         {&elsewhere, static_cast<const contact::HapticSurface *>(nullptr)}) {
         FirmRig rig;
         rig.run(kStartUp_s + 0.8);
         ServoSample before = rig.tick();
         ASSERT_GT(before.command.e_W_V.cwiseAbs().maxCoeff(), 0.5);
         rig.inputs.surface = next;
         ++rig.inputs.scene_id;
-        const HapticLaw law(rig.device.description());
+        const control::HapticLaw law(rig.device.description());
         const ServoSample first = rig.tick();
         EXPECT_FALSE(first.contact.touching);
         EXPECT_LE((first.command.e_W_V - before.command.e_W_V).cwiseAbs().maxCoeff(),
@@ -269,10 +272,10 @@ TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
 std::vector<ServoInputs> torn_from(const ServoInputs &whole) {
     const ServoInputs good = sealed(whole);
     std::vector<ServoInputs> torn(5, good);
-    torn[0].surface = std::bit_cast<const HapticSurface *>(std::uintptr_t{0xdeadbeef0});
+    torn[0].surface = std::bit_cast<const contact::HapticSurface *>(std::uintptr_t{0xdeadbeef0});
     torn[1].tuning.K_P_V_per_rad *= 2.0;
     torn[2].scene_id += 5;
-    torn[2].surface = std::bit_cast<const HapticSurface *>(std::uintptr_t{0x10});
+    torn[2].surface = std::bit_cast<const contact::HapticSurface *>(std::uintptr_t{0x10});
     torn[3].checksum ^= 1U;
     torn[4].reset_count += 1;
     return torn;
@@ -308,20 +311,20 @@ TEST(ServoLoopChanges, TornInputsAtTheVeryFirstTickAreNotUsedEither) {
         const ServoSample sample = rig.loop.tick(torn);
         EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
         EXPECT_EQ(sample.scene_id, 0U);
-        EXPECT_EQ(sample.tuning.K_P_V_per_rad, Tuning{}.K_P_V_per_rad);
+        EXPECT_EQ(sample.tuning.K_P_V_per_rad, control::Tuning{}.K_P_V_per_rad);
     }
 }
 
 /// By its own clock, as hardware has it: it moves on by as many periods as it is told.
-class AsHardware final : public ForwardingDevice {
+class AsHardware final : public device::ForwardingDevice {
 public:
-    using ForwardingDevice::ForwardingDevice;
+    using device::ForwardingDevice::ForwardingDevice;
 
-    [[nodiscard]] DeviceClock clock() const override { return DeviceClock::own; }
-    [[nodiscard]] Measurement read() noexcept override {
-        Measurement measured = ForwardingDevice::read();
+    [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::own; }
+    [[nodiscard]] device::Measurement read() noexcept override {
+        device::Measurement measured = device::ForwardingDevice::read();
         for (int i = 0; i < missed; ++i) {
-            measured = ForwardingDevice::read();
+            measured = device::ForwardingDevice::read();
         }
         measured.time_s += 17.0; // its zero is no business of the servo's
         return measured;
@@ -331,7 +334,7 @@ public:
 };
 
 TEST(ServoLoopChanges, MissedDeadlinesOfADeviceThatDoesNotWaitReachSampleAndMonitor) {
-    SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
+    simulated::SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
     AsHardware device(phantom);
     ServoLoop loop(device, kPeriod_s);
     const auto tick = [&](std::uint32_t missed, std::uint32_t in_a_row) {
@@ -367,15 +370,15 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
 }
 
 /// Says what it is told to say of how its measurements come.
-class Unsteady final : public ForwardingDevice {
+class Unsteady final : public device::ForwardingDevice {
 public:
-    using ForwardingDevice::ForwardingDevice;
+    using device::ForwardingDevice::ForwardingDevice;
 
-    [[nodiscard]] Measurement read() noexcept override {
-        Measurement measured = ForwardingDevice::read();
-        if (!has_news(arrival)) {
+    [[nodiscard]] device::Measurement read() noexcept override {
+        device::Measurement measured = device::ForwardingDevice::read();
+        if (!device::has_news(arrival)) {
             const std::uint64_t number =
-                arrival == Arrival::repeated ? last_.number : measured.number;
+                arrival == device::Arrival::repeated ? last_.number : measured.number;
             measured = last_;
             measured.number = number;
         }
@@ -385,11 +388,11 @@ public:
         return measured;
     }
 
-    Arrival arrival = Arrival::fresh;
-    BoardFaults faults;
+    device::Arrival arrival = device::Arrival::fresh;
+    device::BoardFaults faults;
 
 private:
-    Measurement last_;
+    device::Measurement last_;
 };
 
 struct UnsteadyRig {
@@ -403,16 +406,17 @@ struct UnsteadyRig {
     }
     ServoSample tick() { return last = loop.tick(sealed(inputs)); }
 
-    SimulatedPhantom phantom;
+    simulated::SimulatedPhantom phantom;
     Unsteady device;
     ServoLoop loop;
-    HapticSurface surface;
+    contact::HapticSurface surface;
     ServoInputs inputs;
     ServoSample last;
 };
 
 TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBudget) {
-    for (const Arrival arrival : {Arrival::repeated, Arrival::corrupt, Arrival::absent}) {
+    for (const device::Arrival arrival :
+         {device::Arrival::repeated, device::Arrival::corrupt, device::Arrival::absent}) {
         UnsteadyRig rig;
         ASSERT_TRUE(rig.last.contact.touching);
         ASSERT_EQ(rig.last.safety.state, SafetyState::running);
@@ -433,7 +437,7 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
         for (int tick = 0; tick < 5; ++tick) {
             mended.tick();
         }
-        mended.device.arrival = Arrival::fresh;
+        mended.device.arrival = device::Arrival::fresh;
         const ServoSample fresh = mended.tick();
         EXPECT_EQ(fresh.safety.state, SafetyState::running);
         EXPECT_EQ(fresh.missed_periods, 5U);
@@ -442,14 +446,14 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
         const ServoSample tripped = rig.tick();
         EXPECT_EQ(tripped.safety.cause, TripCause::stale_measurement);
         EXPECT_NEAR(tripped.safety.measured, 6.0 * kPeriod_s, 1e-9);
-        EXPECT_EQ(tripped.command.mode, CommandMode::brake);
+        EXPECT_EQ(tripped.command.mode, device::CommandMode::brake);
         EXPECT_TRUE(tripped.command.e_W_V.isZero(0.0));
     }
 }
 
 TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
     UnsteadyRig rig;
-    rig.device.arrival = Arrival::late;
+    rig.device.arrival = device::Arrival::late;
     for (int tick = 0; tick < 5; ++tick) {
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.state, SafetyState::running);
@@ -465,34 +469,35 @@ TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) 
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.cause, TripCause::board_fault);
         EXPECT_EQ(sample.board_faults, rig.device.faults.bits);
-        EXPECT_EQ(sample.command.mode, rig.device.faults.has(BoardFaults::kAmplifier)
-                                           ? CommandMode::open
-                                           : CommandMode::brake);
+        EXPECT_EQ(sample.command.mode, rig.device.faults.has(device::BoardFaults::kAmplifier)
+                                           ? device::CommandMode::open
+                                           : device::CommandMode::brake);
         EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
-        rig.device.arrival = Arrival::absent; // what nobody hears of is not mended
+        rig.device.arrival = device::Arrival::absent; // what nobody hears of is not mended
         rig.device.faults = {};
         EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
-        rig.device.arrival = Arrival::fresh; // mended: it brakes again, until somebody resets it
-        EXPECT_EQ(rig.tick().command.mode, CommandMode::brake);
+        rig.device.arrival =
+            device::Arrival::fresh; // mended: it brakes again, until somebody resets it
+        EXPECT_EQ(rig.tick().command.mode, device::CommandMode::brake);
     }
 }
 
 TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
-    SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
+    simulated::SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
     Unsteady device(phantom);
-    device.arrival = Arrival::absent;
+    device.arrival = device::Arrival::absent;
     ServoLoop loop(device, kPeriod_s);
     for (int i = 0; i < 3; ++i) {
         const ServoSample sample = loop.tick(sealed({}));
-        EXPECT_EQ(sample.command.mode, CommandMode::brake);
+        EXPECT_EQ(sample.command.mode, device::CommandMode::brake);
         EXPECT_NE(sample.safety.state, SafetyState::running);
     }
-    device.arrival = Arrival::fresh;
+    device.arrival = device::Arrival::fresh;
     const ServoSample first = loop.tick(sealed({}));
     EXPECT_TRUE(first.theta_rate_rad_per_s.isZero(0.0));
     EXPECT_EQ(first.safety.state, SafetyState::waiting);
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

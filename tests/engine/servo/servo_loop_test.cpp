@@ -1,8 +1,8 @@
 // Covers engine/servo/servo_loop.cpp: the whole signal path on the simulated device.
 #include "engine/servo/servo_loop.h"
 
-#include "device/phantom/dynamics.h"
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/dynamics.h"
+#include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 using testing::following;
@@ -39,11 +39,11 @@ struct Strike {
 };
 
 Strike strike(double longest_step_s) {
-    SimulationOptions options = following({{0.0, kStart_m},
-                                           {0.60, Vector3(0.01, 0.003, 0.005)},
-                                           {0.65, Vector3(0.01, -0.012, 0.005)},
-                                           {0.80, Vector3(0.02, -0.012, 0.005)}});
-    options.effects = PlantEffects{};
+    simulated::SimulationOptions options = following({{0.0, kStart_m},
+                                                      {0.60, Vector3(0.01, 0.003, 0.005)},
+                                                      {0.65, Vector3(0.01, -0.012, 0.005)},
+                                                      {0.80, Vector3(0.02, -0.012, 0.005)}});
+    options.effects = simulated::PlantEffects{};
     options.quantised_encoders = false; // a count more or less is another run
     options.longest_step_s = longest_step_s;
     Rig rig(options, plate());
@@ -59,7 +59,7 @@ Strike strike(double longest_step_s) {
 
 TEST(ServoLoop, ThePlantsDefaultStepIsFineEnoughForHardContact) {
     // What SimulationOptions::longest_step_s promises; friction makes the step first order here.
-    const double step_s = SimulationOptions{}.longest_step_s;
+    const double step_s = simulated::SimulationOptions{}.longest_step_s;
     const Strike usual = strike(step_s);
     const Strike fine = strike(step_s / 50);
     double tip_m = 0.0;
@@ -86,9 +86,9 @@ struct StaticContact {
 /// Presses on the plate at `depth_m` below its top and takes means over the last half second.
 StaticContact press(double eta, bool quantised) {
     constexpr double kDepth_m = 0.012;
-    SimulationOptions options = following({{0.0, kStart_m},
-                                           {0.6, Vector3(0.01, 0.003, 0.005)},
-                                           {1.2, Vector3(0.01, -kDepth_m, 0.005)}});
+    simulated::SimulationOptions options = following({{0.0, kStart_m},
+                                                      {0.6, Vector3(0.01, 0.003, 0.005)},
+                                                      {1.2, Vector3(0.01, -kDepth_m, 0.005)}});
     options.quantised_encoders = quantised;
     Rig rig(options, plate());
     rig.inputs.tuning.eta = eta;
@@ -102,9 +102,10 @@ StaticContact press(double eta, bool quantised) {
         EXPECT_EQ(sample.contact.active_constraints, 1);
         force -= rig.device.truth().hand_force_N / kTicks;
         penetration -= rig.device.truth().tip_m.y() / kTicks;
-        const Coupling c = coupling(rig.device.description().motor[0], rig.inputs.tuning, kPeriod_s,
-                                    rig.device.delay_periods());
-        predicted += tip_stiffness_N_per_m(c, sample.alpha_rad2_per_m2, eta) / kTicks;
+        const control::Coupling c =
+            control::coupling(rig.device.description().motor[0], rig.inputs.tuning, kPeriod_s,
+                              rig.device.delay_periods());
+        predicted += control::tip_stiffness_N_per_m(c, sample.alpha_rad2_per_m2, eta) / kTicks;
     }
     return {force.norm() / penetration, predicted,
             std::atan2(force.cross(Vector3::UnitY()).norm(), force.y()), penetration};
@@ -152,7 +153,7 @@ TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
 double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
     Rig rig(following({{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * axis}}));
     rig.inputs.tuning =
-        read_tuning_file(testing::assets() / "tunings" / (std::string(tuning) + ".toml"));
+        control::read_tuning_file(testing::assets() / "tunings" / (std::string(tuning) + ".toml"));
     rig.run(kStartUp_s + 1.2);
     double greatest_N = 0.0;
     for (int i = 0; i < 1400; ++i) {
@@ -170,8 +171,8 @@ TEST(ServoLoop, FreeSpaceIsFree) {
         EXPECT_LT(greatest_force_on_a_slow_hand_N("firm", axis), 0.05) << axis.transpose();
         // Stiffest trades freedom for stiffness: a count may be felt as far as the inductive spring
         // (4) answers it, K_L count N/l, at the base motor the most.
-        const DeviceDescription device = testing::phantom_1_0();
-        const double one_count_N = inductive_stiffness_Nm_per_rad(device.motor[0]) * 2.0 *
+        const device::DeviceDescription device = testing::phantom_1_0();
+        const double one_count_N = device::inductive_stiffness_Nm_per_rad(device.motor[0]) * 2.0 *
                                    std::numbers::pi / device.encoder_counts_per_turn *
                                    device.geometry.transmission_ratio[0] /
                                    device.geometry.upper_arm_m;
@@ -187,16 +188,16 @@ struct Inertia {
 
 /// Shakes the tip along x in free space and fits force to acceleration: what is more than tip and
 /// rotors have is added by the loop's lag.
-Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
+Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay) {
     constexpr double kShake_rad_per_s = 2.0 * std::numbers::pi * 4.0;
     constexpr double kReach_m = 0.02;
-    std::vector<HandPath::Point> points;
+    std::vector<simulated::HandPath::Point> points;
     for (int i = 0; i <= 3000; ++i) {
         const double t = i * 1e-3;
         const double reach_m = kReach_m * std::min(1.0, 2.0 * t); // or its onset is a blow
         points.push_back({t, kStart_m + Vector3(reach_m * std::sin(kShake_rad_per_s * t), 0, 0)});
     }
-    SimulationOptions options = following(std::move(points));
+    simulated::SimulationOptions options = following(std::move(points));
     options.servo_period_s = period_s;
     options.delay_periods = delay;
     options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // holds the tip firmly to the path
@@ -204,14 +205,15 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
     rig.inputs.tuning = tuning;
     rig.run(kStartUp_s + 1.0);
     // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
-    const DeviceDescription &device = rig.device.description();
-    const LinkageMoments moments = linkage_moments(device.geometry, device.inertia, 0.0);
+    const device::DeviceDescription &device = rig.device.description();
+    const device::LinkageMoments moments =
+        device::linkage_moments(device.geometry, device.inertia, 0.0);
     double own_kg = 0.0; // of links and rotors along x, mean over the shakes
     double force_acceleration = 0.0;
     double acceleration_squared = 0.0;
     double predicted = 0.0;
     const int ticks = static_cast<int>(std::round(1.5 / period_s));
-    const Coupling c = coupling(device.motor[0], tuning, period_s, delay);
+    const control::Coupling c = control::coupling(device.motor[0], tuning, period_s, delay);
     for (int i = 0; i < ticks; ++i) {
         const ServoSample sample = rig.tick();
         // Of the mean force, since the path began.
@@ -220,10 +222,10 @@ Inertia added_inertia(const Tuning &tuning, double period_s, int delay) {
             -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
         force_acceleration += rig.device.truth().hand_force_N.x() * a;
         acceleration_squared += a * a;
-        const Vector3 q_rad = joint_from_motor(device.geometry, sample.theta_rad);
-        const Vector3 theta_per_x = motor_jacobian(device.geometry, q_rad).inverse().col(0);
-        const Vector3 q_per_x = joint_from_motor(device.geometry, theta_per_x);
-        own_kg += (q_per_x.dot(mass_matrix(moments, q_rad) * q_per_x) +
+        const Vector3 q_rad = device::joint_from_motor(device.geometry, sample.theta_rad);
+        const Vector3 theta_per_x = device::motor_jacobian(device.geometry, q_rad).inverse().col(0);
+        const Vector3 q_per_x = device::joint_from_motor(device.geometry, theta_per_x);
+        own_kg += (q_per_x.dot(device::mass_matrix(moments, q_rad) * q_per_x) +
                    device.motor[0].rotor_inertia_kg_m2 * theta_per_x.squaredNorm()) /
                   ticks;
         predicted += c.added_inertia_kg_m2 * theta_per_x.squaredNorm() / ticks;
@@ -237,7 +239,7 @@ TEST(ServoLoop, AddedInertiaIsThatOfTheLoopsLag) {
     for (const double dR : {0.2, 0.4, 0.8}) {
         for (const double lambda : {500.0, 2000.0}) {
             for (const int delay : {0, 1}) {
-                Tuning tuning;
+                control::Tuning tuning;
                 tuning.dR_Ohm = dR;
                 tuning.lambda_rad_per_s = lambda;
                 const Inertia inertia = added_inertia(tuning, 1e-3, delay);
@@ -273,9 +275,9 @@ TEST(ServoLoop, TheOtherMapIsJudgedOnTheSameState) {
     const ServoSample transpose = rig.tick();
     EXPECT_LT(transpose.transpose_error_rad, 1e-6);
     EXPECT_GT(transpose.inverse_error_rad, 0.02);
-    rig.inputs.tuning.map = MotionMap::inverse;
+    rig.inputs.tuning.map = control::MotionMap::inverse;
     const ServoSample inverse = rig.tick();
-    EXPECT_EQ(inverse.tuning.map, MotionMap::inverse);
+    EXPECT_EQ(inverse.tuning.map, control::MotionMap::inverse);
     EXPECT_LT(inverse.transpose_error_rad, 1e-6);
     EXPECT_NEAR(inverse.inverse_error_rad, transpose.inverse_error_rad, 0.02);
     // Given time, the rendered force takes the inverse map's direction.
@@ -299,7 +301,7 @@ TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
     Rig rig(following({{0.0, kStart_m}, {0.5, Vector3(0.0, -0.008, 0.0)}}), plate());
     rig.run(kStartUp_s + 1.5);
     ASSERT_TRUE(rig.tick().contact.touching);
-    const HapticSurface block(
+    const contact::HapticSurface block(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
     rig.inputs.surface = &block;
     ++rig.inputs.scene_id;
@@ -328,7 +330,8 @@ TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
     // leaves the span of the two settled forces by more than what the hand's own spring stores on
     // the way, here well below a newton. Without the glide the same change makes peaks of 10 N.
     const auto tuning = [](const char *name) {
-        return read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+        return control::read_tuning_file(testing::assets() / "tunings" /
+                                         (std::string(name) + ".toml"));
     };
     for (const auto &[from, to] : {std::pair("soft", "stiffest"), std::pair("stiffest", "soft"),
                                    std::pair("soft", "firm")}) {
@@ -349,18 +352,20 @@ TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
 
 TEST(ServoLoop, EveryTuningHoldsAContact) {
     // Pressed, slid over an edge and let go, light hand and firm: no trip, nothing not finite.
-    for (const HandParameters &hand :
-         {HandParameters{0.03, 1.0, 60.0, 5.0, 0.4}, HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {
+    for (const device::HandParameters &hand :
+         {device::HandParameters{0.03, 1.0, 60.0, 5.0, 0.4},
+          device::HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {
         for (const double eta : {0.0, 0.5, 0.9}) {
             for (const char *name : {"soft", "firm", "stiffest"}) {
-                SimulationOptions options = following({{0.0, kStart_m},
-                                                       {0.9, Vector3(0.0, -0.006, 0.0)},
-                                                       {1.5, Vector3(0.05, -0.006, 0.03)},
-                                                       {2.0, kStart_m}});
+                simulated::SimulationOptions options =
+                    following({{0.0, kStart_m},
+                               {0.9, Vector3(0.0, -0.006, 0.0)},
+                               {1.5, Vector3(0.05, -0.006, 0.03)},
+                               {2.0, kStart_m}});
                 options.hand = hand;
                 Rig rig(options, plate());
-                rig.inputs.tuning =
-                    read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+                rig.inputs.tuning = control::read_tuning_file(testing::assets() / "tunings" /
+                                                              (std::string(name) + ".toml"));
                 rig.inputs.tuning.eta = eta;
                 rig.run(kStartUp_s);
                 for (int i = 0; i < 2500; ++i) {
@@ -375,4 +380,4 @@ TEST(ServoLoop, EveryTuningHoldsAContact) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

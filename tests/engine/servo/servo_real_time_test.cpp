@@ -1,9 +1,9 @@
 // Covers engine/servo/servo.cpp: its thread, once started, only computes, sleeps and reads the
 // clock. And the watch that says so (tests/support/real_time_watch.h) sees what would be wrong.
-#include "device/forwarding_device.h"
+#include "device/core/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/scenario/scripted_touch.h"
-#include "engine/scenario/test_surfaces.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/servo/servo.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
@@ -30,7 +30,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 using testing::watched;
@@ -40,8 +40,8 @@ constexpr auto kPatience = std::chrono::seconds(30);
 
 /// Ends this child when the servo has done enough or was caught, after a last look by `check`.
 template <typename IsEnough, typename Check>
-[[noreturn]] void run_watched(Servo &servo, const HapticSurface *surface, IsEnough &&is_enough,
-                              Check &&check) {
+[[noreturn]] void run_watched(Servo &servo, const contact::HapticSurface *surface,
+                              IsEnough &&is_enough, Check &&check) {
     ServoInputs inputs;
     inputs.surface = surface;
     servo.publish(inputs);
@@ -69,14 +69,14 @@ protected:
 };
 
 TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
-    const HapticSurface surface(*test_surface_named("sphere:1310720"));
+    const contact::HapticSurface surface(*rig::test_surface_named("sphere:1310720"));
     const bool holds = testing::holds_in_a_child([&] {
-        const DeviceDescription description = testing::phantom_1_0();
-        const Vector3 upper_m = Vector3::Constant(kTestSphereRadius_m);
-        const Vector3 start_m = start_above(description, -upper_m, upper_m);
-        SimulationOptions options;
-        options.path = scripted_touch(description, surface, -upper_m, upper_m, start_m);
-        SimulatedPhantom device(description, options, start_m);
+        const device::DeviceDescription description = testing::phantom_1_0();
+        const Vector3 upper_m = Vector3::Constant(rig::kTestSphereRadius_m);
+        const Vector3 start_m = rig::start_above(description, -upper_m, upper_m);
+        simulated::SimulationOptions options;
+        options.path = rig::scripted_touch(description, surface, -upper_m, upper_m, start_m);
+        simulated::SimulatedPhantom device(description, options, start_m);
         Servo servo(device, 1000.0);
         int touching = 0;
         run_watched(
@@ -96,19 +96,19 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
 }
 
 /// A device whose driver does something on the servo's thread, in its twentieth tick.
-class Driver final : public ForwardingDevice {
+class Driver final : public device::ForwardingDevice {
 public:
     explicit Driver(std::function<void()> deed)
-        : ForwardingDevice(
-              std::make_unique<SimulatedPhantom>(testing::phantom_1_0(), SimulationOptions{},
-                                                 testing::phantom_1_0().workspace.centre_m)),
+        : device::ForwardingDevice(std::make_unique<simulated::SimulatedPhantom>(
+              testing::phantom_1_0(), simulated::SimulationOptions{},
+              testing::phantom_1_0().workspace.centre_m)),
           deed_(std::move(deed)) {}
 
-    [[nodiscard]] Measurement read() noexcept override {
+    [[nodiscard]] device::Measurement read() noexcept override {
         if (++ticks_ == 20) {
             deed_();
         }
-        return ForwardingDevice::read();
+        return device::ForwardingDevice::read();
     }
 
 private:
@@ -208,4 +208,4 @@ TEST_F(RealTimeServo, TheWatchSeesSystemCalls) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "device/simulated/simulated_phantom.h"
-#include "engine/contact/haptic_surface.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/servo/servo_loop.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
@@ -20,13 +20,13 @@ inline const Vector3 kStart_m(0.0, 0.02, 0.0);
 
 /// A device, a surface and a servo ticked by hand.
 struct Rig {
-    explicit Rig(const SimulationOptions &options, TriangleSoup soup = {})
+    explicit Rig(const simulated::SimulationOptions &options, contact::TriangleSoup soup = {})
         : device(phantom_1_0(), options, kStart_m), loop(device, options.servo_period_s),
           mesh(std::move(soup)) {
         inputs.surface = &mesh;
     }
 
-    ServoSample tick() { return loop.tick(sealed(inputs)); }
+    servo::ServoSample tick() { return loop.tick(servo::sealed(inputs)); }
 
     void run(double seconds) {
         for (int i = 0; i < static_cast<int>(std::round(seconds / loop.period_s())); ++i) {
@@ -34,25 +34,25 @@ struct Rig {
         }
     }
 
-    SimulatedPhantom device;
-    ServoLoop loop;
-    HapticSurface mesh;
-    ServoInputs inputs;
+    simulated::SimulatedPhantom device;
+    servo::ServoLoop loop;
+    contact::HapticSurface mesh;
+    servo::ServoInputs inputs;
 };
 
 /// A plate whose top is at y = 0, wide enough for every slide.
-inline TriangleSoup plate() {
+inline contact::TriangleSoup plate() {
     return box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06));
 }
 
 /// What is tested here is the law: a plant without friction and weight shows it plainly. The hand
 /// sets out when the servo has started up: the path's times count from there.
-inline SimulationOptions following(std::vector<HandPath::Point> points) {
-    for (HandPath::Point &point : points) {
+inline simulated::SimulationOptions following(std::vector<simulated::HandPath::Point> points) {
+    for (simulated::HandPath::Point &point : points) {
         point.time_s += kStartUp_s;
     }
-    SimulationOptions options;
-    options.effects = PlantEffects::none();
+    simulated::SimulationOptions options;
+    options.effects = simulated::PlantEffects::none();
     options.path.emplace(std::move(points));
     return options;
 }

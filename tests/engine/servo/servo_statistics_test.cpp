@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
@@ -64,4 +64,4 @@ TEST(ServoStatistics, InLockstepThereIsNoTimeToAddUp) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

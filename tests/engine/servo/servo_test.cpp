@@ -2,9 +2,9 @@
 #include "engine/servo/servo.h"
 
 #include "base/input_error.h"
-#include "device/forwarding_device.h"
+#include "device/core/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/servo/record/telemetry_columns.h"
+#include "engine/record/telemetry_columns.h"
 #include "tests/support/devices.h"
 #include "tests/support/own_clock_device.h"
 #include "tests/support/surfaces.h"
@@ -20,34 +20,35 @@
 #include <thread>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
 /// A simulated device that remembers the last command.
-class Witness final : public ForwardingDevice {
+class Witness final : public device::ForwardingDevice {
 public:
     Witness()
-        : ForwardingDevice(std::make_unique<SimulatedPhantom>(testing::phantom_1_0(),
-                                                              SimulationOptions{}, kStart_m)) {}
+        : device::ForwardingDevice(std::make_unique<simulated::SimulatedPhantom>(
+              testing::phantom_1_0(), simulated::SimulationOptions{}, kStart_m)) {}
 
-    void write(const DeviceCommand &command) noexcept override {
+    void write(const device::DeviceCommand &command) noexcept override {
         last_command = command;
         ++commands;
-        ForwardingDevice::write(command);
+        device::ForwardingDevice::write(command);
     }
 
-    DeviceCommand last_command;
+    device::DeviceCommand last_command;
     int commands = 0;
 };
 
 /// All that a sample tells, as bytes.
 std::string bytes_of(const ServoSample &sample) {
     std::string bytes;
-    for_each_column(sample, [&bytes](std::string_view, std::string_view, const auto &value) {
-        bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
-    });
+    record::for_each_column(sample,
+                            [&bytes](std::string_view, std::string_view, const auto &value) {
+                                bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
+                            });
     return bytes;
 }
 
@@ -90,11 +91,11 @@ TEST(Servo, SendsTheSafeStateLastFromItsThreadToo) {
 
 TEST(Servo, LockstepRepeatsToTheLastBit) {
     const auto run = [] {
-        SimulationOptions options;
-        options.path.emplace(std::vector<HandPath::Point>{
+        simulated::SimulationOptions options;
+        options.path.emplace(std::vector<simulated::HandPath::Point>{
             {1.2, kStart_m}, {1.7, Vector3(0.0, -0.01, 0.0)}, {2.2, Vector3(0.02, -0.01, 0.01)}});
-        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
-        const HapticSurface mesh(
+        simulated::SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        const contact::HapticSurface mesh(
             testing::box_soup(Vector3(-0.05, -0.02, -0.05), Vector3(0.05, 0.0, 0.05)));
         ServoInputs inputs;
         inputs.surface = &mesh;
@@ -142,13 +143,13 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
     for (int i = 0; seen < 1000; ++i) { // as long as it takes
         const bool even = i % 2 == 0;
         inputs.tuning.eta = even ? 0.25 : 0.75;
-        inputs.tuning.map = even ? MotionMap::inverse : MotionMap::transpose;
+        inputs.tuning.map = even ? control::MotionMap::inverse : control::MotionMap::transpose;
         inputs.scene_id = even ? 2 : 3;
         servo.publish(inputs);
         servo.drain([&seen](const ServoSample &sample) {
             if (sample.scene_id != 0) {
                 ++seen;
-                EXPECT_EQ(sample.tuning.map == MotionMap::inverse, sample.scene_id == 2);
+                EXPECT_EQ(sample.tuning.map == control::MotionMap::inverse, sample.scene_id == 2);
             }
         });
     }
@@ -156,16 +157,16 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
 }
 
 /// The host does not let the servo run for some time, once, in its tick of that number.
-class StalledHost final : public ForwardingDevice {
+class StalledHost final : public device::ForwardingDevice {
 public:
-    StalledHost(HapticDevice &device, std::chrono::milliseconds stall, int at_tick)
-        : ForwardingDevice(device), stall_(stall), at_tick_(at_tick) {}
+    StalledHost(device::HapticDevice &device, std::chrono::milliseconds stall, int at_tick)
+        : device::ForwardingDevice(device), stall_(stall), at_tick_(at_tick) {}
 
-    [[nodiscard]] Measurement read() noexcept override {
+    [[nodiscard]] device::Measurement read() noexcept override {
         if (++ticks_ == at_tick_) {
             std::this_thread::sleep_for(stall_);
         }
-        return ForwardingDevice::read();
+        return device::ForwardingDevice::read();
     }
 
 private:
@@ -178,7 +179,7 @@ constexpr int kStalledTick = 1500;
 constexpr std::chrono::milliseconds kStall{300};
 
 /// Until so many ticks after the stall, or a trip.
-std::vector<ServoSample> through_a_stall(HapticDevice &device) {
+std::vector<ServoSample> through_a_stall(device::HapticDevice &device) {
     StalledHost host(device, kStall, kStalledTick);
     Servo servo(host, 1000.0);
     servo.publish({});
@@ -194,7 +195,7 @@ std::vector<ServoSample> through_a_stall(HapticDevice &device) {
 }
 
 TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     const std::vector<ServoSample> samples = through_a_stall(device);
     std::uint64_t missed = 0;
     for (const ServoSample &sample : samples) {
@@ -209,7 +210,7 @@ TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
 }
 
 TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     testing::OwnClockDevice hardware(device, 1e-3);
     const std::vector<ServoSample> samples = through_a_stall(hardware);
     const auto trip = std::find_if(samples.begin(), samples.end(), [](const ServoSample &sample) {
@@ -224,7 +225,7 @@ TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
 }
 
 /// Beats for a while, then is silent for longer than the monitor bears, then beats again.
-std::vector<ServoSample> through_a_silence(HapticDevice &device) {
+std::vector<ServoSample> through_a_silence(device::HapticDevice &device) {
     Servo servo(device, 1000.0);
     ServoInputs inputs;
     inputs.limits.window_silence_s = 0.2;
@@ -249,7 +250,7 @@ std::vector<ServoSample> through_a_silence(HapticDevice &device) {
 }
 
 TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     const std::vector<ServoSample> samples = through_a_silence(device);
     std::uint64_t missed = 0;
     for (const ServoSample &sample : samples) {
@@ -261,7 +262,7 @@ TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
 
 TEST(Servo, ALimitThatIsNoneHaltsNoWorld) {
     for (const double silence_s : {-1.0, 0.0, static_cast<double>(NAN)}) {
-        SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+        simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
         Servo servo(device, 1000.0);
         ServoInputs inputs;
         inputs.limits.window_silence_s = silence_s;
@@ -279,7 +280,7 @@ TEST(Servo, ALimitThatIsNoneHaltsNoWorld) {
 }
 
 TEST(Servo, AnotherDeviceStopsWhenTheWindowIsSilent) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     testing::OwnClockDevice hardware(device, 1e-3);
     const std::vector<ServoSample> samples = through_a_silence(hardware);
     EXPECT_EQ(samples.back().safety.state, SafetyState::tripped);
@@ -289,7 +290,7 @@ TEST(Servo, AnotherDeviceStopsWhenTheWindowIsSilent) {
 }
 
 TEST(Servo, AnotherRateGoesOnWhereTheOldOneWas) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     Servo servo(device, 1000.0);
     servo.publish({});
     servo.advance(1500);
@@ -313,7 +314,7 @@ TEST(Servo, AnotherRateGoesOnWhereTheOldOneWas) {
 }
 
 TEST(Servo, AnotherRateOnItsThreadLosesNoSampleAndNoMemory) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     Servo servo(device, 1000.0);
     servo.publish({});
     servo.start();
@@ -349,4 +350,4 @@ TEST(Servo, RefusesRatesThatItCannotKeep) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

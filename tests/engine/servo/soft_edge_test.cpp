@@ -1,6 +1,6 @@
 // Covers the soft wall at the edge of the workspace as a hand meets it: before every joint's stop,
 // whatever the tuning, and at η = 1 too.
-#include "device/phantom/kinematics.h"
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_rig.h"
 
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
@@ -37,29 +37,29 @@ const std::array<Way, 6> kWays{{{"q1 highest", {76.0, 10.0, 10.0}, 0, 1.0, 90.0}
                                 {"fold lowest", {0.0, 45.0, -6.0}, 2, -1.0, -65.0, true}}};
 
 /// Slowly along the joint, through its stop, as far as the hand can.
-SimulationOptions along(const Way &way, const PhantomGeometry &geometry) {
+simulated::SimulationOptions along(const Way &way, const device::PhantomGeometry &geometry) {
     constexpr double kSpeed_deg_per_s = 15.0;
-    std::vector<HandPath::Point> points{
-        {0.0, tip_position_m(geometry, way.from_deg * kRadiansPerDegree)}};
+    std::vector<simulated::HandPath::Point> points{
+        {0.0, device::tip_position_m(geometry, way.from_deg * kRadiansPerDegree)}};
     for (int step = 0; step <= 20; ++step) {
         const Vector3 q_deg = way.from_deg + way.sign * step * Vector3::Unit(way.joint);
-        points.push_back(
-            {1.15 + step / kSpeed_deg_per_s, tip_position_m(geometry, q_deg * kRadiansPerDegree)});
+        points.push_back({1.15 + step / kSpeed_deg_per_s,
+                          device::tip_position_m(geometry, q_deg * kRadiansPerDegree)});
     }
-    SimulationOptions options;
+    simulated::SimulationOptions options;
     options.path.emplace(std::move(points));
     return options;
 }
 
 /// The joint's torque by the true currents is the wall's before the stop is reached.
-void expect_edge_before_stop(const Way &way, const Tuning &tuning, double servo_hz) {
-    const DeviceDescription device = phantom_1_0();
-    FaultCase what;
+void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, double servo_hz) {
+    const device::DeviceDescription device = testing::phantom_1_0();
+    testing::FaultCase what;
     what.tuning = tuning;
     what.servo_hz = servo_hz;
     what.firm = true;
-    what.start_m = tip_position_m(device.geometry, way.from_deg * kRadiansPerDegree);
-    FaultRig rig(what, along(way, device.geometry));
+    what.start_m = device::tip_position_m(device.geometry, way.from_deg * kRadiansPerDegree);
+    testing::FaultRig rig(what, along(way, device.geometry));
     const double k_T = device.motor[0].torque_constant_Nm_per_A;
     const double N = device.geometry.transmission_ratio[way.joint];
     double before_stop_Nm = 0.0;
@@ -67,7 +67,7 @@ void expect_edge_before_stop(const Way &way, const Tuning &tuning, double servo_
     bool met = false;
     for (int tick = 0; tick < rig.ticks_in(2.6) && !rig.has_tripped(); ++tick) {
         const ServoSample sample = rig.tick();
-        const Vector3 q = joint_from_motor(device.geometry, rig.device.truth().theta_rad);
+        const Vector3 q = device::joint_from_motor(device.geometry, rig.device.truth().theta_rad);
         const double q_rad = way.fold ? q[2] - q[1] : q[way.joint];
         const double to_stop_rad = way.sign * (way.stop_deg * kRadiansPerDegree - q_rad);
         const double pushed_back_Nm = -way.sign * N * k_T * rig.device.truth().current_A[way.joint];
@@ -92,18 +92,21 @@ void expect_edge_before_stop(const Way &way, const Tuning &tuning, double servo_
 TEST(SoftEdge, IsMetBeforeEveryStopInEveryMap) {
     for (const Way &way : kWays) {
         for (const double eta : {0.0, 1.0}) {
-            for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
-                for (const AlphaMode alpha :
-                     {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+            for (const control::MotionMap map :
+                 {control::MotionMap::inverse, control::MotionMap::transpose}) {
+                for (const control::AlphaMode alpha :
+                     {control::AlphaMode::on_the_fly, control::AlphaMode::global,
+                      control::AlphaMode::by_hand}) {
                     for (const double dR_Ohm : {0.2, 0.8}) {
-                        Tuning tuning;
+                        control::Tuning tuning;
                         tuning.dR_Ohm = dR_Ohm;
                         tuning.eta = eta;
                         tuning.map = map;
                         tuning.alpha_mode = alpha;
-                        SCOPED_TRACE(std::string(way.stop) + ", η " + std::to_string(eta) +
-                                     (map == MotionMap::inverse ? ", inverse" : ", transpose") +
-                                     ", dR " + std::to_string(dR_Ohm));
+                        SCOPED_TRACE(
+                            std::string(way.stop) + ", η " + std::to_string(eta) +
+                            (map == control::MotionMap::inverse ? ", inverse" : ", transpose") +
+                            ", dR " + std::to_string(dR_Ohm));
                         expect_edge_before_stop(way, tuning, 1000.0);
                         if (HasFailure()) {
                             return;
@@ -116,4 +119,4 @@ TEST(SoftEdge, IsMetBeforeEveryStopInEveryMap) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

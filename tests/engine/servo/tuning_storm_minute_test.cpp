@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
 TEST(SlowTuningStorm, NeitherTearsNorJoltsForAMinute) {
-    TuningStorm storm(1000.0);
-    const StormFigures figures = storm.blow(60.0);
+    testing::TuningStorm storm(1000.0);
+    const testing::StormFigures figures = storm.blow(60.0);
     EXPECT_EQ(figures.faults, 0U);
     EXPECT_GT(figures.published, 100'000U);
     EXPECT_GT(figures.samples, 5'000U);
@@ -18,4 +18,4 @@ TEST(SlowTuningStorm, NeitherTearsNorJoltsForAMinute) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-namespace springdrive::testing {
+namespace springdrive::servo {
 namespace {
 
 TEST(TuningStorm, NeitherTearsNorJolts) {
-    TuningStorm storm(1000.0);
-    const StormFigures figures = storm.blow(2.0);
+    testing::TuningStorm storm(1000.0);
+    const testing::StormFigures figures = storm.blow(2.0);
     EXPECT_EQ(figures.faults, 0U);
     EXPECT_GT(figures.published, 1000U); // however busy the machine is
     EXPECT_GT(figures.samples, 100U);
@@ -18,4 +18,4 @@ TEST(TuningStorm, NeitherTearsNorJolts) {
 }
 
 } // namespace
-} // namespace springdrive::testing
+} // namespace springdrive::servo

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-namespace springdrive {
+namespace springdrive::servo {
 namespace {
 
 /// How far `value` is outside [lowest, highest], without a sign.
@@ -19,8 +19,8 @@ double outside(double value, double lowest, double highest) {
 }
 
 /// ½ K for each of the three joints and the fold, squared.
-double potential_J(const DeviceDescription &device, const Vector3 &q_rad) {
-    const JointLimits &limits = device.joint_limits;
+double potential_J(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    const device::JointLimits &limits = device.joint_limits;
     const double margin_rad = device.edge.margin_rad;
     double sum = 0.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -45,7 +45,7 @@ protected:
         return edge_torque_Nm(device, q_rad, rate_rad_per_s);
     }
 
-    DeviceDescription device = testing::phantom_1_0();
+    device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random{2};
 };
 
@@ -70,7 +70,7 @@ TEST_F(WorkspaceEdgeTest, AtRestItIsTheGradientOfAPotential) {
 }
 
 TEST_F(WorkspaceEdgeTest, IsNothingWithinWhateverTheSpeed) {
-    JointLimits within = device.joint_limits;
+    device::JointLimits within = device.joint_limits;
     const double margin_rad = device.edge.margin_rad;
     within.lowest_rad.array() += margin_rad;
     within.highest_rad.array() -= margin_rad;
@@ -176,7 +176,7 @@ TEST_F(WorkspaceEdgeTest, NeverGivesEnergyToWhoeverMoves) {
 }
 
 TEST_F(WorkspaceEdgeTest, BeyondLimitsNamesEachByItsSign) {
-    const JointLimits &limits = device.joint_limits;
+    const device::JointLimits &limits = device.joint_limits;
     const BeyondLimits low = beyond_limits(limits, limits.lowest_rad - Vector3(0.1, 0.2, 0.3), 0.0);
     EXPECT_LT((low.joint_rad + Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
     const BeyondLimits high =
@@ -188,4 +188,4 @@ TEST_F(WorkspaceEdgeTest, BeyondLimitsNamesEachByItsSign) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::servo

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 using testing::press;
@@ -187,4 +187,4 @@ TEST(Exchange, OnTheRealThreadTheSameHolds) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

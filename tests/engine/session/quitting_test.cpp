@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -180,4 +180,4 @@ TEST_F(Quitting, AtAnyMomentEndsWhole) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

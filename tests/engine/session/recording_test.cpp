@@ -3,7 +3,7 @@
 
 #include "base/input_error.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/servo/record/record_reader.h"
+#include "engine/record/record_reader.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -11,7 +11,7 @@
 
 #include <string>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
@@ -32,15 +32,15 @@ protected:
     }
 
     std::filesystem::path folder_;
-    SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
-    SimulatedPhantom other_{testing::phantom_1_0(), {}, kStart_m};
+    simulated::SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
+    simulated::SimulatedPhantom other_{testing::phantom_1_0(), {}, kStart_m};
     ServoRun run_{device_, {1000.0, true, std::nullopt}};
     Recording recording_{run_};
 };
 
 std::uint64_t rows_of(const std::filesystem::path &file) {
     std::uint64_t rows = 0;
-    for (RecordReader reader(file); reader.next();) {
+    for (record::RecordReader reader(file); reader.next();) {
         rows += reader.rows();
     }
     return rows;
@@ -48,10 +48,10 @@ std::uint64_t rows_of(const std::filesystem::path &file) {
 
 TEST_F(RecordingTest, CountsAllPartsTogether) {
     tick(10);
-    recording_.start(folder_ / "touch.rec", record_header(1000.0));
+    recording_.start(folder_ / "touch.rec", record::record_header(1000.0));
     tick(100);
     take_another_device();
-    EXPECT_EQ(recording_.begin_part(record_header(1000.0)), folder_ / "touch-2.rec");
+    EXPECT_EQ(recording_.begin_part(record::record_header(1000.0)), folder_ / "touch-2.rec");
     EXPECT_TRUE(recording_.is_running());
     tick(30);
     recording_.stop();
@@ -61,7 +61,7 @@ TEST_F(RecordingTest, CountsAllPartsTogether) {
     EXPECT_EQ(rows_of(folder_ / "touch.rec"), 100U);
     EXPECT_EQ(rows_of(folder_ / "touch-2.rec"), 30U);
     EXPECT_EQ(recording_.file(), folder_ / "touch-2.rec");
-    recording_.start(folder_ / "next.rec", record_header(1000.0)); // another recording
+    recording_.start(folder_ / "next.rec", record::record_header(1000.0)); // another recording
     tick(7);
     recording_.stop();
     EXPECT_EQ(recording_.status().rows, 7U);
@@ -70,16 +70,16 @@ TEST_F(RecordingTest, CountsAllPartsTogether) {
 
 TEST_F(RecordingTest, WithoutOneAnotherDeviceBeginsNone) {
     take_another_device();
-    EXPECT_TRUE(recording_.begin_part(record_header(1000.0)).empty());
+    EXPECT_TRUE(recording_.begin_part(record::record_header(1000.0)).empty());
     EXPECT_TRUE(recording_.parts().empty());
     EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
 TEST_F(RecordingTest, APartThatCannotBeMadeIsSaidAndEndsIt) {
-    recording_.start(folder_ / "touch.rec", record_header(1000.0));
+    recording_.start(folder_ / "touch.rec", record::record_header(1000.0));
     tick(10);
     take_another_device();
-    RecordHeader impossible = record_header(1000.0);
+    record::RecordHeader impossible = record::record_header(1000.0);
     std::filesystem::remove_all(folder_);
     EXPECT_THROW(recording_.begin_part(impossible), InputError);
     EXPECT_FALSE(recording_.is_running());
@@ -94,4 +94,4 @@ TEST(Recording, NamesPartsByTheFirst) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

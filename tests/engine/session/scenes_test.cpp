@@ -11,7 +11,7 @@
 #include <fstream>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 std::filesystem::path file_of(const std::string &name) {
@@ -19,7 +19,7 @@ std::filesystem::path file_of(const std::string &name) {
 }
 
 std::unique_ptr<LoadedScene> loaded(const std::string &name) {
-    LoadProgress progress;
+    scene::LoadProgress progress;
     return load_scene(file_of(name), testing::phantom_1_0().workspace, progress);
 }
 
@@ -69,25 +69,25 @@ TEST(Scenes, OneThatFailsLeavesThePresentOne) {
 }
 
 TEST(Scenes, OneThatNobodyWantsAnyMoreIsNotLoadedToItsEnd) {
-    LoadProgress progress;
+    scene::LoadProgress progress;
     progress.give_up();
     EXPECT_THROW(load_scene(file_of("organic"), testing::phantom_1_0().workspace, progress),
                  NotWanted);
 }
 
 TEST(GuidedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
-    const DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = testing::phantom_1_0();
     GuidedHand hand;
     hand.take_hold(nullptr, device, std::nullopt, Vector3::Zero());
     hand.move_to(Vector3(5.0, 5.0, 5.0));
     const Vector3 from_centre_m = hand.target_m() - device.workspace.centre_m;
     EXPECT_TRUE(
         (from_centre_m.cwiseAbs().array() <= 0.5 * device.workspace.size_m.array() + 1e-12).all());
-    EXPECT_TRUE(can_reach(device, hand.target_m()));
+    EXPECT_TRUE(device::can_reach(device, hand.target_m()));
     EXPECT_FALSE(hand.follows_path());
     hand.follow(3.0);
     EXPECT_EQ(hand.target_m() - device.workspace.centre_m, from_centre_m);
-    const HandPath path({{0.0, Vector3::Zero()}, {1.0, Vector3(0.01, 0.0, 0.0)}});
+    const simulated::HandPath path({{0.0, Vector3::Zero()}, {1.0, Vector3(0.01, 0.0, 0.0)}});
     hand.take_hold(nullptr, device, path, Vector3::Zero());
     EXPECT_TRUE(hand.follows_path());
     hand.follow(1.0);
@@ -95,4 +95,4 @@ TEST(GuidedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

@@ -11,13 +11,13 @@
 #include <stdexcept>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
 struct Rig {
-    SimulatedPhantom device{testing::phantom_1_0(), {}, kStart_m};
+    simulated::SimulatedPhantom device{testing::phantom_1_0(), {}, kStart_m};
     ServoRun run{device, {1000.0, true, std::nullopt}};
 };
 
@@ -47,20 +47,20 @@ TEST(ServoRun, AnotherRateTellsItsFirstTick) {
 TEST(ServoRun, StopsOnlyWhatHasLetGo) {
     Rig rig;
     rig.run.advance(1.5);
-    ASSERT_EQ(rig.run.latest().safety.state, SafetyState::running);
+    ASSERT_EQ(rig.run.latest().safety.state, servo::SafetyState::running);
     EXPECT_FALSE(rig.run.stop_if_released());
     rig.run.release(true);
     rig.run.advance(0.9);
-    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::releasing);
+    EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::releasing);
     EXPECT_FALSE(rig.run.stop_if_released());
     rig.run.release(false); // and goes on as if nothing had been
     rig.run.advance(1.1);
-    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::running);
+    EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::running);
     rig.run.release(true);
     rig.run.advance(1.1);
-    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::waiting);
     rig.run.advance(1.0); // and does not start again
-    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::waiting);
     EXPECT_TRUE(rig.run.stop_if_released());
 }
 
@@ -70,16 +70,16 @@ TEST(ServoRun, BeginsAnewOnAnotherDevice) {
     rig.run.reset_safety();
     rig.run.advance(0.1);
     rig.run.stop();
-    SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
+    simulated::SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
     rig.run.renew(other);
     rig.run.advance(0.05);
     EXPECT_EQ(rig.run.latest().tick, 49U);
-    EXPECT_EQ(rig.run.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::waiting);
     EXPECT_EQ(rig.run.statistics().ticks(), 50U);
 }
 
 TEST(ServoRun, GoesOnAfterAPauseWhateverWasThrown) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     ServoRun run(device, {1000.0, false, std::nullopt});
     static_cast<void>(run.start());
     std::uint64_t tick = 0;
@@ -99,8 +99,8 @@ TEST(ServoRun, GoesOnAfterAPauseWhateverWasThrown) {
     EXPECT_GE(run.latest().tick, tick + 20);
 }
 
-ServoSample sample_of_tick(std::uint64_t tick) {
-    ServoSample sample;
+servo::ServoSample sample_of_tick(std::uint64_t tick) {
+    servo::ServoSample sample;
     sample.tick = tick;
     sample.time_s = static_cast<double>(tick);
     return sample;
@@ -122,4 +122,4 @@ TEST(History, KeepsTenSecondsOfAThousandSamplesAtMost) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

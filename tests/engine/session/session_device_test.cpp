@@ -1,7 +1,7 @@
 // Covers engine/session/session_device.cpp, and set_servo_rate: one exchange at a time, and what
 // stays as it was.
 #include "base/input_error.h"
-#include "engine/servo/record/record_reader.h"
+#include "engine/record/record_reader.h"
 #include "engine/session/session_report.h"
 #include "tests/engine/session/session_fixture.h"
 
@@ -12,7 +12,7 @@
 #include <sstream>
 #include <string>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 using testing::premium;
@@ -23,7 +23,7 @@ using testing::scripted;
 
 std::string notes_of(const std::filesystem::path &file) {
     std::string notes;
-    for (RecordReader record(file); record.next();) {
+    for (record::RecordReader record(file); record.next();) {
         notes += record.is_note() ? record.note() : "";
     }
     return notes;
@@ -43,15 +43,15 @@ TEST(SessionDevice, AnotherOneBeginsAsAtAStart) {
     session.exchange_device(premium());
     EXPECT_TRUE(session.is_exchanging());
     run(session, 0.5);
-    EXPECT_EQ(session.latest().safety.state, SafetyState::releasing); // half-way down
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::releasing); // half-way down
     EXPECT_NEAR(session.latest().safety.ramp, 0.5, 0.02);
     ASSERT_TRUE(run_until(
         session, [&] { return !session.is_exchanging(); }, 1.0));
     EXPECT_NEAR(static_cast<double>(session.latest().tick - tick), 1000.0, 20.0);
-    EXPECT_EQ(session.description().name, read_device_file(premium().file).name);
+    EXPECT_EQ(session.description().name, device::read_device_file(premium().file).name);
     session.advance(0.002);
     EXPECT_LT(session.latest().tick, 2U);
-    EXPECT_EQ(session.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::waiting);
     EXPECT_FALSE(session.latest().contact.touching);
     EXPECT_TRUE(run_into_contact(session));
     EXPECT_EQ(session.servo().statistics().ticks(), session.latest().tick + 1);
@@ -64,7 +64,7 @@ TEST(SessionDevice, OneThatCannotBeOpenedLeavesTheOldOneAtWork) {
     session.start();
     ASSERT_TRUE(run_into_contact(session));
     DeviceChoice usb = scripted().device;
-    usb.kind = DeviceKind::usb;
+    usb.kind = factory::DeviceKind::usb;
     DeviceChoice unknown = scripted().device;
     unknown.serial = "4711";
     DeviceChoice broken;
@@ -73,8 +73,8 @@ TEST(SessionDevice, OneThatCannotBeOpenedLeavesTheOldOneAtWork) {
         EXPECT_THROW(session.exchange_device(choice), InputError);
         EXPECT_FALSE(session.is_exchanging());
         run(session, 0.1);
-        EXPECT_EQ(session.latest().safety.state, SafetyState::running);
-        EXPECT_EQ(session.device().state(), DeviceState::zeroed);
+        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
+        EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
     }
     std::filesystem::remove_all(folder);
 }
@@ -87,7 +87,7 @@ TEST(SessionDevice, AnEmergencyStopThatWasGivenStaysGiven) {
     run(session, 0.1);
     ASSERT_TRUE(exchange_to_the_end(session, premium())); // at once: it brakes already
     run(session, 1.0);
-    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     session.servo().reset_safety();
     EXPECT_TRUE(run_into_contact(session));
 }
@@ -120,9 +120,10 @@ TEST(SessionDevice, TheRecordGoesOnInAFurtherFileOfTheOtherDevice) {
     const std::vector<std::filesystem::path> expected{folder / "touch.rec", folder / "touch-3.rec",
                                                       folder / "touch-4.rec"};
     ASSERT_EQ(session.recording().parts(), expected);
-    EXPECT_EQ(RecordReader(expected[0]).header().device_name, "PHANTOM 1.0");
-    EXPECT_EQ(RecordReader(expected[1]).header().device_toml, testing::contents_of(premium().file));
-    EXPECT_EQ(RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
+    EXPECT_EQ(record::RecordReader(expected[0]).header().device_name, "PHANTOM 1.0");
+    EXPECT_EQ(record::RecordReader(expected[1]).header().device_toml,
+              testing::contents_of(premium().file));
+    EXPECT_EQ(record::RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
     EXPECT_NE(notes_of(expected[0]).find("exchanged"), std::string::npos);
     EXPECT_NE(notes_of(expected[1]).find("touch.rec"), std::string::npos);
     std::string remarks;
@@ -140,19 +141,19 @@ TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
     ASSERT_TRUE(run_into_contact(session));
     session.device().close(); // as if somebody had pulled its plug
     run(session, 0.05);
-    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
     const Vector3 tip_m = session.latest().tip_m;
     session.reconnect_device();
-    EXPECT_EQ(session.device().state(), DeviceState::zeroed);
+    EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
     session.advance(0.001);
     EXPECT_LT((session.latest().tip_m - tip_m).norm(), 1e-3); // where it was last known to be
     run(session, 0.1);
-    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     session.servo().reset_safety();
     run(session, 0.1);
-    EXPECT_NE(session.latest().safety.state, SafetyState::tripped)
-        << description(session.latest().safety);
+    EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped)
+        << servo::description(session.latest().safety);
     session.reconnect_device(Vector3(0.1, 0.2, 0.3)); // or where somebody says that it is
     session.advance(0.001);
     EXPECT_LT((session.latest().theta_rad - Vector3(0.1, 0.2, 0.3)).norm(), 0.05);
@@ -173,7 +174,7 @@ TEST(SessionDevice, AnotherRateGoesOnInTheSameFileAndSaysFromWhere) {
     EXPECT_NEAR(static_cast<double>(session.servo().statistics().ticks()), 2000.0, 1.0);
     EXPECT_THROW(session.set_servo_rate(7.0), InputError);
     EXPECT_EQ(session.servo().rate_hz(), 4000.0);
-    EXPECT_EQ(session.latest().safety.state, SafetyState::running);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
     session.stop();
     ASSERT_EQ(session.recording().parts().size(), 1U);
     const std::string notes = notes_of(options.record);
@@ -194,7 +195,7 @@ TEST(SessionDevice, AnotherRateDoesNotMendWhatTripped) {
     for (const double servo_hz : {500.0, 2000.0}) {
         session.set_servo_rate(servo_hz);
         run(session, 0.05);
-        EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop) << servo_hz;
+        EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop) << servo_hz;
     }
 }
 
@@ -218,4 +219,4 @@ TEST(SessionDevice, TheReportTellsWhichDeviceAndWhatStoodStill) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

@@ -1,7 +1,7 @@
 // Sessions in lockstep on the project's own scenes, for the tests of what is exchanged.
 #pragma once
 
-#include "engine/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -16,8 +16,8 @@ namespace springdrive::testing {
 
 inline constexpr double kFrame_s = 1.0 / 60.0;
 
-inline SessionOptions scripted(const std::string &scene = "plate") {
-    SessionOptions options;
+inline session::SessionOptions scripted(const std::string &scene = "plate") {
+    session::SessionOptions options;
     options.scene = assets() / "scenes" / (scene + ".gltf");
     options.device.file = assets() / "devices/phantom_1_0.toml";
     options.lockstep = true;
@@ -26,20 +26,21 @@ inline SessionOptions scripted(const std::string &scene = "plate") {
     return options;
 }
 
-inline DeviceChoice premium() {
-    DeviceChoice choice;
+inline session::DeviceChoice premium() {
+    session::DeviceChoice choice;
     choice.file = assets() / "devices/phantom_premium_1_5.toml";
     return choice;
 }
 
-inline void run(Session &session, double seconds) {
+inline void run(session::Session &session, double seconds) {
     for (int frame = 0; frame < static_cast<int>(std::round(seconds / kFrame_s)); ++frame) {
         session.advance(kFrame_s);
     }
 }
 
 /// In frames of a few ticks. False where it takes too long.
-inline bool run_until(Session &session, const std::function<bool()> &is_so, double at_most_s) {
+inline bool run_until(session::Session &session, const std::function<bool()> &is_so,
+                      double at_most_s) {
     constexpr double kShort_s = 0.004;
     for (double passed_s = 0.0; passed_s < at_most_s; passed_s += kShort_s) {
         if (is_so()) {
@@ -53,12 +54,12 @@ inline bool run_until(Session &session, const std::function<bool()> &is_so, doub
     return is_so();
 }
 
-inline bool run_into_contact(Session &session) {
+inline bool run_into_contact(session::Session &session) {
     return run_until(
         session,
         [&] {
-            const ServoSample &now = session.latest();
-            return now.contact.touching && now.safety.state == SafetyState::running &&
+            const servo::ServoSample &now = session.latest();
+            return now.contact.touching && now.safety.state == servo::SafetyState::running &&
                    now.command.e_W_V.norm() > 0.15 && !session.is_exchanging() &&
                    now.scene_id == session.scenes().id();
         },
@@ -67,16 +68,16 @@ inline bool run_into_contact(Session &session) {
 
 /// The same with a hand that is moved: it lifts the tip above whatever is shown, waits until the
 /// motors have their voltage, and presses.
-inline bool press(Session &session) {
-    const LoadedScene &scene = session.scenes().now();
+inline bool press(session::Session &session) {
+    const session::LoadedScene &scene = session.scenes().now();
     const Vector3 above_m =
-        start_above(session.description(), scene.scene.lower_m, scene.scene.upper_m);
-    HandPath path = scripted_touch(session.description(), scene.surface, scene.scene.lower_m,
-                                   scene.scene.upper_m, above_m);
+        rig::start_above(session.description(), scene.scene.lower_m, scene.scene.upper_m);
+    simulated::HandPath path = rig::scripted_touch(
+        session.description(), scene.surface, scene.scene.lower_m, scene.scene.upper_m, above_m);
     session.hand().move_to(above_m);
     const auto stands = [&] {
         return (session.latest().tip_m - above_m).norm() < 5e-3 &&
-               session.latest().safety.state == SafetyState::running;
+               session.latest().safety.state == servo::SafetyState::running;
     };
     if (!run_until(session, stands, 20.0)) {
         return false;
@@ -86,7 +87,7 @@ inline bool press(Session &session) {
 }
 
 /// Until the background loading is over, and the scene is in use.
-inline bool run_until_loaded(Session &session) {
+inline bool run_until_loaded(session::Session &session) {
     while (session.scenes().is_loading()) {
         session.advance(0.001);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -3,7 +3,7 @@
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
-#include "engine/model_choice/choice_cache.h"
+#include "engine/lab/model_selection/choice_cache.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 60.0;
@@ -71,12 +71,12 @@ TEST_F(SessionModel, AutomaticOnesTouchAndDoNotTrip) {
         Session session(options);
         ASSERT_TRUE(session.models().choice()) << name;
         EXPECT_TRUE(session.scenes().now().choice);
-        const Model model = model_of(*session.models().choice());
+        const model_selection::Model model = model_selection::model_of(*session.models().choice());
         EXPECT_EQ(session.servo().inputs().tuning.map, model.controller.map);
         EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, model.controller.alpha_mode);
         EXPECT_GT(frames_in_contact(session), 50) << name;
-        EXPECT_EQ(session.latest().safety.state, SafetyState::running)
-            << name << ": " << description(session.latest().safety);
+        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running)
+            << name << ": " << servo::description(session.latest().safety);
     }
     EXPECT_FALSE(is_empty());
 }
@@ -91,17 +91,18 @@ TEST_F(SessionModel, WhatWasMeasuredOnceIsNotMeasuredAgain) {
 
 TEST_F(SessionModel, ATunedControllerStays) {
     SessionOptions options = headless("plate.gltf");
-    options.tuning.map = MotionMap::inverse;
+    options.tuning.map = control::MotionMap::inverse;
     options.model.automatic = true;
     options.model.takes_controller = false;
     const Session session(options);
-    EXPECT_EQ(session.servo().inputs().tuning.map, MotionMap::inverse);
+    EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
 }
 
 TEST_F(SessionModel, EachPartCanBeSetByItself) {
     SessionOptions options = headless("sphere.gltf");
-    options.model.surface = ContactShape{ContactShape::Kind::simplified, 16};
-    options.model.plant = *plant_model_named("rigid_tip");
+    options.model.surface =
+        model_selection::ContactShape{model_selection::ContactShape::Kind::simplified, 16};
+    options.model.plant = *model_selection::plant_model_named("rigid_tip");
     options.model.longest_step_s = 1e-3;
     Session session(options);
     EXPECT_LE(session.scenes().now().surface.report().triangles_given, 20'480U / 16);
@@ -112,7 +113,8 @@ TEST_F(SessionModel, EachPartCanBeSetByItself) {
     EXPECT_TRUE(is_empty());
 
     SessionOptions impossible = headless("stepped_block.gltf");
-    impossible.model.surface = ContactShape{ContactShape::Kind::primitives, 1};
+    impossible.model.surface =
+        model_selection::ContactShape{model_selection::ContactShape::Kind::primitives, 1};
     EXPECT_THROW(Session{impossible}, InputError);
 }
 
@@ -138,19 +140,21 @@ TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
 /// Remembers for a scene of the project a model that nobody measured.
 void remember(const SessionOptions &options, const std::string &scene, const char *plant,
               const char *joints, const char *controller) {
-    const DeviceDescription device = read_device_file(options.device.file);
-    LoadProgress progress;
+    const device::DeviceDescription device = device::read_device_file(options.device.file);
+    scene::LoadProgress progress;
     const auto loaded = load_scene(options.scene.parent_path() / scene, device.workspace, progress);
-    ModelChoice choice;
+    model_selection::ModelChoice choice;
     choice.tolerance = loaded->scene.tolerance;
     for (const auto &[axis, name] :
          {std::pair("plant", plant), std::pair("steps", "20"), std::pair("joints", joints),
           std::pair("surface", "given"), std::pair("controller", controller)}) {
         choice.axes.push_back({axis, {{name, {}, {}}}, 0, {}});
     }
-    const std::string key = model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
-                                             testing::contents_of(options.device.file), kVersion);
-    ASSERT_TRUE(write_model_choice(model_cache_folder(), key, choice));
+    const std::string key =
+        model_selection::model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
+                                          testing::contents_of(options.device.file), kVersion);
+    ASSERT_TRUE(
+        model_selection::write_model_choice(model_selection::model_cache_folder(), key, choice));
 }
 
 /// A hand that follows the mouse, over a scene with a model that is remembered.
@@ -198,7 +202,7 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     session.start();
     run(session, 2.5); // wait and ramp
     EXPECT_TRUE(session.simulation().planar);
-    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
     const double plane_m = session.latest().tip_m.x();
     move_hand_sideways(session);
     EXPECT_EQ(session.latest().tip_m.x(), plane_m);
@@ -206,12 +210,13 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     show(session, "plate.gltf");
     EXPECT_FALSE(session.simulation().planar);
     EXPECT_TRUE(session.scenes().now().choice);
-    EXPECT_EQ(session.models().choice()->chosen(ModelAspect::plant), "electromechanical");
-    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::on_the_fly);
+    EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant),
+              "electromechanical");
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::on_the_fly);
     move_hand_sideways(session);
     EXPECT_LT(behind_m(session), kNearTheHand_m);
-    EXPECT_EQ(session.latest().safety.state, SafetyState::running)
-        << description(session.latest().safety);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running)
+        << servo::description(session.latest().safety);
 
     show(session, "profile.gltf"); // a base that moves is not seized
     EXPECT_TRUE(session.scenes().now().choice);
@@ -229,7 +234,7 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     session.measure_model();
     ASSERT_TRUE(session.models().choice());
     EXPECT_FALSE(session.scenes().now().choice);
-    EXPECT_NE(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
+    EXPECT_NE(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
 
     session.choose_models();
     while (session.scenes().is_loading()) {
@@ -238,7 +243,7 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     }
     EXPECT_EQ(session.scenes().error(), "");
     EXPECT_TRUE(session.scenes().now().choice);
-    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, AlphaMode::global);
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
     show(session, "profile.gltf"); // and from now on every scene has its own
     EXPECT_TRUE(session.scenes().now().choice);
 }
@@ -253,17 +258,17 @@ TEST_F(SessionModel, IsThatForTheGainsInForce) {
     session.servo().tune(tuned.tuning);
     session.measure_model();
     ASSERT_TRUE(session.models().choice()); // remembered for these
-    EXPECT_EQ(session.models().choice()->chosen(ModelAspect::plant), "rigid_tip");
+    EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant), "rigid_tip");
 }
 
 TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
-    Tuning tuning = session.servo().inputs().tuning;
-    tuning.map = MotionMap::inverse;
+    control::Tuning tuning = session.servo().inputs().tuning;
+    tuning.map = control::MotionMap::inverse;
     session.servo().tune(tuning);
     show(session, "plate.gltf");
-    EXPECT_EQ(session.servo().inputs().tuning.map, MotionMap::inverse);
+    EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
 }
 
 TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
@@ -284,7 +289,8 @@ TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
 
 TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
     SessionOptions options = headless("sphere.gltf");
-    options.model.surface = ContactShape{ContactShape::Kind::simplified, 16};
+    options.model.surface =
+        model_selection::ContactShape{model_selection::ContactShape::Kind::simplified, 16};
     Session session(options);
     session.start();
     show(session, "organic.gltf");
@@ -294,10 +300,10 @@ TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
 
 TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
     const Session session(headless("plate.gltf"));
-    ModelQuestion impossible;
+    model_selection::ModelQuestion impossible;
     impossible.scene = &session.scenes().now().scene;
     impossible.device = session.description();
-    impossible.delay_periods = SimulationOptions::kLongestDelay + 1;
+    impossible.delay_periods = simulated::SimulationOptions::kLongestDelay + 1;
     ModelMeasurement measurement;
     measurement.begin(impossible, {});
     while (measurement.is_running()) {
@@ -311,4 +317,4 @@ TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

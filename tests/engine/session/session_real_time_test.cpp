@@ -2,7 +2,7 @@
 // hand, the panels, the loader and the recorder do meanwhile, that thread allocates nothing, locks
 // nothing, and makes no system call but to read the clock and to sleep.
 #include "engine/control/parameters.h"
-#include "engine/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -18,7 +18,7 @@
 #include <string>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 using testing::watched;
@@ -61,7 +61,7 @@ public:
     }
 
     Session &session() { return session_; }
-    [[nodiscard]] const ServoSample &latest() const { return session_.latest(); }
+    [[nodiscard]] const servo::ServoSample &latest() const { return session_.latest(); }
 
     bool until(const std::function<bool()> &is_so) {
         return step_until(is_so, [this] { session_.advance(2e-3); });
@@ -76,10 +76,10 @@ public:
         const Vector3 above_m = path().at(0.0).position_m;
         session_.hand().move_to(above_m);
         EXPECT_TRUE(until([&] { return (latest().tip_m - above_m).norm() < 5e-3; }));
-        if (latest().safety.state == SafetyState::tripped) {
+        if (latest().safety.state == servo::SafetyState::tripped) {
             session_.servo().reset_safety();
         }
-        EXPECT_TRUE(until([&] { return latest().safety.state == SafetyState::running; }));
+        EXPECT_TRUE(until([&] { return latest().safety.state == servo::SafetyState::running; }));
     }
     void press() {
         session_.hand().move_to(path().at(2.0).position_m);
@@ -90,7 +90,7 @@ public:
     }
     /// After an attempt on its stability.
     void recover() {
-        if (latest().safety.state == SafetyState::tripped) {
+        if (latest().safety.state == servo::SafetyState::tripped) {
             stand_above();
             press();
         }
@@ -104,12 +104,12 @@ public:
     }
 
 private:
-    [[nodiscard]] HandPath path() const {
+    [[nodiscard]] simulated::HandPath path() const {
         const LoadedScene &loaded = session_.scenes().now();
         const Vector3 start_m =
-            start_above(session_.description(), loaded.scene.lower_m, loaded.scene.upper_m);
-        return scripted_touch(session_.description(), loaded.surface, loaded.scene.lower_m,
-                              loaded.scene.upper_m, start_m, {});
+            rig::start_above(session_.description(), loaded.scene.lower_m, loaded.scene.upper_m);
+        return rig::scripted_touch(session_.description(), loaded.surface, loaded.scene.lower_m,
+                                   loaded.scene.upper_m, start_m, {});
     }
 
     Session session_;
@@ -124,19 +124,21 @@ void touch_every_scene(Touch &touch) {
 }
 
 void turn_every_knob(Touch &touch) {
-    for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
-        for (const AlphaMode mode :
-             {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
-            Tuning tuning;
+    for (const control::MotionMap map :
+         {control::MotionMap::inverse, control::MotionMap::transpose}) {
+        for (const control::AlphaMode mode :
+             {control::AlphaMode::on_the_fly, control::AlphaMode::global,
+              control::AlphaMode::by_hand}) {
+            control::Tuning tuning;
             tuning.map = map;
             tuning.alpha_mode = mode;
             touch.session().servo().tune(tuning);
             touch.ticks(60);
         }
     }
-    for (const Parameter &parameter : kParameters) {
+    for (const control::Parameter &parameter : control::kParameters) {
         for (const double value : {parameter.lowest, parameter.highest}) {
-            Tuning tuning;
+            control::Tuning tuning;
             tuning.*parameter.value = value;
             touch.session().servo().tune(tuning);
             touch.ticks(100);
@@ -147,21 +149,21 @@ void turn_every_knob(Touch &touch) {
 }
 
 void lower_and_raise_every_limit(Touch &touch) {
-    for (const SafetyLimit &limit : kSafetyLimits) {
-        SafetyLimits lower = unlowered();
-        lower.*limit.value = 0.7 * limits_of(touch.session().description()).*limit.value;
+    for (const servo::SafetyLimit &limit : servo::kSafetyLimits) {
+        servo::SafetyLimits lower = servo::unlowered();
+        lower.*limit.value = 0.7 * servo::limits_of(touch.session().description()).*limit.value;
         touch.session().servo().lower_limits(lower);
         touch.ticks(40);
-        touch.session().servo().lower_limits(unlowered());
+        touch.session().servo().lower_limits(servo::unlowered());
         touch.ticks(10);
     }
     touch.recover();
 }
 
-void trip(Touch &touch, const std::function<void()> &how, TripCause cause) {
+void trip(Touch &touch, const std::function<void()> &how, servo::TripCause cause) {
     how();
     EXPECT_TRUE(touch.until([&] { return touch.latest().safety.cause == cause; }));
-    touch.session().servo().lower_limits(unlowered());
+    touch.session().servo().lower_limits(servo::unlowered());
     touch.stand_above();
     touch.press();
 }
@@ -169,11 +171,11 @@ void trip(Touch &touch, const std::function<void()> &how, TripCause cause) {
 void trip_and_reset(Touch &touch) {
     Session &session = touch.session();
     trip(
-        touch, [&] { session.servo().emergency_stop(); }, TripCause::emergency_stop);
-    SafetyLimits weak = unlowered();
+        touch, [&] { session.servo().emergency_stop(); }, servo::TripCause::emergency_stop);
+    servo::SafetyLimits weak = servo::unlowered();
     weak.tip_force_N = 0.05;
     trip(
-        touch, [&] { session.servo().lower_limits(weak); }, TripCause::tip_force);
+        touch, [&] { session.servo().lower_limits(weak); }, servo::TripCause::tip_force);
 }
 
 class RealTimeSession : public ::testing::Test {
@@ -229,4 +231,4 @@ TEST_F(RealTimeSession, AHandOnAPathAtTheFastestRateMakesItNeither) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

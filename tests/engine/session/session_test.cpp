@@ -2,8 +2,8 @@
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
-#include "engine/servo/record/file_hash.h"
-#include "engine/servo/record/record_reader.h"
+#include "base/sha256.h"
+#include "engine/record/record_reader.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-namespace springdrive {
+namespace springdrive::session {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 60.0;
@@ -55,12 +55,12 @@ int frames_in_contact(const std::filesystem::path &scene) {
     int touching = 0;
     for (int frame = 0; frame < 60; ++frame) {
         session.advance(kFrame_s);
-        const ServoSample &now = session.latest();
+        const servo::ServoSample &now = session.latest();
         touching += now.contact.touching ? 1 : 0;
         // The tip stays where a finger could have pushed it: near its proxy.
         EXPECT_LT((now.tip_m - now.contact.x0_m).norm(), 0.01) << scene;
     }
-    EXPECT_EQ(session.latest().safety.state, SafetyState::running) << scene;
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running) << scene;
     return touching;
 }
 
@@ -111,7 +111,7 @@ TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
         session.request_scene(testing::assets() / "scenes" / (std::string(name) + ".gltf"));
         wait_for_scene(session);
         run(session, 0.2);
-        EXPECT_EQ(session.latest().safety.state, SafetyState::running) << name;
+        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running) << name;
         EXPECT_LT(session.latest().tip_force_N.norm(), 6.0) << name;
     }
 }
@@ -124,18 +124,18 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
     run(session, 1.2);
     session.servo().emergency_stop();
     run(session, 0.1);
-    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
     session.servo().reset_safety();
     run(session, 1.3); // it rests above the scene: a wait, then the ramp
-    EXPECT_EQ(session.latest().safety.state, SafetyState::running);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
 }
 
 TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     SessionOptions options = headless();
     options.plays_script = false;
-    options.effects = PlantEffects::none(); // no weight, no friction
+    options.effects = simulated::PlantEffects::none(); // no weight, no friction
     Session session(options);
     session.start();
     EXPECT_FALSE(session.hand().follows_path());
@@ -145,7 +145,7 @@ TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     run(session, 2.7);
     EXPECT_LT((session.latest().tip_m - goal_m).norm(), 2e-4); // encoder counts and a soft spring
     session.hand().move_to(Vector3(5.0, 5.0, 5.0));
-    const Workspace &box = session.description().workspace;
+    const device::Workspace &box = session.description().workspace;
     EXPECT_TRUE(((session.hand().target_m() - box.centre_m).cwiseAbs().array() <=
                  0.5 * box.size_m.array() + 1e-12)
                     .all());
@@ -166,7 +166,7 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     EXPECT_EQ(session.recording().status().error, "");
     EXPECT_EQ(session.recording().status().rows, ticks);
 
-    RecordReader record(options.record);
+    record::RecordReader record(options.record);
     EXPECT_EQ(record.header().device_toml, testing::contents_of(options.device.file));
     EXPECT_EQ(record.header().scene_sha256, sha256_of_file(options.scene));
     std::uint64_t next = 0;
@@ -196,7 +196,7 @@ TEST(Session, ARecordHoldsTheDeviceThatRanWhateverBecameOfItsFile) {
     session.start_recording(folder / "after.rec");
     run(session, 0.1);
     session.stop();
-    EXPECT_EQ(RecordReader(folder / "after.rec").header().device_toml, text);
+    EXPECT_EQ(record::RecordReader(folder / "after.rec").header().device_toml, text);
     std::filesystem::remove_all(folder);
 }
 
@@ -233,7 +233,7 @@ TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
         std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s));
     }
     session.stop();
-    EXPECT_NE(session.latest().safety.state, SafetyState::tripped);
+    EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped);
     EXPECT_GT(session.servo().stood_still().seconds, 0.4 * silence_s);
     EXPECT_GT(session.servo().stood_still().longest_s, 0.4 * silence_s);
     int told = 0;
@@ -250,7 +250,7 @@ TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
     session.servo().emergency_stop();
     session.servo().reset_safety(); // before any tick has seen the stop
     session.advance(1.0 / session.servo().rate_hz());
-    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     session.stop();
 }
 
@@ -258,8 +258,8 @@ TEST(Session, LimitsAreLoweredAndNeverRaised) {
     Session session(headless());
     session.start();
     run(session, 0.1);
-    const SafetyLimits device = limits_of(session.description());
-    SafetyLimits wishes = session.servo().inputs().limits;
+    const servo::SafetyLimits device = servo::limits_of(session.description());
+    servo::SafetyLimits wishes = session.servo().inputs().limits;
     wishes.tip_force_N = 3.0;
     wishes.current_A = 100.0;
     session.servo().lower_limits(wishes);
@@ -270,4 +270,4 @@ TEST(Session, LimitsAreLoweredAndNeverRaised) {
 }
 
 } // namespace
-} // namespace springdrive
+} // namespace springdrive::session

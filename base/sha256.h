@@ -1,0 +1,40 @@
+// SHA-256: of values, to know again what was measured; of files, kept in records so that a replay
+// can tell another scene.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace springdrive {
+
+/// Over values one after the other, as their bytes lie in memory; a text with its length in front.
+class Sha256 {
+public:
+    Sha256();
+    ~Sha256();
+
+    void add(const void *bytes, std::size_t count);
+    void add(double value) { add(&value, sizeof value); }
+    void add(std::uint64_t value) { add(&value, sizeof value); }
+    void add(std::string_view text);
+    void add(const Vector3 &vector) { add(vector.data(), 3 * sizeof(double)); }
+
+    /// 64 digits, lower-case hex, as sha256sum prints it. @pre nothing is added afterwards
+    [[nodiscard]] std::string hex();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Of all bytes of a file.
+/// @throw InputError for a file that cannot be read; NotWanted as `stop_if_given_up` does
+[[nodiscard]] std::string sha256_of_file(const std::filesystem::path &file);
+
+} // namespace springdrive

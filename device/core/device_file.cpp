@@ -1,0 +1,219 @@
+#include "device/core/device_file.h"
+
+#include "base/strict_toml.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <sstream>
+
+namespace springdrive::device {
+
+namespace {
+
+// Ranges keep out slips of unit (millimetres for metres, degrees for radians, g·cm² for kg·m²)
+// and what cannot be; they are wide of every device we know.
+MotorParameters read_motor(StrictTomlTable &table) {
+    MotorParameters motor;
+    motor.resistance_Ohm = table.number("resistance_Ohm", {0.01, 1000.0});
+    motor.inductance_H = table.number("inductance_H", {1e-6, 0.1});
+    motor.torque_constant_Nm_per_A = table.number("torque_constant_Nm_per_A", {1e-4, 10.0});
+    motor.rotor_inertia_kg_m2 = table.number("rotor_inertia_kg_m2", {1e-9, 1e-2});
+    motor.supply_V = table.number("supply_V", {0.1, 100.0});
+    motor.peak_current_A = table.number("peak_current_A", {0.01, 100.0});
+    motor.resistance_rise_per_K = table.number("resistance_rise_per_K", {0.0, 0.01});
+    motor.commutation_ripple = table.number("commutation_ripple", {0.0, 0.5});
+    motor.commutator_segments = table.integer("commutator_segments", 1, 1000);
+    motor.thermal.winding_housing_K_per_W = table.number("winding_housing_K_per_W", {0.01, 1000.0});
+    motor.thermal.housing_ambient_K_per_W = table.number("housing_ambient_K_per_W", {0.01, 1000.0});
+    motor.thermal.winding_time_s = table.number("winding_time_s", {0.1, 1e4});
+    motor.thermal.motor_time_s = table.number("motor_time_s", {1.0, 1e5});
+    motor.thermal.greatest_winding_C = table.number("greatest_winding_C", {40.0, 300.0});
+    table.refuse_unknown_keys();
+    return motor;
+}
+
+PhantomGeometry read_geometry(StrictTomlTable linkage) {
+    PhantomGeometry geometry;
+    geometry.upper_arm_m = linkage.number("upper_arm_m", {0.01, 2.0});
+    geometry.forearm_m = linkage.number("forearm_m", {0.01, 2.0});
+    geometry.crank_m = linkage.number("crank_m", {0.001, 1.0});
+    geometry.transmission_ratio = linkage.vector("transmission_ratio", {0.1, 1000.0});
+    linkage.refuse_unknown_keys();
+    return geometry;
+}
+
+/// What a link's inertia refers to.
+enum class About : std::uint8_t { joint, centre };
+
+LinkBody read_body(StrictTomlTable table, About about) {
+    LinkBody body;
+    body.mass_kg = table.number("mass_kg", {1e-4, 10.0});
+    body.centre_m = table.number("centre_m", {-1.0, 1.0});
+    body.inertia_kg_m2 = table.vector("inertia_kg_m2", {1e-10, 1.0});
+    // About a joint it is no less than the mass alone would have there. (That no moment exceeds the
+    // sum of the other two is not asked: published values do not hold to it.)
+    const double least_kg_m2 =
+        about == About::joint ? body.mass_kg * body.centre_m * body.centre_m : 0.0;
+    if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < least_kg_m2) {
+        std::ostringstream problem;
+        problem << "is too small for a mass that far from the joint; its first two numbers must be "
+                   "at least mass_kg times centre_m squared, "
+                << least_kg_m2;
+        table.refuse("inertia_kg_m2", problem.str());
+    }
+    table.refuse_unknown_keys();
+    return body;
+}
+
+LinkageInertia read_inertia(StrictTomlTable table) {
+    LinkageInertia inertia;
+    inertia.base_kg_m2 = table.number("base_kg_m2", {1e-7, 1.0});
+    inertia.upper_arm = read_body(table.table("upper_arm"), About::joint);
+    inertia.crank = read_body(table.table("crank"), About::joint);
+    inertia.rod = read_body(table.table("rod"), About::centre);
+    inertia.forearm = read_body(table.table("forearm"), About::centre);
+    inertia.tip_load_kg = table.number("tip_load_kg", {0.0, 5.0});
+    table.refuse_unknown_keys();
+    return inertia;
+}
+
+JointFriction read_friction(StrictTomlTable table) {
+    JointFriction friction;
+    friction.viscous_Nms_per_rad = table.number("viscous_Nms_per_rad", {0.0, 1.0});
+    friction.coulomb_Nm = table.vector("coulomb_Nm", {0.0, 1.0});
+    table.refuse_unknown_keys();
+    return friction;
+}
+
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+
+JointLimits read_joint_limits(StrictTomlTable table) {
+    JointLimits limits;
+    limits.lowest_rad = kRadPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
+    limits.highest_rad = kRadPerDegree * table.vector("highest_deg", {0.0, 270.0});
+    limits.least_q3_minus_q2_rad =
+        kRadPerDegree * table.number("least_q3_minus_q2_deg", {-89.0, 0.0});
+    limits.greatest_q3_minus_q2_rad =
+        kRadPerDegree * table.number("greatest_q3_minus_q2_deg", {0.0, 89.0});
+    table.refuse_unknown_keys();
+    return limits;
+}
+
+WorkspaceEdge read_edge(StrictTomlTable table) {
+    WorkspaceEdge edge;
+    edge.margin_rad = kRadPerDegree * table.number("margin_deg", {0.0, 30.0});
+    edge.stiffness_Nm_per_rad = table.number("stiffness_Nm_per_rad", {0.0, 100.0});
+    edge.damping_Nms_per_rad = table.number("damping_Nms_per_rad", {0.0, 10.0});
+    table.refuse_unknown_keys();
+    return edge;
+}
+
+constexpr double kSecondsPerMillisecond = 1e-3;
+
+DeviceLimits read_limits(StrictTomlTable table) {
+    DeviceLimits limits;
+    limits.tip_force_N = table.number("tip_force_N", {0.1, 100.0});
+    limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
+    limits.beyond_stops_rad = kRadPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
+    limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
+    if (table.has("missed_deadlines")) { // an older file: at 1 kHz as many milliseconds
+        if (table.has("late_ms") || table.has("stale_ms")) {
+            table.refuse("missed_deadlines", "is what late_ms says today; leave it out");
+        }
+        limits.late_s = kSecondsPerMillisecond * table.integer("missed_deadlines", 1, 10'000);
+        limits.stale_s = 5e-3;
+    } else {
+        limits.late_s = kSecondsPerMillisecond * table.number("late_ms", {0.1, 1e4});
+        limits.stale_s = kSecondsPerMillisecond * table.number("stale_ms", {0.1, 1e4});
+    }
+    limits.window_silence_s = table.number("window_silence_s", {0.05, 60.0});
+    table.refuse_unknown_keys();
+    return limits;
+}
+
+StructuralCompliance read_structure(StrictTomlTable table) {
+    StructuralCompliance structure;
+    structure.stiffness_N_per_m = table.number("stiffness_N_per_m", {10.0, 1e7});
+    structure.damping_Ns_per_m = table.number("damping_Ns_per_m", {0.0, 1e4});
+    table.refuse_unknown_keys();
+    return structure;
+}
+
+AmplifierParameters read_amplifier(StrictTomlTable table,
+                                   const std::array<MotorParameters, 3> &motors) {
+    AmplifierParameters amplifier;
+    // R̂ may exceed R by as much as a warm winding's R does, and no more than is asked for.
+    const double excess_Ohm = table.number("greatest_excess_Ohm", {0.0, 100.0});
+    double least_resistance_Ohm = std::numeric_limits<double>::infinity();
+    for (const MotorParameters &motor : motors) {
+        least_resistance_Ohm = std::min(least_resistance_Ohm, motor.resistance_Ohm);
+    }
+    amplifier.greatest_cancelled_Ohm =
+        table.number("greatest_cancelled_Ohm", {0.0, least_resistance_Ohm + excess_Ohm});
+    amplifier.current_bandwidth_hz = table.number("current_bandwidth_hz", {1.0, 1e6});
+    table.refuse_unknown_keys();
+    return amplifier;
+}
+
+} // namespace
+
+bool can_reach(const DeviceDescription &device, const Vector3 &tip_m) {
+    const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, tip_m);
+    return q_rad && device.joint_limits.allow(*q_rad);
+}
+
+namespace {
+
+DeviceDescription read_device(StrictTomlTable file) {
+    DeviceDescription device;
+    device.name = file.text("name");
+
+    device.geometry = read_geometry(file.table("linkage"));
+    device.inertia = read_inertia(file.table("inertia"));
+    device.friction = read_friction(file.table("friction"));
+    device.joint_limits = read_joint_limits(file.table("joint_limits"));
+    device.structure = read_structure(file.table("structure"));
+
+    const int motors = file.tables("motor", 3, [&device](int index, StrictTomlTable &table) {
+        device.motor[static_cast<std::size_t>(index)] = read_motor(table);
+    });
+    if (motors == 1) {
+        device.motor.fill(device.motor.front());
+    }
+    device.amplifier = read_amplifier(file.table("amplifier"), device.motor);
+
+    StrictTomlTable encoder = file.table("encoder");
+    device.encoder_counts_per_turn = encoder.integer("counts_per_turn", 4, 100'000);
+    encoder.refuse_unknown_keys();
+
+    StrictTomlTable workspace = file.table("workspace");
+    device.workspace.centre_m = workspace.vector("centre_m", {-2.0, 2.0});
+    device.workspace.size_m = workspace.vector("size_m", {0.01, 2.0});
+    if (!can_reach(device, device.workspace.centre_m)) {
+        workspace.refuse("centre_m", "is out of reach; it must be a point that the tip can be at, "
+                                     "within linkage and joint_limits");
+    }
+    workspace.refuse_unknown_keys();
+
+    device.edge = read_edge(file.table("edge"));
+    device.limits = read_limits(file.table("limits"));
+
+    file.refuse_unknown_keys();
+    return device;
+}
+
+} // namespace
+
+DeviceDescription read_device_file(const std::filesystem::path &path) {
+    return read_device(StrictTomlTable::read(path));
+}
+
+DeviceDescription read_device_text(const std::string &text, const std::filesystem::path &path) {
+    return read_device(StrictTomlTable::parse(text, path));
+}
+
+} // namespace springdrive::device

@@ -1,0 +1,100 @@
+// What a haptic device is, as read from assets/devices/*.toml: data live there, not in code.
+#pragma once
+
+#include "base/vector.h"
+#include "device/core/motor/motor.h"
+#include "device/core/phantom/geometry.h"
+
+#include <array>
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+namespace springdrive::device {
+
+/// A box in which the device moves comfortably; scenes are fitted into it.
+struct Workspace {
+    Vector3 centre_m{Vector3::Zero()};
+    Vector3 size_m{Vector3::Zero()};
+};
+
+/// What the safety monitor holds to, beside the motors' own limits. No panel or option raises
+/// these.
+struct DeviceLimits {
+    double tip_force_N = 0.0; ///< rendered
+    double tip_speed_m_per_s = 0.0;
+    double beyond_stops_rad = 0.0;   ///< how far stops may give: more is a mistaken encoder
+    double generated_energy_J = 0.0; ///< what the hand may get beyond what it had put in
+    double late_s = 0.0;             ///< that deadlines missed in a row may add up to
+    double stale_s = 0.0;            ///< how long nothing new may be measured
+    double window_silence_s = 0.0;   ///< how long the window may give no sign of life
+};
+
+/// A soft wall before the joints' stops: a spring and a damper at each joint.
+struct WorkspaceEdge {
+    double margin_rad = 0.0; ///< how far before a stop it begins
+    double stiffness_Nm_per_rad = 0.0;
+    double damping_Nms_per_rad = 0.0;
+};
+
+/// Friction of joints and transmission, at each joint.
+struct JointFriction {
+    double viscous_Nms_per_rad = 0.0;
+    Vector3 coulomb_Nm{Vector3::Zero()}; ///< the same at rest and in motion
+};
+
+/// How far the joints turn before they meet their stops.
+struct JointLimits {
+    Vector3 lowest_rad{Vector3::Zero()};
+    Vector3 highest_rad{Vector3::Zero()};
+    double least_q3_minus_q2_rad = 0.0; ///< the links fold no further
+    double greatest_q3_minus_q2_rad = 0.0;
+
+    [[nodiscard]] bool allow(const Vector3 &q_rad) const {
+        const double fold_rad = q_rad[2] - q_rad[1];
+        return (q_rad.array() >= lowest_rad.array()).all() &&
+               (q_rad.array() <= highest_rad.array()).all() && fold_rad >= least_q3_minus_q2_rad &&
+               fold_rad <= greatest_q3_minus_q2_rad;
+    }
+};
+
+/// What bends between transmission and tip.
+struct StructuralCompliance {
+    double stiffness_N_per_m = 0.0;
+    double damping_Ns_per_m = 0.0;
+};
+
+struct DeviceDescription {
+    std::string name;
+    PhantomGeometry geometry;
+    LinkageInertia inertia;
+    JointFriction friction;
+    JointLimits joint_limits;
+    StructuralCompliance structure;
+    std::array<MotorParameters, 3> motor;
+    AmplifierParameters amplifier;
+    int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4
+    Workspace workspace;
+    WorkspaceEdge edge;
+    DeviceLimits limits;
+
+    /// One encoder count, in motor angle.
+    [[nodiscard]] double rad_per_count() const {
+        return 2.0 * std::numbers::pi / encoder_counts_per_turn;
+    }
+};
+
+/// Whether the tip can be at `tip_m`: within reach and within the joint limits. RT-safe.
+[[nodiscard]] bool can_reach(const DeviceDescription &device, const Vector3 &tip_m);
+
+/// Reads a device file.
+/// @throw InputError naming the file, the line, the key, the value and its allowed range: for a
+///        file that cannot be read or parsed, a missing or unknown key, a value of the wrong type,
+///        not finite or out of range.
+[[nodiscard]] DeviceDescription read_device_file(const std::filesystem::path &path);
+
+/// The same of a device file's text, from a record say; complaints name it as `path`.
+[[nodiscard]] DeviceDescription read_device_text(const std::string &text,
+                                                 const std::filesystem::path &path);
+
+} // namespace springdrive::device

@@ -1,0 +1,16 @@
+// The hand that holds the tip.
+#pragma once
+
+namespace springdrive::device {
+
+/// A hand that holds the tip: a mass on it, drawn to a moving target by a spring and a damper.
+/// The defaults are a relaxed pen grip, of the order that the literature on grips gives.
+struct HandParameters {
+    double mass_kg = 0.1;
+    double damping_Ns_per_m = 6.0;
+    double stiffness_N_per_m = 300.0;
+    double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
+    double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
+};
+
+} // namespace springdrive::device

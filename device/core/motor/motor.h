@@ -1,0 +1,79 @@
+// A brushed DC motor behind a spring-drive amplifier: equations (1)–(8), (11) of the paper.
+#pragma once
+
+#include <algorithm>
+
+namespace springdrive::device {
+
+/// How a motor sheds its heat: winding to housing to air, as data sheets give it.
+struct ThermalParameters {
+    double winding_housing_K_per_W = 0.0;
+    double housing_ambient_K_per_W = 0.0;
+    double winding_time_s = 0.0; ///< time constant of the winding against its housing
+    double motor_time_s = 0.0;   ///< time constant of the housing against the air
+    double greatest_winding_C = 0.0;
+};
+
+/// Data sheet of one motor and the limits of its amplifier. The values come from a device file.
+struct MotorParameters {
+    double resistance_Ohm = 0.0;           ///< R, winding resistance at 25 °C
+    double inductance_H = 0.0;             ///< L
+    double torque_constant_Nm_per_A = 0.0; ///< k_T, also in V·s/rad
+    double rotor_inertia_kg_m2 = 0.0;
+    double supply_V = 0.0;              ///< largest |e_W| that the amplifier passes on
+    double peak_current_A = 0.0;        ///< stall current; the safety monitor trips above it
+    double resistance_rise_per_K = 0.0; ///< of R(T), relative to R at 25 °C
+    double commutation_ripple = 0.0;    ///< of R(θ): amplitude as a share of R
+    int commutator_segments = 0;        ///< ripples per turn
+    ThermalParameters thermal;
+};
+
+/// What the amplifiers can be set to, one for each motor, all alike.
+struct AmplifierParameters {
+    double greatest_cancelled_Ohm = 0.0; ///< the largest R̂ of (6) that can be set
+    double current_bandwidth_hz = 0.0;   ///< of the current drive that stands for comparison
+};
+
+/// The least share of R that an amplifier leaves: never a net resistance of zero or less (7).
+inline constexpr double kLeastResidualShare = 0.005;
+
+/// dR that results when `dR_Ohm` is asked for: R̂ = R − dR can be neither negative nor nearer to R
+/// than kLeastResidualShare.
+[[nodiscard]] constexpr double residual_resistance_Ohm(const MotorParameters &motor,
+                                                       double dR_Ohm) {
+    return std::clamp(dR_Ohm, kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm);
+}
+
+/// K_L = k_T²/L (4) [N·m/rad]: the inductance seen as a spring; also K_HF (14).
+[[nodiscard]] constexpr double inductive_stiffness_Nm_per_rad(const MotorParameters &motor) {
+    return motor.torque_constant_Nm_per_A * motor.torque_constant_Nm_per_A / motor.inductance_H;
+}
+
+/// B_dR = k_T²/dR (8) [N·m·s/rad]: the residual resistance seen as a damper in series with K_L.
+/// With R in place of dR it is B_R of (5).
+[[nodiscard]] constexpr double series_damping_Nms_per_rad(const MotorParameters &motor,
+                                                          double resistance_Ohm) {
+    return motor.torque_constant_Nm_per_A * motor.torque_constant_Nm_per_A / resistance_Ohm;
+}
+
+/// What a winding does over a time h while e_W and the rotor's velocity stand still.
+///
+/// With (6) in (1) the winding obeys (11), L di/dt = e_W − dR i − k_T θ̇, so with the net voltage
+/// u = e_W − k_T θ̇ held constant, and z = dR h/L,
+///
+///   i(h)    = e^(−z) i(0) + (h/L) φ₁(−z) u
+///   mean i  = φ₁(−z) i(0) + (h/L) φ₂(−z) u       φ₁(x) = (eˣ − 1)/x,  φ₂(x) = (φ₁(x) − 1)/x
+///
+/// Exact for every dR, zero and negative ones too: an over-cancelled winding then grows as it
+/// really would.
+struct WindingStep {
+    double decay = 1.0;             ///< e^(−z)
+    double gain_A_per_V = 0.0;      ///< i(h) per volt of u
+    double mean_decay = 1.0;        ///< mean of i over the step, per ampere of i(0)
+    double mean_gain_A_per_V = 0.0; ///< mean of i over the step, per volt of u
+};
+
+[[nodiscard]] WindingStep winding_step(const MotorParameters &motor, double residual_resistance_Ohm,
+                                       double step_s);
+
+} // namespace springdrive::device

@@ -1,0 +1,58 @@
+// How warm a motor gets: the two-body thermal network of data sheets, winding to housing to air,
+// and what follows for its resistance R(T, θ) of (7).
+//
+//   C_w dT_w/dt = P − (T_w − T_h)/R_wh                     C_w = t_w / R_wh
+//   C_h dT_h/dt = (T_w − T_h)/R_wh − (T_h − T_a)/R_ha      C_h = t_m / R_ha
+//
+// with t_w, t_m the two time constants of the data sheet. Linear, so each update takes it exactly
+// (matrix exponential) for a power that stands still over the update.
+#pragma once
+
+#include "device/core/motor/motor.h"
+
+namespace springdrive::device {
+
+/// Where data sheets state R.
+inline constexpr double kReferenceTemperature_C = 25.0;
+
+/// R(T, θ) = R [1 + ρ (T − 25 °C)] [1 + c cos(s θ)] (7): copper's rise and the commutator's ripple
+/// of amplitude c with s segments. RT-safe.
+[[nodiscard]] double winding_resistance_Ohm(const MotorParameters &motor, double winding_C,
+                                            double theta_rad);
+
+/// The least that R(T, θ) can be at any angle, for a winding of at least `winding_C`. RT-safe.
+[[nodiscard]] double least_resistance_Ohm(const MotorParameters &motor, double winding_C);
+
+/// The greatest that R(T, θ) can be at any angle, for a winding of at most `winding_C`. RT-safe.
+[[nodiscard]] double greatest_resistance_Ohm(const MotorParameters &motor, double winding_C);
+
+/// Winding and housing of one motor. RT-safe after construction.
+class WindingTemperature {
+public:
+    /// Winding and housing start as warm as the air.
+    /// @param period_s  how long each `update` lasts
+    WindingTemperature(const ThermalParameters &thermal, double ambient_C, double period_s);
+
+    /// Each `update` lasts so long from now on; temperatures stay. RT-safe.
+    void set_period(double period_s) noexcept;
+
+    /// One period with `heat_W` in the winding, which is R i².
+    void update(double heat_W) noexcept;
+
+    [[nodiscard]] double winding_C() const { return winding_C_; }
+    [[nodiscard]] double housing_C() const { return housing_C_; }
+
+private:
+    ThermalParameters thermal_;
+    double ambient_C_;
+    double winding_C_;
+    double housing_C_;
+    double winding_from_winding_ = 1.0; ///< the network's exponential over a period, row by row
+    double winding_from_housing_ = 0.0;
+    double housing_from_winding_ = 0.0;
+    double housing_from_housing_ = 1.0;
+    double winding_K_per_W_ = 0.0; ///< what a watt throughout the period adds
+    double housing_K_per_W_ = 0.0;
+};
+
+} // namespace springdrive::device

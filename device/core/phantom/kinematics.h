@@ -1,0 +1,67 @@
+// Kinematics of the PHANTOM's parallel linkage (DESIGN section 5) and its motor-space Jacobian.
+//
+// All angles zero: upper arm level towards the user, forearm hanging down. q₂ and q₃ are both
+// measured from the base, so the links are square to each other at q₂ = q₃ and aligned, which is
+// singular, at q₂ − q₃ = ±90°. The base joint is singular where the reach r is zero.
+//
+//   r = l₁ cos q₂ + l₂ sin q₃
+//   x = r sin q₁      y = l₂ − l₂ cos q₃ + l₁ sin q₂      z = r cos q₁ − l₁
+//
+// Pure functions over values. RT-safe: no allocation, lock, I/O or throw.
+#pragma once
+
+#include "base/vector.h"
+#include "device/core/phantom/geometry.h"
+
+#include <optional>
+
+namespace springdrive::device {
+
+/// Tip position x = fk(q) [m] at joint angles q [rad], device frame.
+[[nodiscard]] Vector3 tip_position_m(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
+/// ∂x/∂q [m/rad], one column per joint.
+[[nodiscard]] Matrix3 joint_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
+/// Both of them.
+struct TipPlace {
+    Vector3 tip_m{Vector3::Zero()};
+    Matrix3 jacobian_m_per_rad{Matrix3::Zero()};
+};
+[[nodiscard]] TipPlace tip_place(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
+/// J = ∂x/∂θ = (∂x/∂q) N⁻¹ [m/rad], one column per motor: the Jacobian of DESIGN section 2.
+[[nodiscard]] Matrix3 motor_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
+/// d/dt of `joint_jacobian` [m/(rad·s)] while the joints turn at `q_rate_rad_per_s`.
+[[nodiscard]] Matrix3 joint_jacobian_rate(const PhantomGeometry &geometry, const Vector3 &q_rad,
+                                          const Vector3 &q_rate_rad_per_s);
+
+/// q = invkin(x) of (18) on the branch of the zero pose: r ≥ 0 and |q₂ − q₃| ≤ 90° [rad].
+/// Nothing where `tip_m` is out of reach or not finite. On the base axis (r = 0), where q₁ is
+/// free, q₁ = 0.
+[[nodiscard]] std::optional<Vector3> joint_angles_rad(const PhantomGeometry &geometry,
+                                                      const Vector3 &tip_m);
+
+[[nodiscard]] inline Vector3 joint_from_motor(const PhantomGeometry &geometry,
+                                              const Vector3 &theta_rad) {
+    return theta_rad.cwiseQuotient(geometry.transmission_ratio);
+}
+[[nodiscard]] inline Vector3 motor_from_joint(const PhantomGeometry &geometry,
+                                              const Vector3 &q_rad) {
+    return q_rad.cwiseProduct(geometry.transmission_ratio);
+}
+
+/// The joints of the linkage in space, for drawing it [m, device frame]. Crank and rod turn the
+/// forearm in parallel to the upper arm.
+struct LinkagePose {
+    Vector3 base_m;     ///< the motors' axis, l₁ behind and l₂ above the zero pose's tip
+    Vector3 elbow_m;    ///< end of the upper arm
+    Vector3 tip_m;      ///< end of the forearm
+    Vector3 crank_m;    ///< end of the crank that q₃ turns about the base
+    Vector3 coupling_m; ///< where the rod from the crank meets the forearm
+};
+
+[[nodiscard]] LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad);
+
+} // namespace springdrive::device

@@ -1,0 +1,155 @@
+// What a search holds against the boxes of a node: a motion or a ball, in floats, arranged so that
+// round-off never loses a box that the exact motion or ball would meet.
+//
+// Why that holds: walls are exact floats. Each difference "wall minus centre of the search" starts
+// from a centre moved outwards in double by more than its conversion to float can round, so that
+// the exact difference errs to the safe side. All that follows are products, differences and sums
+// of terms of one sign, each right to 2^-24 of itself; kSlack is larger than all of these together
+// and applied in the safe direction.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/bvh/box_node.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+
+namespace springdrive::contact {
+
+/// Eight roundings of a float, of which a test makes at most six.
+inline constexpr float kSlack = 0x1p-21F;
+
+/// Nothing is nearer than this [m]: far below any size, far above where floats lose digits.
+inline constexpr float kNothing_m = 1e-30F;
+
+/// How far to move `centre_m ± reach_m` outwards before its conversion to float [m].
+[[nodiscard]] inline double conversion_margin_m(double centre_m, double reach_m) noexcept {
+    return 0x1p-23 * (std::abs(centre_m) + reach_m) + 2.0 * kNothing_m;
+}
+
+/// A straight motion of something round, along one axis.
+class AxisMotion {
+public:
+    AxisMotion(std::size_t axis, double from_m, double to_m, double reach_m) noexcept {
+        const auto length_m = static_cast<float>(to_m - from_m);
+        // A motion shorter than nothing crosses a box all the way or not at all, and so does the
+        // one that takes its place; but its inverse is finite: no zero times infinity.
+        const float rate_per_m = 1.0F / (std::abs(length_m) < kNothing_m ? kNothing_m : length_m);
+        near_rate_per_m_ = all_lanes(rate_per_m * (1.0F - kSlack));
+        far_rate_per_m_ = all_lanes(rate_per_m * (1.0F + kSlack));
+        // Without a branch: motions go either way.
+        const std::size_t falls = std::bit_cast<std::uint32_t>(rate_per_m) >> 31U;
+        near_wall_ = axis + 3 * falls;
+        far_wall_ = axis + 3 - 3 * falls;
+        const double outwards_m =
+            std::copysign(reach_m + conversion_margin_m(from_m, reach_m), double{rate_per_m});
+        near_from_m_ = all_lanes(static_cast<float>(from_m + outwards_m));
+        far_from_m_ = all_lanes(static_cast<float>(from_m - outwards_m));
+    }
+
+    /// The fraction of the motion at which it comes to four boxes, and at which it leaves them.
+    [[nodiscard]] Float4 enters(const BoxNode &node, std::size_t four) const noexcept {
+        return (node.walls_m[near_wall_][four] - near_from_m_) * near_rate_per_m_;
+    }
+    [[nodiscard]] Float4 leaves(const BoxNode &node, std::size_t four) const noexcept {
+        return (node.walls_m[far_wall_][four] - far_from_m_) * far_rate_per_m_;
+    }
+
+private:
+    std::size_t near_wall_; ///< of BoxNode::walls_m: which it comes to first
+    std::size_t far_wall_;
+    Float4 near_from_m_;
+    Float4 far_from_m_;
+    Float4 near_rate_per_m_;
+    Float4 far_rate_per_m_;
+};
+
+/// A straight motion of something round.
+class MotionProbe {
+public:
+    MotionProbe(const Vector3 &from_m, const Vector3 &to_m, double reach_m) noexcept
+        : x_(0, from_m.x(), to_m.x(), reach_m), y_(1, from_m.y(), to_m.y(), reach_m),
+          z_(2, from_m.z(), to_m.z(), reach_m) {}
+
+    /// Which boxes the motion enters no later than `last_fraction`, as bits; `entries` are the
+    /// fractions at which it does, never later than in truth.
+    [[nodiscard]] unsigned enters(const BoxNode &node, float last_fraction,
+                                  BoxLanes &entries) const noexcept {
+        const auto test = [&](std::size_t four) {
+            entries[four] = larger(larger(x_.enters(node, four), y_.enters(node, four)),
+                                   larger(z_.enters(node, four), all_lanes(0.0F)));
+            const Float4 leave = smaller(smaller(x_.leaves(node, four), y_.leaves(node, four)),
+                                         smaller(all_lanes(last_fraction), z_.leaves(node, four)));
+            return lane_bits(entries[four] <= leave);
+        };
+        const unsigned hits = test(0) | test(1) << 4U;
+        return hits;
+    }
+
+private:
+    AxisMotion x_;
+    AxisMotion y_;
+    AxisMotion z_;
+};
+
+/// All that is near a point, along one axis.
+class AxisBall {
+public:
+    explicit AxisBall(double centre_m) noexcept
+        : above_m_(all_lanes(static_cast<float>(centre_m + conversion_margin_m(centre_m, 0.0)))),
+          below_m_(all_lanes(static_cast<float>(centre_m - conversion_margin_m(centre_m, 0.0)))) {}
+
+    /// How far the centre is beyond the lower and the upper walls of four boxes, squared [m²].
+    [[nodiscard]] Float4 squared_distances(Float4 lower_m, Float4 upper_m) const noexcept {
+        const Float4 outside_m =
+            larger(larger(lower_m - above_m_, below_m_ - upper_m), all_lanes(0.0F));
+        return outside_m * outside_m;
+    }
+
+private:
+    Float4 above_m_;
+    Float4 below_m_;
+};
+
+class BallProbe {
+public:
+    explicit BallProbe(const Vector3 &centre_m) noexcept
+        : x_(centre_m.x()), y_(centre_m.y()), z_(centre_m.z()) {}
+
+    /// For comparison with squared distances in float [m²]; finite, as the distance to an empty
+    /// lane is not.
+    [[nodiscard]] static float limit(double squared_radius_m2) noexcept {
+        constexpr double kTraceMore = 1.0 + double{kSlack};
+        return static_cast<float>(std::min(squared_radius_m2 * kTraceMore + 1e-37, 1e38));
+    }
+
+    /// What a squared distance is in truth, or a trace less [m²].
+    [[nodiscard]] static double at_least_m2(float squared_distance_m2) noexcept {
+        return double{squared_distance_m2} * (1.0 - double{kSlack});
+    }
+
+    /// Which boxes are no farther than `limit`, as bits, and how far they are [m²], but for
+    /// round-off.
+    [[nodiscard]] unsigned reaches(const BoxNode &node, float limit,
+                                   BoxLanes &squared_distances) const noexcept {
+        const auto test = [&](std::size_t four) {
+            squared_distances[four] =
+                x_.squared_distances(node.walls_m[0][four], node.walls_m[3][four]) +
+                y_.squared_distances(node.walls_m[1][four], node.walls_m[4][four]) +
+                z_.squared_distances(node.walls_m[2][four], node.walls_m[5][four]);
+            return lane_bits(squared_distances[four] <= all_lanes(limit));
+        };
+        const unsigned hits = test(0) | test(1) << 4U;
+        return hits;
+    }
+
+private:
+    AxisBall x_;
+    AxisBall y_;
+    AxisBall z_;
+};
+
+} // namespace springdrive::contact

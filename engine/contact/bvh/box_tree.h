@@ -1,0 +1,156 @@
+// Finds, among millions of boxes, the few that a motion enters or that lie near a point. Knows
+// nothing of what is in the boxes.
+//
+//   node ┬ box ─► item          Each node holds up to eight boxes, with an item or another node in
+//        ├ box ─► item          each. Nodes and items are numbered in the order in which a walk
+//        ├ box ─► node ┬ ...    through the whole tree comes to them, so neighbours in space are
+//        └ (empty)     └ ...    neighbours in memory.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/bvh/box_node.h"
+#include "engine/contact/bvh/box_probes.h"
+#include "engine/contact/bvh/box_tree_build.h"
+#include "engine/contact/bvh/box_waiting.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace springdrive::contact {
+
+/// How much a search may still look at: what bounds its time by construction. A node brings no
+/// more than eight items.
+struct SearchBudget {
+    int nodes_left = 0;
+};
+
+/// Built once, then only read, from any thread.
+class BoxTree {
+public:
+    BoxTree() = default;
+
+    /// Builds in `threads` threads, at least one: the same tree for any number of them.
+    /// @pre boxes are finite and not empty [m]; fewer than 2^30 (asserted)
+    explicit BoxTree(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads);
+
+    /// Items are numbered in the order of the tree: item i is boxes[order()[i]].
+    [[nodiscard]] const std::vector<std::uint32_t> &order() const noexcept { return layout_.order; }
+
+    /// Hands `order()` over: nothing here needs it.
+    [[nodiscard]] std::vector<std::uint32_t> take_order() noexcept {
+        return std::move(layout_.order);
+    }
+
+    /// Memory that the tree holds [bytes].
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
+    /// Visits the items whose boxes, grown by `reach_m` on all sides, the motion enters; what it
+    /// enters first mostly comes first. Round-off may add a visit, but never loses one. RT-safe.
+    ///
+    /// @param visit  (std::uint32_t item, double last_fraction) -> double: the fraction of the
+    ///               motion that is still of interest, no more than `last_fraction`
+    /// @return the fraction up to which the motion was searched: 1 or what `visit` left; if the
+    ///         budget ran out, no more than where the first node not searched begins
+    template <typename Visit>
+    double along(const Vector3 &from_m, const Vector3 &to_m, double reach_m, SearchBudget &budget,
+                 Visit &&visit) const noexcept;
+
+    /// Visits the items whose boxes come within `radius_m` of `centre_m`, in no promised order.
+    /// Round-off may add a visit, but never loses one. RT-safe.
+    ///
+    /// @param visit  (std::uint32_t item, double squared_distance_m2) -> double: the squared radius
+    ///               that is still of interest [m²], no more than before. The distance is that to
+    ///               the box, or a trace less.
+    /// @return whether all was searched: false if the budget ran out
+    template <typename Visit>
+    bool within(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
+                Visit &&visit) const noexcept;
+
+private:
+    BoxTreeLayout layout_;
+};
+
+template <typename Visit>
+double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
+                      SearchBudget &budget, Visit &&visit) const noexcept {
+    if (layout_.nodes.empty()) {
+        return 1.0;
+    }
+    const MotionProbe motion(from_m, to_m, reach_m);
+    WaitingBoxes::Storage storage;
+    WaitingBoxes waiting(storage);
+    WaitingBox next(0.0F, BoxChild::node(0));
+    double last_fraction = 1.0;
+    float limit = 1.0F; // the same, changed by a branch that nodes need not wait for
+    do {
+        while (!next.child().is_item()) {
+            if (budget.nodes_left <= 0) {
+                return std::min(last_fraction, waiting.nearest(next));
+            }
+            --budget.nodes_left;
+            const BoxNode &node = layout_.nodes[next.child().index()];
+            __builtin_prefetch(node.children.data());
+            BoxLanes entries;
+            const LaneSet hits(motion.enters(node, limit, entries));
+            if (hits.empty()) {
+                break;
+            }
+            next = waiting.push_all_but_nearest(node, entries, hits);
+        }
+        if (next.child().is_item()) {
+            const double left = visit(next.child().index(), last_fraction);
+            if (left < last_fraction) {
+                last_fraction = left;
+                limit = static_cast<float>(left);
+            }
+        }
+    } while (waiting.pop(next, limit));
+    return last_fraction;
+}
+
+template <typename Visit>
+bool BoxTree::within(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
+                     Visit &&visit) const noexcept {
+    if (layout_.nodes.empty() || !(radius_m >= 0.0)) {
+        return true;
+    }
+    const BallProbe ball(centre_m);
+    float limit = BallProbe::limit(radius_m * radius_m);
+    WaitingBoxes::Storage storage;
+    WaitingBoxes waiting(storage);
+    WaitingBox next(0.0F, BoxChild::node(0));
+    do {
+        if (budget.nodes_left <= 0) {
+            return false;
+        }
+        --budget.nodes_left;
+        const BoxNode &node = layout_.nodes[next.child().index()];
+        __builtin_prefetch(node.children.data());
+        BoxLanes distances;
+        const unsigned hits = ball.reaches(node, limit, distances);
+        const unsigned items = hits & node.items();
+        for (LaneSet lanes(hits ^ items); !lanes.empty();) {
+            const std::size_t lane = lanes.take();
+            waiting.push(WaitingBox(lane_value(distances, lane), node.children[lane]));
+        }
+        for (LaneSet lanes(items); !lanes.empty();) {
+            const std::size_t lane = lanes.take();
+            const float distance_m2 = lane_value(distances, lane);
+            if (distance_m2 <= limit) {
+                const double left_m2 =
+                    visit(node.children[lane].index(), BallProbe::at_least_m2(distance_m2));
+                limit = std::min(limit, BallProbe::limit(left_m2));
+            }
+        }
+    } while (waiting.pop(next, limit));
+    return true;
+}
+
+} // namespace springdrive::contact

@@ -1,0 +1,30 @@
+// Closes narrow cracks: vertices along open edges that were meant to be one, but were rounded,
+// computed or converted apart.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/mesh/edge_table.h"
+#include "engine/contact/mesh/mesh_triangle.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace springdrive::contact {
+
+struct ClosedCracks {
+    std::vector<std::uint32_t> stands_for; ///< for each vertex the one that takes its place
+    std::size_t moved_vertices = 0;
+    double largest_move_m = 0.0;
+};
+
+/// Welds ends of open edges that lie within the tolerance of each other, the nearest first. No
+/// vertex moves by more than the tolerance. Two corners of one triangle are never welded, nor what
+/// would make them meet: however fine a mesh, no triangle collapses.
+/// @param edges those of `triangles`
+/// @pre tolerance_m > 0
+[[nodiscard]] ClosedCracks close_cracks(const std::vector<MeshTriangle> &triangles,
+                                        const EdgeTable &edges,
+                                        const std::vector<Vector3> &vertices_m, double tolerance_m);
+
+} // namespace springdrive::contact

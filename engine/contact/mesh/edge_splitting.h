@@ -1,0 +1,28 @@
+// Closes T-junctions: where one triangle's side runs along several sides of others, whose vertices
+// lie on it only up to round-off.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/mesh/edge_table.h"
+#include "engine/contact/mesh/mesh_triangle.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace springdrive::contact {
+
+struct SplitEdges {
+    std::size_t split_triangles = 0;
+    double largest_move_m = 0.0; ///< of a point of an edge
+};
+
+/// Leads open edges through the ends of other open edges that lie within the tolerance of their
+/// middle parts, and divides their triangles accordingly. The pieces go to the end of `triangles`,
+/// but for one that takes the place of the whole, and keep its index in the soup.
+/// @param edges those of `triangles`; no longer true if anything was split
+/// @pre tolerance_m > 0
+[[nodiscard]] SplitEdges split_edges(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
+                                     const std::vector<Vector3> &vertices_m, double tolerance_m,
+                                     unsigned threads);
+
+} // namespace springdrive::contact

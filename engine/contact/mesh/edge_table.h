@@ -1,0 +1,93 @@
+// The edges of a mesh, and who uses them.
+#pragma once
+
+#include "engine/contact/mesh/mesh_triangle.h"
+
+#include "base/wanted.h"
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace springdrive::contact {
+
+/// One side of one triangle. Orders by the edge's upper vertex, then by triangle.
+class EdgeUse {
+public:
+    EdgeUse() = default;
+    EdgeUse(std::uint32_t upper, std::uint32_t triangle, std::uint32_t side, bool is_forward)
+        : packed_(std::uint64_t{upper} << 32 | std::uint64_t{triangle} << 3 |
+                  std::uint64_t{side} << 1 | std::uint64_t{is_forward}) {}
+
+    [[nodiscard]] std::uint32_t upper() const { return static_cast<std::uint32_t>(packed_ >> 32); }
+    [[nodiscard]] std::uint32_t triangle() const {
+        return static_cast<std::uint32_t>(packed_) >> 3;
+    }
+    /// Which corner of the triangle it starts from: 0, 1 or 2.
+    [[nodiscard]] std::uint32_t side() const {
+        return static_cast<std::uint32_t>(packed_) >> 1 & 3U;
+    }
+    /// Whether the triangle runs along it from the lower vertex to the upper.
+    [[nodiscard]] bool is_forward() const { return (packed_ & 1U) != 0; }
+
+    friend bool operator<(const EdgeUse &a, const EdgeUse &b) { return a.packed_ < b.packed_; }
+
+private:
+    std::uint64_t packed_ = 0;
+};
+
+/// The uses of one edge, at least one.
+struct Edge {
+    std::uint32_t lower = 0; ///< vertex
+    std::span<const EdgeUse> uses;
+
+    [[nodiscard]] std::uint32_t upper() const { return uses.front().upper(); }
+    [[nodiscard]] bool is_open() const { return uses.size() == 1; }
+    [[nodiscard]] bool is_manifold() const { return uses.size() == 2; }
+
+    /// Manifold, but its two triangles do not agree which side is out.
+    [[nodiscard]] bool is_run_twice_the_same_way() const {
+        return is_manifold() && uses[0].is_forward() == uses[1].is_forward();
+    }
+};
+
+/// All edges of a mesh, ordered by their lower, then by their upper vertex.
+class EdgeTable {
+public:
+    /// @pre at most kMostTriangles, of vertices below `vertices`, each of three different ones
+    EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t vertices, unsigned threads);
+
+    [[nodiscard]] std::size_t vertices() const { return first_use_.size() - 1; }
+
+    /// The uses of the edge between two vertices, none if there is no such edge.
+    [[nodiscard]] std::span<const EdgeUse> uses_of(std::uint32_t a, std::uint32_t b) const;
+
+    /// Calls `visit(edge)` for every edge whose lower vertex is in the range.
+    template <typename Visit>
+    void for_each(std::size_t first_vertex, std::size_t last_vertex, Visit visit) const {
+        for (std::size_t vertex = first_vertex; vertex < last_vertex; ++vertex) {
+            stop_if_given_up(vertex);
+            const EdgeUse *use = uses_.data() + first_use_[vertex];
+            const EdgeUse *const end = uses_.data() + first_use_[vertex + 1];
+            while (use != end) {
+                const EdgeUse *last = use + 1;
+                while (last != end && last->upper() == use->upper()) {
+                    ++last;
+                }
+                visit(Edge{static_cast<std::uint32_t>(vertex), {use, last}});
+                use = last;
+            }
+        }
+    }
+
+    template <typename Visit> void for_each(Visit visit) const { for_each(0, vertices(), visit); }
+
+private:
+    std::vector<std::uint32_t> first_use_; ///< of each lower vertex, and the end
+    std::vector<EdgeUse> uses_;
+};
+
+[[nodiscard]] std::size_t count_open(const EdgeTable &edges);
+
+} // namespace springdrive::contact

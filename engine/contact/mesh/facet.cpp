@@ -1,0 +1,157 @@
+#include "engine/contact/mesh/facet.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <cstddef>
+
+namespace springdrive::contact {
+
+namespace {
+
+/// Of the three corners the pair of edges that meet at the widest angle gives the normal with the
+/// least cancellation: those that do not include the longest edge.
+[[nodiscard]] Vector3 area_vector(const std::array<Vector3, 3> &corners_m) noexcept {
+    std::size_t apex = 0;
+    double longest = -1.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double opposite = (corners_m[(i + 2) % 3] - corners_m[(i + 1) % 3]).squaredNorm();
+        if (opposite > longest) {
+            longest = opposite;
+            apex = i;
+        }
+    }
+    const Vector3 to_next = corners_m[(apex + 1) % 3] - corners_m[apex];
+    const Vector3 to_last = corners_m[(apex + 2) % 3] - corners_m[apex];
+    return to_next.cross(to_last);
+}
+
+/// The edges' directions away from the triangle, in its plane, each as long as its edge.
+using Outwards = std::array<Vector3, 3>;
+
+[[nodiscard]] Outwards outwards(const std::array<Vector3, 3> &corners_m,
+                                const Vector3 &normal) noexcept {
+    return {(corners_m[1] - corners_m[0]).cross(normal),
+            (corners_m[2] - corners_m[1]).cross(normal),
+            (corners_m[0] - corners_m[2]).cross(normal)};
+}
+
+} // namespace
+
+/// A motion that passes through the layer within reach of the facet's plane.
+struct Facet::Crossing {
+    const Vector3 &from_m;
+    const Vector3 &to_m;
+    double reach_m;
+    double enters; ///< fraction of the motion where it enters the layer
+    Vector3 enters_m;
+    Vector3 leaves_m;
+    bool pierces; ///< the triangle itself, or ends in the layer over it
+};
+
+double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
+    const double longest = std::sqrt(std::max({(corners_m[1] - corners_m[0]).squaredNorm(),
+                                               (corners_m[2] - corners_m[1]).squaredNorm(),
+                                               (corners_m[0] - corners_m[2]).squaredNorm()}));
+    return longest > 0.0 ? area_vector(corners_m).norm() / longest : 0.0;
+}
+
+Facet::Facet(const FacetSource &source) noexcept
+    : normal_(area_vector(source.corners_m).normalized()),
+      offset_m_(normal_.dot(source.corners_m[0])), corners_m_(source.corners_m),
+      triangle_(source.triangle), material_(source.material), sides_(source.sides) {}
+
+std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
+                                double reach_m) const noexcept {
+    double start_m = height_m(from_m);
+    double end_m = height_m(to_m);
+    double side = 1.0;
+    if (start_m < 0.0) {
+        if (sides_ == FacetSides::one) {
+            return std::nullopt;
+        }
+        side = -1.0;
+        start_m = -start_m;
+        end_m = -end_m;
+    }
+    if (std::min(start_m, end_m) >= reach_m - kSlack_m) {
+        return std::nullopt;
+    }
+
+    const Vector3 motion = to_m - from_m;
+    const double descent_m = start_m - end_m;
+    const double enters = start_m > reach_m ? (start_m - reach_m) / descent_m : 0.0;
+    const double leaves = end_m < -reach_m ? (start_m + reach_m) / descent_m : 1.0;
+    const double lowest = end_m < 0.0 ? start_m / descent_m : 1.0;
+    const Vector3 enters_m = from_m + enters * motion;
+    const Vector3 leaves_m = from_m + leaves * motion;
+    const Vector3 lowest_m = from_m + lowest * motion;
+
+    bool is_over_start = true;
+    bool pierces = end_m < reach_m - kSlack_m;
+    const Outwards outward = outwards(corners_m_, normal_);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double out_enters = outward[i].dot(enters_m - corners_m_[i]);
+        const double out_leaves = outward[i].dot(leaves_m - corners_m_[i]);
+        const double nearer = std::min(out_enters, out_leaves);
+        if (nearer > 0.0 && nearer * nearer > reach_m * reach_m * outward[i].squaredNorm()) {
+            return std::nullopt; // passes beyond this edge
+        }
+        is_over_start = is_over_start && out_enters <= 0.0;
+        pierces = pierces && outward[i].dot(lowest_m - corners_m_[i]) <= 0.0;
+    }
+    if (is_over_start) {
+        const double kept_m = kept_distance_m(start_m, reach_m);
+        if (end_m >= std::min(start_m, nearest_allowed_m(kept_m, reach_m))) {
+            return std::nullopt; // it was too near before, and comes no nearer
+        }
+        return plane_above(enters, side, kept_m);
+    }
+    return stop_at_rim({from_m, to_m, reach_m, enters, enters_m, leaves_m, pierces});
+}
+
+std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept {
+    const auto nearest_m = [this](const Vector3 &point_m) { return nearest(point_m).point_m; };
+    if (!crossing.pierces) {
+        // Asked exactly, since what slides along a neighbour's plane grazes this edge.
+        double least_m = crossing.reach_m;
+        for (std::size_t i = 0; i < 3; ++i) {
+            least_m = std::min(least_m, segment_distance_m(crossing.enters_m, crossing.leaves_m,
+                                                           corners_m_[i], corners_m_[(i + 1) % 3]));
+        }
+        if (least_m >= crossing.reach_m - kSlack_m) {
+            return std::nullopt;
+        }
+    }
+    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters,
+                            nearest_m(crossing.enters_m), crossing.reach_m, nearest_m);
+}
+
+std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,
+                                 double within_m) const noexcept {
+    const double height = height_m(point_m);
+    if ((height < 0.0 && sides_ == FacetSides::one) || std::abs(height) > reach_m + within_m) {
+        return std::nullopt;
+    }
+    const double side = height < 0.0 ? -1.0 : 1.0;
+    if (is_over(point_m)) {
+        return plane_above(0.0, side, kept_distance_m(side * height, reach_m));
+    }
+    const Vector3 nearest_m = nearest(point_m).point_m;
+    const Vector3 gap = point_m - nearest_m;
+    const double distance_m = gap.norm();
+    if (distance_m > reach_m + within_m || distance_m == 0.0) {
+        return std::nullopt;
+    }
+    const Vector3 normal = gap / distance_m;
+    return Stop{0.0, normal, normal.dot(nearest_m) + kept_distance_m(distance_m, reach_m)};
+}
+
+bool Facet::is_over(const Vector3 &point_m) const noexcept {
+    const Outwards outward = outwards(corners_m_, normal_);
+    return outward[0].dot(point_m - corners_m_[0]) <= 0.0 &&
+           outward[1].dot(point_m - corners_m_[1]) <= 0.0 &&
+           outward[2].dot(point_m - corners_m_[2]) <= 0.0;
+}
+
+} // namespace springdrive::contact

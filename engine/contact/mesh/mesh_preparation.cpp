@@ -1,0 +1,233 @@
+#include "engine/contact/mesh/mesh_preparation.h"
+
+#include "base/wanted.h"
+#include "engine/contact/mesh/crack_closing.h"
+#include "engine/contact/mesh/edge_splitting.h"
+#include "engine/contact/mesh/edge_table.h"
+#include "engine/contact/mesh/enclosed_volume.h"
+#include "engine/contact/mesh/mesh_topology.h"
+#include "engine/contact/mesh/repeated_triangles.h"
+#include "engine/contact/mesh/surface_facets.h"
+#include "engine/contact/mesh/triangle_orientation.h"
+#include "engine/contact/mesh/vertex_welding.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+namespace springdrive::contact {
+
+namespace {
+
+/// Vertices closer than this are one [m].
+constexpr double kWeldTolerance_m = 1e-7;
+
+/// Threads take time to start, and memory for every vertex.
+constexpr std::size_t kLeastTrianglesPerThread = 4000;
+constexpr unsigned kMostThreads = 8;
+
+[[nodiscard]] unsigned useful_threads(unsigned allowed, std::size_t triangles) {
+    const std::size_t busy = triangles / kLeastTrianglesPerThread;
+    return std::max(1U, static_cast<unsigned>(
+                            std::min({busy, std::size_t{allowed}, std::size_t{kMostThreads}})));
+}
+
+void require_consistent(const TriangleSoup &soup) {
+    const auto is_in_range = [&](const std::array<std::uint32_t, 3> &triangle) {
+        return std::ranges::all_of(
+            triangle, [&](std::uint32_t vertex) { return vertex < soup.vertices_m.size(); });
+    };
+    const auto has_material = [&](std::uint16_t material) {
+        return material < soup.materials.size();
+    };
+    if (!std::ranges::all_of(soup.triangles, is_in_range)) {
+        throw std::invalid_argument("prepare_mesh: a vertex index is out of range");
+    }
+    if (soup.material_of_triangle.size() != soup.triangles.size() ||
+        !std::ranges::all_of(soup.material_of_triangle, has_material)) {
+        throw std::invalid_argument("prepare_mesh: a triangle lacks its material");
+    }
+}
+
+void require_few(std::size_t triangles) {
+    if (triangles > kMostTriangles) {
+        throw std::length_error("prepare_mesh: more triangles than can be prepared");
+    }
+}
+
+/// What became of a triangle of the soup. If it was divided, the best that became of any piece.
+enum class Fate : std::uint8_t { degenerate, duplicate, merged, kept };
+
+/// A mesh on its way through the steps of preparation, with the edges that it has at the time.
+class Preparation {
+public:
+    Preparation(const TriangleSoup &soup, unsigned threads)
+        : soup_(soup), threads_(threads), fates_(soup.triangles.size(), Fate::degenerate),
+          triangles_(welded_triangles()), edges_(triangles_, soup.vertices_m.size(), threads) {
+        report_.triangles_given = soup.triangles.size();
+    }
+
+    void drop_repeated() {
+        const RepeatedTriangles repeated =
+            drop_repeated_triangles(triangles_, edges_, soup_.material_of_triangle, threads_);
+        for (const std::uint32_t triangle : repeated.same_winding) {
+            improve_fate(triangle, Fate::duplicate);
+        }
+        for (const std::uint32_t triangle : repeated.merged) {
+            improve_fate(triangle, Fate::merged);
+        }
+        if (!repeated.same_winding.empty() || !repeated.merged.empty()) {
+            renew_edges();
+        }
+    }
+
+    void close_open_edges() {
+        report_.open_edges_given = count_open(edges_);
+        if (report_.open_edges_given == 0) {
+            return;
+        }
+        const ClosedCracks closed =
+            close_cracks(triangles_, edges_, soup_.vertices_m, kCrackTolerance_m);
+        if (closed.moved_vertices > 0) {
+            for (MeshTriangle &triangle : triangles_) {
+                for (std::uint32_t &vertex : triangle.vertices) {
+                    vertex = closed.stands_for[vertex];
+                }
+            }
+            renew_edges();
+        }
+        const SplitEdges split =
+            split_edges(triangles_, edges_, soup_.vertices_m, kCrackTolerance_m, threads_);
+        if (split.split_triangles > 0) {
+            require_few(triangles_.size());
+            renew_edges();
+        }
+        report_.closed_cracks = closed.moved_vertices;
+        report_.split_triangles = split.split_triangles;
+        report_.largest_move_m = std::max(closed.largest_move_m, split.largest_move_m);
+        if (closed.moved_vertices + split.split_triangles > 0) {
+            drop_repeated(); // one sheet may lie upon another now
+        }
+    }
+
+    void orient() {
+        const TurnedTriangles turned = orient_triangles(triangles_, edges_, soup_.vertices_m);
+        report_.flipped_triangles = turned.of_one_winding;
+        if (turned.of_one_winding + turned.of_both > 0) {
+            renew_edges();
+        }
+    }
+
+    [[nodiscard]] PreparedMesh finish() {
+        const MeshTopology topology = find_topology(triangles_, edges_);
+        // Slivers belong to the topology, or a surface with a sliver in it would count as open.
+        const std::vector<std::uint32_t> slivers =
+            slivers_to_leave_out(triangles_, edges_, soup_.vertices_m, threads_);
+        PreparedMesh mesh;
+        mesh.facets = make_facets(triangles_, slivers, topology, soup_, threads_);
+        note_kept(slivers);
+        report_on_fates();
+        report_on(topology);
+        mesh.report = std::move(report_);
+        return mesh;
+    }
+
+private:
+    /// Triangles of three different finite vertices, welded.
+    [[nodiscard]] std::vector<MeshTriangle> welded_triangles() {
+        const std::vector<std::uint32_t> stands_for =
+            weld_vertices(soup_.vertices_m, kWeldTolerance_m, threads_);
+        for (std::uint32_t vertex = 0; vertex < stands_for.size(); ++vertex) {
+            report_.welded_vertices += stands_for[vertex] == vertex ? 0 : 1;
+        }
+        std::vector<MeshTriangle> welded;
+        welded.reserve(soup_.triangles.size());
+        for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+            stop_if_given_up(i);
+            const auto &[a, b, c] = soup_.triangles[i];
+            const VertexTriple vertices = {stands_for[a], stands_for[b], stands_for[c]};
+            const bool is_collapsed = vertices[0] == vertices[1] || vertices[1] == vertices[2] ||
+                                      vertices[2] == vertices[0];
+            if (!is_collapsed && is_finite(vertices)) {
+                welded.push_back({vertices, i});
+            }
+        }
+        return welded;
+    }
+
+    [[nodiscard]] bool is_finite(const VertexTriple &vertices) const {
+        return std::ranges::all_of(
+            vertices, [&](std::uint32_t vertex) { return soup_.vertices_m[vertex].allFinite(); });
+    }
+
+    void renew_edges() { edges_ = EdgeTable(triangles_, soup_.vertices_m.size(), threads_); }
+
+    void improve_fate(std::uint32_t triangle, Fate fate) {
+        fates_[triangle] = std::max(fates_[triangle], fate);
+    }
+
+    /// @param slivers in ascending order
+    void note_kept(const std::vector<std::uint32_t> &slivers) {
+        auto sliver = slivers.begin();
+        for (std::size_t i = 0; i < triangles_.size(); ++i) {
+            if (sliver != slivers.end() && *sliver == i) {
+                ++sliver;
+            } else {
+                fates_[triangles_[i].triangle] = Fate::kept;
+            }
+        }
+    }
+
+    void report_on_fates() {
+        std::array<std::size_t, 4> counts{};
+        report_.left_out_of_material.assign(soup_.materials.size(), 0);
+        for (std::size_t i = 0; i < fates_.size(); ++i) {
+            ++counts[static_cast<std::size_t>(fates_[i])];
+            if (fates_[i] < Fate::merged) {
+                ++report_.left_out_of_material[soup_.material_of_triangle[i]];
+            }
+        }
+        report_.degenerate_triangles = counts[static_cast<std::size_t>(Fate::degenerate)];
+        report_.duplicate_triangles = counts[static_cast<std::size_t>(Fate::duplicate)];
+        report_.merged_triangles = counts[static_cast<std::size_t>(Fate::merged)];
+        report_.triangles_kept = counts[static_cast<std::size_t>(Fate::kept)];
+    }
+
+    void report_on(const MeshTopology &topology) {
+        report_.open_edges = topology.open_edges;
+        report_.non_manifold_edges = topology.non_manifold_edges;
+        report_.components = topology.components.size();
+        report_.closed_components = static_cast<std::size_t>(
+            std::ranges::count(topology.components, true, &MeshComponent::is_closed));
+        report_.unorientable_components = static_cast<std::size_t>(
+            std::ranges::count(topology.components, false, &MeshComponent::is_orientable));
+        const std::vector<double> volumes =
+            enclosed_volumes_m3(triangles_, topology, soup_.vertices_m);
+        report_.inward_components = static_cast<std::size_t>(
+            std::ranges::count_if(volumes, [](double volume) { return volume < 0.0; }));
+    }
+
+    const TriangleSoup &soup_;
+    unsigned threads_;
+    MeshReport report_;
+    std::vector<Fate> fates_;
+    std::vector<MeshTriangle> triangles_;
+    EdgeTable edges_;
+};
+
+} // namespace
+
+PreparedMesh prepare_mesh(const TriangleSoup &soup, unsigned threads) {
+    require_consistent(soup);
+    require_few(soup.triangles.size());
+    Preparation preparation(soup, useful_threads(threads, soup.triangles.size()));
+    preparation.drop_repeated();
+    preparation.close_open_edges();
+    preparation.orient();
+    return preparation.finish();
+}
+
+} // namespace springdrive::contact

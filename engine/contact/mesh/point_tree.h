@@ -1,0 +1,79 @@
+// Finds points near a line, however unevenly they are spread.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace springdrive::contact {
+
+/// A k-d tree (Bentley 1975) kept in the order of its points, medians in the middle.
+class PointTree {
+public:
+    explicit PointTree(const std::vector<Vector3> &points_m);
+
+    /// Calls `visit(point, fraction, distance_m)` for points whose feet lie within the segment,
+    /// its ends excluded, no farther than `reach_m` from them, until it returns true.
+    template <typename Visit>
+    void visit_along(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
+                     Visit visit) const {
+        const Segment segment{from_m, to_m - from_m, reach_m};
+        visit_range({0, nodes_.size(), 0.0, 1.0}, segment, visit);
+    }
+
+private:
+    struct Node {
+        Vector3 place_m;
+        std::uint32_t point = 0;
+        std::uint32_t axis = 0; ///< lower points before it, upper ones behind
+    };
+
+    struct Segment {
+        Vector3 from_m;
+        Vector3 way_m;
+        double reach_m = 0.0;
+    };
+
+    /// Nodes, and the part of the segment whose feet may belong to them.
+    struct Range {
+        std::size_t first = 0;
+        std::size_t last = 0;
+        double start = 0.0;
+        double end = 0.0;
+    };
+
+    [[nodiscard]] static std::size_t middle_of(const Range &range) {
+        return range.first + (range.last - range.first) / 2;
+    }
+
+    void build(std::size_t first, std::size_t last);
+
+    /// The two halves of a range about its middle node.
+    [[nodiscard]] std::pair<Range, Range> halves(const Range &range, const Segment &segment) const;
+
+    template <typename Visit>
+    bool visit_range(const Range &range, const Segment &segment, Visit &visit) const {
+        if (range.first == range.last || !(range.start <= range.end)) {
+            return false;
+        }
+        const auto [lower, upper] = halves(range, segment);
+        return visit_node(nodes_[middle_of(range)], segment, visit) ||
+               visit_range(lower, segment, visit) || visit_range(upper, segment, visit);
+    }
+
+    template <typename Visit>
+    static bool visit_node(const Node &node, const Segment &segment, Visit &visit) {
+        const Vector3 offset = node.place_m - segment.from_m;
+        const double fraction = offset.dot(segment.way_m) / segment.way_m.squaredNorm();
+        const double distance_m = (offset - fraction * segment.way_m).norm();
+        return fraction > 0.0 && fraction < 1.0 && distance_m <= segment.reach_m &&
+               visit(node.point, fraction, distance_m);
+    }
+
+    std::vector<Node> nodes_;
+};
+
+} // namespace springdrive::contact

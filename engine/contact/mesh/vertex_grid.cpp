@@ -1,0 +1,60 @@
+#include "engine/contact/mesh/vertex_grid.h"
+
+#include <bit>
+#include <cmath>
+
+namespace springdrive::contact {
+
+VertexGrid::VertexGrid(const std::vector<Vector3> &vertices_m, double reach_m, double cell_m)
+    : vertices_m_(vertices_m), reach_m_(reach_m), cells_per_m_(1.0 / cell_m),
+      slots_(std::bit_ceil(2 * vertices_m.size() + 2)), last_slot_(slots_.size() - 1) {}
+
+VertexGrid::Home VertexGrid::home_of(std::uint32_t vertex) const {
+    const Vector3 &point_m = vertices_m_[vertex];
+    const Vector3 reach = Vector3::Constant(reach_m_);
+    const Vector3 cell = cell_of(point_m);
+    const bool is_near_wall = cell_of(point_m - reach) != cell || cell_of(point_m + reach) != cell;
+    return {address_of(cell), is_near_wall};
+}
+
+std::size_t VertexGrid::cells_around(std::uint32_t vertex, Addresses &addresses) const {
+    const Vector3 reach = Vector3::Constant(reach_m_);
+    const Vector3 own = cell_of(vertices_m_[vertex]);
+    const Vector3 lower = cell_of(vertices_m_[vertex] - reach);
+    const Vector3 upper = cell_of(vertices_m_[vertex] + reach);
+    // On each axis the reach ends in the own cell on one side at least.
+    const Vector3 other = (lower.array() == own.array()).select(upper, lower);
+    std::size_t count = 0;
+    for (unsigned corner = 1; corner < 8; ++corner) {
+        Vector3 cell = own;
+        bool is_repeated = false;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if ((corner & (1U << axis)) != 0) {
+                cell[axis] = other[axis];
+                is_repeated = is_repeated || other[axis] == own[axis];
+            }
+        }
+        if (!is_repeated) {
+            addresses[count++] = address_of(cell);
+        }
+    }
+    return count;
+}
+
+/// Integers kept as doubles: these cannot overflow.
+Vector3 VertexGrid::cell_of(const Vector3 &point_m) const {
+    return (cells_per_m_ * point_m).array().floor();
+}
+
+VertexGrid::Address VertexGrid::address_of(const Vector3 &cell) const {
+    std::uint64_t mixed = 0;
+    for (const double coordinate : cell) {
+        // Adding zero turns -0 into +0, which are equal and so must hash alike.
+        mixed = (mixed ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
+        mixed ^= mixed >> 32;
+    }
+    return {static_cast<std::uint32_t>(mixed & last_slot_),
+            static_cast<std::uint32_t>(mixed >> 32)};
+}
+
+} // namespace springdrive::contact

@@ -1,0 +1,19 @@
+// Finds vertices that are meant to be the same point: exporters repeat a vertex for every normal
+// and texture coordinate it carries, and only positions matter to the touch.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace springdrive::contact {
+
+/// For each vertex the index of the one that stands for it: itself, or an earlier vertex within
+/// `tolerance_m` that stands for itself. So no vertex moves by more than the tolerance, however
+/// long a chain of near neighbours is. Vertices that are not finite stand for themselves.
+/// @pre tolerance_m > 0, threads > 0
+[[nodiscard]] std::vector<std::uint32_t> weld_vertices(const std::vector<Vector3> &vertices_m,
+                                                       double tolerance_m, unsigned threads = 1);
+
+} // namespace springdrive::contact

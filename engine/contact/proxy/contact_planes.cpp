@@ -1,0 +1,193 @@
+#include "engine/contact/proxy/contact_planes.h"
+
+#include "engine/contact/mesh/facet.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace springdrive::contact {
+
+namespace {
+
+/// A solution may lie this far below a plane [m]: round-off of the arithmetic.
+constexpr double kExact_m = 1e-12;
+
+/// The same where planes are so nearly parallel that the line they meet in says nothing, and one
+/// of them has to stand for both [m]. A hundredth of the proxy's clearance.
+constexpr double kTolerable_m = 0.01 * kClearance_m;
+
+/// Sine of the angle below which that is so.
+constexpr double kParallel = 1e-7;
+
+/// Sine of the angle [rad] below which motion control sees one plane.
+constexpr double kOneFace = 1e-6;
+
+/// The nearest point on the intersection of one to three planes, built up one plane at a time by
+/// Gram-Schmidt:  n_k = Σ_j r_jk q_j,  x = tip + Σ_k y_k q_k,  Rᵀ y = deficits.
+class ActiveSet {
+public:
+    explicit ActiveSet(Vector3 tip_m) noexcept : point_m_(std::move(tip_m)) {}
+
+    /// This set and one more plane. False, and unusable, if the plane is nearly parallel to the
+    /// directions that the set blocks already.
+    [[nodiscard]] bool add(const ContactPlane &plane) noexcept {
+        Vector3 rest = plane.normal;
+        for (int j = 0; j < size_; ++j) {
+            R_(j, size_) = Q_.col(j).dot(plane.normal);
+            rest -= R_(j, size_) * Q_.col(j);
+        }
+        const double sine = rest.norm();
+        if (sine < kParallel) {
+            return false;
+        }
+        Q_.col(size_) = rest / sine;
+        R_(size_, size_) = sine;
+        // Along the new direction only: the planes before stay met.
+        y_m_[size_] = -plane.height_m(point_m_) / sine;
+        point_m_ += y_m_[size_] * Q_.col(size_);
+        ++size_;
+        return true;
+    }
+
+    /// Whether every plane pushes (λ > 0, from R λ = y): none of them pulls the point down.
+    [[nodiscard]] bool pushes() const noexcept {
+        Vector3 lambda = Vector3::Zero();
+        for (int k = size_ - 1; k >= 0; --k) {
+            double rest = y_m_[k];
+            for (int j = k + 1; j < size_; ++j) {
+                rest -= R_(k, j) * lambda[j];
+            }
+            lambda[k] = rest / R_(k, k);
+            if (!(lambda[k] > 0.0)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    [[nodiscard]] const Vector3 &point_m() const noexcept { return point_m_; }
+
+private:
+    Vector3 point_m_;
+    Matrix3 Q_{Matrix3::Zero()};
+    Matrix3 R_{Matrix3::Zero()};
+    Vector3 y_m_{Vector3::Zero()};
+    int size_ = 0;
+};
+
+/// Tries every set of up to three planes, small sets first: the solution is the one whose planes
+/// all push and whose point lies above all the others.
+class Search {
+public:
+    Search(const Vector3 &tip_m, const ContactPlanes &planes) noexcept
+        : tip_m_(tip_m), planes_(planes) {
+        const std::size_t count = planes.size();
+        consider({});
+        for (std::size_t i = 0; i < count; ++i) {
+            consider({&planes[i], 1});
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t j = i + 1; j < count; ++j) {
+                consider(std::array{planes[i], planes[j]});
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t j = i + 1; j < count; ++j) {
+                for (std::size_t k = j + 1; k < count; ++k) {
+                    consider(std::array{planes[i], planes[j], planes[k]});
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] bool found() const noexcept { return violation_m_ <= kTolerable_m; }
+    [[nodiscard]] const NearestPoint &best() const noexcept { return best_; }
+
+private:
+    void consider(std::span<const ContactPlane> planes) noexcept {
+        if (violation_m_ <= kExact_m) {
+            return;
+        }
+        ActiveSet set(tip_m_);
+        for (const ContactPlane &plane : planes) {
+            if (!set.add(plane)) {
+                return;
+            }
+        }
+        if (!set.pushes()) {
+            return;
+        }
+        double violation_m = 0.0;
+        for (const ContactPlane &plane : planes_) {
+            violation_m = std::max(violation_m, -plane.height_m(set.point_m()));
+        }
+        if (violation_m < violation_m_) {
+            violation_m_ = violation_m;
+            best_.point_m = set.point_m();
+            best_.active = ContactPlanes();
+            for (const ContactPlane &plane : planes) {
+                best_.active.add(plane);
+            }
+        }
+    }
+
+    const Vector3 &tip_m_;
+    const ContactPlanes &planes_;
+    NearestPoint best_;
+    double violation_m_ = std::numeric_limits<double>::infinity();
+};
+
+} // namespace
+
+NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
+                           const Vector3 &inside_m) noexcept {
+    // Most questions are about no plane or one.
+    if (planes.size() == 0) {
+        return {tip_m, {}};
+    }
+    if (planes.size() == 1) {
+        const double depth_m = -planes[0].height_m(tip_m);
+        return depth_m > 0.0 ? NearestPoint{tip_m + depth_m * planes[0].normal, planes}
+                             : NearestPoint{tip_m, {}};
+    }
+    const Search search(tip_m, planes);
+    if (search.found()) {
+        return search.best();
+    }
+    ContactPlanes lowered;
+    for (ContactPlane plane : planes) {
+        plane.offset_m += std::min(0.0, plane.height_m(inside_m));
+        lowered.add(plane);
+    }
+    const Search second_search(tip_m, lowered);
+    if (second_search.found()) {
+        return second_search.best();
+    }
+    // Not reached by exact arithmetic. To stay is always allowed.
+    NearestPoint stay{inside_m, {}};
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, planes.size()); ++i) {
+        stay.active.add(lowered[i]);
+    }
+    return stay;
+}
+
+AllowedMotion allowed_motion(const ContactPlanes &active) noexcept {
+    AllowedMotion motion;
+    for (const ContactPlane &plane : active) {
+        const Vector3 rest = motion.projector * plane.normal;
+        const double sine = rest.norm();
+        if (sine > kOneFace && motion.blocked_directions < 3) {
+            const Vector3 blocked = rest / sine;
+            motion.projector -= blocked * blocked.transpose();
+            ++motion.blocked_directions;
+        }
+    }
+    if (motion.blocked_directions == 3) {
+        motion.projector.setZero();
+    }
+    return motion;
+}
+
+} // namespace springdrive::contact

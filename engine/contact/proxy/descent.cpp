@@ -1,0 +1,189 @@
+#include "engine/contact/proxy/descent.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::contact {
+
+namespace {
+
+/// A proxy this near to its goal is there [m], and does not move: below what a fresh solution of
+/// the same planes differs by is only round-off.
+constexpr double kStill_m = 1e-11;
+
+/// A plane that has turned by less than this [rad] since it was met is still the same.
+constexpr double kSamePlane = 1e-9;
+
+/// Cosine of how far a shape may turn away below a slide for its end to be foreseen. What slides
+/// farther leaves more of the surface than it follows.
+constexpr double kGentle = 0.9;
+
+/// Round a curved offset each slide along a tangent plane leaves a share of the way that hardly
+/// changes from one to the next: once it shows, the rest of the way is known (Aitken).
+class Foresight {
+public:
+    /// How much farther than this slide the row of slides will go in all.
+    [[nodiscard]] double stretch(const Vector3 &slide_m) noexcept {
+        const double length_m = slide_m.norm();
+        const double share = last_length_m_ > 0.0 ? length_m / last_length_m_ : 0.0;
+        const bool is_row =
+            share > 0.2 && share < 0.99 && slide_m.dot(last_m_) > 0.7 * length_m * last_length_m_;
+        last_m_ = slide_m;
+        last_length_m_ = is_row ? 0.0 : length_m; // a stretched one begins a new row
+        return is_row ? 1.0 / (1.0 - share) : 1.0;
+    }
+
+private:
+    Vector3 last_m_{Vector3::Zero()};
+    double last_length_m_ = 0.0;
+};
+
+/// How often a slide fits into the way along it to where the target is `most_m` away again: farther
+/// on, the proxy would leave what it is to come nearer to. Where the target is farther already, to
+/// where it is nearest.
+double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
+    const double slide_m2 = slide_m.squaredNorm();
+    const double along_m2 = slide_m.dot(to_target_m);
+    const double left_m2 = most_m * most_m - to_target_m.squaredNorm();
+    return (along_m2 + std::sqrt(std::max(0.0, along_m2 * along_m2 + slide_m2 * left_m2))) /
+           slide_m2;
+}
+
+} // namespace
+
+void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
+    rest.point_m = to_m;
+    path_.add(to_m);
+}
+
+/// Where a slide along a single shape is to end: straight above the place of rest, so that it only
+/// has to drop from there. A convex shape says where that is, its nearest point to the target. With
+/// more than one plane in play, such an end might lie below the others.
+std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
+                                           const Vector3 &target_m) const noexcept {
+    const AnalyticShape *shape = planes.size() == 1 ? surface_.shape(planes[0].obstacle) : nullptr;
+    if (shape == nullptr) {
+        return std::nullopt;
+    }
+    const Vector3 up = shape->nearest(target_m).normal;
+    const double slant = up.dot(planes[0].normal);
+    if (slant < kGentle) {
+        return std::nullopt; // another side of it is nearer
+    }
+    return Vector3(target_m - planes[0].height_m(target_m) / slant * up);
+}
+
+/// A convex shape alone, round which every slide leads to the same place.
+bool Descent::is_on_one_shape(const ContactPlanes &planes) const noexcept {
+    return planes.size() == 1 && surface_.shape(planes[0].obstacle) != nullptr;
+}
+
+bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {
+    ContactPlanes touching;
+    bool is_unchanged = true;
+    for (const ContactPlane &plane : planes) {
+        const std::optional<Stop> touch =
+            surface_.touch(plane.obstacle, point_m, reach_m_, touching_within_m(point_m));
+        if (!touch) {
+            is_unchanged = false;
+            continue;
+        }
+        is_unchanged =
+            is_unchanged && (touch->normal - plane.normal).squaredNorm() < kSamePlane * kSamePlane;
+        touching.add({touch->normal, touch->offset_m, plane.obstacle});
+    }
+    planes = touching;
+    return is_unchanged;
+}
+
+bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
+    const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
+    const double most_m = (target_m - rest.point_m).norm();
+    Foresight foresight;
+    ContactPlanes last_met;
+    ContactPlanes planes = rest.held_by; // that the goal keeps above
+    NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
+    while (effort_.motions_left > 0) {
+        if ((goal.point_m - rest.point_m).squaredNorm() <= kStill_m * kStill_m) {
+            // As far as these planes let it; which of them are still there?
+            rest.held_by = goal.active;
+            if (refresh(rest.held_by, rest.point_m)) {
+                return true;
+            }
+            --effort_.motions_left;
+            planes = rest.held_by;
+            goal = nearest_point(target_m, planes, rest.point_m);
+            continue;
+        }
+        --effort_.motions_left;
+        Vector3 end_m = goal.point_m;
+        if (is_curved && goal.active.size() > 0) {
+            if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
+                end_m = *above_m;
+            } else {
+                const Vector3 slide_m = goal.point_m - rest.point_m;
+                double times = foresight.stretch(slide_m);
+                if (!is_on_one_shape(planes)) {
+                    times = std::min(times, times_within(most_m, slide_m, target_m - rest.point_m));
+                }
+                end_m = rest.point_m + times * slide_m;
+            }
+        }
+        const std::optional<SurfaceStop> hit = first_stop(rest.point_m, end_m);
+        if (!hit) {
+            move(rest, end_m);
+            if (is_curved) {
+                planes = goal.active;
+                static_cast<void>(refresh(planes, rest.point_m));
+                goal = nearest_point(target_m, planes, rest.point_m);
+            }
+            continue;
+        }
+        if (hit->stop.fraction > 0.0) {
+            move(rest, rest.point_m + hit->stop.fraction * (end_m - rest.point_m));
+        }
+        if (!hit->is_known) {
+            rest.held_by = goal.active;
+            break;
+        }
+        const ContactPlane plane{hit->stop.normal, hit->stop.offset_m, hit->obstacle};
+        if (hit->stop.fraction == 0.0 && plane.height_m(end_m) >= -kRoundOff_m) {
+            move(rest, end_m); // which lies above this plane, but for round-off
+            continue;
+        }
+        last_met = ContactPlanes();
+        last_met.add(plane);
+        planes = goal.active;
+        planes.add(plane);
+        goal = nearest_point(target_m, planes, rest.point_m);
+    }
+    // Cut short, perhaps just above the surface that it was on its way down to.
+    static_cast<void>(refresh(rest.held_by, rest.point_m));
+    if (!rest.is_touching()) {
+        rest.held_by = last_met;
+    }
+    return false;
+}
+
+std::optional<SurfaceStop> Descent::first_stop(const Vector3 &from_m,
+                                               const Vector3 &to_m) const noexcept {
+    if (!near_.covers(from_m, reach_m_)) {
+        return surface_.first_stop(from_m, to_m, reach_m_, effort_.search);
+    }
+    const double covered = near_.covered_fraction(from_m, to_m, reach_m_);
+    if (covered == 1.0) {
+        return surface_.first_stop(near_, from_m, to_m, reach_m_);
+    }
+    const Vector3 leaves_m = from_m + covered * (to_m - from_m);
+    if (std::optional<SurfaceStop> hit = surface_.first_stop(near_, from_m, leaves_m, reach_m_)) {
+        hit->stop.fraction *= covered;
+        return hit;
+    }
+    std::optional<SurfaceStop> hit = surface_.first_stop(leaves_m, to_m, reach_m_, effort_.search);
+    if (hit) {
+        hit->stop.fraction = covered + (1.0 - covered) * hit->stop.fraction;
+    }
+    return hit;
+}
+
+} // namespace springdrive::contact

@@ -1,0 +1,235 @@
+#include "engine/contact/proxy/haptic_surface.h"
+
+#include "base/parallel.h"
+#include "base/wanted.h"
+#include "engine/contact/proxy/near_list.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace springdrive::contact {
+
+namespace {
+
+[[nodiscard]] std::uint64_t next_serial() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
+
+[[nodiscard]] std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<FacetSource> &facets) {
+    std::vector<Eigen::AlignedBox3d> boxes(facets.size());
+    std::ranges::transform(facets, boxes.begin(), [](const FacetSource &facet) {
+        Eigen::AlignedBox3d box(facet.corners_m[0]);
+        return box.extend(facet.corners_m[1]).extend(facet.corners_m[2]);
+    });
+    return boxes;
+}
+
+/// Keeps the stop that comes first.
+class FirstStop {
+public:
+    void consider(const std::optional<Stop> &stop, std::uint32_t obstacle) noexcept {
+        if (stop && (!first_ || stop->fraction < first_->stop.fraction)) {
+            first_ = SurfaceStop{*stop, obstacle};
+        }
+    }
+
+    [[nodiscard]] double fraction() const noexcept { return first_ ? first_->stop.fraction : 1.0; }
+    [[nodiscard]] const std::optional<SurfaceStop> &get() const noexcept { return first_; }
+
+private:
+    std::optional<SurfaceStop> first_;
+};
+
+template <typename Visit> void for_each(ShapeSet shapes, const Visit &visit) {
+    for (; shapes != 0; shapes &= shapes - 1) {
+        visit(static_cast<std::size_t>(std::countr_zero(shapes)));
+    }
+}
+
+} // namespace
+
+HapticSurface::HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes)
+    : shapes_(std::move(shapes)), serial_(next_serial()) {
+    if (shapes_.size() > kMostShapes) {
+        throw std::invalid_argument("HapticSurface: too many shapes");
+    }
+    if (!std::ranges::all_of(shapes_, [&](const AnalyticShape &shape) {
+            return shape.material() < soup.materials.size();
+        })) {
+        throw std::invalid_argument("HapticSurface: a shape lacks its material");
+    }
+    PreparedMesh prepared = prepare_mesh(soup);
+    report_ = std::move(prepared.report);
+    materials_ = std::move(soup.materials);
+    tree_ = BoxTree(boxes_of(prepared.facets), all_processors());
+    facets_.reserve(prepared.facets.size());
+    for (const std::uint32_t source : tree_.order()) {
+        stop_if_given_up(facets_.size());
+        facets_.emplace_back(prepared.facets[source]);
+        has_two_sided_ = has_two_sided_ || facets_.back().sides() == FacetSides::two;
+    }
+}
+
+std::optional<SurfaceStop> HapticSurface::first_stop(const Vector3 &from_m, const Vector3 &to_m,
+                                                     double reach_m,
+                                                     SearchBudget &budget) const noexcept {
+    FirstStop first;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        first.consider(stop_at_shape(i, from_m, to_m, reach_m),
+                       static_cast<std::uint32_t>(facets_.size() + i));
+    }
+    const double searched = tree_.along(
+        from_m, to_m, reach_m, budget, [&](std::uint32_t index, double last_fraction) noexcept {
+            first.consider(facets_[index].stop(from_m, to_m, reach_m), index);
+            return std::min(last_fraction, first.fraction());
+        });
+    if (searched < first.fraction()) {
+        SurfaceStop unknown;
+        unknown.stop.fraction = searched;
+        unknown.is_known = false;
+        return unknown;
+    }
+    return first.get();
+}
+
+std::optional<SurfaceStop> HapticSurface::first_stop(const Neighbourhood &near,
+                                                     const Vector3 &from_m, const Vector3 &to_m,
+                                                     double reach_m) const noexcept {
+    FirstStop first;
+    near.for_each_in_the_way(from_m, to_m, reach_m, [&](std::uint32_t index) noexcept {
+        first.consider(facets_[index].stop(from_m, to_m, reach_m), index);
+    });
+    for_each(near.shapes(), [&](std::size_t i) {
+        first.consider(stop_at_shape(i, from_m, to_m, reach_m),
+                       static_cast<std::uint32_t>(facets_.size() + i));
+    });
+    return first.get();
+}
+
+std::optional<ShapeSlide> HapticSurface::slide_over(std::uint32_t obstacle,
+                                                    const Neighbourhood &near,
+                                                    const Vector3 &from_m, const Vector3 &tip_m,
+                                                    double reach_m) const noexcept {
+    if (obstacle < facets_.size()) {
+        return std::nullopt;
+    }
+    const ShapeSet own = ShapeSet{1} << (obstacle - facets_.size());
+    std::optional<ShapeSlide> slide = slide_over_face(*shape(obstacle), from_m, tip_m, reach_m);
+    if (!slide || (near.has_only(own) && near.covers(slide->over_m, reach_m) &&
+                   near.covers(slide->rest_m, reach_m))) {
+        return slide;
+    }
+    const ShapeSet others = near.shapes() & ~own;
+    if (near.has_shallower(tip_m, slide->depth_m) ||
+        !is_clear_of(others, near, from_m, slide->over_m, reach_m) ||
+        (!slide->is_flat && !is_clear_of(others, near, slide->over_m, slide->rest_m, reach_m))) {
+        slide.reset();
+    }
+    return slide;
+}
+
+bool HapticSurface::is_clear_of(ShapeSet shapes, const Neighbourhood &near, const Vector3 &from_m,
+                                const Vector3 &to_m, double reach_m) const noexcept {
+    bool is_clear = near.covers(to_m, reach_m);
+    near.for_each_in_the_way(from_m, to_m, reach_m,
+                             [&](std::uint32_t) noexcept { is_clear = false; });
+    for_each(shapes, [&](std::size_t i) {
+        is_clear = is_clear && shapes_[i].is_parted_from(from_m, to_m, reach_m - kSlack_m);
+    });
+    return is_clear;
+}
+
+void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
+                              Neighbourhood &near) const noexcept {
+    NearList found(radius_m,
+                   has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
+    const bool is_complete = tree_.within(
+        centre_m, radius_m, budget, [&](std::uint32_t index, double squared_distance_m2) noexcept {
+            // Read when all are found, and on the way from memory until then.
+            const char *facet = reinterpret_cast<const char *>(&facets_[index]);
+            __builtin_prefetch(facet);
+            __builtin_prefetch(facet + 64);
+            found.add(index, squared_distance_m2);
+            return found.is_useful() ? found.squared_radius_m2() : -1.0;
+        });
+    near.begin(serial_, centre_m);
+    if (!is_complete || !found.is_useful()) {
+        return;
+    }
+    found.for_each([&](std::uint32_t index) noexcept { near.add(index, facets_[index]); });
+    near.complete(std::sqrt(found.squared_radius_m2()));
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        if (shapes_[i].nearest(centre_m).distance_m <= near.radius_m()) {
+            near.add_shape(i);
+        }
+    }
+}
+
+std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector3 &from_m,
+                                                 const Vector3 &to_m,
+                                                 double reach_m) const noexcept {
+    const NearestOnShape start = shapes_[shape].nearest(from_m);
+    if (start.distance_m < 0.0) {
+        return std::nullopt; // starts inside, and may leave
+    }
+    if (start.distance_m >= reach_m && start.normal.dot(to_m - start.point_m) >= reach_m) {
+        return std::nullopt; // the plane between them parts it from all of the motion
+    }
+    return advance_to_touch(from_m, to_m, 0.0, start.point_m, reach_m, [&](const Vector3 &point_m) {
+        return shapes_[shape].nearest(point_m).point_m;
+    });
+}
+
+std::optional<Stop> HapticSurface::touch(std::uint32_t obstacle, const Vector3 &point_m,
+                                         double reach_m, double within_m) const noexcept {
+    if (obstacle < facets_.size()) {
+        return facets_[obstacle].touch(point_m, reach_m, within_m);
+    }
+    const NearestOnShape nearest = shapes_[obstacle - facets_.size()].nearest(point_m);
+    if (nearest.distance_m < 0.0 || nearest.distance_m > reach_m + within_m) {
+        return std::nullopt;
+    }
+    return Stop{0.0, nearest.normal,
+                nearest.normal.dot(nearest.point_m) + kept_distance_m(nearest.distance_m, reach_m)};
+}
+
+SurfacePoint HapticSurface::point_on_shape(std::uint32_t obstacle,
+                                           const Vector3 &point_m) const noexcept {
+    const std::size_t shape = obstacle - facets_.size();
+    SurfacePoint found;
+    found.point_m = point_m;
+    found.triangle = static_cast<std::uint32_t>(report_.triangles_given + shape);
+    found.material = shapes_[shape].material();
+    return found;
+}
+
+SurfacePoint HapticSurface::nearest(std::uint32_t obstacle, const Vector3 &point_m) const noexcept {
+    if (obstacle >= facets_.size()) {
+        return point_on_shape(obstacle, shape(obstacle)->nearest(point_m).point_m);
+    }
+    SurfacePoint found;
+    found.material = facets_[obstacle].material();
+    const TrianglePoint nearest = facets_[obstacle].nearest(point_m);
+    found.point_m = nearest.point_m;
+    found.barycentric = nearest.weights;
+    found.triangle = facets_[obstacle].triangle();
+    return found;
+}
+
+std::uint16_t HapticSurface::material_index(std::uint32_t obstacle) const noexcept {
+    return obstacle < facets_.size() ? facets_[obstacle].material()
+                                     : shapes_[obstacle - facets_.size()].material();
+}
+
+std::size_t HapticSurface::bytes() const noexcept {
+    return facets_.capacity() * sizeof(Facet) + tree_.bytes() +
+           shapes_.capacity() * sizeof(AnalyticShape) +
+           materials_.capacity() * sizeof(SurfaceMaterial);
+}
+
+} // namespace springdrive::contact

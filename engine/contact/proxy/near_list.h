@@ -1,0 +1,63 @@
+// Facets found near a place, as many as a neighbourhood holds.
+#pragma once
+
+#include "engine/contact/proxy/neighbourhood.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace springdrive::contact {
+
+/// Before anything of the facets is read. Where they are too many the ball gets smaller.
+class NearList {
+public:
+    // Those that are not found yet are never read.
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
+    NearList(double radius_m, std::size_t capacity) noexcept
+        : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
+
+    void add(std::uint32_t index, double squared_distance_m2) noexcept {
+        while (size_ == capacity_ && squared_distance_m2 <= squared_radius_m2_ && is_useful()) {
+            squared_radius_m2_ *= 0.5;
+            shrink();
+        }
+        if (squared_distance_m2 <= squared_radius_m2_ && size_ < capacity_) {
+            found_[size_++] = {index, squared_distance_m2};
+        }
+    }
+
+    [[nodiscard]] double squared_radius_m2() const noexcept { return squared_radius_m2_; }
+
+    /// Whether the ball is of a size to be of use: far larger than what is kept from surfaces.
+    [[nodiscard]] bool is_useful() const noexcept { return squared_radius_m2_ > 1e-12; }
+
+    template <typename Visit> void for_each(const Visit &visit) const noexcept {
+        for (std::size_t i = 0; i < size_; ++i) {
+            visit(found_[i].index);
+        }
+    }
+
+private:
+    struct Found {
+        std::uint32_t index;
+        double squared_distance_m2;
+    };
+
+    void shrink() noexcept {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < size_; ++i) {
+            if (found_[i].squared_distance_m2 <= squared_radius_m2_) {
+                found_[kept++] = found_[i];
+            }
+        }
+        size_ = kept;
+    }
+
+    double squared_radius_m2_;
+    std::size_t capacity_;
+    std::size_t size_ = 0;
+    std::array<Found, Neighbourhood::kCapacity> found_;
+};
+
+} // namespace springdrive::contact

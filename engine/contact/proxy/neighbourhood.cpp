@@ -1,0 +1,48 @@
+#include "engine/contact/proxy/neighbourhood.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::contact {
+
+void Neighbourhood::add(std::uint32_t index, const Facet &facet) noexcept {
+    add_side(index, 1.0, facet);
+    if (facet.sides() == FacetSides::two) {
+        add_side(index, -1.0, facet);
+    }
+}
+
+void Neighbourhood::add_side(std::uint32_t index, double side, const Facet &facet) noexcept {
+    normal_x_[size_] = side * facet.normal().x();
+    normal_y_[size_] = side * facet.normal().y();
+    normal_z_[size_] = side * facet.normal().z();
+    offset_m_[size_] = side * facet.offset_m();
+    index_[static_cast<std::size_t>(size_)] = index;
+    ++size_;
+}
+
+void Neighbourhood::complete(double radius_m) noexcept {
+    radius_m_ = radius_m;
+    for (int i = size_; i % kAtOnce != 0; ++i) {
+        normal_x_[i] = normal_y_[i] = normal_z_[i] = 0.0;
+        offset_m_[i] = -1.0; // a metre above its plane, wherever
+    }
+}
+
+double Neighbourhood::covered_fraction(const Vector3 &from_m, const Vector3 &to_m,
+                                       double margin_m) const noexcept {
+    if (covers(to_m, margin_m)) {
+        return 1.0;
+    }
+    // Where |from + s motion − centre| = radius − margin, the later of the two.
+    const Vector3 start = from_m - centre_m_;
+    const Vector3 motion = to_m - from_m;
+    const double left_m = radius_m_ - margin_m;
+    const double a = motion.squaredNorm();
+    const double b = start.dot(motion);
+    const double c = start.squaredNorm() - left_m * left_m;
+    const double root = std::sqrt(std::max(0.0, b * b - a * c));
+    return a > 0.0 ? std::clamp((root - b) / a, 0.0, 1.0) : 1.0;
+}
+
+} // namespace springdrive::contact

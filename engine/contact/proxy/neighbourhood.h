@@ -1,0 +1,155 @@
+// All that is touchable near a place, kept at hand: the proxy moves little from tick to tick, and
+// asks the same few facets again and again.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/mesh/facet.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace springdrive::contact {
+
+/// Which shapes of a surface are meant, a bit each.
+using ShapeSet = std::uint64_t;
+inline constexpr std::size_t kMostShapes = 64;
+
+/// The facets and shapes of one surface that come into a ball. Complete: what is not listed lies
+/// outside of the ball.
+class Neighbourhood {
+public:
+    /// Entries for facets; those of two sides take two. Enough for the ring of triangles about a
+    /// triangle, few enough to be asked all in a few dozen nanoseconds.
+    static constexpr int kCapacity = 48;
+
+    /// Makes it a neighbourhood of nothing, which covers no place.
+    void clear() noexcept {
+        surface_serial_ = 0;
+        radius_m_ = 0.0;
+        size_ = 0;
+        shapes_ = 0;
+    }
+
+    /// Begins a list of what comes into a ball; `complete` ends it.
+    void begin(std::uint64_t surface_serial, const Vector3 &centre_m) noexcept {
+        clear();
+        surface_serial_ = surface_serial;
+        centre_m_ = centre_m;
+    }
+
+    /// @pre there is room for it
+    void add(std::uint32_t index, const Facet &facet) noexcept;
+    void add_shape(std::size_t shape) noexcept { shapes_ |= ShapeSet{1} << shape; }
+    void complete(double radius_m) noexcept;
+
+    [[nodiscard]] std::uint64_t surface_serial() const noexcept { return surface_serial_; }
+    [[nodiscard]] const Vector3 &centre_m() const noexcept { return centre_m_; }
+    [[nodiscard]] double radius_m() const noexcept { return radius_m_; }
+    [[nodiscard]] int size() const noexcept { return size_; }
+    [[nodiscard]] ShapeSet shapes() const noexcept { return shapes_; }
+
+    /// Whether nothing is listed but these shapes.
+    [[nodiscard]] bool has_only(ShapeSet shapes) const noexcept {
+        return size_ == 0 && shapes_ == shapes;
+    }
+
+    /// Whether everything within `margin_m` of a point is listed.
+    [[nodiscard]] bool covers(const Vector3 &point_m, double margin_m) const noexcept {
+        const double left_m = radius_m_ - margin_m;
+        return left_m > 0.0 && (point_m - centre_m_).squaredNorm() <= left_m * left_m;
+    }
+
+    /// How much of a motion that starts covered stays so.
+    [[nodiscard]] double covered_fraction(const Vector3 &from_m, const Vector3 &to_m,
+                                          double margin_m) const noexcept;
+
+    /// Calls `visit(facet index)` for facets whose plane the motion may come too near to, from a
+    /// side on which they can be touched: few of all.
+    template <typename Visit>
+    void for_each_in_the_way(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
+                             const Visit &visit) const noexcept {
+        const double clear_m = reach_m - kSlack_m;
+        for (int first = 0; first < size_; first += kAtOnce) {
+            const Heights starts_m = heights_m(first, from_m);
+            const Heights ends_m = heights_m(first, to_m);
+            const Heights lowest_m = starts_m.min(ends_m) + far_if_positive(-starts_m);
+            for_each_below(clear_m, lowest_m, [&](int i) {
+                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)]);
+            });
+        }
+    }
+
+    /// Calls `visit(facet index, depth)` for facets that have the tip behind them, less than
+    /// `least_depth_m` deep.
+    template <typename Visit>
+    void for_each_shallower(const Vector3 &tip_m, double least_depth_m,
+                            const Visit &visit) const noexcept {
+        for (int first = 0; first < size_; first += kAtOnce) {
+            const Heights tips_m = heights_m(first, tip_m);
+            const Heights depths_m = far_if_positive(tips_m) - tips_m;
+            for_each_below(least_depth_m, depths_m, [&](int i) {
+                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)],
+                      depths_m[i]);
+            });
+        }
+    }
+
+    /// Whether there is any such facet.
+    [[nodiscard]] bool has_shallower(const Vector3 &tip_m, double least_depth_m) const noexcept {
+        bool has = false;
+        for_each_shallower(tip_m, least_depth_m, [&](std::uint32_t, double) { has = true; });
+        return has;
+    }
+
+private:
+    /// Facets that are looked at together; after the last of the list come some that nothing can be
+    /// in the way of.
+    static constexpr int kAtOnce = 8;
+    static_assert(kCapacity % kAtOnce == 0);
+    using Heights = Eigen::Array<double, kAtOnce, 1>;
+    using Coordinates = Eigen::Array<double, kCapacity, 1>;
+
+    [[nodiscard, gnu::always_inline]] Heights heights_m(int first,
+                                                        const Vector3 &point_m) const noexcept {
+        return normal_x_.segment<kAtOnce>(first) * point_m.x() +
+               normal_y_.segment<kAtOnce>(first) * point_m.y() +
+               normal_z_.segment<kAtOnce>(first) * point_m.z() - offset_m_.segment<kAtOnce>(first);
+    }
+
+    /// Zero, or far beyond any distance: what takes entries on the wrong side out of the running
+    /// without a branch for each.
+    [[nodiscard, gnu::always_inline]] static Heights far_if_positive(const Heights &m) noexcept {
+        return m.max(0.0) * 1e30;
+    }
+
+    template <typename Visit>
+    [[gnu::always_inline]] static void for_each_below(double limit, const Heights &values,
+                                                      const Visit &visit) noexcept {
+        if (values.minCoeff() < limit) { // as a rule none is
+            for (int i = 0; i < kAtOnce; ++i) {
+                if (values[i] < limit) {
+                    visit(i);
+                }
+            }
+        }
+    }
+
+    void add_side(std::uint32_t index, double side, const Facet &facet) noexcept;
+
+    std::uint64_t surface_serial_ = 0;
+    Vector3 centre_m_{Vector3::Zero()};
+    double radius_m_ = 0.0;
+    int size_ = 0;
+    ShapeSet shapes_ = 0;
+    // One array for each coordinate, so that the processor takes several facets at a time.
+    Coordinates normal_x_{Coordinates::Zero()};
+    Coordinates normal_y_{Coordinates::Zero()};
+    Coordinates normal_z_{Coordinates::Zero()};
+    Coordinates offset_m_{Coordinates::Constant(-1.0)};
+    std::array<std::uint32_t, kCapacity> index_{};
+};
+
+} // namespace springdrive::contact

@@ -1,0 +1,250 @@
+#include "engine/contact/proxy/proxy.h"
+
+#include "engine/contact/proxy/friction.h"
+#include "engine/contact/proxy/resting_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace springdrive::contact {
+
+namespace {
+
+/// Beyond this no tip can be [m]: a value to refuse, not to compute with.
+constexpr double kFarthestTip_m = 1e3;
+
+/// A hop to a place of rest that is nearer may take the proxy farther from the tip on its way by
+/// this [m]: a third of what the device resolves. Facets of a smooth shape leave such low ridges
+/// between them, and edges that do not quite meet leave such steps.
+constexpr double kLowRidge_m = 1e-5;
+
+// A tick's path never fills up: every motion adds one point at most, friction two more.
+static_assert(ProxyPath::kCapacity >= 1 + Effort::kMotions + 2);
+
+/// Nearer means nearer by more than round-off [m].
+constexpr double kNearer_m = 1e-12;
+
+/// A hop that ends this near to where it was aimed has arrived [m].
+constexpr double kArrived_m = 1e-9;
+
+/// Farther than this a hop does not go [m]. All that it could go to is kept in sight, but for half
+/// of it where facets are so fine that no more comes into view.
+constexpr double kFarthestHop_m = 2e-4;
+
+/// How far to look around [m]: at first, and at most.
+constexpr double kFirstSight_m = 1e-3;
+constexpr double kFarthestSight_m = 0.5;
+
+[[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
+    return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
+}
+
+} // namespace
+
+Proxy::Proxy(double radius_m)
+    : reach_m_(std::max(radius_m, kClearance_m)), sight_m_(kFirstSight_m + reach_m_) {}
+
+void Proxy::reset(const Vector3 &tip_m) noexcept {
+    if (is_usable(tip_m)) {
+        rest_ = {tip_m, {}};
+        sticks_ = slides_ = false;
+        last_tip_m_ = tip_m;
+    }
+}
+
+void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
+                          Effort &effort) noexcept {
+    const Vector3 step = tip_m - last_tip_m_;
+    const double step_m = step.norm();
+    const double hop_m = sight_m_ > 4.0 * kFarthestHop_m ? kFarthestHop_m : 0.5 * kFarthestHop_m;
+    const double needed_m = reach_m_ + std::max(step_m, hop_m);
+    if (near_.surface_serial() == surface.serial() && near_.covers(rest_.point_m, needed_m)) {
+        return;
+    }
+    near_.clear();
+    if (rest_.held_by.size() == 0) {
+        sight_m_ = std::max(sight_m_, 2.0 * needed_m);
+    } else if (sight_m_ < 2.0 * needed_m) {
+        return; // too fast among too many facets for a list to pay
+    }
+    // Ahead of where it is, so that it lasts; but not so far that it might be among facets by then.
+    constexpr double kMostAhead_steps = 10.0;
+    const double ahead =
+        step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
+    look_around(surface, rest_.point_m + ahead * step, effort);
+    if (!near_.covers(rest_.point_m, reach_m_)) {
+        look_around(surface, rest_.point_m, effort); // too much to list lies ahead
+    }
+}
+
+void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
+                        Effort &effort) noexcept {
+    surface.find_near(centre_m, sight_m_, effort.search, near_);
+    // As many facets as make a list worth its making, and not so many that it overflows: on a
+    // surface their number grows with the square of the radius.
+    constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
+    const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * sight_m_;
+    const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
+    sight_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kFarthestSight_m);
+}
+
+bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) const noexcept {
+    if (rest_.is_touching() || !near_.covers(rest_.point_m, reach_m_) ||
+        !near_.covers(tip_m, reach_m_)) {
+        return false;
+    }
+    const bool is_far_from_shapes =
+        near_.size() == 0 &&
+        surface.is_clear_of(near_.shapes(), near_, rest_.point_m, tip_m, reach_m_);
+    return is_far_from_shapes || !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
+}
+
+/// What `descend` would do, in closed form, where only one face of one shape is in play.
+std::optional<ShapeSlide> Proxy::free_slide(const HapticSurface &surface,
+                                            const Vector3 &tip_m) const noexcept {
+    if (rest_.held_by.size() != 1 || !near_.covers(rest_.point_m, reach_m_)) {
+        return std::nullopt;
+    }
+    return surface.slide_over(rest_.held_by[0].obstacle, near_, rest_.point_m, tip_m, reach_m_);
+}
+
+void Proxy::follow(const ShapeSlide &slide) noexcept {
+    if (slide.rest_m != rest_.point_m) {
+        if (!slide.is_flat) {
+            path_.add(slide.over_m);
+        }
+        path_.add(slide.rest_m);
+    }
+    rest_.point_m = slide.rest_m;
+    rest_.held_by.keep_only(
+        {slide.normal, slide.normal.dot(slide.rest_m), rest_.held_by[0].obstacle});
+}
+
+bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
+                const Vector3 &tip_m) noexcept {
+    const double here_m = (rest_.point_m - tip_m).norm();
+    double least_m = here_m - reach_m_ - kNearer_m;
+    std::optional<Vector3> aim_m;
+    near_.for_each_shallower(tip_m, least_m, [&](std::uint32_t index, double depth_m) noexcept {
+        const Facet &facet = surface.facet(index);
+        const double side = facet.height_m(tip_m) <= 0.0 ? 1.0 : -1.0;
+        const Vector3 rest_m = tip_m + side * (depth_m + reach_m_) * facet.normal();
+        if (depth_m < least_m &&
+            (rest_m - rest_.point_m).squaredNorm() <= kFarthestHop_m * kFarthestHop_m &&
+            facet.is_over(tip_m)) {
+            aim_m = rest_m;
+            least_m = depth_m;
+        }
+    });
+    if (!aim_m) {
+        return false;
+    }
+    Rest there = rest_;
+    const std::size_t before = path_.size();
+    const bool has_settled = descent.settle(there, *aim_m);
+    const bool is_low = std::all_of(path_.begin() + before, path_.end(), [&](const Vector3 &point) {
+        return (point - tip_m).norm() <= here_m + kLowRidge_m;
+    });
+    if (!has_settled || !is_low || (there.point_m - *aim_m).norm() > kArrived_m) {
+        path_.cut(before);
+        return false;
+    }
+    rest_ = there;
+    return true;
+}
+
+bool Proxy::descend(const Descent &descent, const HapticSurface &surface, const Vector3 &tip_m,
+                    Effort &effort) noexcept {
+    constexpr int kMostHops = 4;
+    bool has_settled = descent.settle(rest_, tip_m);
+    if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
+        look_around(surface, rest_.point_m, effort); // it has leapt
+    }
+    for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
+        if (!hop(descent, surface, tip_m)) {
+            break;
+        }
+        has_settled = descent.settle(rest_, tip_m);
+    }
+    return has_settled;
+}
+
+void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+                const Vector3 &tip_m) noexcept {
+    const std::size_t first = before.is_touching() || path_.size() < 2 ? 0 : 1;
+    const double normal_m = (rest_.point_m - tip_m).norm();
+    const FrictionStop held = hold_back(path_, first, normal_m, material, slides_);
+    sticks_ = held.sticks;
+    slides_ = !held.sticks;
+    if (held.sticks && first == 0) {
+        rest_ = before;
+        path_.cut(1);
+        return;
+    }
+    // Where the path leaves the surface on its way over an edge, down to what lies below.
+    const std::optional<SurfaceStop> below = descent.first_stop(held.point_m, tip_m);
+    if (!below || !below->is_known) {
+        sticks_ = slides_ = false; // goes without friction, then
+        return;
+    }
+    path_.cut(held.piece + 1);
+    rest_.point_m = held.point_m + below->stop.fraction * (tip_m - held.point_m);
+    rest_.held_by = ContactPlanes();
+    rest_.held_by.add({below->stop.normal, below->stop.offset_m, below->obstacle});
+    path_.add(held.point_m);
+    path_.add(rest_.point_m);
+}
+
+Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexcept {
+    path_.restart(rest_.point_m);
+    if (!is_usable(tip_m)) {
+        return free_contact(rest_.point_m);
+    }
+    if (surface.serial() != surface_serial_) {
+        surface_serial_ = surface.serial();
+        rest_.held_by = ContactPlanes(); // planes of another surface hold nothing here
+        sticks_ = slides_ = false;
+    }
+    Effort effort;
+    keep_in_sight(surface, tip_m, effort);
+    last_tip_m_ = tip_m;
+    if (moves_freely(surface, tip_m)) {
+        rest_.point_m = tip_m;
+        path_.add(tip_m);
+        return free_contact(tip_m);
+    }
+    const std::optional<ShapeSlide> slide = free_slide(surface, tip_m);
+    if (slide && !(surface.material(rest_.held_by[0].obstacle).static_friction > 0.0)) {
+        follow(*slide);
+        return resting_contact(surface, rest_.held_by[0].obstacle, *slide, reach_m_);
+    }
+    const Rest before = rest_;
+    bool has_settled = true;
+    const Descent descent(surface, near_, reach_m_, effort, path_);
+    if (slide) {
+        follow(*slide);
+    } else {
+        has_settled = descend(descent, surface, tip_m, effort);
+    }
+    if (!rest_.is_touching()) {
+        // What ended in mid-air for want of effort pushes nobody either.
+        sticks_ = slides_ = false;
+        Contact contact = free_contact(rest_.point_m);
+        contact.settled = has_settled;
+        return contact;
+    }
+    const SurfaceMaterial &material = surface.material(rest_.held_by[0].obstacle);
+    if (material.static_friction > 0.0) {
+        rub(descent, before, material, tip_m);
+    }
+    Contact contact = resting_contact(surface, tip_m, rest_);
+    contact.settled = has_settled;
+    if (sticks_ && material.static_friction > 0.0) {
+        contact.sticking = true;
+        contact.allowed_motion.setZero();
+    }
+    return contact;
+}
+
+} // namespace springdrive::contact

@@ -1,0 +1,69 @@
+// The proxy (god-object): where the tip would be, had it not gone through the surface.
+//
+// Each tick it descends towards the tip, in free space and along the surface, to the nearest point
+// that it can reach. Every motion is swept against the surface, so whatever the tip does, the
+// proxy's path crosses nothing. Ridges and steps too low to feel do not hold it. Where the material
+// has friction it stays behind, as far as Coulomb's law lets it.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/contact.h"
+#include "engine/contact/proxy/contact_planes.h"
+#include "engine/contact/proxy/descent.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/neighbourhood.h"
+#include "engine/contact/proxy/proxy_path.h"
+#include "engine/contact/proxy/shape_slide.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace springdrive::contact {
+
+class Proxy {
+public:
+    /// @param radius_m  how far it keeps from every surface; at least kClearance_m
+    explicit Proxy(double radius_m = 0.0);
+
+    /// Starts free at the tip, on whichever side of the surface that is. A tip that is not finite
+    /// is ignored.
+    void reset(const Vector3 &tip_m) noexcept;
+
+    /// Moves the proxy to the point nearest to the tip that it can reach without crossing the
+    /// surface. RT-safe: bounded effort, no allocation, lock, I/O or throw.
+    ///
+    /// A tip that is not finite, or a kilometre away, leaves the proxy where it is and makes the
+    /// contact a free one; to stop the device is the safety monitor's part.
+    Contact update(const HapticSurface &surface, const Vector3 &tip_m) noexcept;
+
+    /// How it went in the last update.
+    [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
+
+private:
+    void keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
+    void look_around(const HapticSurface &surface, const Vector3 &centre_m,
+                     Effort &effort) noexcept;
+    [[nodiscard]] bool moves_freely(const HapticSurface &surface,
+                                    const Vector3 &tip_m) const noexcept;
+    [[nodiscard]] std::optional<ShapeSlide> free_slide(const HapticSurface &surface,
+                                                       const Vector3 &tip_m) const noexcept;
+    void follow(const ShapeSlide &slide) noexcept;
+    [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
+                               const Vector3 &tip_m, Effort &effort) noexcept;
+    [[nodiscard]] bool hop(const Descent &descent, const HapticSurface &surface,
+                           const Vector3 &tip_m) noexcept;
+    void rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+             const Vector3 &tip_m) noexcept;
+
+    double reach_m_;
+    std::uint64_t surface_serial_ = 0; ///< of the surface that it was on
+    Rest rest_;
+    bool sticks_ = false; ///< friction holds it
+    bool slides_ = false; ///< against friction
+    Vector3 last_tip_m_{Vector3::Zero()};
+    Neighbourhood near_;
+    double sight_m_; ///< radius to look around with next
+    ProxyPath path_;
+};
+
+} // namespace springdrive::contact

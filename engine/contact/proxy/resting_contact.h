@@ -1,0 +1,25 @@
+// What motion control is told of a proxy's place of rest.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/contact.h"
+#include "engine/contact/proxy/descent.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/shape_slide.h"
+
+#include <cstdint>
+
+namespace springdrive::contact {
+
+/// Of a proxy that touches nothing.
+[[nodiscard]] Contact free_contact(const Vector3 &point_m) noexcept;
+
+/// Of a proxy that its planes hold, at least one. RT-safe.
+[[nodiscard]] Contact resting_contact(const HapticSurface &surface, const Vector3 &tip_m,
+                                      const Rest &rest) noexcept;
+
+/// The same where it has come to rest at the end of a slide over a shape. RT-safe.
+[[nodiscard]] Contact resting_contact(const HapticSurface &surface, std::uint32_t shape_obstacle,
+                                      const ShapeSlide &slide, double reach_m) noexcept;
+
+} // namespace springdrive::contact

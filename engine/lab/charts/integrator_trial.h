@@ -1,0 +1,84 @@
+// One press (contact_press.h) of the plant (plant_equations.h) by many integrators, against CVODE
+// at a tight tolerance. "Ours" is the simulated device itself, as it runs.
+#pragma once
+
+#include "engine/lab/charts/contact_press.h"
+#include "engine/lab/charts/cvode_solver.h"
+#include "engine/lab/rig/plant_equations.h"
+#include "engine/lab/rig/work_point.h"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::charts {
+
+enum class Integrator : std::uint8_t {
+    explicit_euler,
+    semi_implicit_euler,
+    runge_kutta,
+    implicit_midpoint,
+    ours, ///< SimulatedPhantom::exchange
+};
+
+struct NamedIntegrator {
+    Integrator integrator = Integrator::ours;
+    std::string_view name;
+    double order = 0.0; ///< in theory
+};
+
+/// In the order of the chart.
+inline constexpr std::array<NamedIntegrator, 5> kIntegrators{{
+    {Integrator::explicit_euler, "explicit Euler", 1.0},
+    {Integrator::semi_implicit_euler, "semi-implicit Euler", 1.0},
+    {Integrator::runge_kutta, "Runge-Kutta 4", 4.0},
+    {Integrator::implicit_midpoint, "implicit midpoint", 2.0},
+    {Integrator::ours, "ours (exact in energy)", 2.0},
+}};
+
+class IntegratorTrial {
+public:
+    /// Runs the reference, in some tens of milliseconds.
+    explicit IntegratorTrial(const ContactPress &press);
+
+    [[nodiscard]] const ContactPress &press() const { return press_; }
+    [[nodiscard]] const PressRecord &reference() const { return reference_; }
+
+    /// With so many equal steps in a servo period. Friction turns round over a `width` [rad/s], or
+    /// jumps where that is 0; ours always has it real.
+    [[nodiscard]] NewPlant plant(Integrator integrator, int sub_steps, double width = 0.0) const;
+    [[nodiscard]] NewPlant cvode_plant(CvodeMethod method, double relative_tolerance,
+                                       double width = 0.0) const;
+
+    /// What the reference is made with: CVODE, under friction from one change of sticking and
+    /// sliding to the next.
+    [[nodiscard]] NewPlant reference_plant(CvodeMethod method, double relative_tolerance) const;
+
+    /// The width of friction in which a joint at the start comes to rest at the rate 1/`step_s`:
+    /// about as narrow as the implicit midpoint's iterations bear at that step.
+    [[nodiscard]] double friction_width_rad_per_s(double step_s) const;
+
+    /// The error in force [N], infinite where the integrator ran away.
+    [[nodiscard]] double error_N(Integrator integrator, int sub_steps) const;
+
+    /// Points of a chart, without the name of their method.
+    [[nodiscard]] rig::WorkPoint point(Integrator integrator, int sub_steps, int repeats,
+                                       double width = 0.0) const;
+    [[nodiscard]] rig::WorkPoint cvode_point(CvodeMethod method, double relative_tolerance,
+                                             int repeats, double width = 0.0) const;
+    [[nodiscard]] rig::WorkPoint reference_point(double relative_tolerance, int repeats) const;
+
+private:
+    [[nodiscard]] rig::WorkPoint solved_point(const NewPlant &new_plant, double relative_tolerance,
+                                              int repeats) const;
+
+    ContactPress press_;
+    simulated::SimulationOptions options_;
+    rig::PlantEquations equations_;
+    std::vector<simulated::HandTarget> targets_; ///< at the start of each period
+    rig::PlantState start_;
+    PressRecord reference_;
+};
+
+} // namespace springdrive::charts

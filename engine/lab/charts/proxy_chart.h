@@ -1,0 +1,34 @@
+// Ways to render a contact, from meshes of 1,000 to 1,000,000 triangles of shapes whose truth is
+// known: the closest point of the mesh (a penalty method), the proxy, the proxy on a mesh bent by
+// its normals, and the proxy on the shape itself.
+//
+// The error is held against the shape's formula, at tips that were pushed in from a known point of
+// it by a known depth. A cross is a method that lets the tip out on the other side.
+#pragma once
+
+#include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/rig/work_point.h"
+
+namespace springdrive::charts {
+
+/// The error of the penetration's depth, which is that of the force, on a sphere.
+[[nodiscard]] rig::WorkPrecisionChart sphere_depth_chart(const ChartSetting &setting,
+                                                         const ChartProgress &progress);
+
+/// The error of the force's direction on a sphere.
+[[nodiscard]] rig::WorkPrecisionChart sphere_direction_chart(const ChartSetting &setting,
+                                                             const ChartProgress &progress);
+
+/// The error of the depth on the organic shape, which no primitive is like.
+[[nodiscard]] rig::WorkPrecisionChart organic_depth_chart(const ChartSetting &setting,
+                                                          const ChartProgress &progress);
+
+/// The error of the direction on the organic shape.
+[[nodiscard]] rig::WorkPrecisionChart organic_direction_chart(const ChartSetting &setting,
+                                                              const ChartProgress &progress);
+
+/// The error of the depth on a plate of 2 mm, pressed in beyond its middle.
+[[nodiscard]] rig::WorkPrecisionChart thin_plate_chart(const ChartSetting &setting,
+                                                       const ChartProgress &progress);
+
+} // namespace springdrive::charts

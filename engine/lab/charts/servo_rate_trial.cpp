@@ -1,0 +1,128 @@
+#include "engine/lab/charts/servo_rate_trial.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/motion_control.h"
+#include "engine/lab/loops/direction_spectrum.h"
+#include "engine/lab/loops/sampled_loop.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/stiffness_sweep.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/lab/rig/timing.h"
+#include "engine/servo/servo_loop.h"
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+namespace springdrive::charts {
+
+namespace {
+
+constexpr double kPeriod_s = 1e-3; ///< of the servo that is timed
+constexpr std::size_t kTicks = 8000;
+
+/// In the middle of the workspace.
+Vector3 middle_angles_rad(const device::DeviceDescription &device) {
+    return device::joint_angles_rad(device.geometry, device.workspace.centre_m)
+        .value_or(Vector3::Zero());
+}
+
+/// A servo in lockstep with a simulated device, on a sphere.
+struct TouchedSphere {
+    explicit TouchedSphere(const ChartSetting &setting)
+        : surface(rig::icosphere(5, rig::kTestSphereRadius_m)),
+          start_m(rig::start_above(setting.device, -corner_m(), corner_m())) {
+        options.path =
+            rig::scripted_touch(setting.device, surface, -corner_m(), corner_m(), start_m);
+        servo::ServoInputs inputs;
+        inputs.tuning = setting.tuning;
+        inputs.surface = &surface;
+        inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
+        sealed_inputs = servo::sealed(inputs);
+    }
+
+    static Vector3 corner_m() { return Vector3::Constant(rig::kTestSphereRadius_m); }
+
+    contact::HapticSurface surface;
+    Vector3 start_m;
+    simulated::SimulationOptions options;
+    servo::ServoInputs sealed_inputs;
+};
+
+/// What the servo measured, tick by tick.
+std::vector<device::Measurement> recorded_states(const ChartSetting &setting,
+                                                 const TouchedSphere &sphere) {
+    simulated::SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
+    servo::ServoLoop loop(device, kPeriod_s);
+    std::vector<device::Measurement> states;
+    for (std::size_t i = 0; i < kTicks; ++i) {
+        states.push_back(loop.read());
+        const servo::ServoSample sample = loop.update(states.back(), sphere.sealed_inputs);
+        loop.write();
+        if (sample.safety.state == servo::SafetyState::tripped) {
+            throw InputError("the safety monitor stops the servo while it is timed: " +
+                             servo::description(sample.safety) + "; choose another tuning");
+        }
+    }
+    return states;
+}
+
+} // namespace
+
+double stiffness_error(const loops::SpringDrive &drive, int points) {
+    double sum = 0.0;
+    const double ratio = kHighestJudged_Hz / kLowestJudged_Hz;
+    for (int i = 0; i < points; ++i) {
+        const double asked_Hz = kLowestJudged_Hz * std::pow(ratio, i / (points - 1.0));
+        const loops::SweepWindow window = loops::sweep_window(asked_Hz, drive.period_s);
+        const double omega_rad_per_s = 2.0 * std::numbers::pi * window.frequency_hz(drive.period_s);
+        const std::complex<double> truth = loops::analytic_stiffness(drive, omega_rad_per_s);
+        sum += std::norm((loops::measured_stiffness(drive, window) - truth) / truth);
+    }
+    return std::sqrt(sum / points);
+}
+
+double perceived_direction_error_rad(const device::DeviceDescription &device,
+                                     const control::Tuning &tuning, double period_s) {
+    const Vector3 q_rad = middle_angles_rad(device);
+    loops::PlanarContact contact;
+    contact.J = loops::planar_jacobian(device.geometry, q_rad);
+    contact.alpha_rad2_per_m2 = loops::planar_stiffness(device, tuning, q_rad).alpha_rad2_per_m2;
+    contact.relative_stiffness = control::relative_stiffness(device).tail<2>();
+    for (std::size_t j = 0; j < 2; ++j) {
+        contact.drive[j] = {device.motor[j + 1], tuning, period_s, 0};
+    }
+    return loops::worst_direction_error_rad(loops::tip_stiffness(
+        contact, control::MotionMap::transpose, 2.0 * std::numbers::pi * kPerceived_Hz));
+}
+
+bool is_stable_on_all_motors(const device::DeviceDescription &device, const control::Tuning &tuning,
+                             double period_s, double delay_periods) {
+    for (std::size_t j = 0; j < device.motor.size(); ++j) {
+        loops::SampledLoop loop;
+        loop.drive = {device.motor[j], tuning, period_s, delay_periods};
+        loop.device = loops::device_load(device, static_cast<int>(j));
+        if (!loops::is_stable(loop)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+rig::Cost cost_of_servo_tick(const ChartSetting &setting) {
+    const TouchedSphere sphere(setting);
+    const std::vector<device::Measurement> states = recorded_states(setting, sphere);
+    simulated::SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
+    return rig::cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
+        servo::ServoLoop loop(device, kPeriod_s);
+        for (const device::Measurement &state : states) {
+            rig::keep(loop.update(state, sphere.sealed_inputs));
+        }
+    });
+}
+
+} // namespace springdrive::charts

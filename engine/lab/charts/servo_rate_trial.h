@@ -1,0 +1,37 @@
+// What a servo rate does to what is rendered, and what a tick of the servo costs.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/loops/rendered_stiffness.h"
+#include "engine/lab/rig/work_point.h"
+
+namespace springdrive::charts {
+
+/// The band in which the stiffness is held against (12): above it a hand holds rather than feels.
+inline constexpr double kLowestJudged_Hz = 2.0;
+inline constexpr double kHighestJudged_Hz = 100.0;
+
+/// Up to which people perceive a force's direction, by the paper.
+inline constexpr double kPerceived_Hz = 30.0;
+
+/// |K_measured − K(12)|/|K(12)|, root mean square over frequencies of the band evenly spread over
+/// the logarithm. `points` of them, two at least.
+[[nodiscard]] double stiffness_error(const loops::SpringDrive &drive, int points);
+
+/// The largest angle between normal and force over all normals in the plane of the links, base
+/// locked, for a tip that vibrates at `kPerceived_Hz` under the transpose map [rad].
+[[nodiscard]] double perceived_direction_error_rad(const device::DeviceDescription &device,
+                                                   const control::Tuning &tuning, double period_s);
+
+/// Whether every motor's loop is stable at a period with a locked set-point.
+[[nodiscard]] bool is_stable_on_all_motors(const device::DeviceDescription &device,
+                                           const control::Tuning &tuning, double period_s,
+                                           double delay_periods);
+
+/// A tick of the whole servo, from encoder counts to voltages, while the simulated hand slides over
+/// a sphere of 20,480 triangles. The device itself is not timed.
+/// @throw InputError where the safety monitor trips.
+[[nodiscard]] rig::Cost cost_of_servo_tick(const ChartSetting &setting);
+
+} // namespace springdrive::charts

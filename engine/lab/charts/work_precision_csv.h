@@ -1,0 +1,17 @@
+// A work-precision chart as a CSV file.
+#pragma once
+
+#include "engine/lab/rig/work_point.h"
+
+#include <ostream>
+#include <string>
+
+namespace springdrive::charts {
+
+/// method, setting, the cost's least, median and greatest [ns], error, stable (1 or 0) and the
+/// machine, a row for each point. An error that is not finite becomes an empty cell. Text with a
+/// comma, a quote or an end of line in it stands in quotes (RFC 4180).
+void write_work_precision_csv(std::ostream &out, const rig::WorkPrecisionChart &chart,
+                              const std::string &machine);
+
+} // namespace springdrive::charts

@@ -1,0 +1,343 @@
+#include "engine/lab/limits/auto_tune.h"
+
+#include "base/input_error.h"
+#include "engine/control/coupling.h"
+#include "engine/control/parameters.h"
+#include "engine/lab/limits/stability_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kGreatestMargin = 10.0;
+
+const control::Parameter &parameter(double control::Tuning::*value) {
+    return *std::find_if(control::kParameters.begin(), control::kParameters.end(),
+                         [value](const control::Parameter &each) { return each.value == value; });
+}
+
+/// A pair of K_D and λ, each as a share of the way through its range: λ by its logarithm, K_D by
+/// its square root, so that small ones are told apart.
+struct Place {
+    double K_D = 0.0;
+    double lambda = 0.0;
+
+    [[nodiscard]] loops::LoopGains gains(double K_P) const {
+        const control::Parameter &of_K_D = parameter(&control::Tuning::K_D_Vs_per_rad);
+        const control::Parameter &of_lambda = parameter(&control::Tuning::lambda_rad_per_s);
+        return {K_P, of_K_D.lowest + K_D * K_D * (of_K_D.highest - of_K_D.lowest),
+                of_lambda.lowest * std::pow(of_lambda.highest / of_lambda.lowest, lambda)};
+    }
+};
+
+constexpr int kGrid = 17;                        // places along K_D, and along λ
+constexpr double kFirstStep = 0.5 / (kGrid - 1); // between them
+
+/// Looks at ever smaller grids about the best place so far, which `best` tells.
+template <typename Look, typename Best>
+void closer_and_closer(double step, const Look &look_at, const Best &best) {
+    constexpr int kAround = 2; // to each side
+    constexpr int kRounds = 7;
+    for (int round = 0; round < kRounds; ++round, step *= 0.5) {
+        const Place centre = best();
+        for (int i = -kAround; i <= kAround; ++i) {
+            for (int j = -kAround; j <= kAround; ++j) {
+                look_at(Place{std::clamp(centre.K_D + i * step, 0.0, 1.0),
+                              std::clamp(centre.lambda + j * step, 0.0, 1.0)});
+            }
+        }
+    }
+}
+
+/// The largest K_P of each place, for loops that grow as failures are found.
+class Search {
+public:
+    Search(loops::HeldLoops &loops, const AutoTuneRequest &request)
+        : loops_(loops), margin_(request.margin), greatest_K_P_(request.greatest_K_P_V_per_rad) {}
+
+    struct Best {
+        Place place;
+        double K_P = -1.0; ///< negative: not even without K_P
+    };
+
+    /// Tries a place, and keeps it where it is better than all before.
+    void look_at(const Place &place) {
+        if (best_.K_P > 0.0 && !loops_.are_stable(critical_, with_margin(place, best_.K_P))) {
+            return; // not even as stiff as the best: most places
+        }
+        double K_P = largest(place);
+        while (K_P >= 0.0 && is_better(place, K_P)) {
+            const std::size_t failed = loops_.first_unstable(with_margin(place, K_P));
+            if (failed == loops_.count()) {
+                // A loop may be stable with larger gains and not with these.
+                if (loops_.first_unstable(place.gains(K_P)) == loops_.count()) {
+                    best_ = {place, K_P};
+                }
+                return;
+            }
+            critical_.push_back(failed);
+            K_P = largest(place);
+        }
+    }
+
+    [[nodiscard]] const Best &best() const { return best_; }
+
+    /// Whether every loop is stable there, with the margin and without.
+    [[nodiscard]] bool all_stable(const Place &place, double K_P) {
+        return loops_.first_unstable(with_margin(place, K_P)) == loops_.count() &&
+               loops_.first_unstable(place.gains(K_P)) == loops_.count();
+    }
+
+    /// For a K_P below the best, the place near the best at which the slowest of the critical
+    /// motions dies out soonest: what counts stir up lasts least there.
+    [[nodiscard]] Place calmest(double K_P) const {
+        Place calmest = best_.place;
+        double least = slowest(calmest, K_P);
+        closer_and_closer(
+            kFirstStep,
+            [&](const Place &place) {
+                const double eigenvalue = slowest(place, K_P);
+                if (eigenvalue < least) {
+                    calmest = place;
+                    least = eigenvalue;
+                }
+            },
+            [&] { return calmest; });
+        return calmest;
+    }
+
+private:
+    /// Stiffer counts; of the equally stiff, which the range of K_P leaves, the one whose slowest
+    /// critical motion dies out sooner.
+    [[nodiscard]] bool is_better(const Place &place, double K_P) const {
+        return K_P > best_.K_P ||
+               (K_P == best_.K_P && slowest(place, K_P) < slowest(best_.place, K_P));
+    }
+
+    [[nodiscard]] double slowest(const Place &place, double K_P) const {
+        double eigenvalue = 0.0;
+        for (const std::size_t loop : critical_) {
+            eigenvalue =
+                std::max(eigenvalue, loops_.largest_eigenvalue(loop, with_margin(place, K_P)));
+        }
+        return eigenvalue;
+    }
+
+    [[nodiscard]] loops::LoopGains with_margin(const Place &place, double K_P) const {
+        loops::LoopGains gains = place.gains(K_P);
+        gains.K_P_V_per_rad *= margin_;
+        gains.K_D_Vs_per_rad *= margin_;
+        return gains;
+    }
+
+    /// For the critical loops alone.
+    [[nodiscard]] double largest(const Place &place) const {
+        const auto holds = [&](double K_P) {
+            return loops_.are_stable(critical_, with_margin(place, K_P));
+        };
+        if (holds(greatest_K_P_)) {
+            return greatest_K_P_;
+        }
+        double stable = 0.0;
+        double unstable = greatest_K_P_;
+        if (!holds(stable)) {
+            return -1.0;
+        }
+        while (unstable - stable > 1e-4 * unstable) {
+            const double middle = 0.5 * (stable + unstable);
+            (holds(middle) ? stable : unstable) = middle;
+        }
+        return stable;
+    }
+
+    loops::HeldLoops &loops_;
+    double margin_;
+    double greatest_K_P_;
+    /// Loops that were found to limit K_P; the first is likely to.
+    std::vector<std::size_t> critical_{0};
+    Best best_;
+};
+
+using Progress = std::function<bool(double)>;
+
+constexpr double kShareOfGrid = 0.6;   // of the time
+constexpr double kShareOfSearch = 0.8; // grid and what follows it
+
+void tell(const Progress &progress, double share) {
+    if (!progress(share)) {
+        throw InputError("tuning was given up");
+    }
+}
+
+/// A grid over all pairs, then smaller and smaller grids about the best so far.
+void search(Search &places, const Progress &progress) {
+    for (int i = 0; i < kGrid; ++i) {
+        for (int j = 0; j < kGrid; ++j) {
+            places.look_at(
+                {static_cast<double>(i) / (kGrid - 1), static_cast<double>(j) / (kGrid - 1)});
+            tell(progress, kShareOfGrid * (i * kGrid + j + 1) / (kGrid * kGrid));
+        }
+    }
+    closer_and_closer(
+        kFirstStep, [&](const Place &place) { places.look_at(place); },
+        [&] {
+            tell(progress, kShareOfGrid);
+            return places.best().place;
+        });
+}
+
+loops::LoopGains scaled(const control::Tuning &tuning, double factor) {
+    return {factor * tuning.K_P_V_per_rad, factor * tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
+}
+
+loops::StabilityCase tuned(const loops::StabilityCase &which, const control::Tuning &tuning) {
+    loops::StabilityCase same = which;
+    same.tuning = tuning;
+    return same;
+}
+
+bool all_stable(const loops::StabilityCase &which) {
+    loops::HeldLoops loops(which);
+    return loops.first_unstable(scaled(which.tuning, 1.0)) == loops.count();
+}
+
+void find_gain_margin(control::TuningMargins &margins, loops::HeldLoops &loops,
+                      const control::Tuning &tuning) {
+    double stable = 1.0;
+    double unstable = 100.0;
+    std::size_t worst = loops.first_unstable(scaled(tuning, unstable));
+    if (worst == loops.count()) {
+        margins.gain = unstable;
+        return;
+    }
+    while (unstable - stable > 1e-3 * stable) {
+        const double middle = 0.5 * (stable + unstable);
+        const std::size_t failed = loops.first_unstable(scaled(tuning, middle));
+        (failed == loops.count() ? stable : unstable) = middle;
+        worst = failed == loops.count() ? worst : failed;
+    }
+    margins.gain = stable;
+    margins.worst_hand = loops[worst].hand;
+    margins.worst_eta = loops[worst].eta;
+}
+
+control::TuningMargins margins_of(loops::HeldLoops &loops, const loops::StabilityCase &which) {
+    control::TuningMargins margins;
+    margins.servo_hz = 1.0 / which.period_s;
+    margins.delay_periods = which.delay_periods;
+    margins.K_DC_Nm_per_rad =
+        control::coupling(which.device.motor[0], which.tuning, which.period_s, which.delay_periods)
+            .K_DC_Nm_per_rad;
+    find_gain_margin(margins, loops, which.tuning);
+
+    loops::StabilityCase later = which;
+    constexpr int kMostMoreDelay = 8;
+    for (; margins.more_delay_periods < kMostMoreDelay; ++margins.more_delay_periods) {
+        ++later.delay_periods;
+        if (!all_stable(later)) {
+            break;
+        }
+    }
+    const double dR_Ohm = which.dR_Ohm(which.device.motor[0]);
+    double unstable = 0.0;
+    margins.least_dR_Ohm = dR_Ohm;
+    while (margins.least_dR_Ohm - unstable > 1e-2 * dR_Ohm) {
+        loops::StabilityCase cooler = which;
+        cooler.net_resistance_Ohm = 0.5 * (margins.least_dR_Ohm + unstable);
+        (all_stable(cooler) ? margins.least_dR_Ohm : unstable) = *cooler.net_resistance_Ohm;
+    }
+    return margins;
+}
+
+/// Whether trials come to rest, of each motor by itself and of the linkage where it stands.
+bool rests(loops::StabilityCase which) {
+    const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
+    which.freedom = loops::Freedom::one_motor;
+    if (!is_stable_simulated(which, options)) {
+        return false;
+    }
+    which.freedom = loops::Freedom::three_motors;
+    return which.rotor || is_stable_simulated(which, options);
+}
+
+control::Tuning with_gains(control::Tuning tuning, const loops::LoopGains &gains) {
+    tuning.K_P_V_per_rad = gains.K_P_V_per_rad;
+    tuning.K_D_Vs_per_rad = gains.K_D_Vs_per_rad;
+    tuning.lambda_rad_per_s = gains.lambda_rad_per_s;
+    tuning.eta = 0.0;
+    return tuning;
+}
+
+/// Places beside one, each by itself within the ranges.
+std::vector<Place> beside(const Place &place) {
+    constexpr double kStep = 0.1;
+    std::vector<Place> all;
+    for (const double K_D : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
+        for (const double lambda : {-4.0, -2.0, 0.0}) {
+            all.push_back({std::clamp(place.K_D + kStep * K_D, 0.0, 1.0),
+                           std::clamp(place.lambda + kStep * lambda, 0.0, 1.0)});
+        }
+    }
+    return all;
+}
+
+/// The stiffest at which trials come to rest: K_P is lowered by hundredths until they do, at the
+/// best place or at the calmest. Where that takes more than a tenth, the line is none of the
+/// loops', and others beside the calmest are tried as well. Writes the tuning and returns the share
+/// of K_P taken back.
+/// @throw InputError where none does
+double take_back(Search &places, const loops::StabilityCase &which, control::Tuning &tuning,
+                 const Progress &progress) {
+    constexpr double kFew = 0.9;
+    constexpr double kLeast = 0.05;
+    double share = 1.0;
+    const auto holds = [&](const Place &place) {
+        const double K_P = share * places.best().K_P;
+        tuning = with_gains(which.tuning, place.gains(K_P));
+        return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
+    };
+    while (share > kLeast) {
+        tell(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
+        if (holds(places.best().place)) {
+            return 1.0 - share;
+        }
+        const Place calmest = places.calmest(share * places.best().K_P);
+        const std::vector<Place> others =
+            share > kFew ? std::vector<Place>{calmest} : beside(calmest);
+        if (std::any_of(others.begin(), others.end(), holds)) {
+            return 1.0 - share;
+        }
+        share *= share > kFew ? 0.99 : 0.98;
+    }
+    throw InputError(
+        "no tuning comes to rest with the counts of these encoders; raise dR, or lower "
+        "the delay");
+}
+
+} // namespace
+
+AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
+    if (!(request.margin >= 1.0 && request.margin <= kGreatestMargin)) {
+        throw InputError("the margin must be from 1 to 10: the factor by which the gains might "
+                         "be larger yet");
+    }
+    loops::HeldLoops loops(request.which);
+    Search places(loops, request);
+    search(places, progress);
+    if (places.best().K_P <= 0.0) {
+        throw InputError("no tuning is stable with this servo rate, delay, dR and margin; raise "
+                         "dR or the servo rate, or lower the delay or the margin");
+    }
+    AutoTuned found;
+    found.taken_back = take_back(places, request.which, found.tuning, progress);
+    found.margins = margins_of(loops, tuned(request.which, found.tuning));
+    found.loops = loops.count();
+    progress(1.0);
+    return found;
+}
+
+} // namespace springdrive::limits

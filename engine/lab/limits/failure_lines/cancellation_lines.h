@@ -1,0 +1,13 @@
+// Where resistance cancellation (6) fails: dR ≤ 0.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "engine/lab/limits/failure_lines/failure_line.h"
+
+namespace springdrive::limits {
+
+/// Of the second motor, its rotor held: a small current behind the amplifier grows where R̂ exceeds
+/// R(T, θ), by cold, by the commutator or by mistake; and what the winding guard makes of it.
+[[nodiscard]] std::vector<TriedLine> cancellation_lines(const device::DeviceDescription &device);
+
+} // namespace springdrive::limits

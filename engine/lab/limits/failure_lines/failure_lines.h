@@ -1,0 +1,23 @@
+// Where methods fail, each line predicted and measured: the table of docs/stability.md.
+#pragma once
+
+#include "engine/lab/limits/failure_lines/failure_line.h"
+#include "engine/lab/loops/stability_case.h"
+
+#include <ostream>
+
+namespace springdrive::limits {
+
+/// Every method of the design, on one device.
+/// @param which  its device, configuration and hands; tunings are those of each row
+/// @param progress  told a share from 0 to 1
+[[nodiscard]] std::vector<FailureLine> failure_lines(const loops::StabilityCase &which,
+                                                     const std::function<void(double)> &progress);
+
+/// Those that are found by trials, not measured yet: all but the limits of sampled loops.
+[[nodiscard]] std::vector<TriedLine> tried_lines(const loops::StabilityCase &which);
+
+/// As a Markdown table.
+void write_failure_lines(std::ostream &out, const std::vector<FailureLine> &lines);
+
+} // namespace springdrive::limits

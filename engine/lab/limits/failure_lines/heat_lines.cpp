@@ -1,0 +1,151 @@
+#include "device/core/phantom/kinematics.h"
+#include "engine/lab/limits/failure_lines/motor_lines.h"
+#include "engine/lab/limits/thermal_hold.h"
+#include "engine/servo/safety_monitor.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr const char *kMethod = "motor";
+
+/// The upper estimate of a winding, T = (winding, housing) above the warmest air, under a steady
+/// current: dT/dt = A T + h, whose heat i² R(T) at the commutator's worst angle grows with T.
+struct Warming {
+    Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d h = Eigen::Vector2d::Zero();
+
+    Warming(const device::MotorParameters &motor, double current_A) {
+        const device::ThermalParameters &t = motor.thermal;
+        const double winding_J_per_K = t.winding_time_s / t.winding_housing_K_per_W;
+        const double housing_J_per_K = t.motor_time_s / t.housing_ambient_K_per_W;
+        const double inner = 1.0 / t.winding_housing_K_per_W;
+        const double outer = 1.0 / t.housing_ambient_K_per_W;
+        const double cold_W =
+            current_A * current_A * motor.resistance_Ohm * (1.0 + motor.commutation_ripple);
+        const double rise = motor.resistance_rise_per_K;
+        A << (cold_W * rise - inner) / winding_J_per_K, inner / winding_J_per_K, //
+            inner / housing_J_per_K, -(inner + outer) / housing_J_per_K;
+        h[0] = cold_W * (1.0 + rise * (device::kWarmestAir_C - device::kReferenceTemperature_C)) /
+               winding_J_per_K;
+    }
+
+    /// Of the winding, by the two modes of A.
+    [[nodiscard]] double winding_C(double time_s) const {
+        const Eigen::Vector2d rest = A.inverse() * h; // T = (e^(At) − 1) A⁻¹ h
+        const Eigen::EigenSolver<Eigen::Matrix2d> modes(A);
+        const Eigen::Matrix2d &V = modes.pseudoEigenvectors(); // its eigenvalues are real
+        const Eigen::Vector2d share = V.inverse() * rest;
+        const Eigen::Vector2d values = modes.eigenvalues().real();
+        return device::kWarmestAir_C + V(0, 0) * share[0] * std::expm1(values[0] * time_s) +
+               V(0, 1) * share[1] * std::expm1(values[1] * time_s);
+    }
+};
+
+/// When the safety monitor stops a device one of whose motors carries that current [s]; nothing
+/// where it does not within `longest_s`.
+std::optional<double> trips_after_s(const device::DeviceDescription &device, double current_A,
+                                    double period_s, double longest_s) {
+    servo::SafetyMonitor monitor(device, period_s);
+    servo::Observation seen;
+    const Vector3 q_rad(0.0, 0.2, 0.1);
+    seen.now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
+    seen.now.tip_m = device::tip_position_m(device.geometry, q_rad);
+    seen.now.J = device::motor_jacobian(device.geometry, q_rad);
+    seen.current_A[1] = current_A;
+    for (long tick = 1; static_cast<double>(tick) * period_s < longest_s; ++tick) {
+        static_cast<void>(monitor.pass(device::DeviceCommand::braking(), seen, {}));
+        if (monitor.status().cause == servo::TripCause::winding_temperature) {
+            return static_cast<double>(tick) * period_s;
+        }
+    }
+    return std::nullopt;
+}
+
+TriedLine hot_after(const device::DeviceDescription &device) {
+    constexpr double kCurrent_A = 3.0;
+    constexpr double kPeriod_s = 1e-3;
+    constexpr double kLongest_s = 600.0;
+    const device::MotorParameters &motor = device.motor[1];
+    const Warming warming(motor, kCurrent_A);
+    TriedLine tried;
+    tried.line = {kMethod,
+                  "held for longer than",
+                  "s",
+                  with_unit(kCurrent_A, "A") + ": winding at " +
+                      with_unit(motor.thermal.greatest_winding_C, "°C") + " by the upper estimate",
+                  turning_point(0.0, kLongest_s,
+                                [&](double time_s) {
+                                    return warming.winding_C(time_s) <
+                                           motor.thermal.greatest_winding_C;
+                                }),
+                  {},
+                  {}};
+    tried.reading = [=] { return trips_after_s(device, kCurrent_A, kPeriod_s, kLongest_s); };
+    return tried;
+}
+
+/// What it bears for good warms it by (R_wh + R_ha) i² R(T).
+TriedLine hot_in_the_end(const device::DeviceDescription &device) {
+    constexpr double kPeriod_s = 1.0; // a hundredth of what the winding settles in, at any time
+    constexpr double kLongest_s = 20'000.0;
+    const device::MotorParameters &motor = device.motor[1];
+    const device::ThermalParameters &t = motor.thermal;
+    const double rise_K = t.greatest_winding_C - device::kWarmestAir_C;
+    const double hot_Ohm = motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
+                           (1.0 + motor.resistance_rise_per_K *
+                                      (t.greatest_winding_C - device::kReferenceTemperature_C));
+    return {
+        {kMethod,
+         "held for good above",
+         "A",
+         "winding at " + with_unit(t.greatest_winding_C, "°C") + " by the upper estimate",
+         std::sqrt(rise_K / ((t.winding_housing_K_per_W + t.housing_ambient_K_per_W) * hot_Ohm)),
+         {},
+         {}},
+        0.01,
+        motor.peak_current_A,
+        false,
+        [=](double current_A) { return !trips_after_s(device, current_A, kPeriod_s, kLongest_s); }};
+}
+
+/// A held contact warms the windings: K_DC = k_T K_P/dR falls as R rises (7).
+TriedLine warm_contact(const device::DeviceDescription &device) {
+    ThermalHoldOptions options;
+    options.force_N = 1.4;
+    options.seconds = 60.0;
+    const std::vector<ThermalRow> rows = thermal_hold(device, options);
+    const ThermalRow &cold = rows.front();
+    const ThermalRow *hot = &cold;
+    for (const ThermalRow &row : rows) {
+        hot = row.phase == ThermalPhase::hold ? &row : hot;
+    }
+    const device::MotorParameters &motor = device.motor[1];
+    const double warmer_K = hot->winding_C[1] - cold.winding_C[1];
+    const double dR_Ohm =
+        cold.dR_Ohm[1] + motor.resistance_Ohm * motor.resistance_rise_per_K * warmer_K;
+    const double left = hot->K_DC_Nm_per_rad[1] / cold.K_DC_Nm_per_rad[1];
+    TriedLine tried;
+    tried.line = {"held contact",
+                  "K_DC falls to",
+                  "%",
+                  "1.4 N for 60 s, dR " + with_unit(options.tuning.dR_Ohm, "Ω") + ", motor 2",
+                  100.0 * cold.dR_Ohm[1] / dR_Ohm,
+                  {},
+                  {}};
+    tried.reading = [=] { return std::optional(100.0 * left); };
+    return tried;
+}
+
+} // namespace
+
+std::vector<TriedLine> heat_lines(const device::DeviceDescription &device) {
+    return {hot_after(device), hot_in_the_end(device), warm_contact(device)};
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,113 @@
+#include "engine/lab/limits/failure_lines/letting_go_lines.h"
+
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/motion_control.h"
+#include "engine/lab/limits/failure_lines/servo_rig.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kHand_N = 40.0; ///< the most that it presses with
+constexpr double kWatched_s = 0.3;
+constexpr double kContact_s = 0.2; ///< by then the tip has left the walls
+
+long ticks_in(double time_s, const loops::StabilityCase &which) {
+    return std::lround(time_s / which.period_s);
+}
+
+/// K_x = α k̄ (27) where all motors are alike: with k_T K_P/dR for k̄.
+double tip_stiffness_N_per_m(const loops::StabilityCase &which) {
+    const double alpha =
+        control::alpha_bound(device::motor_jacobian(which.device.geometry, which.q_rad),
+                             control::relative_stiffness(which.device));
+    return alpha * control::torque_constants(which.device).mean() * which.tuning.K_P_V_per_rad /
+           which.tuning.dR_Ohm;
+}
+
+/// The greatest speed of the tip per newton of the force that it was pressed with, by the linear
+/// loop that nobody holds: from rest in a corner until it has left all three walls [m/s/N].
+double speed_per_force(const loops::StabilityCase &which) {
+    loops::StabilityCase alone = which;
+    alone.hands = {loops::no_hand()};
+    const loops::LoopMember member = loops::members(alone).front();
+    const loops::DrivenLoad load = loops::driven_load(alone, member);
+    const loops::SampledLaw law = loops::sampled_law(alone, member);
+    const Eigen::MatrixXd map =
+        loops::one_period_map(loops::sampled_load(load, which.period_s), law);
+    const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
+    const Vector3 pressed_m =
+        -Vector3::Constant(1.0 / std::sqrt(3.0)) / tip_stiffness_N_per_m(which);
+    // [θ, its way since the last tick, θ̇, i, θ̇_f], see closed_loop.h
+    Eigen::VectorXd state = Eigen::VectorXd::Zero(map.rows());
+    state.head<3>() = J.inverse() * pressed_m;
+    state.segment<3>(9) = law.per_position * state.head<3>() / which.tuning.dR_Ohm;
+    double greatest = 0.0;
+    for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
+        state = map * state;
+        greatest = std::max(greatest, Vector3(J * state.segment<3>(6)).norm());
+        if (Vector3(J * state.head<3>()).minCoeff() > 0.0) {
+            break;
+        }
+    }
+    return greatest;
+}
+
+bool is_borne(const loops::StabilityCase &which, double force_N, double limit_m_per_s) {
+    const double K = tip_stiffness_N_per_m(which);
+    const double hand_N_per_m = which.hands.front().stiffness_N_per_m;
+    ServoRig rig({which, kHand_N});
+    rig.inputs.limits.tip_speed_m_per_s = limit_m_per_s;
+    rig.press(force_N * (K + hand_N_per_m) / K); // hand and contact are two springs in a row
+    if (rig.has_tripped()) {
+        return false;
+    }
+    rig.device.let_go();
+    for (long tick = 0; tick < ticks_in(kWatched_s, which); ++tick) {
+        static_cast<void>(rig.tick());
+    }
+    return !rig.has_tripped();
+}
+
+TriedLine line_at(const loops::StabilityCase &which, double limit_m_per_s,
+                  const std::string &setting) {
+    constexpr double kMost_N = 7.0; // less than the limiter lets through
+    constexpr double kResolution = 1e-4;
+    const double predicted_N = limit_m_per_s / speed_per_force(which);
+    TriedLine tried{{"servo",
+                     "a hand lets go, pressing more than",
+                     "N",
+                     setting,
+                     predicted_N < kMost_N ? std::optional(predicted_N) : std::nullopt,
+                     {},
+                     {}},
+                    0.5,
+                    kMost_N,
+                    false,
+                    [=](double force_N) { return is_borne(which, force_N, limit_m_per_s); }};
+    tried.resolution = kResolution;
+    return tried;
+}
+
+} // namespace
+
+std::vector<TriedLine> letting_go_lines(const loops::StabilityCase &which) {
+    constexpr double kLowered_m_per_s = 0.2;
+    loops::StabilityCase firm = which;
+    firm.tuning = control::Tuning{};
+    firm.freedom = loops::Freedom::three_motors;
+    firm.hands = {loops::hand_of_firmness(1.0)};
+    const double limit_m_per_s = firm.device.limits.tip_speed_m_per_s;
+    return {line_at(firm, limit_m_per_s,
+                    "tuning firm, tip speed limited to " + with_unit(limit_m_per_s, "m/s") +
+                        "; tried up to 7 N"),
+            line_at(firm, kLowered_m_per_s,
+                    "tuning firm, that limit lowered to " + with_unit(kLowered_m_per_s, "m/s"))};
+}
+
+} // namespace springdrive::limits

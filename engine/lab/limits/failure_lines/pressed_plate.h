@@ -1,0 +1,30 @@
+// The plate that tips are pressed into, to find where a method loses it.
+#pragma once
+
+#include "engine/lab/limits/failure_lines/failing_shapes.h"
+#include "engine/lab/limits/failure_lines/failure_line.h"
+
+#include <string>
+
+namespace springdrive::limits {
+
+inline constexpr double kTickPeriod_s = 1e-3;
+inline constexpr double kPlate_m = 2e-3;
+inline constexpr double kHalfPlate_m = 0.05;
+
+[[nodiscard]] inline std::string plate_text() {
+    return "a plate of " + with_unit(1e3 * kPlate_m, "mm");
+}
+
+/// Its upper side at y = 0.
+[[nodiscard]] inline contact::TriangleSoup plate(double thickness_m) {
+    return solid_box({-kHalfPlate_m, -thickness_m, -kHalfPlate_m},
+                     {kHalfPlate_m, 0.0, kHalfPlate_m});
+}
+
+/// Beside the diagonals of faces, and off their middles.
+inline const Vector3 kAside_m(0.01, 0.0, 0.02);
+
+[[nodiscard]] inline Vector3 at_height(double y_m) { return kAside_m + y_m * Vector3::UnitY(); }
+
+} // namespace springdrive::limits

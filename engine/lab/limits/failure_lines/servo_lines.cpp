@@ -1,0 +1,261 @@
+#include "engine/lab/limits/failure_lines/servo_lines.h"
+
+#include "engine/lab/limits/failure_lines/failing_shapes.h"
+#include "engine/lab/limits/failure_lines/late_ticks.h"
+#include "engine/lab/limits/failure_lines/servo_rig.h"
+#include "engine/servo/deadlines.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr const char *kMethod = "servo";
+constexpr double kMilli = 1e3;
+
+/// Tuning firm, all motors, one relaxed hand.
+loops::StabilityCase firm_in_a_hand(const loops::StabilityCase &which) {
+    loops::StabilityCase firm = which;
+    firm.tuning = control::Tuning{};
+    firm.freedom = loops::Freedom::three_motors;
+    firm.hands = {loops::hand_of_firmness(0.5)};
+    firm.delay_periods = 0;
+    return firm;
+}
+
+/// Deadlines missed in a row that the monitor bears.
+int missed_limit(const loops::StabilityCase &which) {
+    return static_cast<int>(std::floor(which.device.limits.late_s / which.period_s + 1e-6));
+}
+
+/// One tick is late by so much. The first limit + 1 periods of it are too many.
+TriedLine late_tick(const loops::StabilityCase &which) {
+    const double period_ms = kMilli * which.period_s;
+    const int limit = missed_limit(which);
+    TriedLine tried{
+        {kMethod,
+         "a tick later than",
+         "ms",
+         "1 kHz; it stops at more than " + with_unit(limit, "missed deadlines in a row"),
+         period_ms * (limit + 1),
+         {},
+         {}},
+        0.1 * period_ms,
+        10.0 * period_ms * (limit + 1),
+        false,
+        [=](double late_ms) {
+            ServoRig rig({which, 0.0});
+            servo::Deadlines deadlines(1.0 / which.period_s);
+            deadlines.begin(deadlines.next_ns() + std::llround(1e6 * late_ms));
+            static_cast<void>(rig.tick(static_cast<int>(deadlines.missed())));
+            return !rig.has_tripped();
+        }};
+    tried.resolution = 1e-5;
+    return tried;
+}
+
+/// Whether a nudged tip comes to rest in the corner, with every other tick late. What the finest
+/// encoders keep up is a ten-thousandth of the nudge.
+bool dies_out(const loops::StabilityCase &which, int missed) {
+    constexpr double kForce_N = 2.0;
+    constexpr double kWatched_s = 3.0;
+    constexpr double kEarly_s = 0.2;
+    constexpr double kLate_s = 2.5;
+    ServoRig rig({which, 20.0});
+    rig.press(kForce_N);
+    rig.nudge();
+    double early = 0.0;
+    double late = 0.0;
+    double time_s = 0.0;
+    while (time_s < kWatched_s && !rig.has_tripped()) {
+        static_cast<void>(rig.tick());
+        static_cast<void>(rig.tick(missed));
+        const double rate = rig.device.truth().theta_rate_rad_per_s.norm();
+        early = time_s < kEarly_s ? std::max(early, rate) : early;
+        late = time_s > kLate_s ? std::max(late, rate) : late;
+        time_s += which.period_s * (2 + missed);
+    }
+    return !rig.has_tripped() && late < 0.5 * early;
+}
+
+/// Jitter at its worst: on time, late, on time, late.
+TriedLine every_other_tick_late(const loops::StabilityCase &which) {
+    const int most = missed_limit(which);
+    int predicted = 0;
+    while (predicted < most &&
+           late_ticks_eigenvalue(which, loops::members(which).front(), predicted + 1) < 1.0) {
+        ++predicted;
+    }
+    return {{kMethod,
+             "every other tick later than",
+             "periods",
+             "tuning firm, 1 kHz, pressed into a corner by a relaxed hand",
+             static_cast<double>(predicted),
+             {},
+             {}},
+            0.0,
+            static_cast<double>(most),
+            true,
+            [=](double missed) { return dies_out(which, static_cast<int>(missed)); }};
+}
+
+/// Answers that come late are a longer d: by whole periods, as frames that miss their tick.
+TriedLine late_answers(const loops::StabilityCase &which) {
+    const auto delayed = [=](int periods) {
+        loops::StabilityCase late = which;
+        late.tuning.K_P_V_per_rad = 20.0;
+        late.delay_periods = periods;
+        return late;
+    };
+    int predicted = 0;
+    while (predicted < simulated::SimulationOptions::kLongestDelay &&
+           loops::is_stable(delayed(predicted + 1))) {
+        ++predicted;
+    }
+    return {{kMethod,
+             "answers later than",
+             "periods",
+             "K_P 20 V/rad, 1 kHz, pressed into a corner by a relaxed hand",
+             static_cast<double>(predicted),
+             {},
+             {}},
+            0.0,
+            static_cast<double>(simulated::SimulationOptions::kLongestDelay),
+            true,
+            [=](double periods) { return dies_out(delayed(static_cast<int>(periods)), 0); }};
+}
+
+/// A device that is gone stops the servo at once.
+TriedLine lost_device(const loops::StabilityCase &which) {
+    return {{kMethod,
+             "device lost, ticks more than",
+             "–",
+             "unplugged, say; no command can reach it",
+             0.0,
+             {},
+             {}},
+            0.0,
+            10.0,
+            true,
+            [=](double lost) {
+                ServoRig rig({which, 0.0});
+                rig.device.stay_lost(static_cast<int>(lost));
+                for (int i = 0; i < 20; ++i) {
+                    static_cast<void>(rig.tick());
+                }
+                return !rig.has_tripped();
+            }};
+}
+
+/// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
+TriedLine missing_answers(const loops::StabilityCase &which) {
+    const double budget = which.device.limits.stale_s / which.period_s;
+    return {{kMethod,
+             "measurements missing in a row, more than",
+             "–",
+             "1 kHz; the last command stands meanwhile",
+             std::floor(budget + 1e-6),
+             {},
+             {}},
+            0.0,
+            3.0 * budget,
+            true,
+            [=](double missing) {
+                ServoRig rig({which, 0.0});
+                rig.device.stay_silent(static_cast<int>(missing));
+                for (int i = 0; i < 30; ++i) {
+                    static_cast<void>(rig.tick());
+                }
+                return !rig.has_tripped();
+            }};
+}
+
+/// The tick that sees it commands braking before it ends.
+TriedLine volts_off(const loops::StabilityCase &which) {
+    TriedLine tried;
+    tried.line = {kMethod,   "volts off after",
+                  "periods", "the device is lost while a relaxed hand presses",
+                  0.0,       {},
+                  {}};
+    tried.reading = [=]() -> std::optional<double> {
+        ServoRig rig({which, 20.0});
+        rig.press(2.0);
+        rig.device.stay_lost(1000);
+        for (int ticks = 0; ticks < 100; ++ticks) {
+            static_cast<void>(rig.tick());
+            if (rig.device.heard().e_W_V.isZero(0.0)) {
+                return ticks;
+            }
+        }
+        return std::nullopt;
+    };
+    return tried;
+}
+
+/// A tip that a new scene puts inside a block is free until it has come out.
+TriedLine new_scene(const loops::StabilityCase &which) {
+    constexpr double kHalf_m = 0.1;
+    constexpr double kDeepest_m = 0.05;
+    return {{"proxy",
+             "scene switched in contact, inside deeper than",
+             "mm",
+             "pressed by a relaxed hand; free, and nothing trips; tried up to 50 mm",
+             {},
+             {},
+             {}},
+            0.01,
+            kMilli * kDeepest_m,
+            false,
+            [=](double depth_mm) {
+                ServoRig rig({which, 20.0});
+                rig.press(2.0);
+                const Vector3 top_m = rig.last.tip_m + Vector3(0.0, depth_mm / kMilli, 0.0);
+                const contact::HapticSurface block(
+                    solid_box(top_m - Vector3(kHalf_m, 2.0 * kHalf_m, kHalf_m),
+                              top_m + Vector3(kHalf_m, 0.0, kHalf_m)));
+                rig.inputs.surface = &block;
+                ++rig.inputs.scene_id;
+                for (int i = 0; i < 300; ++i) {
+                    if (rig.tick().contact.touching || rig.has_tripped()) {
+                        return false;
+                    }
+                }
+                return true;
+            }};
+}
+
+TriedLine silent_window(const loops::StabilityCase &which) {
+    TriedLine tried;
+    tried.line = {kMethod,
+                  "window silent for longer than",
+                  "s",
+                  "its heartbeat stands still",
+                  which.device.limits.window_silence_s,
+                  {},
+                  {}};
+    tried.reading = [=]() -> std::optional<double> {
+        ServoRig rig({which, 0.0});
+        rig.inputs.heartbeat = 7;
+        static_cast<void>(rig.tick()); // the last beat
+        for (long ticks = 1; ticks < 100'000; ++ticks) {
+            if (rig.tick(); rig.has_tripped()) {
+                return static_cast<double>(ticks - 1) * which.period_s;
+            }
+        }
+        return std::nullopt;
+    };
+    return tried;
+}
+
+} // namespace
+
+std::vector<TriedLine> servo_lines(const loops::StabilityCase &which) {
+    const loops::StabilityCase firm = firm_in_a_hand(which);
+    return {new_scene(firm),    late_tick(firm),    every_other_tick_late(firm),
+            late_answers(firm), lost_device(firm),  missing_answers(firm),
+            volts_off(firm),    silent_window(firm)};
+}
+
+} // namespace springdrive::limits

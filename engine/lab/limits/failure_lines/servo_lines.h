@@ -1,0 +1,13 @@
+// Where the servo fails, or stops before it does: missed ticks, jitter, a late or lost device, a
+// window that hangs, a scene that changes and a hand that lets go.
+#pragma once
+
+#include "engine/lab/limits/failure_lines/failure_line.h"
+#include "engine/lab/loops/stability_case.h"
+
+namespace springdrive::limits {
+
+/// At 1 kHz, by the servo's own loop on simulated devices.
+[[nodiscard]] std::vector<TriedLine> servo_lines(const loops::StabilityCase &which);
+
+} // namespace springdrive::limits

@@ -1,0 +1,188 @@
+#include "engine/lab/limits/locked_device.h"
+
+#include "base/input_error.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/motion_control.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/rig/configuration.h"
+#include "engine/servo/servo_loop.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kOutside_m = 1e-3; ///< how far outside the tip starts
+
+// The experiment's timetable: the servo waits 0.1 s and ramps for 1 s.
+constexpr double kZeroFrom_s = 1.15;
+constexpr double kPressFrom_s = 1.20;
+constexpr double kPressUntil_s = 1.25;
+constexpr double kMeasureFrom_s = 1.45;
+constexpr double kMeasureUntil_s = 1.50;
+
+/// A vice: 1 µm per newton, critically damped, at rest within 2 ms.
+constexpr device::HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
+
+/// Nothing that is read at rest depends on the sub-step.
+constexpr double kLongestStep_s = 100e-6;
+
+/// One triangle, 0.2 m across, so that there is neither edge nor seam near the tip.
+contact::TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, const Vector3 &level) {
+    constexpr double kRadius_m = 0.1;
+    contact::TriangleSoup soup;
+    for (int corner = 0; corner < 3; ++corner) {
+        const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * corner / 3.0, normal);
+        soup.vertices_m.emplace_back(centre_m + kRadius_m * (turn * level));
+    }
+    soup.triangles = {{0, 1, 2}};
+    soup.material_of_triangle = {0};
+    soup.materials = {{"plate", 0.0}};
+    return soup;
+}
+
+simulated::SimulationOptions simulation_options(const LockedDeviceOptions &options,
+                                                const Vector3 &outside_m, const Vector3 &inside_m) {
+    simulated::SimulationOptions simulation;
+    simulation.servo_period_s = options.servo_period_s;
+    simulation.longest_step_s = kLongestStep_s;
+    simulation.hand = kVice;
+    simulation.path.emplace(
+        simulated::HandPath({{kPressFrom_s, outside_m}, {kPressUntil_s, inside_m}}));
+    simulation.quantised_encoders = options.effects;
+    if (options.effects) {
+        simulation.effects.commutation_ripple = false;
+        simulation.effects.joint_limits = false; // the vice holds it, near a stop too
+        simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
+    } else {
+        simulation.effects = simulated::PlantEffects::none();
+    }
+    return simulation;
+}
+
+/// The vice holds the device near a stop too: what the soft wall there does is no part of the map.
+device::DeviceDescription without_edge(device::DeviceDescription device) {
+    device.edge = {};
+    return device;
+}
+
+/// The simulated device in its vice, and the servo that it answers to.
+class LockedRig {
+public:
+    LockedRig(const device::DeviceDescription &device, const simulated::SimulationOptions &options,
+              const Vector3 &start_m, const contact::HapticSurface &plate,
+              const control::Tuning &tuning, double alpha)
+        : device_(without_edge(device), options, start_m), loop_(device_, options.servo_period_s) {
+        inputs_.surface = &plate;
+        inputs_.tuning = tuning;
+        inputs_.tuning.alpha_mode = control::AlphaMode::global;
+        inputs_.global_alpha_rad2_per_m2 = alpha;
+    }
+
+    /// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
+    [[nodiscard]] Vector3 run(double until_s) {
+        Vector3 sum = Vector3::Zero();
+        int ticks = 0;
+        while (device_.truth().time_s < until_s - 0.5 * loop_.period_s()) {
+            const servo::ServoSample sample = loop_.tick(servo::sealed(inputs_));
+            if (sample.safety.state == servo::SafetyState::tripped) {
+                throw InputError("locked device: the safety monitor tripped (" +
+                                 servo::description(sample.safety) +
+                                 "); choose a softer tuning or another configuration");
+            }
+            const bool measures = device_.truth().time_s > kMeasureFrom_s;
+            if (measures && (sample.held_back.force || sample.held_back.voltage)) {
+                throw InputError("locked device: the servo held the force back to keep within its "
+                                 "limits; choose a softer tuning or another configuration");
+            }
+            sum -= device_.truth().hand_force_N;
+            ++ticks;
+        }
+        return sum / std::max(1, ticks);
+    }
+
+private:
+    simulated::SimulatedPhantom device_;
+    servo::ServoLoop loop_;
+    servo::ServoInputs inputs_;
+};
+
+const loops::Matrix2 &stiffness_under(const loops::PlanarStiffness &stiffness,
+                                      control::MotionMap map) {
+    return map == control::MotionMap::inverse ? stiffness.inverse : stiffness.transpose;
+}
+
+} // namespace
+
+LockedForce press_locked_device(const device::DeviceDescription &device,
+                                const LockedDeviceOptions &options, control::MotionMap map,
+                                double normal_rad) {
+    rig::check_configuration(device, options.q_rad);
+    const loops::PlanarStiffness stiffness =
+        loops::planar_stiffness(device, options.tuning, options.q_rad);
+    const Eigen::Matrix<double, 3, 2> plane = loops::link_plane(options.q_rad[0]);
+    const loops::Vector2 n = loops::direction_at(normal_rad);
+    const Vector3 normal = plane * n;
+    const Vector3 inside_m = device::tip_position_m(device.geometry, options.q_rad);
+    const Vector3 surface_m = inside_m + options.penetration_m * normal;
+    const Vector3 outside_m = surface_m + kOutside_m * normal;
+
+    const contact::HapticSurface surface(
+        plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
+    control::Tuning tuning = options.tuning;
+    tuning.map = map;
+    LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, surface,
+                  tuning, stiffness.alpha_rad2_per_m2);
+    static_cast<void>(rig.run(kZeroFrom_s));
+    const Vector3 zero_N = rig.run(kPressFrom_s);
+    static_cast<void>(rig.run(kMeasureFrom_s));
+    const Vector3 reading_N = rig.run(kMeasureUntil_s);
+
+    LockedForce force;
+    force.measured_N = plane.transpose() * (reading_N - zero_N);
+    force.predicted_N = options.penetration_m * stiffness_under(stiffness, map) * n;
+    force.error_rad = loops::signed_angle_rad(n, force.measured_N);
+    force.predicted_error_rad = loops::signed_angle_rad(n, force.predicted_N);
+    return force;
+}
+
+double breakaway_force_N(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    const loops::Matrix2 J = loops::planar_jacobian(device.geometry, q_rad);
+    const loops::Vector2 torque_Nm = device.friction.coulomb_Nm.tail<2>().cwiseQuotient(
+        device.geometry.transmission_ratio.tail<2>()); // at the motors
+    const auto force_N = [&](double sign) -> loops::Vector2 {
+        return J.transpose().inverse() * loops::Vector2(torque_Nm[0], sign * torque_Nm[1]);
+    };
+    return std::max(force_N(1.0).norm(), force_N(-1.0).norm());
+}
+
+double harmless_penetration_m(const device::DeviceDescription &device,
+                              const control::Tuning &tuning, const Vector3 &q_rad,
+                              control::MotionMap map) {
+    constexpr double kLargest_m = 4e-3;
+    constexpr double kShare = 0.5;
+    const loops::PlanarStiffness stiffness = loops::planar_stiffness(device, tuning, q_rad);
+    const loops::Matrix2 &K = stiffness_under(stiffness, map);
+    const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(K, Eigen::EigenvaluesOnly);
+    double penetration_m =
+        std::min(kLargest_m, kShare * device.limits.tip_force_N / axes.eigenvalues().maxCoeff());
+    const loops::Matrix2 torque_per_metre =
+        loops::planar_jacobian(device.geometry, q_rad).transpose() * K;
+    for (Eigen::Index j = 0; j < 2; ++j) {
+        const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j + 1)];
+        const double amperes_per_metre =
+            torque_per_metre.row(j).norm() / motor.torque_constant_Nm_per_A;
+        penetration_m = std::min(penetration_m, kShare * motor.peak_current_A / amperes_per_metre);
+    }
+    return penetration_m;
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,209 @@
+#include "engine/lab/limits/simulated_limit.h"
+
+#include "engine/lab/limits/last_stable.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+namespace springdrive::limits {
+
+namespace {
+
+using Holds = std::function<bool(double)>;
+
+/// One value that is stable and one that is not.
+struct Bracket {
+    double stable = 0.0;
+    double unstable = 0.0;
+};
+
+/// Values to try about a prediction: 0 is the prediction, above 0 lies instability.
+class Places {
+public:
+    Places(const loops::StabilityParameter &parameter, const StabilityLimit &limit)
+        : parameter_(parameter), at_(limit.predicted), outward_(limit.stable_below ? 1.0 : -1.0) {}
+
+    /// @param share  of the prediction
+    [[nodiscard]] double value(double share) const {
+        constexpr double kOfZero = 1e-9; // which has no shares
+        const double away = share * std::max(std::abs(at_), kOfZero);
+        return std::clamp(at_ + outward_ * away, parameter_.lowest, parameter_.highest);
+    }
+
+private:
+    const loops::StabilityParameter &parameter_;
+    double at_;
+    double outward_;
+};
+
+/// 1, 2, 4 … per cent to either side.
+double by_doubling(const Places &places, int place) {
+    return places.value(place == 0 ? 0.0
+                                   : std::copysign(0.01 * std::exp2(std::abs(place) - 1), place));
+}
+
+/// From the prediction to the side on which a trial tells otherwise than there.
+std::optional<Bracket> nearest_bracket(const Places &places, const Holds &holds) {
+    constexpr int kFarthestInward = 7;  // 64 %
+    constexpr int kFarthestOutward = 9; // 256 %
+    const bool holds_there = holds(by_doubling(places, 0));
+    const int step = holds_there ? 1 : -1;
+    const int farthest = holds_there ? kFarthestOutward : kFarthestInward;
+    for (int i = 1; i <= farthest; ++i) {
+        const double last = by_doubling(places, step * (i - 1));
+        const double value = by_doubling(places, step * i);
+        if (value == last) { // the parameter's range ends
+            return std::nullopt;
+        }
+        if (holds(value) != holds_there) {
+            return holds_there ? Bracket{last, value} : Bracket{value, last};
+        }
+    }
+    return std::nullopt;
+}
+
+constexpr int kStart = -7;      ///< half the prediction
+constexpr int kInnermost = -11; ///< a tenth of it
+constexpr int kOutermost = 19;  ///< four times it
+
+/// Steps of a tenth, of a twentieth about the prediction, and farther out of a fifth of the way.
+double evenly(const Places &places, int place) {
+    constexpr double kStep = 0.05;
+    constexpr int kEven = 4; // to either side
+    constexpr double kWider = 1.2;
+    const double steps = place < -kEven   ? 2 * place + kEven
+                         : place <= kEven ? place
+                                          : kEven * std::pow(kWider, place - kEven);
+    return places.value(kStep * steps);
+}
+
+/// The first that fails, from well inside outwards.
+/// @param predicted  whether a value is stable by the eigenvalues
+std::optional<Bracket> first_bracket(const Places &places, const Holds &holds,
+                                     const Holds &predicted) {
+    const auto value = [&](int place) { return evenly(places, place); };
+    const auto goes_on = [&](int from, int to) {
+        return value(from) != value(to) && (to > 0 || predicted(value(to)));
+    };
+    int place = 0;
+    while (place > kStart && goes_on(place, place - 1)) {
+        --place;
+    }
+    if (!holds(value(place))) {
+        for (int in = place - 1; in >= kInnermost && goes_on(in + 1, in); --in) {
+            if (holds(value(in))) {
+                return Bracket{value(in), value(in + 1)};
+            }
+        }
+        do { // it rests in the middle only, or nowhere
+            ++place;
+        } while (place <= 0 && !holds(value(place)));
+        if (place > 0) {
+            return std::nullopt;
+        }
+    }
+    for (; place < kOutermost && goes_on(place, place + 1); ++place) {
+        if (!holds(value(place + 1))) {
+            return Bracket{value(place), value(place + 1)};
+        }
+    }
+    return std::nullopt;
+}
+
+/// All members at a value; those that failed last first, so that failures are soon found.
+class Members {
+public:
+    Members(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
+            const TrialOptions &options, double critical)
+        : which_(which), parameter_(parameter), options_(options) {
+        for (const loops::WorstMember &ranked : loops::ranked_members(at(critical))) {
+            members_.push_back(ranked.member);
+        }
+    }
+
+    [[nodiscard]] loops::StabilityCase at(double value) const {
+        loops::StabilityCase there = which_;
+        parameter_.set(there, value);
+        return there;
+    }
+
+    bool hold(double value) { return hold_from(members_.begin(), value); }
+
+    /// All but the one that failed last, which is then another where one of these fails.
+    bool others_hold(double value) { return hold_from(members_.begin() + 1, value); }
+
+    /// The one that failed last.
+    Trial critical(double value) { return trial(at(value), members_.front()); }
+
+private:
+    bool hold_from(std::vector<loops::LoopMember>::iterator first, double value) {
+        const loops::StabilityCase there = at(value);
+        const auto failed = std::find_if(first, members_.end(), [&](loops::LoopMember &member) {
+            return !trial(there, member).stable;
+        });
+        if (failed == members_.end()) {
+            return true;
+        }
+        std::rotate(members_.begin(), failed, failed + 1);
+        return false;
+    }
+
+    [[nodiscard]] Trial trial(const loops::StabilityCase &there, loops::LoopMember &member) const {
+        if (there.hands.size() == 1) { // its properties may be what is varied
+            member.hand = there.hands.front();
+        }
+        return simulated(there, member, options_);
+    }
+
+    const loops::StabilityCase &which_;
+    const loops::StabilityParameter &parameter_;
+    const TrialOptions &options_;
+    std::vector<loops::LoopMember> members_;
+};
+
+/// To 1e-3, of the member that fails last; and of another where that one fails earlier yet.
+double limit_within(const Bracket &bracket, Members &members) {
+    Bracket left = bracket;
+    for (;;) {
+        std::optional<double> line; // a value at which the motion stays: no need to look closer
+        const auto holds = [&](double value) {
+            if (!line) {
+                const Trial trial = members.critical(value);
+                if (!trial.stays) {
+                    return trial.stable;
+                }
+                line = value;
+            }
+            return left.stable < left.unstable ? value <= *line : value >= *line;
+        };
+        const double stable = last_stable(left.stable, left.unstable, 1e-3, holds);
+        if (stable == left.stable || members.others_hold(stable)) {
+            return stable;
+        }
+        left.unstable = stable;
+    }
+}
+
+} // namespace
+
+std::optional<double> simulated_limit(const loops::StabilityCase &which,
+                                      const loops::StabilityParameter &parameter,
+                                      const StabilityLimit &predicted,
+                                      const TrialOptions &options) {
+    Members members(which, parameter, options, predicted.predicted);
+    const Holds holds = [&](double value) { return members.hold(value); };
+    const Places places(parameter, predicted);
+    const std::optional<Bracket> found =
+        options.effects.any()
+            ? first_bracket(places, holds,
+                            [&](double value) { return loops::is_stable(members.at(value)); })
+            : nearest_bracket(places, holds);
+    if (!found) {
+        return std::nullopt;
+    }
+    return limit_within(*found, members);
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,249 @@
+#include "engine/lab/limits/stability_simulation.h"
+
+#include "device/core/phantom/kinematics.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/haptic_law.h"
+#include "engine/control/velocity_filter.h"
+#include "engine/lab/rig/flicker.h"
+#include "engine/lab/rig/rotor_simulation.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive::limits {
+
+namespace {
+
+/// @param start_rad  how far motors are from rest at first, about
+rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_rad) {
+    // Modes lie below 1e4 rad/s, or little above. Without a supply that ends, the linkage would
+    // else find a bound of its own, whirling round, before growth is seen.
+    constexpr double kGreatestRate_per_s = 1e7;
+    rig::RingdownOptions how;
+    how.longest_s = options.longest_s;
+    how.patience_s = options.patience_s;
+    how.greatest = kGreatestRate_per_s * start_rad;
+    // Encoders keep small motions up at a steady size, whose measured slope is near zero.
+    how.least_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;
+    return how;
+}
+
+/// Half a period of the slowest oscillation that command and load make of a motion at low
+/// frequency; zero where they make none.
+double slowest_half_period_s(const loops::DrivenLoad &load, const loops::SampledLaw &law) {
+    const Eigen::VectorXd torque_per_command =
+        -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
+             .cwiseQuotient(load.current_rate_per_current);
+    const Eigen::MatrixXd stiffness =
+        load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
+    const Eigen::VectorXd squares =
+        Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(stiffness)).eigenvalues().real();
+    constexpr double kFree = 1e-9; // of the stiffest: round-off of a direction that nothing holds
+    double least = HUGE_VAL;
+    for (const double square : squares) {
+        least = square > kFree * squares.cwiseAbs().maxCoeff() ? std::min(least, square) : least;
+    }
+    return std::numbers::pi / std::sqrt(least);
+}
+
+/// How a member's motion is watched.
+struct Watch {
+    rig::RingdownOptions ringdown;
+    double flicker_s = 0.0; ///< how long nothing but a flicker is rest
+};
+
+/// @param start_rad  how far motors are from rest at first, about
+Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &member,
+                   const TrialOptions &options, double start_rad) {
+    const double half_period_s =
+        slowest_half_period_s(loops::driven_load(which, member), loops::sampled_law(which, member));
+    Watch watch{ringdown_options(options, start_rad), 0.0};
+    constexpr double kLongestWindow_s = 1.0;
+    constexpr double kWindows = 10.0;
+    rig::RingdownOptions &ringdown = watch.ringdown;
+    ringdown.window_s = std::max(ringdown.window_s, std::min(half_period_s, kLongestWindow_s));
+    if (half_period_s > 0.0) {
+        ringdown.longest_s = std::max(ringdown.longest_s, kWindows * ringdown.window_s);
+    }
+    // Not where a slow motion turns, nor before a delay lets it begin.
+    constexpr double kLasting_s = 0.4;
+    constexpr double kSamples = 20.0;
+    watch.flicker_s = std::max(
+        {kLasting_s, 2.0 * ringdown.window_s, (which.delay_periods + kSamples) * which.period_s});
+    return watch;
+}
+
+/// What there is to see of a motion at a sample.
+struct Motion {
+    Vector3 theta_rad;
+    double rate_rad_per_s = 0.0; ///< the greatest of all motors
+};
+
+/// @param count_rad  of an encoder; 0 where there is none
+/// @param tick  moves on by a period and returns the true motion
+template <typename Tick>
+Trial watched(const Watch &watch, double count_rad, double period_s, const Tick &tick) {
+    constexpr double kCounts = 2.0;
+    rig::Flicker flicker(kCounts * count_rad, watch.flicker_s, period_s);
+    rig::Ringdown ringdown(watch.ringdown, period_s);
+    for (bool more = true; more && !flicker.is_all();) {
+        const Motion motion = tick();
+        flicker.watch(motion.theta_rad);
+        more = ringdown.watch(motion.rate_rad_per_s);
+    }
+    const bool dies_out = ringdown.dies_out();
+    while (!dies_out && flicker.may_be_all() && !flicker.is_all()) { // it may just have begun
+        flicker.watch(tick().theta_rad);
+    }
+    return {dies_out || flicker.is_all(), ringdown.stays(), ringdown.growth_per_s(),
+            ringdown.last()};
+}
+
+rig::RotorSimulationOptions rotor_options(const loops::StabilityCase &which,
+                                          const loops::LoopMember &member,
+                                          const TrialOptions &options) {
+    const loops::DrivenLoad load = loops::driven_load(which, member);
+    const loops::SampledLaw law = loops::sampled_law(which, member);
+    rig::RotorSimulationOptions rotor;
+    rotor.motor = which.device.motor[static_cast<std::size_t>(member.motor)];
+    rotor.drive = which.drive;
+    rotor.current_bandwidth_rad_per_s =
+        2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz;
+    rotor.net_resistance_Ohm = which.dR_Ohm(rotor.motor);
+    rotor.load = {load.inertia_kg_m2(0, 0), load.damping_Nms_per_rad(0, 0),
+                  load.stiffness_Nm_per_rad(0, 0)};
+    rotor.period_s = which.period_s;
+    rotor.delay_periods = which.delay_periods;
+    rotor.filter_pole = law.filter_pole;
+    rotor.per_velocity = law.per_velocity(0, 0);
+    rotor.per_position = law.per_position(0, 0);
+    rotor.quantum_rad = options.effects.quantisation ? which.device.rad_per_count() : 0.0;
+    rotor.amplifier_limits = options.effects.saturation;
+    const double N = which.device.geometry.transmission_ratio[member.motor];
+    rotor.coulomb_Nm =
+        options.effects.friction ? which.device.friction.coulomb_Nm[member.motor] / N : 0.0;
+    const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
+    rotor.start_rad = options.start_m / J.col(member.motor).norm();
+    return rotor;
+}
+
+Trial one_motor_trial(const loops::StabilityCase &which, const loops::LoopMember &member,
+                      const TrialOptions &options) {
+    const rig::RotorSimulationOptions how = rotor_options(which, member, options);
+    rig::RotorSimulation rotor(how);
+    const Watch watch = how_to_watch(which, member, options, how.start_rad);
+    return watched(watch, how.quantum_rad, which.period_s, [&rotor] {
+        rotor.tick();
+        return Motion{Vector3(rotor.theta_rad(), 0.0, 0.0), std::abs(rotor.rate_rad_per_s())};
+    });
+}
+
+/// The whole law, or the wall of a current drive, for a tip that is tied to a point.
+class TiedTip {
+public:
+    TiedTip(const loops::StabilityCase &which, const device::DeviceDescription &device,
+            const Vector3 &point_m)
+        : which_(which), law_(device),
+          global_alpha_(
+              which.tuning.alpha_mode == control::AlphaMode::global
+                  ? control::global_alpha_bound(which.device) // a search over the workspace
+                  : 0.0) {
+        tie_.touching = true;
+        tie_.x0_m = point_m;
+        tie_.allowed_motion.setZero();
+        tie_.eta = 0.0;
+    }
+
+    [[nodiscard]] simulated::PlantCommand command(const Vector3 &theta_rad) {
+        const double pole =
+            control::velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s);
+        const Vector3 rate = filter_.update(theta_rad, pole, which_.period_s);
+        const control::Configuration now = law_.configuration(theta_rad, rate);
+        if (which_.drive == device::AmplifierKind::current_drive) {
+            return {device::DeviceCommand::braking(), current_A(now)};
+        }
+        device::DeviceCommand command = law_(now, tie_, which_.tuning, global_alpha_).command;
+        for (Eigen::Index j = 0; j < 3; ++j) {
+            const device::MotorParameters &motor = which_.device.motor[static_cast<std::size_t>(j)];
+            command.cancelled_resistance_Ohm[j] = motor.resistance_Ohm - which_.dR_Ohm(motor);
+        }
+        return {command, Vector3::Zero()};
+    }
+
+    void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
+
+private:
+    [[nodiscard]] Vector3 current_A(const control::Configuration &now) const {
+        const Vector3 force_N =
+            (1.0 - which_.tuning.eta) * (which_.wall.stiffness_N_per_m * (tie_.x0_m - now.tip_m) -
+                                         which_.wall.damping_Ns_per_m * now.tip_velocity_m_per_s());
+        return Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
+    }
+
+    const loops::StabilityCase &which_;
+    control::HapticLaw law_;
+    double global_alpha_;
+    control::VelocityFilter filter_;
+    contact::Contact tie_;
+};
+
+simulated::SimulationOptions phantom_options(const loops::StabilityCase &which,
+                                             const loops::LoopMember &member,
+                                             const TrialOptions &options) {
+    simulated::SimulationOptions simulation;
+    simulation.servo_period_s = which.period_s;
+    simulation.delay_periods = which.delay_periods;
+    simulation.quantised_encoders = options.effects.quantisation;
+    simulation.hand = {member.hand.mass_kg, member.hand.damping_Ns_per_m,
+                       member.hand.stiffness_N_per_m, HUGE_VAL, 1.0};
+    simulation.effects = simulated::PlantEffects::none();
+    simulation.effects.viscous_friction = true;
+    simulation.effects.coulomb_friction = options.effects.friction;
+    simulation.effects.amplifier_limits = options.effects.saturation;
+    simulation.amplifier = which.drive;
+    return simulation;
+}
+
+Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMember &member,
+                        const TrialOptions &options) {
+    const device::PhantomGeometry &geometry = which.device.geometry;
+    const Vector3 rest_m = device::tip_position_m(geometry, which.q_rad);
+    // Let go beside rest in a direction that no mode is square to.
+    const Vector3 aside = options.start_m * Vector3(0.6, 0.64, 0.48);
+    device::DeviceDescription device = which.device;
+    device.amplifier.greatest_cancelled_Ohm = HUGE_VAL; // over-cancelled as far as is asked for
+    simulated::SimulatedPhantom phantom(device, phantom_options(which, member, options), rest_m);
+    TiedTip tip(which, phantom.description(), rest_m + aside);
+    Vector3 theta_rad = phantom.truth().theta_rad;
+    tip.rest_at(theta_rad);
+    const double per_count = phantom.description().rad_per_count();
+    const double start_rad = options.start_m / device::motor_jacobian(geometry, which.q_rad).norm();
+    const Watch watch = how_to_watch(which, member, options, start_rad);
+    return watched(watch, per_count, which.period_s, [&] {
+        const device::Measurement state = phantom.advance(tip.command(theta_rad));
+        theta_rad = per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
+        const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
+        return Motion{truth.theta_rad, truth.theta_rate_rad_per_s.cwiseAbs().maxCoeff()};
+    });
+}
+
+} // namespace
+
+Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
+                const TrialOptions &options) {
+    return which.freedom == loops::Freedom::one_motor ? one_motor_trial(which, member, options)
+                                                      : three_motor_trial(which, member, options);
+}
+
+bool is_stable_simulated(const loops::StabilityCase &which, const TrialOptions &options) {
+    const std::vector<loops::LoopMember> all = loops::members(which);
+    return std::all_of(all.begin(), all.end(), [&](const loops::LoopMember &member) {
+        return simulated(which, member, options).stable;
+    });
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,229 @@
+#include "engine/lab/limits/thermal_hold.h"
+
+#include "base/input_error.h"
+#include "device/core/motor/winding_guard.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/force_direction.h"
+#include "engine/control/motion_control.h"
+#include "engine/lab/limits/held_motor.h"
+#include "engine/lab/rig/configuration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kLongestStep_s = 0.01;
+constexpr double kLongestHold_s = 86400.0;
+constexpr int kMostRows = 100000;
+constexpr double kLargestK_P_V_per_rad = 1e6; ///< far beyond any that is stable
+
+[[nodiscard]] Vector3 of_each(const std::array<HeldMotor, 3> &motors,
+                              double (HeldMotor::*value)() const) {
+    return {(motors[0].*value)(), (motors[1].*value)(), (motors[2].*value)()};
+}
+
+/// The device locked at one configuration.
+class HeldDevice {
+public:
+    HeldDevice(const device::DeviceDescription &device, const ThermalHoldOptions &options,
+               double step_s)
+        : k_T_(control::torque_constants(device)), options_(options), step_s_(step_s),
+          normal_(options.direction.normalized()),
+          theta_rad_(device::motor_from_joint(device.geometry, options.q_rad)),
+          J_(device::motor_jacobian(device.geometry, options.q_rad)),
+          motors_({motor(device, 0), motor(device, 1), motor(device, 2)}) {
+        tune();
+        pull(theta_gap_rad(control::relative_stiffness(device)));
+        check_currents();
+    }
+
+    void release_hot() {
+        tune();
+        pull(Vector3::Zero());
+        phase_ = ThermalPhase::cool;
+    }
+
+    void advance() {
+        for (HeldMotor &motor : motors_) {
+            motor.advance();
+        }
+        ++steps_;
+    }
+
+    [[nodiscard]] bool too_hot() const {
+        return std::any_of(motors_.begin(), motors_.end(),
+                           [](const HeldMotor &motor) { return motor.too_hot(); });
+    }
+
+    [[nodiscard]] ThermalRow row() const;
+
+private:
+    [[nodiscard]] HeldMotor motor(const device::DeviceDescription &device, std::size_t j) const {
+        return {device.motor[j], device.amplifier, theta_rad_[static_cast<Eigen::Index>(j)],
+                options_.ambient_C, step_s_};
+    }
+    void tune() {
+        for (HeldMotor &motor : motors_) {
+            motor.tune(options_.tuning.dR_Ohm);
+        }
+    }
+
+    [[nodiscard]] Vector3 static_stiffness_Nm_per_rad() const {
+        return options_.tuning.K_P_V_per_rad *
+               k_T_.cwiseQuotient(of_each(motors_, &HeldMotor::dR_Ohm));
+    }
+    [[nodiscard]] Vector3 tip_force_N() const {
+        return control::static_tip_force(J_, k_T_, of_each(motors_, &HeldMotor::current_A));
+    }
+
+    /// θ_Sd − θ of (23) for a set-point along the normal, so far away that the tip renders the
+    /// force asked for. How far that is goes with 1/α and does not matter to motors that are held.
+    [[nodiscard]] Vector3 theta_gap_rad(const Vector3 &W) const {
+        control::Configuration now;
+        now.J = J_;
+        control::TipSetPoint target;
+        target.x_Sd_m = normal_;
+        const Vector3 gap_rad =
+            control::transpose_map(now, target, control::alpha_bound(J_, W), W).theta_Sd_rad;
+        const double force_N =
+            control::static_tip_force(J_, static_stiffness_Nm_per_rad(), gap_rad).norm();
+        if (!(std::isfinite(force_N) && force_N > 0.0)) {
+            throw InputError("the linkage is singular at this q and renders no force; hold it "
+                             "elsewhere");
+        }
+        return options_.force_N / force_N * gap_rad;
+    }
+
+    /// (10) with everything at rest.
+    void pull(const Vector3 &theta_gap_rad) {
+        for (std::size_t j = 0; j < motors_.size(); ++j) {
+            motors_[j].apply(options_.tuning.K_P_V_per_rad *
+                             theta_gap_rad[static_cast<Eigen::Index>(j)]);
+        }
+    }
+
+    void check_currents() const;
+
+    Vector3 k_T_;
+    ThermalHoldOptions options_;
+    double step_s_;
+    Vector3 normal_;
+    Vector3 theta_rad_;
+    Matrix3 J_;
+    std::array<HeldMotor, 3> motors_;
+    ThermalPhase phase_ = ThermalPhase::hold;
+    long steps_ = 0;
+};
+
+/// The start asks the most of a motor: from then on dR only rises, and the current falls.
+void HeldDevice::check_currents() const {
+    for (std::size_t j = 0; j < motors_.size(); ++j) {
+        const device::MotorParameters &motor = motors_[j].parameters();
+        const double current_A = std::abs(motors_[j].asked_current_A());
+        const double bearable_A =
+            std::min(motor.peak_current_A, motor.supply_V / motors_[j].resistance_Ohm());
+        if (!(current_A <= bearable_A)) {
+            std::ostringstream message;
+            message.precision(3);
+            message << "a hold of " << options_.force_N << " N needs " << current_A
+                    << " A of motor " << j + 1 << ", whose peak current and supply allow "
+                    << bearable_A << " A; hold at most "
+                    << options_.force_N * bearable_A / current_A << " N";
+            throw InputError(message.str());
+        }
+    }
+}
+
+ThermalRow HeldDevice::row() const {
+    ThermalRow row;
+    row.time_s = static_cast<double>(steps_) * step_s_;
+    row.phase = phase_;
+    row.winding_C = of_each(motors_, &HeldMotor::winding_C);
+    row.R_hat_asked_Ohm = of_each(motors_, &HeldMotor::R_hat_asked_Ohm);
+    row.R_hat_allowed_Ohm = of_each(motors_, &HeldMotor::R_hat_allowed_Ohm);
+    row.dR_unlimited_Ohm = of_each(motors_, &HeldMotor::dR_unlimited_Ohm);
+    row.dR_Ohm = of_each(motors_, &HeldMotor::dR_Ohm);
+    row.least_dR_unlimited_Ohm = of_each(motors_, &HeldMotor::least_dR_unlimited_Ohm);
+    row.least_dR_Ohm = of_each(motors_, &HeldMotor::least_dR_Ohm);
+    row.K_DC_Nm_per_rad = static_stiffness_Nm_per_rad();
+    const Vector3 force_N = tip_force_N();
+    row.tip_force_N = force_N.norm();
+    row.direction_error_rad = control::direction_error_rad(force_N, normal_);
+    double fastest_per_s = 0.0;
+    for (const HeldMotor &motor : motors_) {
+        fastest_per_s = std::max(fastest_per_s,
+                                 -motor.least_dR_unlimited_Ohm() / motor.parameters().inductance_H);
+    }
+    if (fastest_per_s > 0.0) {
+        row.growth_time_s = 1.0 / fastest_per_s;
+    }
+    row.tripped = too_hot();
+    return row;
+}
+
+[[noreturn]] void refuse(const char *what, double value, const char *unit, const char *range,
+                         double lowest, const char *range_end, double highest) {
+    std::ostringstream message;
+    message << "thermal hold: " << what << " is " << value << unit << "; it must be " << range
+            << lowest << range_end << highest << unit;
+    throw InputError(message.str());
+}
+
+void check_range(const char *what, double value, double lowest, double highest, const char *unit) {
+    if (!(value >= lowest && value <= highest)) { // a NaN too
+        refuse(what, value, unit, "from ", lowest, " to ", highest);
+    }
+}
+
+void check_positive(const char *what, double value, double highest, const char *unit) {
+    if (!(value > 0.0 && value <= highest)) {
+        refuse(what, value, unit, "above ", 0.0, " and at most ", highest);
+    }
+}
+
+void check(const device::DeviceDescription &device, const ThermalHoldOptions &options) {
+    check_positive("the force", options.force_N, device.limits.tip_force_N, " N");
+    check_positive("the time", options.seconds, kLongestHold_s, " s");
+    check_range("the number of rows", options.rows, 2, kMostRows, "");
+    check_positive("K_P", options.tuning.K_P_V_per_rad, kLargestK_P_V_per_rad, " V/rad");
+    check_range("the air", options.ambient_C, device::kColdestAir_C, device::kWarmestAir_C, " °C");
+    rig::check_configuration(device, options.q_rad);
+    if (!(options.direction.allFinite() && options.direction.norm() > 0.0)) {
+        throw InputError("thermal hold: the direction must be finite and have a length");
+    }
+}
+
+} // namespace
+
+std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
+                                     const ThermalHoldOptions &options) {
+    check(device, options);
+    const double span_s = options.seconds / (options.rows - 1);
+    const long steps_a_row = std::lround(std::max(1.0, std::ceil(span_s / kLongestStep_s)));
+    HeldDevice held(device, options, span_s / static_cast<double>(steps_a_row));
+    std::vector<ThermalRow> rows;
+    rows.reserve(2 * static_cast<std::size_t>(options.rows));
+    for (const ThermalPhase phase : {ThermalPhase::hold, ThermalPhase::cool}) {
+        if (phase == ThermalPhase::cool) {
+            held.release_hot();
+        }
+        rows.push_back(held.row());
+        for (int row = 1; row < options.rows; ++row) {
+            for (long step = 0; step < steps_a_row && !held.too_hot(); ++step) {
+                held.advance();
+            }
+            rows.push_back(held.row());
+            if (rows.back().tripped) {
+                return rows;
+            }
+        }
+    }
+    return rows;
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,187 @@
+// The outputs of thermal_hold.h.
+#include "engine/lab/limits/thermal_hold.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <string>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// Enough for a table to show the course of a phase.
+constexpr std::size_t kTableRows = 11;
+
+const char *name(ThermalPhase phase) { return phase == ThermalPhase::hold ? "hold" : "cool"; }
+
+/// Calls `visit(name, value)` for every number: the one list behind header and rows.
+template <typename Visit> void for_each_column(const ThermalRow &row, Visit &&visit) {
+    const auto motors = [&visit](const char *name, const char *unit, const Vector3 &v) {
+        for (Eigen::Index j = 0; j < 3; ++j) {
+            visit(std::string(name) + std::to_string(j + 1) + "_" + unit, v[j]);
+        }
+    };
+    motors("winding", "C", row.winding_C);
+    motors("R_hat_asked", "Ohm", row.R_hat_asked_Ohm);
+    motors("R_hat_allowed", "Ohm", row.R_hat_allowed_Ohm);
+    motors("dR_unlimited", "Ohm", row.dR_unlimited_Ohm);
+    motors("dR", "Ohm", row.dR_Ohm);
+    motors("least_dR_unlimited", "Ohm", row.least_dR_unlimited_Ohm);
+    motors("least_dR", "Ohm", row.least_dR_Ohm);
+    motors("K_DC", "Nm_per_rad", row.K_DC_Nm_per_rad);
+    visit("tip_force_N", row.tip_force_N);
+    visit("direction_error_deg", row.direction_error_rad * kDegreesPerRadian);
+    visit("growth_time_s", row.growth_time_s);
+    visit("tripped", row.tripped ? 1.0 : 0.0);
+}
+
+using Rows = std::vector<ThermalRow>;
+
+Rows of_phase(const Rows &rows, ThermalPhase phase) {
+    Rows some;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(some),
+                 [phase](const ThermalRow &row) { return row.phase == phase; });
+    return some;
+}
+
+/// A few rows, evenly spread, first and last among them.
+Rows thinned(const Rows &rows) {
+    if (rows.size() <= kTableRows) {
+        return rows;
+    }
+    Rows some;
+    for (std::size_t i = 0; i < kTableRows; ++i) {
+        some.push_back(rows[i * (rows.size() - 1) / (kTableRows - 1)]);
+    }
+    return some;
+}
+
+void cell(std::ostream &out, double value, int width, int decimals) {
+    out << std::setw(width);
+    if (std::isnan(value)) {
+        out << "";
+    } else {
+        out << std::setprecision(decimals) << value;
+    }
+}
+
+void cells(std::ostream &out, const Vector3 &values, int width, int decimals) {
+    out << "  ";
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        cell(out, values[j], width, decimals);
+    }
+}
+
+void write_hold(std::ostream &out, const Rows &hold) {
+    out << "The contact is held\n"
+           "    time         winding °C               dR Ω             K_DC N·m/rad       force    "
+           "off\n"
+           "       s      1      2      3       1      2      3       1      2      3       N      "
+           "°\n";
+    for (const ThermalRow &row : thinned(hold)) {
+        cell(out, row.time_s, 8, 1);
+        cells(out, row.winding_C, 7, 1);
+        cells(out, row.dR_Ohm, 7, 3);
+        cells(out, row.K_DC_Nm_per_rad, 7, 3);
+        cell(out, row.tip_force_N, 8, 3);
+        cell(out, row.direction_error_rad * kDegreesPerRadian, 7, 2);
+        out << '\n';
+    }
+    const ThermalRow &first = hold.front();
+    const ThermalRow &last = hold.back();
+    const Vector3 share = last.K_DC_Nm_per_rad.cwiseQuotient(first.K_DC_Nm_per_rad);
+    Eigen::Index softest = 0;
+    const double left = share.minCoeff(&softest);
+    out << "K_DC of motor " << softest + 1 << " fell to ";
+    cell(out, 100.0 * left, 0, 0);
+    out << " % of what it was, the force from ";
+    cell(out, first.tip_force_N, 0, 2);
+    out << " N to ";
+    cell(out, last.tip_force_N, 0, 2);
+    out << " N.\n";
+    if (last.tripped) {
+        out << "At ";
+        cell(out, last.time_s, 0, 1);
+        out << " s the safety monitor trips: a winding may be hotter than it can bear.\n";
+    }
+}
+
+/// What becomes of R̂ tuned hot, in words.
+void write_verdict(std::ostream &out, const Rows &cool) {
+    Vector3 least_unlimited = cool.front().least_dR_unlimited_Ohm;
+    Vector3 least = cool.front().least_dR_Ohm;
+    for (const ThermalRow &row : cool) {
+        least_unlimited = least_unlimited.cwiseMin(row.least_dR_unlimited_Ohm);
+        least = least.cwiseMin(row.least_dR_Ohm);
+    }
+    Eigen::Index worst = 0;
+    const double worst_Ohm = least_unlimited.minCoeff(&worst);
+    out << "Without a limit on R̂, dR of motor " << worst + 1 << " comes down to ";
+    cell(out, worst_Ohm, 0, 3);
+    const auto over_cancelled = std::find_if(cool.begin(), cool.end(), [](const ThermalRow &row) {
+        return !std::isnan(row.growth_time_s);
+    });
+    if (over_cancelled != cool.end()) {
+        out << " Ω: over-cancelled from ";
+        cell(out, over_cancelled->time_s, 0, 0);
+        out << " s on, until its current grows e-fold in ";
+        cell(out, 1e3 * cool.back().growth_time_s, 0, 1);
+        out << " ms";
+    } else {
+        out << " Ω";
+    }
+    out << ".\nWith it no dR comes below ";
+    cell(out, least.minCoeff(), 0, 3);
+    out << " Ω.\n";
+}
+
+void write_cool(std::ostream &out, const Rows &cool) {
+    out << "\nR̂ is tuned again on the hot motors, the contact let go; dR at the worst angle\n"
+           "    time         winding °C         dR Ω without limit       dR Ω with limit     "
+           "L/|dR|\n"
+           "       s      1      2      3       1      2      3       1      2      3      ms\n";
+    for (const ThermalRow &row : thinned(cool)) {
+        cell(out, row.time_s, 8, 1);
+        cells(out, row.winding_C, 7, 1);
+        cells(out, row.least_dR_unlimited_Ohm, 7, 3);
+        cells(out, row.least_dR_Ohm, 7, 3);
+        cell(out, 1e3 * row.growth_time_s, 8, 2);
+        out << '\n';
+    }
+    write_verdict(out, cool);
+}
+
+} // namespace
+
+void write_thermal_csv(std::ostream &out, const std::vector<ThermalRow> &rows) {
+    std::ostringstream text;
+    text.precision(9);
+    text << "time_s,phase";
+    for_each_column({}, [&text](const std::string &column, double) { text << ',' << column; });
+    for (const ThermalRow &row : rows) {
+        text << '\n' << row.time_s << ',' << name(row.phase);
+        for_each_column(row, [&text](const std::string &, double value) {
+            text << ',';
+            if (!std::isnan(value)) {
+                text << value;
+            }
+        });
+    }
+    out << text.str() << '\n';
+}
+
+void write_thermal_table(std::ostream &out, const std::vector<ThermalRow> &rows) {
+    std::ostringstream text;
+    text << std::fixed;
+    write_hold(text, of_phase(rows, ThermalPhase::hold));
+    if (const Rows cool = of_phase(rows, ThermalPhase::cool); !cool.empty()) {
+        write_cool(text, cool);
+    }
+    out << text.str();
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,157 @@
+#include "engine/lab/limits/wall_tune.h"
+
+#include "engine/lab/limits/stability_simulation.h"
+#include "engine/lab/loops/tip_stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kFastest_rad_per_s = 5000.0; // as for the spring drive
+
+/// Values that differ by the same factor.
+std::vector<double> by_ratio(double from, double to, int count) {
+    std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        values.push_back(from * std::pow(to / from, static_cast<double>(i) / (count - 1)));
+    }
+    return values;
+}
+
+/// A loop whose plant is worked out already.
+struct ReadyLoop {
+    loops::StabilityCase which; ///< its freedom counts
+    loops::LoopMember member;
+    Eigen::MatrixXd load;
+    Eigen::MatrixXd stiffness_Nm_per_rad;
+};
+
+class WallSearch {
+public:
+    WallSearch(const loops::StabilityCase &which, double margin, double greatest_count_N)
+        : tried_(which), margin_(margin), greatest_count_N_(greatest_count_N) {
+        for (const loops::Freedom freedom :
+             {loops::Freedom::one_motor, loops::Freedom::three_motors}) {
+            loops::StabilityCase each = which;
+            each.freedom = freedom;
+            for (const loops::LoopMember &member : loops::members(each)) {
+                const loops::DrivenLoad load = loops::driven_load(each, member);
+                loops_.push_back({each, member, loops::sampled_load(load, each.period_s),
+                                  load.stiffness_Nm_per_rad});
+            }
+        }
+        tried_.freedom = loops::Freedom::one_motor;
+    }
+
+    /// The largest K with this B and λ, where that is better than all before.
+    void look_at(double B_Ns_per_m, double lambda_rad_per_s) {
+        const double softest = std::max(kSoftest_N_per_m, 1.01 * best_.wall.stiffness_N_per_m);
+        const auto wall = [&](double K) { return loops::VirtualWall{K, B_Ns_per_m}; };
+        const auto all_hold = [&](double K) {
+            return holds(wall(K), lambda_rad_per_s) && rests(wall(K), lambda_rad_per_s);
+        };
+        if (!all_hold(softest)) {
+            return;
+        }
+        const double loops = largest(softest, kStiffest_N_per_m, 1.001,
+                                     [&](double K) { return holds(wall(K), lambda_rad_per_s); });
+        const double K = rests(wall(loops), lambda_rad_per_s)
+                             ? loops
+                             : largest(softest, loops, 1.02, [&](double tried) {
+                                   return rests(wall(tried), lambda_rad_per_s);
+                               });
+        best_ = {wall(K), lambda_rad_per_s};
+    }
+
+    [[nodiscard]] const TunedWall &best() const { return best_; }
+
+private:
+    static constexpr double kSoftest_N_per_m = 1.0;
+    static constexpr double kStiffest_N_per_m = 1e6;
+
+    /// The largest value that holds between one that does and one that may not, to a factor.
+    template <typename Holds>
+    static double largest(double stable, double unstable, double factor, const Holds &value_holds) {
+        while (unstable > stable * factor) {
+            const double middle = std::sqrt(stable * unstable);
+            (value_holds(middle) ? stable : unstable) = middle;
+        }
+        return stable;
+    }
+
+    [[nodiscard]] bool rests(const loops::VirtualWall &wall, double lambda_rad_per_s) {
+        tried_.wall = wall;
+        tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
+        TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
+        options.longest_s = 1.5;
+        options.patience_s = 0.0;
+        return is_stable_simulated(tried_, options);
+    }
+
+    bool holds(const loops::VirtualWall &wall, double lambda_rad_per_s) {
+        tried_.wall = wall;
+        tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
+        if (loops::force_of_a_count_N(tried_) > greatest_count_N_) {
+            return false;
+        }
+        for (std::size_t i = 0; i < loops_.size(); ++i) {
+            if (!is_stable(loops_[i], wall, lambda_rad_per_s)) {
+                // Who fails now is likely to fail next.
+                std::rotate(loops_.begin(), loops_.begin() + static_cast<std::ptrdiff_t>(i),
+                            loops_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+                return false;
+            }
+        }
+        return true;
+    }
+
+    [[nodiscard]] bool is_stable(ReadyLoop &loop, const loops::VirtualWall &wall,
+                                 double lambda_rad_per_s) const {
+        loop.which.wall = {margin_ * wall.stiffness_N_per_m, margin_ * wall.damping_Ns_per_m};
+        loop.which.tuning.lambda_rad_per_s = lambda_rad_per_s;
+        const loops::SampledLaw law = loops::sampled_law(loop.which, loop.member);
+        return loops::largest_eigenvalue(loops::one_period_map(loop.load, law), law,
+                                         loop.stiffness_Nm_per_rad) <
+               1.0 - loops::kEigenvalueRoundOff;
+    }
+
+    loops::StabilityCase tried_;
+    double margin_;
+    double greatest_count_N_;
+    std::vector<ReadyLoop> loops_;
+    TunedWall best_;
+};
+
+} // namespace
+
+TunedWall tuned_wall(loops::StabilityCase which, double margin, double greatest_count_N) {
+    which.drive = device::AmplifierKind::current_drive;
+    which.tuning.eta = 0.0;
+    WallSearch search(which, margin, greatest_count_N);
+    constexpr double kLeast_Ns_per_m = 0.1;
+    constexpr double kMost_Ns_per_m = 300.0;
+    for (const double lambda : by_ratio(100.0, kFastest_rad_per_s, 9)) {
+        for (const double B : by_ratio(kLeast_Ns_per_m, kMost_Ns_per_m, 25)) {
+            search.look_at(B, lambda);
+        }
+    }
+    double factor = 1.2;
+    while (factor > 1.02) { // closer and closer
+        const TunedWall centre = search.best();
+        for (const double of_B : {1.0 / factor, 1.0, factor}) {
+            for (const double of_lambda : {1.0 / factor, 1.0, factor}) {
+                search.look_at(of_B * centre.wall.damping_Ns_per_m,
+                               std::min(kFastest_rad_per_s, of_lambda * centre.lambda_rad_per_s));
+            }
+        }
+        factor = std::sqrt(factor);
+    }
+    return search.best();
+}
+
+} // namespace springdrive::limits

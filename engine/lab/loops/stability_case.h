@@ -1,0 +1,93 @@
+// What is asked of stability: a device, what drives it, how it is sampled, where it stands and who
+// holds it.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "device/core/motor/amplifier.h"
+#include "engine/control/tuning.h"
+#include "engine/lab/loops/closed_loop.h"
+#include "engine/lab/loops/hand_family.h"
+#include "engine/lab/loops/sampled_loop.h"
+
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace springdrive::loops {
+
+/// A virtual wall as force-controlled devices render it: F = −K x − B ẋ_f, at the tip.
+struct VirtualWall {
+    double stiffness_N_per_m = 0.0;
+    double damping_Ns_per_m = 0.0;
+};
+
+/// What may move.
+enum class Freedom : std::uint8_t {
+    one_motor,    ///< each motor by itself, the other joints standing still: the paper's 1-DOF
+    three_motors, ///< the whole linkage
+};
+
+struct StabilityCase {
+    device::DeviceDescription device;
+    device::AmplifierKind drive = device::AmplifierKind::spring_drive;
+    control::Tuning tuning; ///< a current drive takes its λ and η only
+    VirtualWall wall;       ///< of a current drive
+    double period_s = 1e-3;
+    double delay_periods = 0.0;
+    Vector3 q_rad{0.0, 20.0 * std::numbers::pi / 180.0, -15.0 * std::numbers::pi / 180.0};
+    Freedom freedom = Freedom::one_motor;
+    std::vector<Hand> hands = hand_family();
+    /// One motor that moves this instead of the device; its own rotor is in it.
+    std::optional<device::RotorLoad> rotor;
+    /// The net resistance in force where it is not what a drive can be set to: that of a winding
+    /// which has cooled, say. It may be negative.
+    std::optional<double> net_resistance_Ohm;
+
+    /// dR of a motor.
+    [[nodiscard]] double dR_Ohm(const device::MotorParameters &motor) const {
+        return net_resistance_Ohm.value_or(device::residual_resistance_Ohm(motor, tuning.dR_Ohm));
+    }
+};
+
+/// One of the loops that all must be stable.
+struct LoopMember {
+    int motor = 0; ///< the one that moves; with three, not looked at
+    Hand hand;
+};
+
+/// Each hand with each motor, or with all at once.
+[[nodiscard]] std::vector<LoopMember> members(const StabilityCase &which);
+
+/// How much of a motion the law takes for an error: (1 − η) G C J with G the map and C = I, the tip
+/// held at a point in all directions. With the transpose map that is (1 − η) α W⁻¹ Jᵀ J, with the
+/// inverse one (1 − η) I; for one motor the largest eigenvalue of these.
+[[nodiscard]] Eigen::MatrixXd held_share(const StabilityCase &which);
+
+/// What moves about a configuration, in motor coordinates: rotors, linkage and hand. Weight, and
+/// what Coriolis forces do, are of no account near rest.
+[[nodiscard]] DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member);
+
+/// What the servo makes of it: (10), (18) or (23), and (30), or the wall of a current drive.
+[[nodiscard]] SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member);
+
+/// The largest |eigenvalue| of one member's loop, see closed_loop.h.
+[[nodiscard]] double largest_eigenvalue(const StabilityCase &which, const LoopMember &member);
+
+/// The member nearest to instability, or farthest beyond.
+struct WorstMember {
+    LoopMember member;
+    double eigenvalue = 0.0;
+
+    [[nodiscard]] bool is_stable() const { return eigenvalue < 1.0 - kEigenvalueRoundOff; }
+};
+
+/// All of them, the most critical first.
+[[nodiscard]] std::vector<WorstMember> ranked_members(const StabilityCase &which);
+
+[[nodiscard]] WorstMember worst_member(const StabilityCase &which);
+
+/// Whether every motion of every member dies out, by the eigenvalues.
+[[nodiscard]] bool is_stable(const StabilityCase &which);
+
+} // namespace springdrive::loops

@@ -1,0 +1,38 @@
+// What stability can be asked about, one by one: the list that command line, maps and tables read.
+#pragma once
+
+#include "engine/lab/loops/stability_case.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace springdrive::loops {
+
+struct StabilityParameter {
+    std::string_view name; ///< on the command line
+    std::string_view symbol;
+    std::string_view unit; ///< "–" where it has none
+    double lowest = 0.0;   ///< of what makes sense, inclusive
+    double highest = 0.0;
+    double from = 0.0; ///< where to look for limits, unless told otherwise
+    double to = 0.0;
+    bool logarithmic = false;
+    double (*get)(const StabilityCase &) = nullptr;
+    void (*set)(StabilityCase &, double) = nullptr;
+    std::string_view help;
+};
+
+[[nodiscard]] std::span<const StabilityParameter> stability_parameters();
+
+/// Nothing for a name that there is not.
+[[nodiscard]] const StabilityParameter *stability_parameter_named(std::string_view name);
+
+/// All names, with commas between.
+[[nodiscard]] std::string names_of_stability_parameters();
+
+/// Why the parameter cannot have the value, with its range; empty when it can.
+[[nodiscard]] std::string what_is_wrong_with(const StabilityParameter &parameter, double value);
+
+} // namespace springdrive::loops

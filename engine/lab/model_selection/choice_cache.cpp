@@ -1,0 +1,152 @@
+#include "engine/lab/model_selection/choice_cache.h"
+
+#include "base/input_error.h"
+#include "base/machine_name.h"
+#include "base/sha256.h"
+#include "engine/control/parameters.h"
+#include "engine/lab/model_selection/choice_json.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <ios>
+#include <sstream>
+#include <system_error>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+void add_soup(Sha256 &digest, const contact::TriangleSoup &soup) {
+    digest.add(std::uint64_t{soup.vertices_m.size()});
+    for (const Vector3 &vertex_m : soup.vertices_m) {
+        digest.add(vertex_m);
+    }
+    digest.add(std::uint64_t{soup.triangles.size()});
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        digest.add(soup.triangles[i].data(), sizeof soup.triangles[i]);
+        digest.add(std::uint64_t{soup.material_of_triangle[i]});
+    }
+    for (const contact::SurfaceMaterial &material : soup.materials) {
+        digest.add(material.eta);
+        digest.add(material.static_friction);
+        digest.add(material.dynamic_friction);
+        digest.add(static_cast<std::uint64_t>(material.sides));
+    }
+}
+
+/// A shape by what it does to a few points about it: whatever it is, another one differs there.
+void add_shape(Sha256 &digest, const contact::AnalyticShape &shape) {
+    const Eigen::AlignedBox3d box = shape.bounds();
+    digest.add(std::uint64_t{shape.size().index()});
+    digest.add(std::uint64_t{shape.material()});
+    digest.add(Vector3(box.min()));
+    digest.add(Vector3(box.max()));
+    for (const auto corner :
+         {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::BottomRightFloor,
+          Eigen::AlignedBox3d::TopLeftCeil}) {
+        const contact::NearestOnShape nearest = shape.nearest(box.corner(corner));
+        digest.add(nearest.point_m);
+        digest.add(nearest.normal);
+    }
+}
+
+void add_scene(Sha256 &digest, const scene::Scene &scene) {
+    add_soup(digest, scene.surface);
+    add_soup(digest, scene.flat_surface);
+    digest.add(std::uint64_t{scene.shapes.size()});
+    for (const contact::AnalyticShape &shape : scene.shapes) {
+        add_shape(digest, shape);
+    }
+    digest.add(std::uint64_t{scene.planar});
+    digest.add(scene.tolerance.force_N);
+    digest.add(scene.tolerance.direction_rad);
+    digest.add(scene.tolerance.bandwidth_hz);
+}
+
+std::filesystem::path file_of(const std::filesystem::path &folder, const std::string &key) {
+    return folder / ("model-" + key.substr(0, 16) + ".json");
+}
+
+bool write_all(const std::filesystem::path &file, const std::string &text) {
+    std::ofstream stream(file, std::ios::binary);
+    stream << text;
+    stream.close();
+    return static_cast<bool>(stream);
+}
+
+} // namespace
+
+std::string model_choice_key(const ModelQuestion &question, const std::string &device_text,
+                             const std::string &program_version) {
+    Sha256 digest;
+    add_scene(digest, *question.scene);
+    digest.add(device_text);
+    for (const control::Parameter &parameter : control::kParameters) {
+        digest.add(question.tuning.*parameter.value);
+    }
+    digest.add(question.period_s);
+    digest.add(question.delay_periods);
+    digest.add(program_version);
+    digest.add(static_cast<std::uint64_t>(kModelMeasureVersion));
+    digest.add(machine_name());
+    return digest.hex();
+}
+
+std::filesystem::path model_cache_folder() {
+    if (const char *cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+        return std::filesystem::path(cache) / "springdrive";
+    }
+    if (const char *home = std::getenv("HOME"); home != nullptr && *home == '/') {
+        return std::filesystem::path(home) / ".cache" / "springdrive";
+    }
+    return {};
+}
+
+std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder,
+                                             const std::string &key) {
+    if (folder.empty()) {
+        return std::nullopt;
+    }
+    try {
+        std::ifstream stream(file_of(folder, key), std::ios::binary);
+        const auto json = nlohmann::ordered_json::parse(stream);
+        if (json.at("key").get<std::string>() != key) {
+            return std::nullopt;
+        }
+        return model_choice_of(json.at("choice"));
+    } catch (const InputError &) {
+        return std::nullopt;
+    } catch (const std::ios_base::failure &) {
+        return std::nullopt; // a folder in its place, say
+    } catch (const nlohmann::ordered_json::exception &) {
+        return std::nullopt; // not there, or damaged: measured anew, and then written whole
+    }
+}
+
+bool write_model_choice(const std::filesystem::path &folder, const std::string &key,
+                        const ModelChoice &choice) noexcept {
+    if (folder.empty()) {
+        return false;
+    }
+    try {
+        std::filesystem::create_directories(folder);
+        const std::filesystem::path file = file_of(folder, key);
+        const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
+        const nlohmann::ordered_json json{{"key", key}, {"choice", json_of(choice)}};
+        std::error_code failed;
+        if (write_all(unfinished, json.dump(2) + "\n")) {
+            std::filesystem::rename(unfinished, file, failed);
+            if (!failed) {
+                return true;
+            }
+        }
+        std::filesystem::remove(unfinished, failed);
+    } catch (const std::exception &) {
+        return false; // a cache that cannot be written is none
+    }
+    return false;
+}
+
+} // namespace springdrive::model_selection

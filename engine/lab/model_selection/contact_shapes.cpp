@@ -1,0 +1,122 @@
+#include "engine/lab/model_selection/contact_shapes.h"
+
+#include "base/input_error.h"
+#include "engine/lab/model_selection/primitive_fit.h"
+#include "engine/lab/model_selection/simplified_surface.h"
+#include "engine/lab/rig/scenario/touch_scene.h"
+
+#include <optional>
+#include <utility>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+/// Nothing is simplified below this: a tetrahedron has four.
+constexpr std::size_t kFewestTriangles = 4;
+/// A simplification that leaves more than this of the one before is not worth a candidate.
+constexpr double kWorthwhile = 0.75;
+
+/// For each material the primitive that its triangles are.
+std::vector<std::optional<PrimitiveFit>> primitives_of(const scene::Scene &scene) {
+    std::vector<std::optional<PrimitiveFit>> fits;
+    for (std::size_t i = 0; i < scene.surface.materials.size(); ++i) {
+        fits.push_back(fit_primitive(scene.surface, static_cast<std::uint16_t>(i)));
+    }
+    return fits;
+}
+
+bool has_any(const std::vector<std::optional<PrimitiveFit>> &fits) {
+    for (const auto &fit : fits) {
+        if (fit) {
+            return true;
+        }
+    }
+    return false;
+}
+
+contact::HapticSurface with_primitives(const scene::Scene &scene) {
+    const std::vector<std::optional<PrimitiveFit>> fits = primitives_of(scene);
+    std::vector<contact::AnalyticShape> shapes = scene.shapes;
+    std::vector<bool> is_replaced(fits.size(), false);
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        if (fits[i] && shapes.size() < contact::kMostShapes) {
+            shapes.push_back(fits[i]->shape);
+            is_replaced[i] = true;
+        }
+    }
+    contact::TriangleSoup rest;
+    rest.vertices_m = scene.surface.vertices_m;
+    rest.materials = scene.surface.materials;
+    for (std::size_t i = 0; i < scene.surface.triangles.size(); ++i) {
+        const std::uint16_t material = scene.surface.material_of_triangle[i];
+        if (!is_replaced[material]) {
+            rest.triangles.push_back(scene.surface.triangles[i]);
+            rest.material_of_triangle.push_back(material);
+        }
+    }
+    return contact::HapticSurface(std::move(rest), std::move(shapes));
+}
+
+/// What is simplified: the smooth nodes' own triangles come before the many of their bending.
+const contact::TriangleSoup &to_simplify(const scene::Scene &scene) {
+    return scene.flat_surface.triangles.empty() ? scene.surface : scene.flat_surface;
+}
+
+[[noreturn]] void refuse(const scene::Scene &scene, const std::string &shape,
+                         const std::string &why) {
+    throw InputError(scene.file.string() + ": cannot be touched as '" + shape + "': " + why +
+                     "; springdrive inspect lists what it can be touched as");
+}
+
+} // namespace
+
+std::vector<ContactShape> contact_shapes_of(const scene::Scene &scene) {
+    using Kind = ContactShape::Kind;
+    std::vector<ContactShape> simplified_ones;
+    const contact::TriangleSoup &source = to_simplify(scene);
+    std::size_t last = source.triangles.size();
+    for (int divisor = 2; last / 2 >= kFewestTriangles; divisor *= 2) {
+        const std::size_t left = simplified(source, divisor).triangles.size();
+        if (left < kFewestTriangles ||
+            static_cast<double>(left) > kWorthwhile * static_cast<double>(last)) {
+            break;
+        }
+        simplified_ones.push_back({Kind::simplified, divisor});
+        last = left;
+    }
+    std::vector<ContactShape> shapes;
+    if (has_any(primitives_of(scene))) {
+        shapes.push_back({Kind::primitives, 1});
+    }
+    shapes.insert(shapes.end(), simplified_ones.rbegin(), simplified_ones.rend());
+    if (!scene.flat_surface.triangles.empty()) {
+        shapes.push_back({Kind::flat, 1});
+    }
+    shapes.push_back({Kind::given, 1});
+    return shapes;
+}
+
+contact::HapticSurface haptic_surface_of(const scene::Scene &scene, const ContactShape &shape) {
+    switch (shape.kind) {
+    case ContactShape::Kind::primitives:
+        if (!has_any(primitives_of(scene))) {
+            refuse(scene, name_of(shape),
+                   "none of its nodes is a plate, sphere, box, cylinder or "
+                   "capsule");
+        }
+        return with_primitives(scene);
+    case ContactShape::Kind::simplified:
+        return contact::HapticSurface(simplified(to_simplify(scene), shape.divisor), scene.shapes);
+    case ContactShape::Kind::flat:
+        if (scene.flat_surface.triangles.empty()) {
+            refuse(scene, name_of(shape), "none of its nodes is smooth");
+        }
+        return contact::HapticSurface(scene.flat_surface, scene.shapes);
+    case ContactShape::Kind::given:
+        break;
+    }
+    return rig::haptic_surface_of(scene);
+}
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,33 @@
+// A hand that feels all over a scene from above: what models of it are compared on.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "device/simulated/hand_path.h"
+#include "engine/contact/proxy/haptic_surface.h"
+
+#include <Eigen/Geometry>
+
+namespace springdrive::model_selection {
+
+/// How it moves.
+struct FeelingHand {
+    double rest_s = 0.05;            ///< at the start
+    double approach_s = 0.25;        ///< from there into the surface
+    double duration_s = 2.0;         ///< in all
+    double speed_m_per_s = 0.08;     ///< along the way seen from above
+    double least_depth_m = -0.001;   ///< below the surface, straight down: it lets go,
+    double greatest_depth_m = 0.007; ///< comes back and presses in, again and again,
+    double press_hz = 3.0;           ///< as often as this
+    double climb_m_per_s = 0.15; ///< no faster up or down: it runs into a wall before it is over it
+    bool planar = false;         ///< stays in the plane of its start, x = const
+};
+
+/// Its path over what `box` holds, begun at `start_m`: a Lissajous figure seen from above over the
+/// middle 70 % of the box, or over as much of that as the device reaches. Where nothing lies below,
+/// it keeps to the height of the box's floor; where the device reaches nothing, it stays.
+[[nodiscard]] simulated::HandPath feeling_hand(const device::DeviceDescription &device,
+                                               const contact::HapticSurface &surface,
+                                               const Eigen::AlignedBox3d &box,
+                                               const Vector3 &start_m, const FeelingHand &how = {});
+
+} // namespace springdrive::model_selection

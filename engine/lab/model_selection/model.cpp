@@ -1,0 +1,72 @@
+#include "engine/lab/model_selection/model.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+constexpr std::string_view kSimplified = "simplified_";
+
+template <typename List> auto named(const List &list, std::string_view name) {
+    const auto found = std::ranges::find(list, name, &List::value_type::name);
+    return found == list.end() ? nullptr : &*found;
+}
+
+} // namespace
+
+std::string name_of(const ContactShape &shape) {
+    switch (shape.kind) {
+    case ContactShape::Kind::primitives:
+        return "primitives";
+    case ContactShape::Kind::simplified:
+        return std::string(kSimplified) + std::to_string(shape.divisor);
+    case ContactShape::Kind::flat:
+        return "flat";
+    case ContactShape::Kind::given:
+        break;
+    }
+    return "given";
+}
+
+std::optional<ContactShape> contact_shape_named(std::string_view name) {
+    for (const auto kind :
+         {ContactShape::Kind::primitives, ContactShape::Kind::flat, ContactShape::Kind::given}) {
+        if (name == name_of({kind, 1})) {
+            return ContactShape{kind, 1};
+        }
+    }
+    if (!name.starts_with(kSimplified)) {
+        return std::nullopt;
+    }
+    ContactShape shape{ContactShape::Kind::simplified, 0};
+    const char *end = name.data() + name.size();
+    const auto [stopped, error] =
+        std::from_chars(name.data() + kSimplified.size(), end, shape.divisor);
+    const bool is_number = error == std::errc() && stopped == end;
+    return is_number && shape.divisor >= 2 ? std::optional(shape) : std::nullopt;
+}
+
+const MotionController *motion_controller_named(std::string_view name) {
+    return named(kMotionControllers, name);
+}
+
+const simulated::PlantModel *plant_model_named(std::string_view name) {
+    return named(simulated::kPlantModels, name);
+}
+
+void apply(const Model &model, simulated::SimulationOptions &simulation) {
+    simulation.dynamics = model.plant.dynamics;
+    simulation.effects = model.plant.effects;
+    simulation.planar = model.planar;
+    simulation.longest_step_s = simulation.servo_period_s / model.steps;
+}
+
+control::Tuning with_controller(const MotionController &controller, control::Tuning tuning) {
+    tuning.map = controller.map;
+    tuning.alpha_mode = controller.alpha_mode;
+    return tuning;
+}
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,79 @@
+#include "engine/lab/model_selection/model_choice.h"
+
+#include "base/input_error.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <sstream>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+[[noreturn]] void refuse(const std::string &aspect, const std::string &name) {
+    throw InputError("model choice: its " + aspect + " is '" + name +
+                     "', which this program does not know; measure it anew with --fresh");
+}
+
+int number(const std::string &aspect, const std::string &text, int least) {
+    int value = 0;
+    const char *end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || stopped != end || value < least) {
+        refuse(aspect, text);
+    }
+    return value;
+}
+
+} // namespace
+
+Model model_of(const ModelChoice &choice) {
+    Model model;
+    const std::string &plant = choice.chosen(ModelAspect::plant);
+    const simulated::PlantModel *const plant_model = plant_model_named(plant);
+    const std::string &shape = choice.chosen(ModelAspect::surface);
+    const std::optional<ContactShape> contact_shape = contact_shape_named(shape);
+    const std::string &controller = choice.chosen(ModelAspect::controller);
+    const MotionController *const motion_controller = motion_controller_named(controller);
+    if (plant_model == nullptr) {
+        refuse("plant", plant);
+    }
+    if (!contact_shape) {
+        refuse("surface", shape);
+    }
+    if (motion_controller == nullptr) {
+        refuse("controller", controller);
+    }
+    model.plant = *plant_model;
+    model.steps = number("steps", choice.chosen(ModelAspect::steps), 1);
+    model.planar = number("joints", choice.chosen(ModelAspect::joints), 2) == 2;
+    model.shape = *contact_shape;
+    model.controller = *motion_controller;
+    return model;
+}
+
+std::string verdict(const ModelError &error, const scene::ModelTolerance &tolerance) {
+    if (meets(error, tolerance)) {
+        return "meets";
+    }
+    std::ostringstream text;
+    text.precision(2);
+    if (!std::isfinite(error.force_N)) {
+        return "runs away";
+    }
+    if (error.force_N > tolerance.force_N) {
+        text << "force " << error.force_N << " N > " << tolerance.force_N << " N";
+    }
+    if (error.direction_rad > tolerance.direction_rad) {
+        text << (text.str().empty() ? "" : ", ") << "direction "
+             << error.direction_rad * kDegreesPerRadian << "° > "
+             << tolerance.direction_rad * kDegreesPerRadian << "°";
+    }
+    return text.str();
+}
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,27 @@
+// What the parts of a model cost in each servo tick, measured on this machine.
+#pragma once
+
+#include "engine/lab/model_selection/model_run.h"
+#include "engine/lab/rig/work_point.h"
+
+#include <vector>
+
+namespace springdrive::model_selection {
+
+// Candidates take turns, so that whatever else the machine does falls on all of them alike.
+
+/// The device's exchange with each model [ns a tick], with the commands of a run.
+[[nodiscard]] std::vector<rig::Cost>
+plant_costs(const ModelSetting &setting, const std::vector<Model> &models, const ModelRun &run);
+
+/// The proxy's update on each surface [ns a tick], with the tips of a run.
+[[nodiscard]] std::vector<rig::Cost>
+contact_costs(const std::vector<const contact::HapticSurface *> &surfaces, const ModelRun &run);
+
+/// From set-point of the tip to voltages [ns a tick], with configurations and contacts of a run: of
+/// each map alone. The servo finds the other map's answer too, for the panel that compares them.
+[[nodiscard]] std::vector<rig::Cost> control_costs(const ModelSetting &setting,
+                                                   const std::vector<MotionController> &controllers,
+                                                   const ModelRun &run);
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,114 @@
+#include "engine/lab/model_selection/model_run.h"
+
+#include "base/wanted.h"
+#include "engine/contact/proxy/proxy.h"
+#include "engine/control/force_direction.h"
+#include "engine/control/haptic_law.h"
+#include "engine/control/velocity_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+/// Fainter forces have no direction worth a name: five times the device's own friction.
+constexpr double kLeastForceWithDirection_N = 0.2;
+
+std::size_t ticks_of(const ModelSetting &setting) {
+    return static_cast<std::size_t>(setting.path.points().back().time_s / setting.period_s) + 1;
+}
+
+/// In place, from rest.
+std::vector<Vector3> below(std::vector<Vector3> force_N, double bandwidth_hz, double period_s) {
+    const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth_hz * period_s);
+    Vector3 passed_N = Vector3::Zero();
+    for (Vector3 &now_N : force_N) {
+        passed_N = pole * passed_N + (1.0 - pole) * now_N;
+        now_N = passed_N;
+    }
+    return force_N;
+}
+
+bool is_finite(const std::vector<Vector3> &vectors) {
+    return std::ranges::all_of(vectors, [](const Vector3 &v) { return v.allFinite(); });
+}
+
+} // namespace
+
+bool ModelRun::touches() const {
+    return std::ranges::any_of(contacts, &contact::Contact::touching);
+}
+
+std::unique_ptr<simulated::SimulatedPhantom> simulated_device(const ModelSetting &setting,
+                                                              const Model &model) {
+    simulated::SimulationOptions simulation;
+    simulation.servo_period_s = setting.period_s;
+    simulation.delay_periods = setting.delay_periods;
+    simulation.path = setting.path;
+    apply(model, simulation);
+    return std::make_unique<simulated::SimulatedPhantom>(setting.device, simulation,
+                                                         setting.path.points().front().position_m);
+}
+
+ModelRun run_model(const ModelSetting &setting, const Model &model,
+                   const contact::HapticSurface &surface) {
+    const std::unique_ptr<simulated::SimulatedPhantom> device = simulated_device(setting, model);
+    const control::HapticLaw law(setting.device);
+    const control::Tuning tuning = with_controller(model.controller, setting.tuning);
+    const double pole = control::velocity_filter_pole(tuning.lambda_rad_per_s, setting.period_s);
+    control::VelocityFilter filter;
+    contact::Proxy proxy;
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    ModelRun run;
+    const std::size_t ticks = ticks_of(setting);
+    for (std::size_t tick = 0; tick < ticks; ++tick) {
+        stop_if_given_up();
+        run.commands.push_back(command);
+        const Vector3 theta_rad = law.theta_rad(device->advance(command).counts);
+        run.force_N.emplace_back(-device->truth().hand_force_N);
+        if (tick == 0) {
+            filter.reset(theta_rad);
+        }
+        const control::Configuration now =
+            law.configuration(theta_rad, filter.update(theta_rad, pole, setting.period_s));
+        if (tick == 0) {
+            proxy.reset(now.tip_m);
+        }
+        const contact::Contact contact = proxy.update(surface, now.tip_m);
+        command = law(now, contact, tuning, setting.global_alpha_rad2_per_m2).command;
+        run.configurations.push_back(now);
+        run.contacts.push_back(contact);
+    }
+    return run;
+}
+
+ModelError model_error(const ModelRun &run, const ModelRun &fullest, double period_s,
+                       double bandwidth_hz) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (!is_finite(run.force_N)) {
+        return {kInfinity, kInfinity};
+    }
+    const std::vector<Vector3> felt_N = below(run.force_N, bandwidth_hz, period_s);
+    const std::vector<Vector3> wanted_N = below(fullest.force_N, bandwidth_hz, period_s);
+    double force_sum = 0.0;
+    double angle_sum = 0.0;
+    double with_direction = 0.0;
+    for (std::size_t i = 0; i < felt_N.size(); ++i) {
+        force_sum += (felt_N[i] - wanted_N[i]).squaredNorm();
+        const bool both_touch = run.contacts[i].touching && fullest.contacts[i].touching;
+        if (both_touch &&
+            std::min(felt_N[i].norm(), wanted_N[i].norm()) >= kLeastForceWithDirection_N) {
+            const double angle_rad = control::direction_error_rad(felt_N[i], wanted_N[i]);
+            angle_sum += angle_rad * angle_rad;
+            ++with_direction;
+        }
+    }
+    return {std::sqrt(force_sum / static_cast<double>(felt_N.size())),
+            with_direction > 0.0 ? std::sqrt(angle_sum / with_direction) : 0.0};
+}
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,208 @@
+#include "engine/lab/model_selection/scene_model.h"
+
+#include "base/wanted.h"
+#include "engine/lab/model_selection/contact_shapes.h"
+#include "engine/lab/model_selection/feeling_hand.h"
+#include "engine/lab/model_selection/model_cost.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace springdrive::model_selection {
+
+namespace {
+
+constexpr double kFinestStep_s = 32e-6;
+
+ModelSetting setting_of(const ModelQuestion &question, const contact::HapticSurface &surface) {
+    const scene::Scene &scene = *question.scene;
+    FeelingHand how;
+    how.planar = scene.planar;
+    const Vector3 start_m = rig::start_above(question.device, scene.lower_m, scene.upper_m);
+    return {question.device,
+            question.tuning,
+            question.period_s,
+            question.delay_periods,
+            feeling_hand(question.device, surface,
+                         Eigen::AlignedBox3d(scene.lower_m, scene.upper_m), start_m, how),
+            control::global_alpha_bound(question.device)};
+}
+
+/// A scene's models: what the candidates are, and what each combination of them is off and costs.
+class SceneModels {
+public:
+    SceneModels(const ModelQuestion &question, const ModelProgress &progress)
+        : question_(question), progress_(progress) {
+        tell("surfaces");
+        shapes_ = contact_shapes_of(*question.scene);
+        for (const ContactShape &shape : shapes_) {
+            stop_if_given_up();
+            surfaces_.push_back(haptic_surface_of(*question.scene, shape));
+        }
+        for (int steps = 1;; steps *= 2) {
+            steps_.push_back(steps);
+            if (question.period_s / steps <= kFinestStep_s) {
+                break;
+            }
+        }
+        joints_ = question.scene->planar ? std::vector<int>{2, 3} : std::vector<int>{3};
+        setting_.emplace(setting_of(question, surfaces_.back()));
+        trials_ = 1 + simulated::kPlantModels.size() + steps_.size() + joints_.size() +
+                  shapes_.size() + kMotionControllers.size() + 3 * kModelAspects;
+        tell("fullest model");
+        fullest_ = run_model(*setting_, model(fullest_picks()), surfaces_.back());
+    }
+
+    [[nodiscard]] Picks fullest_picks() const {
+        return {simulated::kPlantModels.size() - 1, steps_.size() - 1, joints_.size() - 1,
+                shapes_.size() - 1, kMotionControllers.size() - 1};
+    }
+
+    [[nodiscard]] Model model(const Picks &picks) const {
+        return {simulated::kPlantModels[picks[0]], steps_[picks[1]], joints_[picks[2]] == 2,
+                shapes_[picks[3]], kMotionControllers[picks[4]]};
+    }
+
+    ModelError error(const Picks &picks) {
+        if (picks == fullest_picks()) {
+            return {};
+        }
+        tell("together");
+        return error_of(picks);
+    }
+
+    [[nodiscard]] std::vector<ModelAxis> measured_axes() {
+        std::vector<ModelAxis> axes;
+        axes.push_back(
+            axis(ModelAspect::plant, "plant", simulated::kPlantModels.size(),
+                 [](std::size_t i) { return std::string(simulated::kPlantModels[i].name); }));
+        axes.push_back(axis(ModelAspect::steps, "steps", steps_.size(),
+                            [&](std::size_t i) { return std::to_string(steps_[i]); }));
+        axes.push_back(axis(ModelAspect::joints, "joints", joints_.size(),
+                            [&](std::size_t i) { return std::to_string(joints_[i]); }));
+        axes.push_back(axis(ModelAspect::surface, "surface", shapes_.size(),
+                            [&](std::size_t i) { return name_of(shapes_[i]); }));
+        axes.push_back(axis(ModelAspect::controller, "controller", kMotionControllers.size(),
+                            [](std::size_t i) { return std::string(kMotionControllers[i].name); }));
+        return axes;
+    }
+
+    /// Of all that a model runs in a tick.
+    [[nodiscard]] double cost_ns(const Picks &picks) const {
+        return costs(ModelAspect::plant, {picks})[0].least_ns +
+               costs(ModelAspect::surface, {picks})[0].least_ns +
+               costs(ModelAspect::controller, {picks})[0].least_ns;
+    }
+
+    [[nodiscard]] bool touches() const { return fullest_.touches(); }
+
+private:
+    void tell(const std::string &what) {
+        if (progress_) {
+            const double share = static_cast<double>(told_) / static_cast<double>(trials_);
+            progress_(what, std::min(share, 1.0));
+        }
+        ++told_;
+    }
+
+    [[nodiscard]] ModelError error_of(const Picks &picks) const {
+        const ModelRun run = run_model(*setting_, model(picks), surfaces_[picks[3]]);
+        return model_error(run, fullest_, question_.period_s,
+                           question_.scene->tolerance.bandwidth_hz);
+    }
+
+    /// Of what that aspect decides, with each of the picks.
+    [[nodiscard]] std::vector<rig::Cost> costs(ModelAspect aspect,
+                                               const std::vector<Picks> &candidates) const {
+        std::vector<Model> models;
+        std::vector<const contact::HapticSurface *> surfaces;
+        std::vector<MotionController> controllers;
+        for (const Picks &picks : candidates) {
+            models.push_back(model(picks));
+            surfaces.push_back(&surfaces_[picks[3]]);
+            controllers.push_back(models.back().controller);
+        }
+        switch (aspect) {
+        case ModelAspect::surface:
+            return contact_costs(surfaces, fullest_);
+        case ModelAspect::controller:
+            return control_costs(*setting_, controllers, fullest_);
+        case ModelAspect::plant:
+        case ModelAspect::steps:
+        case ModelAspect::joints:
+            break;
+        }
+        return plant_costs(*setting_, models, fullest_);
+    }
+
+    template <typename Name>
+    ModelAxis axis(ModelAspect aspect, const std::string &axis_name, std::size_t size,
+                   const Name &name) {
+        ModelAxis result;
+        result.name = axis_name;
+        std::vector<Picks> candidates(size, fullest_picks());
+        for (std::size_t i = 0; i < size; ++i) {
+            candidates[i][static_cast<std::size_t>(aspect)] = i;
+        }
+        tell("what " + axis_name + " costs");
+        const std::vector<rig::Cost> cost = costs(aspect, candidates);
+        for (std::size_t i = 0; i < size; ++i) {
+            tell(axis_name + " " + name(i));
+            const bool is_fullest = i + 1 == size;
+            result.candidates.push_back(
+                {name(i), cost[i], is_fullest ? ModelError{} : error_of(candidates[i])});
+        }
+        return result;
+    }
+
+    const ModelQuestion &question_;
+    const ModelProgress &progress_;
+    std::vector<ContactShape> shapes_;
+    std::vector<contact::HapticSurface> surfaces_;
+    std::vector<int> steps_;
+    std::vector<int> joints_;
+    std::optional<ModelSetting> setting_;
+    ModelRun fullest_;
+    std::size_t trials_ = 1;
+    std::size_t told_ = 0;
+};
+
+std::vector<std::string> remarks_on(const ModelChoice &choice, const SceneModels &models) {
+    std::vector<std::string> remarks;
+    if (!models.touches()) {
+        remarks.emplace_back("the hand that compares models did not touch the scene: what is "
+                             "chosen is right for free space only");
+    }
+    const ModelAxis &joints = choice.axis(ModelAspect::joints);
+    if (joints.candidates.size() > 1 && joints.chosen != 0) {
+        remarks.emplace_back("the scene says that it is planar, but its surface pushes sideways: "
+                             "all three joints are simulated");
+    }
+    return remarks;
+}
+
+} // namespace
+
+ModelChoice choose_scene_model(const ModelQuestion &question, const ModelProgress &progress) {
+    SceneModels models(question, progress);
+    ModelChoice choice;
+    choice.tolerance = question.scene->tolerance;
+    const ChosenModel chosen =
+        choose_model(models.measured_axes(), choice.tolerance,
+                     [&](const Picks &picks) { return models.error(picks); });
+    choice.axes = chosen.axes;
+    choice.error = chosen.error;
+    Picks picks;
+    for (const ModelAxis &axis : choice.axes) {
+        picks.push_back(axis.chosen);
+    }
+    choice.cost_ns = models.cost_ns(picks);
+    choice.fullest_cost_ns = models.cost_ns(models.fullest_picks());
+    choice.remarks = remarks_on(choice, models);
+    return choice;
+}
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,34 @@
+// The cheapest model of a scene that its tolerance allows, found by measuring on this machine.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "engine/lab/model_selection/model_choice.h"
+#include "engine/scene/scene.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace springdrive::model_selection {
+
+/// What a choice is made for.
+struct ModelQuestion {
+    const scene::Scene *scene = nullptr;
+    device::DeviceDescription device;
+    control::Tuning tuning;
+    double period_s = 1e-3;
+    double delay_periods = 0.0;
+};
+
+/// Told what is being measured and how much of it all is done, from 0 to 1.
+using ModelProgress = std::function<void(const std::string &what, double share)>;
+
+/// Lets a hand feel all over the scene (`feeling_hand`) with the fullest model and with each
+/// candidate in turn, and chooses by the rule of `choose_model`. Takes seconds.
+///
+/// The fullest: the last of `kPlantModels` in sub-steps of 32 µs or less, the surface as the scene
+/// gives it, and the last of `kMotionControllers`.
+[[nodiscard]] ModelChoice choose_scene_model(const ModelQuestion &question,
+                                             const ModelProgress &progress = {});
+
+} // namespace springdrive::model_selection

@@ -1,0 +1,51 @@
+#include "engine/lab/rig/configuration.h"
+
+#include "base/input_error.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <array>
+#include <numbers>
+#include <optional>
+#include <sstream>
+
+namespace springdrive::rig {
+
+namespace {
+
+struct LimitedAngle {
+    const char *name;
+    double rad;
+    double lowest_rad;
+    double highest_rad;
+};
+
+} // namespace
+
+void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    const device::JointLimits &limits = device.joint_limits;
+    const std::array<LimitedAngle, 4> angles{
+        {{"q1", q_rad[0], limits.lowest_rad[0], limits.highest_rad[0]},
+         {"q2", q_rad[1], limits.lowest_rad[1], limits.highest_rad[1]},
+         {"q3", q_rad[2], limits.lowest_rad[2], limits.highest_rad[2]},
+         {"q3 - q2", q_rad[2] - q_rad[1], limits.least_q3_minus_q2_rad,
+          limits.greatest_q3_minus_q2_rad}}};
+    for (const LimitedAngle &angle : angles) {
+        if (!(angle.rad >= angle.lowest_rad && angle.rad <= angle.highest_rad)) { // a NaN too
+            std::ostringstream message;
+            message << angle.name << " is " << kDegrees * angle.rad << "°; " << device.name
+                    << " allows " << kDegrees * angle.lowest_rad << "° to "
+                    << kDegrees * angle.highest_rad << "° (joint_limits of its device file)";
+            throw InputError(message.str());
+        }
+    }
+    constexpr double kSameAngle_rad = 1e-6;
+    const std::optional<Vector3> found =
+        device::joint_angles_rad(device.geometry, device::tip_position_m(device.geometry, q_rad));
+    if (!found || !(*found - q_rad).isZero(kSameAngle_rad)) {
+        throw InputError("at these joint angles the tip is behind the base axis, where inverse "
+                         "kinematics take other angles; choose q2 and q3 with the tip in front");
+    }
+}
+
+} // namespace springdrive::rig

@@ -1,0 +1,70 @@
+#include "engine/lab/rig/plain_triangles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace springdrive::rig {
+
+namespace {
+
+/// From the two shorter edges: with them the least is lost to cancellation.
+Vector3 normal_of(const std::array<Vector3, 3> &corners_m) {
+    std::array<Vector3, 3> edges{Vector3(corners_m[1] - corners_m[0]),
+                                 Vector3(corners_m[2] - corners_m[1]),
+                                 Vector3(corners_m[0] - corners_m[2])};
+    const auto *const longest =
+        std::ranges::max_element(edges, {}, [](const Vector3 &edge) { return edge.squaredNorm(); });
+    const auto i = static_cast<std::size_t>(longest - edges.begin());
+    return edges[(i + 1) % 3].cross(edges[(i + 2) % 3]).normalized();
+}
+
+Vector3 nearest_on_edge(const Vector3 &a_m, const Vector3 &b_m, const Vector3 &point_m) {
+    const Vector3 edge = b_m - a_m;
+    return a_m + std::clamp((point_m - a_m).dot(edge) / edge.squaredNorm(), 0.0, 1.0) * edge;
+}
+
+} // namespace
+
+double PlainTriangle::beyond_m(const Vector3 &point_m) const {
+    double most_m = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 outward = (corners_m[(i + 1) % 3] - corners_m[i]).cross(normal).normalized();
+        most_m = std::max(most_m, outward.dot(point_m - corners_m[i]));
+    }
+    return most_m;
+}
+
+Away PlainTriangle::away(const Vector3 &point_m) const {
+    const double height = height_m(point_m);
+    if (beyond_m(point_m) <= 0.0) {
+        return {std::abs(height), height < 0.0 ? Vector3(-normal) : normal};
+    }
+    Away nearest{std::numeric_limits<double>::infinity(), normal};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 gap =
+            point_m - nearest_on_edge(corners_m[i], corners_m[(i + 1) % 3], point_m);
+        const double distance_m = gap.norm();
+        if (distance_m < nearest.distance_m) {
+            nearest = {distance_m, distance_m > 0.0 ? Vector3(gap / distance_m) : normal};
+        }
+    }
+    return nearest;
+}
+
+Eigen::AlignedBox3d PlainTriangle::bounds() const {
+    Eigen::AlignedBox3d box(corners_m[0]);
+    return box.extend(corners_m[1]).extend(corners_m[2]);
+}
+
+std::vector<PlainTriangle> plain_triangles(const std::vector<contact::FacetSource> &facets) {
+    std::vector<PlainTriangle> triangles;
+    triangles.reserve(facets.size());
+    for (const contact::FacetSource &facet : facets) {
+        triangles.push_back(
+            {facet.corners_m, normal_of(facet.corners_m), facet.sides == contact::FacetSides::two});
+    }
+    return triangles;
+}
+
+} // namespace springdrive::rig

@@ -1,0 +1,44 @@
+// The triangles of a surface for those who check the proxy: plain geometry that shares no code with
+// what it checks.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/mesh/mesh_preparation.h"
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <vector>
+
+namespace springdrive::rig {
+
+/// How far a point is from something, and the unit direction away from it.
+struct Away {
+    double distance_m = 0.0;
+    Vector3 direction{Vector3::Zero()};
+};
+
+struct PlainTriangle {
+    std::array<Vector3, 3> corners_m;
+    Vector3 normal; ///< unit; corners turn counter-clockwise about it
+    bool two_sided = false;
+
+    [[nodiscard]] double height_m(const Vector3 &point_m) const {
+        return normal.dot(point_m - corners_m[0]);
+    }
+
+    /// How far a point of its plane lies beyond the edge that it is farthest beyond; not positive
+    /// inside [m].
+    [[nodiscard]] double beyond_m(const Vector3 &point_m) const;
+
+    /// From all of the triangle, whichever its side.
+    [[nodiscard]] Away away(const Vector3 &point_m) const;
+
+    [[nodiscard]] Eigen::AlignedBox3d bounds() const;
+};
+
+/// @param facets  as preparation left them: with an area
+[[nodiscard]] std::vector<PlainTriangle>
+plain_triangles(const std::vector<contact::FacetSource> &facets);
+
+} // namespace springdrive::rig

@@ -1,0 +1,93 @@
+// The plant of device/simulated/simulated_phantom.h as a smooth differential equation ẏ = f(t, y),
+// for integrators other than its own. With y = (q, q̇, i):
+//
+//   M(q) q̈ = N k_T i − C q̇ − g − b q̇ + Jᵀ F       rotors and the hand's mass in M, J = ∂x/∂q
+//   L di/dt = e_W − dR i − k_T N q̇                                                        (11)
+//   F = k (x_target − x) + b_hand (ẋ_target − ẋ)
+//
+// Coulomb friction takes τ_c sign(q̇) from the first, or τ_c tanh(q̇/width) where a method needs it
+// smooth. There is no stop, no limit and no ripple, and R stands at 25 °C.
+//
+// Pure functions over values, no allocation. Every sine is worked out once for a call, so that what
+// an integrator costs is not what it is fed with.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "device/core/haptic_device.h"
+#include "device/core/phantom/dynamics.h"
+#include "device/simulated/simulation_options.h"
+
+namespace springdrive::rig {
+
+/// (q, q̇, i) [rad, rad/s, A].
+using PlantState = Eigen::Matrix<double, 9, 1>;
+
+/// What is held over a servo period. The hand's target moves on steadily from `start_s`.
+struct PlantInputs {
+    device::DeviceCommand command;
+    double start_s = 0.0;
+    simulated::HandTarget target;
+};
+
+/// M(q) is of one joint and of two.
+struct PlantInertia {
+    double axial_kg_m2 = 0.0;
+    double two_kg_m2 = 0.0;
+    double three_kg_m2 = 0.0;
+    double coupling_kg_m2 = 0.0;
+
+    [[nodiscard]] Vector3 acceleration(const Vector3 &torque_Nm) const;
+    [[nodiscard]] Matrix3 matrix_kg_m2() const;
+};
+
+/// M(q) q̈ = τ, without Coulomb friction.
+struct PlantMechanics {
+    PlantInertia inertia;
+    Vector3 torque_Nm{Vector3::Zero()};
+};
+
+class PlantEquations {
+public:
+    /// Of `options`, hand, gravity and friction count.
+    PlantEquations(const device::DeviceDescription &device,
+                   const simulated::SimulationOptions &options);
+
+    /// From now on f is of these.
+    void set_inputs(const PlantInputs &inputs);
+
+    /// Over which rates Coulomb friction turns round from now on; 0, as at first, for a jump.
+    void set_friction_width(double width_rad_per_s);
+
+    /// f(t, y).
+    [[nodiscard]] PlantState rates(double time_s, const PlantState &y) const;
+
+    /// Its part (0, q̈, 0), and the rest of it, (q̇, 0, di/dt).
+    [[nodiscard]] PlantState momentum_rates(double time_s, const PlantState &y) const;
+    [[nodiscard]] PlantState position_rates(const PlantState &y) const;
+
+    [[nodiscard]] PlantMechanics mechanics(double time_s, const PlantState &y) const;
+    [[nodiscard]] const Vector3 &coulomb_Nm() const { return coulomb_Nm_; }
+
+    /// What the motors bring to the tip, J⁻ᵀ N k_T i [N].
+    [[nodiscard]] Vector3 tip_force_N(const PlantState &y) const;
+
+private:
+    [[nodiscard]] Vector3 acceleration(double time_s, const PlantState &y) const;
+    [[nodiscard]] Vector3 friction_Nm(const Vector3 &rate_rad_per_s) const;
+
+    device::PhantomGeometry geometry_;
+    device::HandParameters hand_;
+    device::LinkageMoments moments_; ///< with the hand's mass at the tip, which is not held up
+    Vector3 rotor_kg_m2_{Vector3::Zero()};
+    Vector3 torque_Nm_per_A_{Vector3::Zero()}; ///< N k_T, also in V·s/rad
+    Vector3 resistance_Ohm_{Vector3::Zero()};
+    Vector3 inductance_H_{Vector3::Zero()};
+    double gravity_m_per_s2_ = 0.0;
+    double viscous_Nms_per_rad_ = 0.0;
+    Vector3 coulomb_Nm_{Vector3::Zero()};
+    bool has_coulomb_ = false;
+    double friction_width_rad_per_s_ = 0.0;
+    PlantInputs inputs_;
+};
+
+} // namespace springdrive::rig

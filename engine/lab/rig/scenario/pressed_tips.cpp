@@ -1,0 +1,78 @@
+#include "engine/lab/rig/scenario/pressed_tips.h"
+
+#include "engine/lab/rig/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace springdrive::rig {
+
+namespace {
+
+constexpr double kLeastDepth_m = 1e-3;
+constexpr double kGreatestDepth_m = 2e-3;
+
+/// Of longitude for each tip [rad]: about 0.1 m/s in the mean on the test sphere at 1 kHz.
+constexpr double kPhaseStep = 2e-3;
+
+/// A Lissajous figure of longitude and latitude. The ratio of their frequencies is the golden one,
+/// so that it never closes.
+Vector3 direction_of(std::size_t tip) {
+    const double phase = kPhaseStep * static_cast<double>(tip);
+    const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
+    return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
+            std::cos(latitude) * std::sin(phase)};
+}
+
+/// Swings from one depth to another and back, slowly and out of step with the figure.
+double swing_m(std::size_t tip, double least_m, double greatest_m) {
+    const double share = 0.5 + 0.5 * std::sin(2.7e-3 * static_cast<double>(tip));
+    return least_m + share * (greatest_m - least_m);
+}
+
+PressedTip pressed(const Vector3 &surface_m, const Vector3 &normal, double depth_m) {
+    return {surface_m - depth_m * normal, surface_m, normal};
+}
+
+} // namespace
+
+std::vector<PressedTip> tips_in_sphere(std::size_t count) {
+    std::vector<PressedTip> tips;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vector3 direction = direction_of(i).normalized();
+        tips.push_back(pressed(kTestSphereRadius_m * direction, direction,
+                               swing_m(i, kLeastDepth_m, kGreatestDepth_m)));
+    }
+    return tips;
+}
+
+std::vector<PressedTip> tips_in_organic_shape(std::size_t count) {
+    const BlobShape &shape = organic_shape();
+    std::vector<PressedTip> tips;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vector3 direction = direction_of(i).normalized();
+        const Vector3 point = shape.distance(direction) * direction;
+        tips.push_back(pressed(kTestOrganicScale_m * point, shape.outward_normal(point),
+                               swing_m(i, kLeastDepth_m, kGreatestDepth_m)));
+    }
+    return tips;
+}
+
+Vector3 thin_plate_half_size_m() { return {0.05, 1e-3, 0.05}; }
+
+std::vector<PressedTip> tips_in_thin_plate(std::size_t count) {
+    const Vector3 half_m = thin_plate_half_size_m();
+    const double thickness_m = 2.0 * half_m.y();
+    std::vector<PressedTip> tips;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vector3 direction = direction_of(i);
+        const Vector3 top_m(0.6 * half_m.x() * direction.x(), half_m.y(),
+                            0.6 * half_m.z() * direction.z());
+        tips.push_back(
+            pressed(top_m, Vector3::UnitY(), swing_m(i, 0.25 * thickness_m, 0.75 * thickness_m)));
+    }
+    return tips;
+}
+
+} // namespace springdrive::rig

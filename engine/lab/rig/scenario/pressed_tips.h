@@ -1,0 +1,36 @@
+// Tips pressed into surfaces whose true shape is known, each with the true answer beside it.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace springdrive::rig {
+
+/// Where the tip is, and what a proxy on the true surface would do: rest at the point from which
+/// the tip was pushed in, along the normal there.
+struct PressedTip {
+    Vector3 tip_m{Vector3::Zero()};
+    Vector3 surface_m{Vector3::Zero()};
+    Vector3 normal{Vector3::Zero()}; ///< unit, out of the surface
+
+    [[nodiscard]] double depth_m() const { return (surface_m - tip_m).norm(); }
+};
+
+// A tip each millisecond, 1 to 2 mm under the surface, along a curve that comes by everywhere. The
+// surfaces bend so little that the point it was pushed in from is the nearest of all.
+
+/// On the sphere of the test surfaces.
+[[nodiscard]] std::vector<PressedTip> tips_in_sphere(std::size_t count);
+
+/// On the organic one.
+[[nodiscard]] std::vector<PressedTip> tips_in_organic_shape(std::size_t count);
+
+/// Half the sides and half the thickness of the plate that `tips_in_thin_plate` press into.
+[[nodiscard]] Vector3 thin_plate_half_size_m();
+
+/// Pressed in from above, down to three quarters of the plate's thickness: beyond its middle.
+[[nodiscard]] std::vector<PressedTip> tips_in_thin_plate(std::size_t count);
+
+} // namespace springdrive::rig

@@ -1,0 +1,172 @@
+#include "engine/lab/rig/scenario/test_surfaces.h"
+
+#include "base/input_error.h"
+#include "engine/lab/rig/scenario/blob_shape.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace springdrive::rig {
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+constexpr std::string_view kSphere = "sphere:";
+constexpr std::string_view kBumpy = "bumpy:";
+constexpr std::string_view kOrganic = "organic:";
+
+constexpr int kFewestDivisions = 3;
+constexpr int kMostDivisions = 8;
+
+std::size_t triangles_after(int divisions) { return std::size_t{20} << (2 * divisions); }
+
+contact::TriangleSoup icosahedron() {
+    const double g = std::numbers::phi;
+    contact::TriangleSoup soup;
+    // Three golden rectangles, square to each other.
+    soup.vertices_m = {{0, -1, -g}, {0, 1, -g}, {0, -1, g},  {0, 1, g},  {-g, 0, -1}, {-g, 0, 1},
+                       {g, 0, -1},  {g, 0, 1},  {-1, -g, 0}, {1, -g, 0}, {-1, g, 0},  {1, g, 0}};
+    // Faces are the triples of corners that are an edge, of length 2, apart.
+    const auto are_joined = [&](std::uint32_t a, std::uint32_t b) {
+        return (soup.vertices_m[a] - soup.vertices_m[b]).squaredNorm() < 5.0;
+    };
+    for (std::uint32_t a = 0; a < 12; ++a) {
+        for (std::uint32_t b = a + 1; b < 12; ++b) {
+            for (std::uint32_t c = b + 1; c < 12; ++c) {
+                if (are_joined(a, b) && are_joined(b, c) && are_joined(c, a)) {
+                    Matrix3 corners;
+                    corners << soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c];
+                    const bool turns_outwards =
+                        corners.col(0).cross(corners.col(1)).dot(corners.col(2)) > 0.0;
+                    soup.triangles.push_back(turns_outwards ? Triangle{a, b, c}
+                                                            : Triangle{a, c, b});
+                }
+            }
+        }
+    }
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex.normalize();
+    }
+    return soup;
+}
+
+/// Hands out one vertex for each edge: its middle.
+class Middles {
+public:
+    Middles(std::vector<Vector3> &vertices, std::size_t edges) : vertices_(vertices) {
+        known_.reserve(edges);
+        vertices_.reserve(vertices_.size() + edges);
+    }
+
+    std::uint32_t between(std::uint32_t a, std::uint32_t b) {
+        const std::uint64_t key = (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
+        const auto [found, is_new] =
+            known_.try_emplace(key, static_cast<std::uint32_t>(vertices_.size()));
+        if (is_new) {
+            vertices_.emplace_back((vertices_[a] + vertices_[b]).normalized());
+        }
+        return found->second;
+    }
+
+private:
+    std::vector<Vector3> &vertices_;
+    std::unordered_map<std::uint64_t, std::uint32_t> known_;
+};
+
+void divide(contact::TriangleSoup &soup) {
+    Middles middles(soup.vertices_m, soup.triangles.size() * 3 / 2);
+    std::vector<Triangle> finer;
+    finer.reserve(4 * soup.triangles.size());
+    for (const auto &[a, b, c] : soup.triangles) {
+        const std::uint32_t ab = middles.between(a, b);
+        const std::uint32_t bc = middles.between(b, c);
+        const std::uint32_t ca = middles.between(c, a);
+        finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+    }
+    soup.triangles = std::move(finer);
+}
+
+/// How often triangles must be divided for there to be as many as a name says.
+int divisions_of(std::string_view name, std::string_view count) {
+    std::size_t triangles = 0;
+    const char *end = count.data() + count.size();
+    const auto [stop, error] = std::from_chars(count.data(), end, triangles);
+    std::string choices;
+    for (int divisions = kFewestDivisions; divisions <= kMostDivisions; ++divisions) {
+        if (error == std::errc{} && stop == end && triangles == triangles_after(divisions)) {
+            return divisions;
+        }
+        choices += (choices.empty()               ? ""
+                    : divisions == kMostDivisions ? " or "
+                                                  : ", ") +
+                   std::to_string(triangles_after(divisions));
+    }
+    throw InputError(std::string(name) + ": triangles must be " + choices);
+}
+
+} // namespace
+
+contact::TriangleSoup icosphere(int divisions, double radius_m) {
+    contact::TriangleSoup soup = icosahedron();
+    for (int i = 0; i < divisions; ++i) {
+        divide(soup);
+    }
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex = radius_m * vertex.normalized();
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"sphere", 0.0}};
+    return soup;
+}
+
+contact::TriangleSoup bumpy_sphere(int divisions, double radius_m, double height_m,
+                                   double length_m) {
+    contact::TriangleSoup soup = icosphere(divisions, radius_m);
+    const double k = 2.0 * std::numbers::pi / length_m;
+    for (Vector3 &vertex : soup.vertices_m) {
+        const double height =
+            std::sin(k * vertex.x()) * std::sin(k * vertex.y()) * std::sin(k * vertex.z());
+        vertex *= 1.0 + height_m / radius_m * height;
+    }
+    soup.materials = {{"bumpy sphere", 0.0}};
+    return soup;
+}
+
+contact::TriangleSoup organic_surface(int divisions, double scale_m) {
+    contact::TriangleSoup soup = icosphere(divisions, 1.0);
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex *= scale_m * organic_shape().distance(vertex);
+    }
+    soup.materials = {{"organic", 0.0}};
+    return soup;
+}
+
+std::optional<contact::TriangleSoup> test_surface_named(std::string_view name) {
+    if (names_test_sphere(name)) {
+        return icosphere(divisions_of(name, name.substr(kSphere.size())), kTestSphereRadius_m);
+    }
+    if (name.starts_with(kBumpy)) {
+        return bumpy_sphere(divisions_of(name, name.substr(kBumpy.size())), kTestSphereRadius_m,
+                            kTestBumpHeight_m, kTestBumpLength_m);
+    }
+    if (name.starts_with(kOrganic)) {
+        return organic_surface(divisions_of(name, name.substr(kOrganic.size())),
+                               kTestOrganicScale_m);
+    }
+    return std::nullopt;
+}
+
+bool names_test_sphere(std::string_view name) { return name.starts_with(kSphere); }
+
+} // namespace springdrive::rig

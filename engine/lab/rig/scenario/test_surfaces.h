@@ -1,0 +1,38 @@
+// Surfaces of any fineness whose true shape is known, for trials, tests and benchmarks.
+#pragma once
+
+#include "engine/contact/mesh/triangle_soup.h"
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace springdrive::rig {
+
+inline constexpr double kTestSphereRadius_m = 0.05;
+inline constexpr double kTestBumpHeight_m = 0.5e-3;
+inline constexpr double kTestBumpLength_m = 6e-3;
+inline constexpr double kTestOrganicScale_m = 0.04; ///< of the unit of `organic_shape`
+
+/// An icosahedron whose triangles are divided into four again and again, each time pushed out to a
+/// sphere about the origin. Closed, wound outwards, vertices shared.
+/// @param divisions  20 · 4^divisions triangles
+[[nodiscard]] contact::TriangleSoup icosphere(int divisions, double radius_m);
+
+/// The same with bumps and dents of `height_m` at most, `length_m` from one bump to the next.
+[[nodiscard]] contact::TriangleSoup bumpy_sphere(int divisions, double radius_m, double height_m,
+                                                 double length_m);
+
+/// Like the icosphere, but each vertex pushed out to the shape, `scale_m` times its size: no two
+/// triangles are alike, and all corners are on the true surface.
+[[nodiscard]] contact::TriangleSoup organic_surface(int divisions, double scale_m);
+
+/// What `sphere:N`, `bumpy:N` and `organic:N` name, with N triangles: 1280, 5120, 20480, 81920,
+/// 327680 or 1310720. Nothing for a name that does not begin so.
+/// @throw InputError for another N.
+[[nodiscard]] std::optional<contact::TriangleSoup> test_surface_named(std::string_view name);
+
+/// Whether it names a sphere without bumps: its true normals are known.
+[[nodiscard]] bool names_test_sphere(std::string_view name);
+
+} // namespace springdrive::rig

@@ -1,0 +1,234 @@
+#include "engine/lab/rig/scenario/touch_path.h"
+
+#include "engine/lab/rig/scenario/surface_probe.h"
+#include "engine/lab/rig/scenario/tip_pen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace springdrive::rig {
+
+namespace {
+
+/// A tip in free space is this far above what it is about to touch [m].
+constexpr double kAbove_m = 2e-3;
+
+/// Places on a curve over the surface are this far apart [m].
+constexpr double kSpacing_m = 0.5e-3;
+
+/// A path that has met nothing at so many places will not.
+constexpr int kPatience = 2000;
+
+class Dice {
+public:
+    explicit Dice(std::uint64_t seed) : random_(seed) {}
+
+    double between(double lower, double upper) {
+        return std::uniform_real_distribution<double>(lower, upper)(random_);
+    }
+
+    bool one_in(unsigned many) { return random_() % many == 0; }
+
+    Vector3 within(const Eigen::AlignedBox3d &box) {
+        const double x = between(box.min().x(), box.max().x());
+        const double y = between(box.min().y(), box.max().y());
+        const double z = between(box.min().z(), box.max().z());
+        return {x, y, z};
+    }
+
+    /// Unit; all directions alike.
+    Vector3 direction() {
+        const double z = between(-1.0, 1.0);
+        const double angle = between(0.0, 2.0 * std::numbers::pi);
+        const double r = std::sqrt(1.0 - z * z);
+        return {r * std::cos(angle), r * std::sin(angle), z};
+    }
+
+private:
+    std::mt19937_64 random_;
+};
+
+/// Along the great circle from one direction to the other, outside, in chords of 60° at most.
+void go_round(TipPen &pen, const SurfaceProbe &probe, const Vector3 &from, const Vector3 &to) {
+    const double angle = std::acos(std::clamp(from.dot(to), -1.0, 1.0));
+    const int chords = static_cast<int>(std::ceil(angle / (std::numbers::pi / 3.0)));
+    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(from, to);
+    for (int i = 1; i <= chords; ++i) {
+        const double share = static_cast<double>(i) / chords;
+        pen.leap_to(probe.outside(Eigen::Quaterniond::Identity().slerp(share, turn) * from));
+    }
+}
+
+void press(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+    const Eigen::AlignedBox3d &box = probe.box();
+    Vector3 from = dice.direction();
+    pen.leap_to(probe.outside(from));
+    for (int misses = 0; misses < kPatience && !pen.is_full();) {
+        const Vector3 to = dice.direction();
+        const Vector3 start_m = probe.outside(to);
+        const Vector3 inward = (dice.within(box) - start_m).normalized();
+        const std::optional<Vector3> touch_m = probe.first_touch(
+            start_m, start_m + 2.0 * (start_m - probe.middle_m()).norm() * inward);
+        if (!touch_m) {
+            ++misses;
+            continue;
+        }
+        misses = 0;
+        go_round(pen, probe, from, to);
+        pen.leap_to(*touch_m - kAbove_m * inward);
+        pen.draw_to(*touch_m + depth_m * inward);
+        pen.draw_to(*touch_m - kAbove_m * inward);
+        pen.leap_to(start_m);
+        from = to;
+    }
+}
+
+/// Slides under the surface along directions from the middle of the box, as long as `next` gives
+/// another.
+template <typename NextDirection, typename Depth>
+void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, Depth &&depth_m) {
+    pen.leap_to(probe.outside(next()));
+    bool has_entered = false;
+    for (int misses = 0; misses < kPatience && !pen.is_full();) {
+        const Vector3 direction = next();
+        const std::optional<Vector3> touch_m = probe.touch_from(direction);
+        if (!has_entered) {
+            pen.leap_to(probe.outside(direction));
+        }
+        if (!touch_m) {
+            ++misses;
+            continue;
+        }
+        misses = 0;
+        if (!has_entered) {
+            has_entered = true;
+            pen.leap_to(*touch_m + kAbove_m * direction);
+        }
+        pen.draw_to(*touch_m - depth_m() * direction);
+    }
+}
+
+double angle_between_places(const SurfaceProbe &probe) {
+    return kSpacing_m / std::max(kSpacing_m, 0.5 * probe.box().diagonal().norm());
+}
+
+void slide(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+    const double step = angle_between_places(probe);
+    Vector3 direction = dice.direction();
+    Vector3 axis = direction.unitOrthogonal();
+    double turned = 0.0;
+    slide_along(
+        pen, probe,
+        [&] {
+            direction = (Eigen::AngleAxisd(step, axis) * direction).normalized();
+            turned += step;
+            if (turned >= 2.0 * std::numbers::pi) { // another circle through the same place
+                axis = Eigen::AngleAxisd(dice.between(0.5, 2.5), direction) * axis;
+                turned = 0.0;
+            }
+            return direction;
+        },
+        [&] { return depth_m; });
+}
+
+void lissajous(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+    const double step = angle_between_places(probe);
+    const Vector3 rate(1.0, std::numbers::phi, std::numbers::sqrt3); // never the same again
+    const Vector3 phase(0.0, dice.between(0.5, 1.0), dice.between(1.5, 2.5));
+    double t = 0.0;
+    slide_along(
+        pen, probe,
+        [&] {
+            const Vector3 v = (t * rate + phase).array().sin();
+            const Vector3 velocity = rate.array() * (t * rate + phase).array().cos();
+            // Steps of equal angle, also where the curve comes near the middle.
+            const double angular_rate = v.cross(velocity).norm() / v.squaredNorm();
+            t += std::min(step / angular_rate, step);
+            return Vector3((t * rate + phase).array().sin().matrix().normalized());
+        },
+        [&] { return depth_m * (1.0 + std::sin(7.0 * t) / 3.0); });
+}
+
+std::vector<Vector3> rain(const SurfaceProbe &probe, Dice &dice, const TouchPathOptions &options) {
+    constexpr double kGravity_m_per_s2 = 9.81;
+    constexpr double kRest_s = 0.02;
+    const Eigen::AlignedBox3d &box = probe.box();
+    const double top_m = box.max().y() + options.radius_m + 0.01;
+    const double bottom_m = box.min().y() - options.radius_m - 0.01;
+    std::vector<Vector3> tips_m;
+    tips_m.reserve(options.steps);
+    while (tips_m.size() < options.steps) {
+        Vector3 start_m = dice.within(box);
+        start_m.y() = top_m;
+        const Vector3 end_m(start_m.x(), bottom_m, start_m.z());
+        const std::optional<Vector3> touch_m = probe.first_touch(start_m, end_m);
+        const double fall_m = top_m - (touch_m ? touch_m->y() - options.depth_m : bottom_m);
+        const double fall_s = std::sqrt(2.0 * fall_m / kGravity_m_per_s2);
+        const auto ticks = static_cast<int>((2.0 * fall_s + kRest_s) / options.period_s);
+        for (int i = 0; i <= ticks && tips_m.size() < options.steps; ++i) {
+            const double t = i * options.period_s;
+            const double fallen_s =
+                std::clamp(std::min(t, 2.0 * fall_s + kRest_s - t), 0.0, fall_s);
+            tips_m.emplace_back(start_m.x(), top_m - 0.5 * kGravity_m_per_s2 * fallen_s * fallen_s,
+                                start_m.z());
+        }
+    }
+    return tips_m;
+}
+
+std::vector<Vector3> wander(const SurfaceProbe &probe, Dice &dice,
+                            const TouchPathOptions &options) {
+    constexpr double kGrown = 1.2;
+    constexpr unsigned kOneLeapIn = 1000;
+    constexpr double kMeander = 0.05; ///< of the heading, a tick
+    const Vector3 half_m = 0.5 * kGrown * probe.box().diagonal();
+    const Eigen::AlignedBox3d room(probe.middle_m() - half_m, probe.middle_m() + half_m);
+    const double step_m = options.speed_m_per_s * options.period_s;
+    std::vector<Vector3> tips_m{probe.outside(dice.direction())};
+    Vector3 heading = (probe.middle_m() - tips_m.front()).normalized();
+    while (tips_m.size() < options.steps) {
+        heading = (heading + kMeander * dice.direction()).normalized();
+        Vector3 tip_m = tips_m.back() + step_m * heading;
+        if (dice.one_in(kOneLeapIn)) {
+            tip_m = dice.within(room);
+        } else if (!room.contains(tip_m)) {
+            heading = (probe.middle_m() - tip_m).normalized();
+        }
+        tips_m.push_back(tip_m);
+    }
+    return tips_m;
+}
+
+} // namespace
+
+std::optional<TouchPathKind> touch_path_named(std::string_view name) {
+    const auto *const found = std::ranges::find(kTouchPathNames, name, &TouchPathName::name);
+    return found == kTouchPathNames.end() ? std::nullopt : std::optional(found->kind);
+}
+
+std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
+                                const Eigen::AlignedBox3d &box, const TouchPathOptions &options) {
+    const SurfaceProbe probe(surface, box, options.radius_m);
+    Dice dice(options.seed);
+    TipPen pen(options.speed_m_per_s * options.period_s, options.steps);
+    switch (options.kind) {
+    case TouchPathKind::press:
+        press(pen, probe, dice, options.depth_m);
+        break;
+    case TouchPathKind::slide:
+        slide(pen, probe, dice, options.depth_m);
+        break;
+    case TouchPathKind::lissajous:
+        lissajous(pen, probe, dice, options.depth_m);
+        break;
+    case TouchPathKind::rain:
+        return rain(probe, dice, options);
+    case TouchPathKind::random:
+        return wander(probe, dice, options);
+    }
+    return pen.take();
+}
+
+} // namespace springdrive::rig

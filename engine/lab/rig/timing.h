@@ -1,0 +1,45 @@
+// Takes the time of a piece of work several times over.
+#pragma once
+
+#include "engine/lab/rig/work_point.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace springdrive::rig {
+
+/// Keeps the compiler from leaving out work whose result nobody reads.
+template <typename Value> inline void keep(const Value &value) noexcept {
+    asm volatile("" : : "g"(&value) : "memory");
+}
+
+/// The least, the middle and the greatest of some times [ns]; of an even number the mean of the
+/// two in the middle.
+/// @pre there is at least one
+[[nodiscard]] inline Cost cost_of_times(std::vector<double> times_ns) {
+    std::ranges::sort(times_ns);
+    const std::size_t half = times_ns.size() / 2;
+    const double median_ns =
+        times_ns.size() % 2 == 1 ? times_ns[half] : 0.5 * (times_ns[half - 1] + times_ns[half]);
+    return {times_ns.front(), median_ns, times_ns.back()};
+}
+
+/// What `work` costs for each of the `per` pieces that it is made of [ns]. It runs once beforehand,
+/// so that caches and branch predictors know it, and then `repeats` times against the clock.
+/// @pre `repeats` >= 1 and `per` > 0
+template <typename Work> [[nodiscard]] Cost cost_of(int repeats, double per, const Work &work) {
+    work();
+    std::vector<double> times_ns;
+    for (int i = 0; i < repeats; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        const auto end = std::chrono::steady_clock::now();
+        times_ns.push_back(std::chrono::duration<double, std::nano>(end - start).count() / per);
+    }
+    return cost_of_times(std::move(times_ns));
+}
+
+} // namespace springdrive::rig

@@ -1,0 +1,151 @@
+// A record as a MAT file of level 5, which MATLAB since 1996, Octave and scipy read.
+#include "engine/record/record_export.h"
+
+#include "base/input_error.h"
+#include "engine/record/selected_rows.h"
+
+#include <matio.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <system_error>
+
+namespace springdrive::record {
+
+namespace {
+
+constexpr std::uint64_t kMostBytesAVariable = std::numeric_limits<std::int32_t>::max();
+/// Of the columns that are held at a time; one alone may be larger.
+constexpr std::uint64_t kBytesAtATime = 256U << 20U;
+constexpr const char *kTitle = "MATLAB 5.0 MAT-file, telemetry recorded by springdrive";
+
+struct CloseMat {
+    void operator()(mat_t *mat) const { Mat_Close(mat); }
+};
+struct FreeVariable {
+    void operator()(matvar_t *variable) const { Mat_VarFree(variable); }
+};
+
+struct MatType {
+    matio_classes of_array;
+    matio_types of_data;
+};
+
+MatType mat_type(ColumnType type) {
+    switch (type) {
+    case ColumnType::u8:
+        return {MAT_C_UINT8, MAT_T_UINT8};
+    case ColumnType::u16:
+        return {MAT_C_UINT16, MAT_T_UINT16};
+    case ColumnType::u32:
+        return {MAT_C_UINT32, MAT_T_UINT32};
+    case ColumnType::u64:
+        return {MAT_C_UINT64, MAT_T_UINT64};
+    case ColumnType::i32:
+        return {MAT_C_INT32, MAT_T_INT32};
+    case ColumnType::f64:
+        break;
+    }
+    return {MAT_C_DOUBLE, MAT_T_DOUBLE};
+}
+
+constexpr std::uint64_t in_eights(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
+
+/// What a variable takes in the file at least: tags, flags, dimensions, name and numbers.
+std::uint64_t bytes_in_file(const RecordColumn &column, std::uint64_t rows) {
+    const std::uint64_t name = column.name.size() <= 4 ? 0 : in_eights(column.name.size());
+    const std::uint64_t numbers = rows * bytes_of(column.type);
+    return 48 + name + 8 + (numbers <= 4 ? 0 : in_eights(numbers));
+}
+
+void check_sizes(const std::vector<RecordColumn> &columns, std::uint64_t rows) {
+    for (const RecordColumn &column : columns) {
+        if (rows > kMostBytesAVariable / bytes_of(column.type)) {
+            throw InputError("column " + column.name + " has " + std::to_string(rows) +
+                             " rows, and a MAT file holds no variable above 2 GB; export a "
+                             "shorter range of time, or to NPY");
+        }
+    }
+}
+
+using Numbers = std::vector<std::byte>;
+
+/// A column's numbers of all rows of the range, for each of `columns`.
+std::vector<Numbers> read_columns(RecordReader &record, const record::TimeRange &range,
+                                  std::span<const RecordColumn> columns, std::uint64_t rows) {
+    std::vector<Numbers> numbers(columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        numbers[i].reserve(rows * bytes_of(columns[i].type));
+    }
+    record::for_each_row(record, range, [&](std::span<const std::byte> row) {
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const auto cell = row.subspan(columns[i].offset, bytes_of(columns[i].type));
+            numbers[i].insert(numbers[i].end(), cell.begin(), cell.end());
+        }
+    });
+    return numbers;
+}
+
+bool write_variable(mat_t *mat, const RecordColumn &column, Numbers &numbers) {
+    const MatType type = mat_type(column.type);
+    std::array<std::size_t, 2> size{numbers.size() / bytes_of(column.type), 1};
+    const std::unique_ptr<matvar_t, FreeVariable> variable(
+        Mat_VarCreate(column.name.c_str(), type.of_array, type.of_data, 2, size.data(),
+                      numbers.data(), MAT_F_DONT_COPY_DATA));
+    return variable && Mat_VarWrite(mat, variable.get(), MAT_COMPRESSION_NONE) == 0;
+}
+
+/// False where the file could not be written.
+bool write_variables(RecordReader &record, const record::TimeRange &range, std::uint64_t rows,
+                     std::span<const RecordColumn> columns, const std::filesystem::path &file) {
+    const std::unique_ptr<mat_t, CloseMat> mat(Mat_CreateVer(file.c_str(), kTitle, MAT_FT_MAT5));
+    const std::uint64_t widest = std::max<std::uint64_t>(rows * sizeof(double), 1);
+    const auto at_a_time =
+        static_cast<std::size_t>(std::max<std::uint64_t>(kBytesAtATime / widest, 1));
+    bool is_good = mat != nullptr;
+    while (is_good && !columns.empty()) {
+        const auto now = columns.first(std::min(at_a_time, columns.size()));
+        std::vector<Numbers> numbers = read_columns(record, range, now, rows);
+        for (std::size_t i = 0; is_good && i < now.size(); ++i) {
+            is_good = write_variable(mat.get(), now[i], numbers[i]);
+        }
+        columns = columns.subspan(now.size());
+    }
+    return is_good;
+}
+
+} // namespace
+
+ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
+                         const std::filesystem::path &file) {
+    const auto columns = selected_columns(record.header(), selection.columns);
+    const record::TimeRange range(record.header(), selection);
+    const std::uint64_t rows = record::count_rows(record, range);
+    const ExportSummary summary{rows, columns.size(), record.ending()};
+    check_sizes(columns, rows);
+    if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
+        throw InputError(file.string() + ": is no file to replace; give another name");
+    }
+    std::uint64_t least_bytes = 128; // of the file's own header
+    for (const RecordColumn &column : columns) {
+        least_bytes += bytes_in_file(column, rows);
+    }
+    // Under another name until all is there, so that a file of that name is not lost for nothing.
+    const std::filesystem::path unfinished = file.string() + ".unfinished";
+    std::error_code error;
+    // The library does not tell that the disk is full: the size does.
+    if (write_variables(record, range, rows, columns, unfinished) &&
+        std::filesystem::file_size(unfinished, error) >= least_bytes && !error) {
+        std::filesystem::rename(unfinished, file, error);
+        if (!error) {
+            return summary;
+        }
+    }
+    std::filesystem::remove(unfinished, error);
+    throw InputError(file.string() + ": cannot be written; check its folder, permissions and the "
+                                     "room on the disk");
+}
+
+} // namespace springdrive::record

@@ -1,0 +1,129 @@
+#include "engine/record/record_export.h"
+
+#include "base/input_error.h"
+#include "engine/record/selected_rows.h"
+
+#include <algorithm>
+#include <numeric>
+#include <ostream>
+#include <string_view>
+
+namespace springdrive::record {
+
+namespace {
+
+constexpr std::size_t kMostSuggestions = 3;
+constexpr std::size_t kLongestCompared = 100;
+
+constexpr double kRounding = 1e-6; ///< of a period, that a bound of a range may be off
+
+/// Levenshtein's: how many letters to add, leave out or change.
+std::size_t distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (const char letter : a) {
+        std::size_t diagonal = row[0]++;
+        for (std::size_t j = 1; j < row.size(); ++j) {
+            const std::size_t changed = diagonal + (letter == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+std::string nearest_names(const RecordHeader &header, std::string_view name) {
+    std::vector<const RecordColumn *> columns;
+    for (const RecordColumn &column : header.columns) {
+        columns.push_back(&column);
+    }
+    const auto how_far = [compared = name.substr(0, kLongestCompared)](const RecordColumn *c) {
+        return distance(compared, c->name);
+    };
+    std::stable_sort(columns.begin(), columns.end(),
+                     [&](const auto *a, const auto *b) { return how_far(a) < how_far(b); });
+    std::string list;
+    for (std::size_t i = 0; i < std::min(kMostSuggestions, columns.size()); ++i) {
+        list += (i == 0 ? "" : ", ") + columns[i]->name;
+    }
+    return list;
+}
+
+[[noreturn]] void refuse(const RecordHeader &header, const std::string &name) {
+    const bool is_prefix = !name.empty() && name.back() == '*';
+    throw InputError((is_prefix ? "no column of the record fits " : "the record has no column ") +
+                     name + "; the nearest are " + nearest_names(header, name));
+}
+
+} // namespace
+
+std::vector<RecordColumn> selected_columns(const RecordHeader &header,
+                                           const std::vector<std::string> &names) {
+    if (names.empty()) {
+        return header.columns;
+    }
+    std::vector<RecordColumn> selected;
+    for (const std::string &name : names) {
+        const bool is_prefix = !name.empty() && name.back() == '*';
+        const std::string_view beginning(name.data(), name.size() - (is_prefix ? 1 : 0));
+        bool fits_any = false;
+        for (const RecordColumn &column : header.columns) {
+            if (is_prefix ? column.name.starts_with(beginning) : column.name == name) {
+                fits_any = true;
+                if (std::find(selected.begin(), selected.end(), column) == selected.end()) {
+                    selected.push_back(column);
+                }
+            }
+        }
+        if (!fits_any) {
+            refuse(header, name);
+        }
+    }
+    return selected;
+}
+
+TimeRange::TimeRange(const RecordHeader &header, const ExportSelection &selection)
+    : from_s_(selection.from_s), to_s_(selection.to_s), period_s_(header.period_s) {
+    if (!(from_s_ <= to_s_)) {
+        throw InputError("a range from " + std::to_string(from_s_) + " to " +
+                         std::to_string(to_s_) + " s holds nothing; give its beginning first");
+    }
+    // tick × T is rounded: 1.009 s of a kilohertz is the tick that says 1.0090000000000001.
+    from_s_ -= kRounding * period_s_;
+    to_s_ += kRounding * period_s_;
+    is_all_ = std::isinf(from_s_) && from_s_ < 0.0 && std::isinf(to_s_) && to_s_ > 0.0;
+    const RecordColumn *const time = header.column("time_s");
+    const RecordColumn *const tick = header.column("tick");
+    if (time != nullptr && time->type == ColumnType::f64) {
+        time_offset_ = time->offset;
+    } else if (tick != nullptr && tick->type == ColumnType::u64) {
+        tick_offset_ = tick->offset;
+    } else if (!is_all_) {
+        throw InputError("the record has neither time_s nor tick, so no range of time can be "
+                         "taken from it; export all of it");
+    }
+}
+
+bool TimeRange::holds(std::span<const std::byte> row) const {
+    if (is_all_) {
+        return true;
+    }
+    const double time_s =
+        time_offset_
+            ? load<double>(row.data() + *time_offset_)
+            : static_cast<double>(load<std::uint64_t>(row.data() + *tick_offset_)) * period_s_;
+    return time_s >= from_s_ && time_s <= to_s_;
+}
+
+std::uint64_t count_rows(RecordReader &record, const TimeRange &range) {
+    return for_each_row(record, range, [](std::span<const std::byte>) {});
+}
+
+void check_taken(std::ostream &out) {
+    if (!out) {
+        throw InputError("the export is incomplete: its output takes no more; make room or choose "
+                         "another folder");
+    }
+}
+
+} // namespace springdrive::record

@@ -1,0 +1,68 @@
+# A room is a target that sees the headers of the rooms that it may use, and no others. The top of
+# the project is nobody's include folder: each room has one of its own in the build tree, rooms/NAME,
+# with links to where its headers stand. So "engine/control/tuning.h" is found under its full name,
+# but only by who links `control`.
+#
+#   room(NAME [PLACES place...] [USES room...] [PUBLIC_LIBRARIES library...] [LIBRARIES library...]
+#        [OPENS closed...] [SOURCES file...])
+#
+# A place is a folder or a header, by its path from the top; the present folder where none is named.
+# Headers of PUBLIC_LIBRARIES are seen by who uses the room, too. OPENS names what of the list below
+# the room itself may include.
+
+# Other people's headers stand in /usr/include, where every compiler looks. A room that does not open
+# a library therefore finds, first, headers of the same names that stop the compiler.
+set(closed_libraries
+    cli11 draco epoxy glfw json libmd matio meshoptimizer sundials tinygltf tomlplusplus zlib)
+set(closed_cli11 CLI/CLI.hpp)
+set(closed_draco
+    draco/compression/decode.h draco/compression/encode.h draco/core/decoder_buffer.h draco/mesh/mesh.h)
+set(closed_epoxy epoxy/gl.h)
+set(closed_glfw GLFW/glfw3.h)
+set(closed_json nlohmann/json.hpp)
+set(closed_libmd sha2.h)
+set(closed_matio matio.h)
+set(closed_meshoptimizer meshoptimizer.h)
+set(closed_sundials
+    arkode/arkode.h cvode/cvode.h nvector/nvector_serial.h sundials/sundials_types.h
+    sunlinsol/sunlinsol_dense.h sunmatrix/sunmatrix_dense.h)
+set(closed_tinygltf tiny_gltf.h)
+set(closed_tomlplusplus toml++/toml.h)
+set(closed_zlib zlib.h)
+
+function(room name)
+    cmake_parse_arguments(ROOM "" ""
+        "PLACES;USES;PUBLIC_LIBRARIES;LIBRARIES;OPENS;SOURCES" ${ARGN})
+    if(NOT ROOM_PLACES)
+        cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR}
+            OUTPUT_VARIABLE ROOM_PLACES)
+    endif()
+    set(headers ${PROJECT_BINARY_DIR}/rooms/${name})
+    file(REMOVE_RECURSE ${headers}) # links only
+    foreach(place IN LISTS ROOM_PLACES)
+        cmake_path(GET place PARENT_PATH above)
+        file(MAKE_DIRECTORY ${headers}/${above})
+        file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${place} ${headers}/${place} SYMBOLIC)
+    endforeach()
+
+    if(NOT ROOM_SOURCES)
+        add_library(${name} INTERFACE)
+        target_include_directories(${name} INTERFACE ${headers})
+        target_link_libraries(${name} INTERFACE ${ROOM_PUBLIC_LIBRARIES} ${ROOM_USES})
+        return()
+    endif()
+    add_library(${name} STATIC ${ROOM_SOURCES})
+    target_include_directories(${name} PUBLIC ${headers})
+    target_link_libraries(${name} PUBLIC ${ROOM_PUBLIC_LIBRARIES} ${ROOM_USES}
+                                  PRIVATE ${ROOM_LIBRARIES})
+    set(closed ${PROJECT_BINARY_DIR}/rooms/closed/${name})
+    file(REMOVE_RECURSE ${closed})
+    foreach(library IN LISTS closed_libraries)
+        if(NOT library IN_LIST ROOM_OPENS)
+            foreach(header IN LISTS closed_${library})
+                file(WRITE ${closed}/${header} "#error \"closed to this room: ${library}\"\n")
+            endforeach()
+        endif()
+    endforeach()
+    target_include_directories(${name} PRIVATE ${closed})
+endfunction()

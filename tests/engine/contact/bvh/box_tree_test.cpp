@@ -1,0 +1,322 @@
+// Covers engine/contact/bvh/box_tree.h, box_probes.h and box_waiting.h.
+#include "engine/contact/bvh/box_tree.h"
+
+#include "tests/engine/contact/bvh/box_sets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace springdrive::contact {
+namespace {
+
+using testing::Boxes;
+using testing::BoxSet;
+using testing::entry_fraction;
+using testing::Motion;
+using testing::random_motion;
+using testing::random_vector;
+
+SearchBudget unlimited() { return {1 << 30}; }
+
+/// What the plain search in double may be wrong by [m]: some round-offs of a coordinate.
+double round_off_m(const BoxSet &set) { return 1e-15 * (set.centre_m.norm() + 2.0 * set.half_m); }
+
+/// How much farther than asked the tree may look [m]: two roundings of a coordinate to float on
+/// either side, and kSlack of the motion, with as much again to spare.
+double allowance_m(const BoxSet &set, double length_m) {
+    const double coordinate_m = set.centre_m.cwiseAbs().maxCoeff() + 6.0 * set.half_m;
+    return 8.0 * 0x1p-24 * coordinate_m + 4.0 * double{kSlack} * length_m;
+}
+
+/// Which items a search visits, each once.
+class Visited {
+public:
+    explicit Visited(const BoxTree &tree) : is_visited_(tree.order().size()) {}
+    void add(std::uint32_t item) {
+        ASSERT_LT(item, is_visited_.size());
+        EXPECT_FALSE(is_visited_[item]);
+        is_visited_[item] = true;
+    }
+    bool operator[](std::uint32_t item) const { return is_visited_[item]; }
+
+private:
+    std::vector<bool> is_visited_;
+};
+
+TEST(BoxTree, AlongVisitsWhatTheMotionEntersAndNothingElse) {
+    std::mt19937_64 random(1);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        int entered = 0;
+        for (int i = 0; i < 300; ++i) {
+            const Motion motion = random_motion(random, set);
+            const Vector3 &from = motion.from_m;
+            const Vector3 &to = motion.to_m;
+            const double reach = motion.reach_m;
+            Visited visited(tree);
+            SearchBudget budget = unlimited();
+            const double searched =
+                tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
+                    visited.add(item);
+                    return last;
+                });
+            EXPECT_EQ(searched, 1.0);
+            const double more = reach + allowance_m(set, (to - from).norm());
+            for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
+                const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
+                if (visited[item]) {
+                    ASSERT_LE(entry_fraction(box, from, to, more), 1.0) << set.name << " " << i;
+                } else {
+                    ASSERT_GT(entry_fraction(box, from, to, reach - round_off_m(set)), 1.0)
+                        << set.name << " " << i;
+                }
+                entered += visited[item] ? 1 : 0;
+            }
+        }
+        EXPECT_GT(entered, 20) << set.name;
+    }
+}
+
+TEST(BoxTree, AlongFindsTheFirstEntryWhileTheMotionShrinks) {
+    std::mt19937_64 random(2);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        for (int i = 0; i < 300; ++i) {
+            const Motion motion = random_motion(random, set);
+            const Vector3 &from = motion.from_m;
+            const Vector3 &to = motion.to_m;
+            const double reach = motion.reach_m;
+            double expected = 1.0;
+            for (const Eigen::AlignedBox3d &box : set.boxes) {
+                expected = std::min(expected, entry_fraction(box, from, to, reach));
+            }
+            double last_left = 1.0;
+            SearchBudget budget = unlimited();
+            const double found =
+                tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
+                    EXPECT_EQ(last, last_left);
+                    last_left = std::min(
+                        last, entry_fraction(set.boxes[tree.order()[item]], from, to, reach));
+                    return last_left;
+                });
+            ASSERT_EQ(found, expected) << set.name << " " << i;
+        }
+    }
+}
+
+/// On a wall is inside, also at zero, where floats lie so close that no round-off helps.
+TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
+    std::mt19937_64 random(9);
+    const Boxes boxes{Eigen::AlignedBox3d(Vector3(-1, -2, -4), Vector3(0, 0, 0)),
+                      Eigen::AlignedBox3d(Vector3(0, 0, 0), Vector3(2, 3, 1))};
+    const BoxTree tree(boxes, 1);
+    for (int i = 0; i < 2000; ++i) {
+        const Eigen::AlignedBox3d &box = boxes[random() % 2];
+        Vector3 from = random_vector(random, 5.0);
+        Vector3 to = random_vector(random, 5.0);
+        const int axis = static_cast<int>(random() % 3);
+        from[axis] = to[axis] = random() % 2 == 0 ? box.min()[axis] : box.max()[axis];
+        Visited visited(tree);
+        SearchBudget budget = unlimited();
+        tree.along(from, to, 0.0, budget, [&](std::uint32_t item, double last) {
+            visited.add(item);
+            return last;
+        });
+        for (std::uint32_t item = 0; item < 2; ++item) {
+            ASSERT_TRUE(visited[item] ||
+                        entry_fraction(boxes[tree.order()[item]], from, to, 0.0) > 1.0)
+                << i;
+        }
+    }
+}
+
+/// Shrinking has to spare visits, or it would serve nothing.
+TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
+    Boxes boxes;
+    for (int i = 0; i < 1000; ++i) {
+        boxes.push_back(testing::box_about({1e-3 * i, 0, 0}, Vector3::Constant(1e-4)));
+    }
+    const BoxTree tree(boxes, 1);
+    int visits = 0;
+    SearchBudget budget = unlimited();
+    tree.along({-1, 0, 0}, {1, 0, 0}, 0.0, budget, [&](std::uint32_t item, double last) {
+        ++visits;
+        return std::min(last, 0.5 + 0.5e-3 * tree.order()[item] + 1e-6);
+    });
+    EXPECT_LE(visits, 2);
+    EXPECT_LT(unlimited().nodes_left - budget.nodes_left, 20);
+}
+
+TEST(BoxTree, AlongHoldsToItsBudgetAndTellsHowFarItCame) {
+    std::mt19937_64 random(3);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        int cut_short = 0;
+        for (int i = 0; i < 300; ++i) {
+            const Motion motion = random_motion(random, set);
+            const Vector3 &from = motion.from_m;
+            const Vector3 &to = motion.to_m;
+            const double reach = motion.reach_m;
+            Visited visited(tree);
+            const int nodes = i % 30;
+            SearchBudget budget{nodes};
+            const double stop_at = i % 3 == 0 ? 0.3 : 1.0;
+            const double searched =
+                tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
+                    visited.add(item);
+                    return std::min(last, stop_at);
+                });
+            EXPECT_GE(budget.nodes_left, 0);
+            EXPECT_LE(budget.nodes_left, nodes);
+            EXPECT_GE(searched, 0.0);
+            cut_short += searched < stop_at ? 1 : 0;
+            for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
+                const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
+                ASSERT_TRUE(visited[item] ||
+                            entry_fraction(box, from, to, reach - round_off_m(set)) >= searched)
+                    << set.name << " " << i;
+            }
+        }
+        EXPECT_GE(cut_short, 10) << set.name; // all those without any budget
+    }
+}
+
+TEST(BoxTree, AlongComesFartherWithMoreBudget) {
+    std::mt19937_64 random(4);
+    const Boxes boxes = testing::random_boxes(random, 5000, 0.1, 0.003);
+    const BoxTree tree(boxes, 1);
+    const Vector3 from = Vector3::Constant(-0.11);
+    const auto searched_with = [&](int nodes) {
+        SearchBudget budget{nodes};
+        return tree.along(from, -from, 1e-3, budget,
+                          [](std::uint32_t, double last) { return last; });
+    };
+    EXPECT_EQ(searched_with(0), 0.0);
+    EXPECT_GT(searched_with(40), 0.05);
+    EXPECT_LT(searched_with(40), 1.0);
+    EXPECT_EQ(searched_with(5000), 1.0);
+}
+
+TEST(BoxTree, WithinVisitsWhatIsNearAndNothingElse) {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> exponent(-6.0, 0.0);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        for (int i = 0; i < 300; ++i) {
+            const Vector3 centre = random_motion(random, set).from_m;
+            const double radius = set.half_m * std::pow(10.0, exponent(random));
+            const double less = radius - round_off_m(set);
+            const double more = radius * (1.0 + double{kSlack}) + allowance_m(set, 0.0);
+            Visited visited(tree);
+            SearchBudget budget = unlimited();
+            const bool is_complete = tree.within(
+                centre, radius, budget, [&](std::uint32_t item, double squared_distance) {
+                    visited.add(item);
+                    const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
+                    const double distance = box.exteriorDistance(centre);
+                    EXPECT_LE(std::sqrt(squared_distance), distance + round_off_m(set));
+                    EXPECT_GE(std::sqrt(squared_distance),
+                              distance * (1.0 - 2.0 * double{kSlack}) - allowance_m(set, 0.0));
+                    return radius * radius;
+                });
+            EXPECT_TRUE(is_complete);
+            for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
+                const double distance = set.boxes[tree.order()[item]].exteriorDistance(centre);
+                if (visited[item]) {
+                    ASSERT_LE(distance, more) << set.name << " " << i;
+                } else {
+                    ASSERT_GT(distance, less) << set.name << " " << i;
+                }
+            }
+        }
+    }
+}
+
+TEST(BoxTree, WithinFindsTheNearestWhileTheBallShrinks) {
+    std::mt19937_64 random(6);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        for (int i = 0; i < 300; ++i) {
+            const Vector3 centre = set.centre_m + random_vector(random, 1.5 * set.half_m);
+            const double radius = 4.0 * set.half_m;
+            double expected = radius * radius;
+            for (const Eigen::AlignedBox3d &box : set.boxes) {
+                expected = std::min(expected, box.squaredExteriorDistance(centre));
+            }
+            double nearest = radius * radius;
+            SearchBudget budget = unlimited();
+            EXPECT_TRUE(tree.within(centre, radius, budget, [&](std::uint32_t item, double) {
+                const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
+                nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+                return nearest;
+            }));
+            ASSERT_EQ(nearest, expected) << set.name << " " << i;
+        }
+    }
+}
+
+TEST(BoxTree, WithinHoldsToItsBudgetAndTellsWhetherItSufficed) {
+    std::mt19937_64 random(7);
+    const Boxes boxes = testing::random_boxes(random, 3000, 0.1, 0.003);
+    const BoxTree tree(boxes, 1);
+    const auto nothing = [](std::uint32_t, double) { return 0.03 * 0.03; };
+    SearchBudget whole = unlimited();
+    EXPECT_TRUE(tree.within(Vector3::Zero(), 0.03, whole, nothing));
+    const int needed = unlimited().nodes_left - whole.nodes_left;
+    EXPECT_GT(needed, 5);
+    SearchBudget just_enough{needed};
+    EXPECT_TRUE(tree.within(Vector3::Zero(), 0.03, just_enough, nothing));
+    EXPECT_EQ(just_enough.nodes_left, 0);
+    for (int nodes = 0; nodes < needed; ++nodes) {
+        SearchBudget too_little{nodes};
+        EXPECT_FALSE(tree.within(Vector3::Zero(), 0.03, too_little, nothing));
+        EXPECT_EQ(too_little.nodes_left, 0);
+    }
+}
+
+TEST(BoxTree, OfNothingVisitsNothing) {
+    const auto fail = [](std::uint32_t, double left) {
+        ADD_FAILURE();
+        return left;
+    };
+    for (const BoxTree &tree : {BoxTree(), BoxTree({}, 2)}) {
+        SearchBudget budget{0};
+        EXPECT_EQ(tree.along(-Vector3::Ones(), Vector3::Ones(), 1.0, budget, fail), 1.0);
+        EXPECT_TRUE(tree.within(Vector3::Zero(), 1.0, budget, fail));
+        EXPECT_TRUE(tree.order().empty());
+    }
+}
+
+TEST(BoxTree, EndsWhateverIsAsked) {
+    std::mt19937_64 random(8);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const Boxes boxes = testing::random_boxes(random, 1001, 0.1, 0.003);
+    const BoxTree tree(boxes, 1);
+    const std::vector<double> senseless{NAN, kInfinity, -kInfinity, 1e300, -1e300, 1e39, 1e-320};
+    for (const double value : senseless) {
+        for (const double other : senseless) {
+            int visits = 0;
+            const auto count = [&](std::uint32_t item, double left) {
+                EXPECT_LT(item, boxes.size());
+                ++visits;
+                return left;
+            };
+            const Vector3 from(0.01, value, other);
+            const Vector3 to(other, 0.02, value);
+            SearchBudget budget = unlimited();
+            tree.along(from, to, 0.0, budget, count);
+            tree.along(from, Vector3::Zero(), other, budget, count);
+            tree.along(Vector3::Zero(), Vector3::Ones(), value, budget, count);
+            tree.within(from, other, budget, count);
+            tree.within(Vector3::Zero(), value, budget, count);
+            tree.within(to, 0.01, budget, [](std::uint32_t, double) { return NAN; });
+            EXPECT_LE(unlimited().nodes_left - budget.nodes_left, 6 * 1001);
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive::contact

@@ -1,0 +1,83 @@
+// Covers engine/contact/mesh/mesh_remarks.cpp.
+#include "engine/contact/mesh/mesh_remarks.h"
+
+#include "tests/engine/contact/mesh/soups.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::contact {
+namespace {
+
+const Vector3 kLower_m(-0.03, -0.02, -0.01);
+const Vector3 kUpper_m(0.03, 0.02, 0.01);
+
+std::vector<std::string> remarks(const TriangleSoup &soup) {
+    return remarks_on(prepare_mesh(soup).report, soup.materials);
+}
+
+TEST(MeshRemarks, SaysNothingOfACleanMesh) {
+    EXPECT_TRUE(remarks(testing::box_soup(kLower_m, kUpper_m)).empty());
+}
+
+TEST(MeshRemarks, NamesTheNodeWhoseTrianglesCannotBeTouched) {
+    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    soup.materials.push_back({"needle", 0.0});
+    soup.triangles.push_back({0, 0, 1});
+    soup.material_of_triangle.push_back(1);
+    ASSERT_EQ(remarks(soup).size(), 1U);
+    EXPECT_EQ(remarks(soup).front().substr(0, 29), "node 'needle': 1 of 13 triang");
+}
+
+TEST(MeshRemarks, SaysThatAnOpenSurfaceHasTwoSides) {
+    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    soup.triangles.pop_back();
+    soup.material_of_triangle.pop_back();
+    ASSERT_EQ(remarks(soup).size(), 1U);
+    EXPECT_EQ(remarks(soup).front(), "1 of 1 surfaces are open: touched from both sides");
+}
+
+TEST(MeshRemarks, SaysThatABoxInsideOutIsTouchedFromWithin) {
+    const TriangleSoup soup = testing::turned_inside_out(testing::box_soup(kLower_m, kUpper_m));
+    ASSERT_EQ(remarks(soup).size(), 1U);
+    EXPECT_NE(remarks(soup).front().find("face inwards"), std::string::npos);
+}
+
+TEST(MeshRemarks, SaysWhatWasDoneToCloseCracks) {
+    MeshReport report;
+    report.open_edges_given = 12;
+    report.closed_cracks = 5;
+    report.split_triangles = 2;
+    report.largest_move_m = 1.23e-6;
+    ASSERT_EQ(remarks_on(report, {}).size(), 1U);
+    EXPECT_EQ(remarks_on(report, {}).front(),
+              "12 edges were open: closed by moving 5 vertices and dividing 2 triangles, by "
+              "1.3 µm at most; none is open now");
+    report.open_edges = 4;
+    EXPECT_NE(remarks_on(report, {}).front().find("4 are open now"), std::string::npos);
+}
+
+TEST(MeshRemarks, SaysWhatWasTurnedAndWhatHasTwoSides) {
+    MeshReport report;
+    report.flipped_triangles = 1;
+    report.merged_triangles = 2;
+    report.unorientable_components = 1;
+    const std::vector<std::string> lines = remarks_on(report, {});
+    ASSERT_EQ(lines.size(), 3U);
+    EXPECT_EQ(lines[0], "2 triangles are given in both windings: touched from both sides");
+    EXPECT_EQ(lines[1], "1 triangle was wound against neighbours: turned");
+    EXPECT_NE(lines[2].find("1 surface has no outside"), std::string::npos);
+}
+
+TEST(MeshRemarks, DoesNotPromiseSidesThatANodeMaySet) {
+    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    soup.triangles.pop_back();
+    soup.material_of_triangle.pop_back();
+    soup.materials.front().sides = TouchSides::one;
+    EXPECT_EQ(remarks(soup).front(),
+              "1 of 1 surfaces are open: touched from both sides, but where their nodes say "
+              "otherwise");
+}
+
+} // namespace
+} // namespace springdrive::contact

@@ -1,0 +1,265 @@
+// Triangle soups with known shapes, and slow, plain answers to compare the fast ones with.
+#pragma once
+
+#include "engine/contact/mesh/triangle_soup.h"
+#include "tests/support/random_vector.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace springdrive::testing {
+
+using Corners = std::array<Vector3, 3>;
+
+inline Corners corners(const contact::TriangleSoup &soup, std::size_t triangle) {
+    const auto &[a, b, c] = soup.triangles[triangle];
+    return {soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]};
+}
+
+inline void add_triangle(contact::TriangleSoup &soup, const Corners &triangle) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices_m.size());
+    soup.vertices_m.insert(soup.vertices_m.end(), triangle.begin(), triangle.end());
+    soup.triangles.push_back({first, first + 1, first + 2});
+    soup.material_of_triangle.push_back(0);
+    if (soup.materials.empty()) {
+        soup.materials.push_back({"test", 0.0});
+    }
+}
+
+/// An icosahedron, each triangle divided into four `level` times, on a sphere about the origin:
+/// 20 · 4^level triangles that share their vertices.
+inline contact::TriangleSoup icosphere(int level, double radius_m) {
+    contact::TriangleSoup soup;
+    const double g = 0.5 * (1.0 + std::sqrt(5.0));
+    soup.vertices_m = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    soup.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                      {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                      {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                      {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    for (int i = 0; i < level; ++i) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const auto [found, is_new] =
+                middles.try_emplace(std::minmax(a, b), soup.vertices_m.size());
+            if (is_new) {
+                const Vector3 point = 0.5 * (soup.vertices_m[a] + soup.vertices_m[b]);
+                soup.vertices_m.push_back(point);
+            }
+            return found->second;
+        };
+        std::vector<std::array<std::uint32_t, 3>> finer;
+        for (const auto &[a, b, c] : soup.triangles) {
+            const std::uint32_t ab = middle(a, b);
+            const std::uint32_t bc = middle(b, c);
+            const std::uint32_t ca = middle(c, a);
+            finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+        }
+        soup.triangles = std::move(finer);
+        for (Vector3 &vertex : soup.vertices_m) {
+            vertex.normalize();
+        }
+    }
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex = radius_m * vertex.normalized();
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"sphere", 0.0}};
+    return soup;
+}
+
+/// A closed shape with hills, valleys and saddles: an icosphere with waves of its radius.
+inline contact::TriangleSoup bumpy_sphere(int level, double radius_m) {
+    contact::TriangleSoup soup = icosphere(level, radius_m);
+    for (Vector3 &vertex : soup.vertices_m) {
+        const Vector3 u = vertex.normalized();
+        vertex *= 1.0 + 0.15 * std::sin(7.0 * u.x()) * std::cos(6.0 * u.y()) +
+                  0.1 * std::sin(9.0 * u.z() + 1.0);
+    }
+    return soup;
+}
+
+/// A closed solid from rings of points about the y axis, from bottom to top, each given as (radius,
+/// height); the first and the last may be points.
+inline contact::TriangleSoup lathed(const std::vector<std::pair<double, double>> &rings,
+                                    int around) {
+    contact::TriangleSoup soup;
+    const auto point = [&](std::size_t ring, int i) {
+        const double angle = 6.28318530717958647692 * (i % around) / around;
+        const auto [radius, height] = rings[ring];
+        return Vector3(radius * std::sin(angle), height, radius * std::cos(angle));
+    };
+    for (std::size_t ring = 0; ring + 1 < rings.size(); ++ring) {
+        for (int i = 0; i < around; ++i) {
+            if (rings[ring].first > 0.0) {
+                add_triangle(soup, {point(ring, i), point(ring, i + 1), point(ring + 1, i)});
+            }
+            if (rings[ring + 1].first > 0.0) {
+                add_triangle(soup,
+                             {point(ring, i + 1), point(ring + 1, i + 1), point(ring + 1, i)});
+            }
+        }
+    }
+    return soup;
+}
+
+/// A cone of 5 mm at the foot and 40 mm long, point up, of 24 sides.
+inline contact::TriangleSoup needle() {
+    return lathed({{0.0, -0.02}, {0.005, -0.02}, {0.0, 0.02}}, 24);
+}
+
+/// Half a hollow ball of 30 mm, open to the top, its wall 1 mm.
+inline contact::TriangleSoup bowl(int rings) {
+    std::vector<std::pair<double, double>> profile;
+    const auto at = [&](double radius, int i) {
+        const double angle = 0.5 * 3.14159265358979323846 * i / rings;
+        return std::pair(i == 0 ? 0.0 : radius * std::sin(angle), -radius * std::cos(angle));
+    };
+    for (int i = 0; i <= rings; ++i) {
+        profile.push_back(at(0.030, i));
+    }
+    for (int i = rings; i >= 0; --i) {
+        profile.push_back(at(0.029, i));
+    }
+    return lathed(profile, 4 * rings);
+}
+
+/// A wedge of two degrees, edge up, 60 mm long and 40 mm high.
+inline contact::TriangleSoup knife() {
+    const double half = 0.04 * std::tan(0.01745);
+    contact::TriangleSoup soup;
+    soup.vertices_m = {{-half, -0.02, -0.03}, {half, -0.02, -0.03}, {0.0, 0.02, -0.03},
+                       {-half, -0.02, 0.03},  {half, -0.02, 0.03},  {0.0, 0.02, 0.03}};
+    soup.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3},
+                      {1, 2, 5}, {1, 5, 4}, {0, 3, 5}, {0, 5, 2}};
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"knife", 0.0}};
+    return soup;
+}
+
+/// A square sheet in the plane y = 0, facing up, from -half to +half, in `cells` × `cells` pairs.
+inline contact::TriangleSoup sheet(int cells, double half_m) {
+    contact::TriangleSoup soup;
+    for (int i = 0; i < cells; ++i) {
+        for (int j = 0; j < cells; ++j) {
+            const auto at = [&](int di, int dj) {
+                return Vector3(half_m * (2.0 * (i + di) / cells - 1.0), 0.0,
+                               half_m * (2.0 * (j + dj) / cells - 1.0));
+            };
+            add_triangle(soup, {at(0, 0), at(0, 1), at(1, 1)});
+            add_triangle(soup, {at(0, 0), at(1, 1), at(1, 0)});
+        }
+    }
+    return soup;
+}
+
+inline contact::TriangleSoup turned_inside_out(contact::TriangleSoup soup) {
+    for (auto &triangle : soup.triangles) {
+        std::swap(triangle[1], triangle[2]);
+    }
+    return soup;
+}
+
+inline contact::TriangleSoup moved(contact::TriangleSoup soup, const Eigen::Isometry3d &motion) {
+    for (Vector3 &vertex : soup.vertices_m) {
+        vertex = motion * vertex;
+    }
+    return soup;
+}
+
+inline contact::TriangleSoup joined(contact::TriangleSoup soup,
+                                    const contact::TriangleSoup &other) {
+    const auto first_vertex = static_cast<std::uint32_t>(soup.vertices_m.size());
+    const auto first_material = static_cast<std::uint16_t>(soup.materials.size());
+    soup.vertices_m.insert(soup.vertices_m.end(), other.vertices_m.begin(), other.vertices_m.end());
+    for (const auto &[a, b, c] : other.triangles) {
+        soup.triangles.push_back({first_vertex + a, first_vertex + b, first_vertex + c});
+    }
+    for (const std::uint16_t material : other.material_of_triangle) {
+        soup.material_of_triangle.push_back(static_cast<std::uint16_t>(first_material + material));
+    }
+    soup.materials.insert(soup.materials.end(), other.materials.begin(), other.materials.end());
+    return soup;
+}
+
+inline Vector3 random_direction(std::mt19937_64 &random) {
+    std::normal_distribution<double> coordinate;
+    const double x = coordinate(random);
+    const double y = coordinate(random);
+    const double z = coordinate(random);
+    return Vector3(x, y, z).normalized();
+}
+
+inline contact::TriangleSoup random_soup(std::mt19937_64 &random, int triangles, double half_m,
+                                         double size_m) {
+    contact::TriangleSoup soup;
+    for (int i = 0; i < triangles; ++i) {
+        const Vector3 centre = random_vector(random, half_m);
+        const Vector3 a = centre + random_vector(random, size_m);
+        const Vector3 b = centre + random_vector(random, size_m);
+        const Vector3 c = centre + random_vector(random, size_m);
+        add_triangle(soup, {a, b, c});
+    }
+    return soup;
+}
+
+/// How often a closed surface winds about a point: 1 inside, 0 outside. By the solid angles of
+/// its triangles (van Oosterom and Strackee 1983).
+inline double winding_number(const contact::TriangleSoup &soup, const Vector3 &point_m) {
+    double solid_angle = 0.0;
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        auto [a, b, c] = corners(soup, i);
+        a -= point_m;
+        b -= point_m;
+        c -= point_m;
+        solid_angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                                        a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                            b.dot(c) * a.norm() + c.dot(a) * b.norm());
+    }
+    return solid_angle / (4.0 * 3.14159265358979323846);
+}
+
+/// Barycentric coordinates of a point's foot on the plane of a triangle.
+inline Vector3 foot_coordinates(const Corners &triangle, const Vector3 &point_m) {
+    const Vector3 e1 = triangle[1] - triangle[0];
+    const Vector3 e2 = triangle[2] - triangle[0];
+    const Vector3 n = e1.cross(e2);
+    const Vector3 r = point_m - triangle[0];
+    const double b = r.cross(e2).dot(n) / n.squaredNorm();
+    const double c = e1.cross(r).dot(n) / n.squaredNorm();
+    return {1.0 - b - c, b, c};
+}
+
+inline double distance_to_segment(const Vector3 &p, const Vector3 &a, const Vector3 &b) {
+    const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    return (p - a - t * (b - a)).norm();
+}
+
+inline double distance_to_triangle(const Corners &triangle, const Vector3 &point_m) {
+    if (foot_coordinates(triangle, point_m).minCoeff() >= 0.0) {
+        const Vector3 n = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+        return std::abs(n.dot(point_m - triangle[0]));
+    }
+    return std::min({distance_to_segment(point_m, triangle[0], triangle[1]),
+                     distance_to_segment(point_m, triangle[1], triangle[2]),
+                     distance_to_segment(point_m, triangle[2], triangle[0])});
+}
+
+inline double distance_to_soup(const contact::TriangleSoup &soup, const Vector3 &point_m) {
+    double least = INFINITY;
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        least = std::min(least, distance_to_triangle(corners(soup, i), point_m));
+    }
+    return least;
+}
+
+} // namespace springdrive::testing

@@ -1,0 +1,333 @@
+#include "engine/contact/proxy/analytic_shape.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace springdrive::contact {
+namespace {
+
+/// A few roundings of coordinates up to 0.5 m: their last place is 1.1e-16 m at most there.
+constexpr double kRounding_m = 1e-15;
+
+/// Random points, directions and placements.
+class Dice {
+public:
+    double between(double low, double high) {
+        return std::uniform_real_distribution(low, high)(engine_);
+    }
+    double sign() { return between(-1.0, 1.0) < 0.0 ? -1.0 : 1.0; }
+    Vector3 direction() {
+        std::normal_distribution<double> normal;
+        return Vector3(normal(engine_), normal(engine_), normal(engine_)).normalized();
+    }
+    Vector3 within(const Vector3 &half) {
+        return {between(-half.x(), half.x()), between(-half.y(), half.y()),
+                between(-half.z(), half.z())};
+    }
+    Eigen::Isometry3d placement() {
+        Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+        placement.translate(within(Vector3::Constant(0.3)));
+        placement.rotate(Eigen::AngleAxisd(between(-3.0, 3.0), direction()));
+        return placement;
+    }
+
+private:
+    std::mt19937_64 engine_{20260729};
+};
+
+struct SurfacePoint {
+    Vector3 point_m;
+    Vector3 normal; ///< outwards; of a plate to either side
+};
+
+/// A random point of a shape's surface in its own frame, edges aside.
+struct SampleSurface {
+    Dice &dice;
+
+    SurfacePoint operator()(const Plate &s) const {
+        return {{dice.between(-s.half_x_m, s.half_x_m), 0.0, dice.between(-s.half_z_m, s.half_z_m)},
+                Vector3(0.0, dice.sign(), 0.0)};
+    }
+    SurfacePoint operator()(const Sphere &s) const {
+        const Vector3 u = dice.direction();
+        return {s.radius_m * u, u};
+    }
+    SurfacePoint operator()(const Box &s) const {
+        SurfacePoint sample{dice.within(s.half_size_m), Vector3::Zero()};
+        const auto face = static_cast<Eigen::Index>(dice.between(0.0, 2.999));
+        sample.normal[face] = dice.sign();
+        sample.point_m[face] = sample.normal[face] * s.half_size_m[face];
+        return sample;
+    }
+    SurfacePoint operator()(const Cylinder &s) const {
+        const double turn = dice.between(0.0, 2.0 * std::numbers::pi);
+        const Vector3 radial(std::cos(turn), 0.0, std::sin(turn));
+        if (dice.sign() < 0.0) {
+            const double y = dice.between(-s.half_height_m, s.half_height_m);
+            return {s.radius_m * radial + Vector3(0.0, y, 0.0), radial};
+        }
+        const Vector3 axial(0.0, dice.sign(), 0.0);
+        const double r = s.radius_m * std::sqrt(dice.between(0.0, 1.0));
+        return {r * radial + s.half_height_m * axial, axial};
+    }
+    SurfacePoint operator()(const Capsule &s) const {
+        const Vector3 u = dice.direction();
+        if (dice.sign() < 0.0) {
+            const Vector3 radial = Vector3(u.x(), 0.0, u.z()).normalized();
+            const double y = dice.between(-s.half_axis_m, s.half_axis_m);
+            return {s.radius_m * radial + Vector3(0.0, y, 0.0), radial};
+        }
+        return {s.radius_m * u + Vector3(0.0, std::copysign(s.half_axis_m, u.y()), 0.0), u};
+    }
+};
+
+/// The farthest point of a shape in a direction of its own frame.
+struct Farthest {
+    Vector3 u;
+
+    Vector3 operator()(const Plate &s) const {
+        return {std::copysign(s.half_x_m, u.x()), 0.0, std::copysign(s.half_z_m, u.z())};
+    }
+    Vector3 operator()(const Sphere &s) const { return s.radius_m * u; }
+    Vector3 operator()(const Box &s) const {
+        return {std::copysign(s.half_size_m.x(), u.x()), std::copysign(s.half_size_m.y(), u.y()),
+                std::copysign(s.half_size_m.z(), u.z())};
+    }
+    Vector3 operator()(const Cylinder &s) const {
+        const Vector3 radial = Vector3(u.x(), 0.0, u.z()).normalized();
+        return s.radius_m * radial + Vector3(0.0, std::copysign(s.half_height_m, u.y()), 0.0);
+    }
+    Vector3 operator()(const Capsule &s) const {
+        return s.radius_m * u + Vector3(0.0, std::copysign(s.half_axis_m, u.y()), 0.0);
+    }
+};
+
+/// Whether a point of the shape's own frame lies within the solid.
+struct Holds {
+    Vector3 p;
+
+    bool operator()(const Plate & /*s*/) const { return false; }
+    bool operator()(const Sphere &s) const { return p.norm() < s.radius_m; }
+    bool operator()(const Box &s) const { return (p.array().abs() < s.half_size_m.array()).all(); }
+    bool operator()(const Cylinder &s) const {
+        return std::hypot(p.x(), p.z()) < s.radius_m && std::abs(p.y()) < s.half_height_m;
+    }
+    bool operator()(const Capsule &s) const {
+        const double beyond = std::max(std::abs(p.y()) - s.half_axis_m, 0.0);
+        return Vector3(p.x(), beyond, p.z()).norm() < s.radius_m;
+    }
+};
+
+/// A shape where it stands, and what the test knows of it.
+struct Case {
+    AnalyticShape::Size size;
+    Eigen::Isometry3d placement;
+    AnalyticShape shape;
+
+    Case(const AnalyticShape::Size &of, const Eigen::Isometry3d &where)
+        : size(of), placement(where), shape(of, where, 7) {}
+
+    SurfacePoint sample(Dice &dice) const {
+        const SurfacePoint local = std::visit(SampleSurface{dice}, size);
+        return {placement * local.point_m, placement.linear() * local.normal};
+    }
+    bool holds(const Vector3 &point_m) const {
+        return std::visit(Holds{placement.inverse() * point_m}, size);
+    }
+};
+
+AnalyticShape::Size random_size(int kind, Dice &dice) {
+    const auto length_m = [&] { return dice.between(0.005, 0.1); };
+    switch (kind) {
+    case 0:
+        return Plate{length_m(), length_m()};
+    case 1:
+        return Sphere{length_m()};
+    case 2:
+        return Box{{length_m(), length_m(), length_m()}};
+    case 3:
+        return Cylinder{length_m(), length_m()};
+    default:
+        return Capsule{length_m(), length_m()};
+    }
+}
+
+class AnalyticShapes : public ::testing::TestWithParam<int> {
+protected:
+    Dice dice_;
+    Case random_case() { return {random_size(GetParam(), dice_), dice_.placement()}; }
+};
+
+TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
+    for (int i = 0; i < 2000; ++i) {
+        const Case c = random_case();
+        const Vector3 query_m = c.placement.translation() + dice_.within(Vector3::Constant(0.15));
+        const NearestOnShape nearest = c.shape.nearest(query_m);
+        EXPECT_NEAR(nearest.normal.norm(), 1.0, 1e-15);
+        EXPECT_LT((nearest.point_m + nearest.distance_m * nearest.normal - query_m).norm(),
+                  kRounding_m);
+        EXPECT_EQ(nearest.distance_m < 0.0, c.holds(query_m));
+        // On the surface: a hair inwards is within the solid, a hair outwards is not.
+        const Vector3 hair_m = 1e-12 * nearest.normal;
+        EXPECT_FALSE(c.holds(nearest.point_m + hair_m));
+        if (c.shape.is_solid() && nearest.distance_m < 0.0) {
+            EXPECT_TRUE(c.holds(nearest.point_m - hair_m));
+        }
+    }
+}
+
+TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
+    for (int i = 0; i < 200; ++i) {
+        const Case c = random_case();
+        const Vector3 query_m = c.placement.translation() + dice_.within(Vector3::Constant(0.15));
+        const NearestOnShape nearest = c.shape.nearest(query_m);
+        for (int j = 0; j < 100; ++j) {
+            const SurfacePoint other = c.sample(dice_);
+            EXPECT_LT(nearest.normal.dot(other.point_m - nearest.point_m), kRounding_m);
+            // So none is nearer; this also holds from within, where the plane alone proves nothing.
+            EXPECT_GT((other.point_m - query_m).norm(), std::abs(nearest.distance_m) - kRounding_m);
+        }
+    }
+}
+
+TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces) {
+    for (int i = 0; i < 2000; ++i) {
+        const Case c = random_case();
+        const SurfacePoint on = c.sample(dice_);
+        constexpr double kOff_m = 1e-7;
+        const NearestOnShape outside = c.shape.nearest(on.point_m + kOff_m * on.normal);
+        EXPECT_NEAR(outside.distance_m, kOff_m, kRounding_m);
+        // A rounding of the query, 1e-16 m, turns a normal by that much of the distance or radius.
+        EXPECT_LT((outside.normal - on.normal).norm(), 1e-8);
+        if (c.shape.is_solid()) {
+            const NearestOnShape inside = c.shape.nearest(on.point_m - kOff_m * on.normal);
+            EXPECT_NEAR(std::abs(inside.distance_m), kOff_m, kRounding_m);
+            EXPECT_LT(inside.distance_m, 0.0);
+        }
+    }
+}
+
+TEST_P(AnalyticShapes, AMotionThatIsPartedFromTheShapeStaysThatFarOff) {
+    int parted = 0;
+    int far_off = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Case c = random_case();
+        const auto place_m = [&] {
+            return Vector3(c.placement.translation() + dice_.within(Vector3::Constant(0.2)));
+        };
+        const Vector3 from_m = place_m();
+        const Vector3 to_m =
+            from_m + std::pow(10.0, dice_.between(-5.0, 0.0)) * (place_m() - from_m);
+        const double clear_m = std::pow(10.0, dice_.between(-8.0, -2.0));
+        const bool is_parted = c.shape.is_parted_from(from_m, to_m, clear_m);
+        for (int j = 0; is_parted && j <= 20; ++j) {
+            const Vector3 point_m = from_m + j / 20.0 * (to_m - from_m);
+            EXPECT_GT(c.shape.nearest(point_m).distance_m, clear_m - kRounding_m) << i;
+        }
+        parted += is_parted ? 1 : 0;
+        // Off all but the rims of a cylinder, what moves less than there is room for is parted.
+        const double room_m = c.shape.nearest(from_m).distance_m - clear_m - (to_m - from_m).norm();
+        if (room_m > 0.0 && !std::holds_alternative<Cylinder>(c.size)) {
+            ++far_off;
+            EXPECT_TRUE(is_parted) << i;
+        }
+        EXPECT_FALSE(c.holds(from_m) && is_parted) << i;
+    }
+    EXPECT_GT(parted, 1000);
+    EXPECT_TRUE(far_off > 1000 || GetParam() == 3);
+}
+
+TEST_P(AnalyticShapes, BoundsTouchTheFarthestPointsAlongTheAxes) {
+    for (int i = 0; i < 500; ++i) {
+        const Case c = random_case();
+        const Eigen::AlignedBox3d bounds = c.shape.bounds();
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vector3 u = c.placement.linear().row(axis).transpose(); // the axis, turned back
+            const Vector3 highest_m = c.placement * std::visit(Farthest{u}, c.size);
+            const Vector3 lowest_m = c.placement * std::visit(Farthest{-u}, c.size);
+            EXPECT_NEAR(bounds.max()[axis], highest_m[axis], kRounding_m);
+            EXPECT_NEAR(bounds.min()[axis], lowest_m[axis], kRounding_m);
+        }
+    }
+}
+
+TEST_P(AnalyticShapes, NormalsAreUnitWhereverTheQueryLies) {
+    const std::vector<double> special = {0.0,   -0.0,   0.01,    0.02,         0.03,  0.05,
+                                         1e-17, 1e-160, 5e-324,  1e6,          -0.01, -0.02,
+                                         -0.03, -1e-17, -5e-324, 0.01 + 1e-17, -1e6};
+    const std::vector<AnalyticShape::Size> sizes = {Plate{0.01, 0.02}, Sphere{0.02},
+                                                    Box{{0.01, 0.02, 0.03}}, Cylinder{0.01, 0.02},
+                                                    Capsule{0.01, 0.02}};
+    const AnalyticShape::Size &size = sizes[static_cast<std::size_t>(GetParam())];
+    const AnalyticShape shape(size, Eigen::Isometry3d::Identity(), 0);
+    for (const double x : special) {
+        for (const double y : special) {
+            for (const double z : special) {
+                const NearestOnShape nearest = shape.nearest({x, y, z});
+                EXPECT_NEAR(nearest.normal.norm(), 1.0, 1e-15) << x << ' ' << y << ' ' << z;
+                EXPECT_TRUE(nearest.point_m.allFinite());
+                EXPECT_TRUE(std::isfinite(nearest.distance_m));
+            }
+        }
+    }
+}
+
+std::string shape_name(const ::testing::TestParamInfo<int> &info) {
+    const std::vector<std::string> names = {"Plate", "Sphere", "Box", "Cylinder", "Capsule"};
+    return names[static_cast<std::size_t>(info.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, AnalyticShapes, ::testing::Range(0, 5), shape_name);
+
+TEST(AnalyticShape, HasItsMaterialAndAnInsideUnlessItIsAPlate) {
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    EXPECT_EQ(AnalyticShape(Sphere{0.02}, here, 65'535).material(), 65'535);
+    EXPECT_TRUE(AnalyticShape(Sphere{0.02}, here, 0).is_solid());
+    EXPECT_TRUE(AnalyticShape(Capsule{0.02, 0.0}, here, 0).is_solid());
+    EXPECT_FALSE(AnalyticShape(Plate{0.02, 0.02}, here, 0).is_solid());
+}
+
+TEST(AnalyticShape, KnownDistances) {
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    // 3-4-5 triangles off an edge, a rim and a cap.
+    const AnalyticShape box(Box{{0.1, 0.2, 0.3}}, here, 0);
+    EXPECT_NEAR(box.nearest({0.13, 0.24, 0.1}).distance_m, 0.05, kRounding_m);
+    const AnalyticShape cylinder(Cylinder{0.1, 0.2}, here, 0);
+    EXPECT_NEAR(cylinder.nearest({0.0, -0.24, 0.13}).distance_m, 0.05, kRounding_m);
+    const AnalyticShape capsule(Capsule{0.1, 0.2}, here, 0);
+    EXPECT_NEAR(capsule.nearest({0.3, 0.6, 0.0}).distance_m, 0.4, kRounding_m);
+    const AnalyticShape plate(Plate{0.1, 0.2}, here, 0);
+    EXPECT_NEAR(plate.nearest({0.13, -0.04, 0.0}).distance_m, 0.05, kRounding_m);
+    EXPECT_EQ(plate.nearest({0.05, -0.01, 0.05}).normal, Vector3(0.0, -1.0, 0.0));
+    EXPECT_EQ(AnalyticShape(Sphere{0.1}, here, 0).nearest({0.0, 0.0, 0.0}).distance_m, -0.1);
+    EXPECT_EQ(cylinder.nearest({0.0, 0.0, 0.0}).distance_m, -0.1);
+    EXPECT_EQ(cylinder.nearest({0.0, -0.15, 0.0}).normal, Vector3(0.0, -1.0, 0.0));
+}
+
+TEST(AnalyticShape, RefusesSizesThatAreNone) {
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    const auto refuses = [&](const AnalyticShape::Size &size) {
+        EXPECT_THROW(AnalyticShape(size, here, 0), std::invalid_argument);
+    };
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    refuses(Plate{0.0, 1.0});
+    refuses(Plate{1.0, -1.0});
+    refuses(Sphere{0.0});
+    refuses(Sphere{kNaN});
+    refuses(Box{{1.0, 1.0, 0.0}});
+    refuses(Cylinder{1.0, 0.0});
+    refuses(Cylinder{std::numeric_limits<double>::infinity(), 1.0});
+    refuses(Capsule{0.0, 1.0});
+    refuses(Capsule{1.0, -1e-9});
+    EXPECT_NO_THROW(AnalyticShape(Capsule{1.0, 0.0}, here, 0));
+}
+
+} // namespace
+} // namespace springdrive::contact

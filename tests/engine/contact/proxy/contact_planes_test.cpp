@@ -1,0 +1,174 @@
+// Covers engine/contact/proxy/contact_planes.cpp.
+#include "engine/contact/proxy/contact_planes.h"
+
+#include "tests/engine/contact/mesh/soups.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::contact {
+namespace {
+
+using testing::random_direction;
+using testing::random_vector;
+
+const Vector3 kX = Vector3::UnitX();
+const Vector3 kY = Vector3::UnitY();
+const Vector3 kZ = Vector3::UnitZ();
+
+ContactPlanes planes(std::initializer_list<ContactPlane> list) {
+    ContactPlanes result;
+    for (const ContactPlane &plane : list) {
+        result.add(plane);
+    }
+    return result;
+}
+
+TEST(NearestPoint, IsTheTipWhereNothingHoldsItBack) {
+    const Vector3 tip(0.01, 0.02, 0.03);
+    const NearestPoint nearest = nearest_point(tip, planes({{kY, 0.0, 1}}), Vector3::Zero());
+    EXPECT_EQ(nearest.point_m, tip);
+    EXPECT_EQ(nearest.active.size(), 0U);
+}
+
+TEST(NearestPoint, LiesUnderTheTipOnAFace) {
+    const NearestPoint nearest =
+        nearest_point({0.01, -0.02, 0.03}, planes({{kX, -1.0, 1}, {kY, 0.005, 2}}), kY);
+    EXPECT_LT((nearest.point_m - Vector3(0.01, 0.005, 0.03)).norm(), 1e-15);
+    ASSERT_EQ(nearest.active.size(), 1U);
+    EXPECT_EQ(nearest.active[0].obstacle, 2U);
+}
+
+TEST(NearestPoint, LiesInACorner) {
+    const ContactPlanes corner = planes({{kX, 0.1, 1}, {kY, 0.2, 2}, {kZ, 0.3, 3}});
+    const NearestPoint nearest = nearest_point(-Vector3::Ones(), corner, Vector3::Ones());
+    EXPECT_LT((nearest.point_m - Vector3(0.1, 0.2, 0.3)).norm(), 1e-15);
+    EXPECT_EQ(nearest.active.size(), 3U);
+}
+
+/// The conditions that make a point the one nearest: it is allowed, it is on every active plane,
+/// and what leads from the tip to it is a positive sum of their normals.
+void expect_optimal(const Vector3 &tip, const ContactPlanes &all, const NearestPoint &nearest) {
+    // Round-off of 1e-17 m over the least sine that random normals meet at, about 1e-4.
+    constexpr double kTolerance_m = 1e-12;
+    for (const ContactPlane &plane : all) {
+        ASSERT_GT(plane.height_m(nearest.point_m), -kTolerance_m);
+    }
+    Eigen::Matrix<double, 3, Eigen::Dynamic> normals(3, nearest.active.size());
+    for (std::size_t i = 0; i < nearest.active.size(); ++i) {
+        normals.col(static_cast<Eigen::Index>(i)) = nearest.active[i].normal;
+        ASSERT_NEAR(nearest.active[i].height_m(nearest.point_m), 0.0, kTolerance_m);
+    }
+    const Vector3 gap = nearest.point_m - tip;
+    if (nearest.active.size() == 0) {
+        ASSERT_EQ(gap, Vector3::Zero());
+        return;
+    }
+    const Eigen::VectorXd pushes = normals.fullPivLu().solve(gap);
+    ASSERT_LT((normals * pushes - gap).norm(), kTolerance_m);
+    ASSERT_GT(pushes.minCoeff(), 0.0);
+}
+
+TEST(NearestPoint, MeetsTheConditionsOfAnOptimum) {
+    std::mt19937_64 random(1);
+    std::array<int, 4> seen{};
+    for (int i = 0; i < 50000; ++i) {
+        const Vector3 tip = random_vector(random, 0.01);
+        const Vector3 inside = random_vector(random, 0.01);
+        ContactPlanes all;
+        const std::size_t count = 1 + static_cast<std::size_t>(i) % 4;
+        while (all.size() < count) {
+            const Vector3 normal = random_direction(random);
+            // Below `inside`, so that there is a solution; mostly above the tip.
+            const double below = normal.dot(inside) - 1e-4;
+            all.add({normal, std::min(below, normal.dot(tip) + 5e-3), 0});
+        }
+        const NearestPoint nearest = nearest_point(tip, all, inside);
+        expect_optimal(tip, all, nearest);
+        if (HasFatalFailure()) {
+            FAIL() << "in case " << i;
+        }
+        ++seen[nearest.active.size()];
+    }
+    EXPECT_GT(*std::ranges::min_element(seen), 100); // not vacuous
+}
+
+TEST(NearestPoint, IsAccurateBetweenPlanesThatAreNearlyParallel) {
+    // Valleys of ever smaller angles; their bottom is the line x = y = 0.
+    for (const double angle : {1e-1, 1e-3, 1e-5}) {
+        const Vector3 left(std::sin(angle), std::cos(angle), 0.0);
+        const Vector3 right(-std::sin(angle), std::cos(angle), 0.0);
+        const NearestPoint nearest = nearest_point(
+            {0.0, -0.01, 0.02}, planes({{left, 0.0, 1}, {right, 0.0, 2}}), {0.0, 0.01, 0.0});
+        // Round-off of the data, 1e-18 m, grows by one over the angle.
+        EXPECT_LT((nearest.point_m - Vector3(0.0, 0.0, 0.02)).norm(), 1e-16 / angle);
+    }
+}
+
+TEST(NearestPoint, TakesTheUpperOfTwoParallelPlanes) {
+    const NearestPoint nearest = nearest_point(
+        {0.0, -0.01, 0.0}, planes({{kY, 0.001, 1}, {kY, 0.002, 2}, {kY, 0.0015, 3}}), kY);
+    EXPECT_LT((nearest.point_m - Vector3(0.0, 0.002, 0.0)).norm(), 1e-15);
+    ASSERT_EQ(nearest.active.size(), 1U);
+    EXPECT_EQ(nearest.active[0].obstacle, 2U);
+}
+
+TEST(NearestPoint, LowersPlanesThatLeaveNoRoom) {
+    // A gap of 1 nm between planes that each ask for 100 nm.
+    const ContactPlanes gap = planes({{kY, 1e-7, 1}, {-kY, 1e-7 - 1e-9, 2}});
+    const Vector3 inside(0.0, 0.5e-9, 0.0);
+    const NearestPoint nearest = nearest_point({0.01, -0.01, 0.0}, gap, inside);
+    EXPECT_LT((nearest.point_m - Vector3(0.01, 0.5e-9, 0.0)).norm(), 1e-12);
+    ASSERT_EQ(nearest.active.size(), 1U);
+    EXPECT_EQ(nearest.active[0].obstacle, 1U);
+}
+
+void expect_projector(const Matrix3 &P, int rank) {
+    EXPECT_LT((P - P.transpose()).norm(), 1e-15);
+    EXPECT_LT((P * P - P).norm(), 1e-14);
+    EXPECT_NEAR(P.trace(), rank, 1e-14);
+}
+
+TEST(AllowedMotion, IsAnyWithoutPlanes) {
+    const AllowedMotion motion = allowed_motion({});
+    EXPECT_EQ(motion.projector, Matrix3::Identity());
+    EXPECT_EQ(motion.blocked_directions, 0);
+}
+
+TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 1000; ++i) {
+        const Vector3 a = random_direction(random);
+        const Vector3 b = random_direction(random);
+        const Vector3 c = random_direction(random);
+        const Vector3 t = a.cross(b).normalized();
+
+        const AllowedMotion face = allowed_motion(planes({{a, 0.0, 0}}));
+        EXPECT_LT((face.projector - (Matrix3::Identity() - a * a.transpose())).norm(), 1e-14);
+        EXPECT_EQ(face.blocked_directions, 1);
+        expect_projector(face.projector, 2);
+
+        const AllowedMotion edge = allowed_motion(planes({{a, 0.0, 0}, {b, 0.0, 0}}));
+        // Both oracle and answer lose as many digits as the planes are parallel.
+        EXPECT_LT((edge.projector - t * t.transpose()).norm(), 1e-14 / a.cross(b).norm());
+        EXPECT_EQ(edge.blocked_directions, 2);
+
+        const AllowedMotion vertex = allowed_motion(planes({{a, 0, 0}, {b, 0, 0}, {c, 0, 0}}));
+        EXPECT_EQ(vertex.projector, Matrix3::Zero());
+        EXPECT_EQ(vertex.blocked_directions, 3);
+    }
+}
+
+TEST(AllowedMotion, CountsNearlyParallelPlanesAsOne) {
+    const auto tilted = [](double angle) { return Vector3(std::sin(angle), std::cos(angle), 0.0); };
+    const AllowedMotion one = allowed_motion(planes({{kY, 0.0, 0}, {tilted(0.9e-6), 0.0, 0}}));
+    EXPECT_EQ(one.blocked_directions, 1);
+    const AllowedMotion two = allowed_motion(planes({{kY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
+    EXPECT_EQ(two.blocked_directions, 2);
+}
+
+} // namespace
+} // namespace springdrive::contact

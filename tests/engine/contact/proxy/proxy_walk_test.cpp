@@ -1,0 +1,222 @@
+// Covers engine/contact/proxy/proxy.cpp: what must hold on every shape, whatever the tip does.
+#include "engine/contact/proxy/proxy.h"
+
+#include "tests/engine/contact/mesh/soups.h"
+#include "tests/support/surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::contact {
+namespace {
+
+using testing::corners;
+using testing::random_direction;
+using testing::random_vector;
+
+/// What a proxy at rest may still be drawn along the surface by [m]: solutions of the same planes
+/// differ by round-off, and less than this it does not move.
+constexpr double kSettled_m = 1e-10;
+
+/// A tip that wanders: mostly smooth, at times with leaps, never farther than `reach_m`.
+class Wanderer {
+public:
+    Wanderer(std::uint64_t seed, const Vector3 &start_m, double reach_m, double step_m)
+        : random_(seed), tip_m_(start_m), reach_m_(reach_m), step_m_(step_m) {}
+
+    Vector3 next() {
+        heading_ = (heading_ + 0.3 * random_direction(random_)).normalized();
+        tip_m_ += step_m_ * heading_;
+        if (random_() % 100 == 0) {
+            tip_m_ += 20.0 * step_m_ * random_direction(random_);
+        }
+        if (tip_m_.norm() > reach_m_) {
+            tip_m_ *= reach_m_ / tip_m_.norm();
+            heading_ = random_direction(random_);
+        }
+        return tip_m_;
+    }
+
+private:
+    std::mt19937_64 random_;
+    Vector3 tip_m_;
+    Vector3 heading_{Vector3::UnitX()};
+    double reach_m_;
+    double step_m_;
+};
+
+/// Same numbers, bit by bit.
+bool is_identical(const Contact &a, const Contact &b) {
+    return a.touching == b.touching && a.x0_m == b.x0_m && a.allowed_motion == b.allowed_motion &&
+           a.normal == b.normal && a.eta == b.eta && a.active_constraints == b.active_constraints &&
+           a.triangle == b.triangle;
+}
+
+void expect_sound(const Contact &contact, const Vector3 &tip) {
+    const Matrix3 &P = contact.allowed_motion;
+    ASSERT_LT((P - P.transpose()).norm(), 1e-14);
+    ASSERT_LT((P * P - P).norm(), 1e-9); // edges between planes 1e-6 apart lose digits
+    ASSERT_NEAR(P.trace(), 3.0 - contact.active_constraints, 1e-9);
+    ASSERT_EQ(contact.touching, contact.active_constraints > 0);
+    if (!contact.touching) {
+        ASSERT_EQ(contact.x0_m, tip);
+        return;
+    }
+    const Vector3 gap = contact.x0_m - tip;
+    ASSERT_NEAR(contact.normal.norm(), 1.0, 1e-14);
+    // The proxy is pulled in no direction in which it may move.
+    ASSERT_LT((P * gap).norm(), 1.001 * kSettled_m);
+    ASSERT_NEAR(contact.normal.dot(gap), gap.norm(), 1e-14);
+}
+
+class ProxyWalk : public ::testing::TestWithParam<TriangleSoup> {};
+
+TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
+    const TriangleSoup &soup = GetParam();
+    const HapticSurface mesh(soup);
+    ASSERT_EQ(mesh.report().closed_components, mesh.report().components);
+    Wanderer wanderer(1, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    Proxy proxy;
+    proxy.reset({0.0, 0.06, 0.0});
+    int touching = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vector3 tip = wanderer.next();
+        const Contact contact = proxy.update(mesh, tip);
+        expect_sound(contact, tip);
+        // Nothing is left to be done: the same tip again leaves it where it is.
+        Proxy again = proxy;
+        ASSERT_EQ(again.update(mesh, tip).x0_m, contact.x0_m) << i;
+        if (i % 20 == 0) {
+            ASSERT_NEAR(testing::winding_number(soup, contact.x0_m), 0.0, 1e-3) << i;
+        }
+        if (HasFatalFailure()) {
+            FAIL() << "in tick " << i;
+        }
+        touching += contact.touching ? 1 : 0;
+    }
+    EXPECT_GT(touching, 1000); // not vacuous
+}
+
+TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
+    // 5 m/s at 1 kHz, and leaps of 100 mm: right through the shape and out on its other side.
+    const TriangleSoup &soup = GetParam();
+    const HapticSurface mesh(soup);
+    Wanderer wanderer(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
+    Proxy proxy;
+    proxy.reset({0.0, 0.06, 0.0});
+    for (int i = 0; i < 2000; ++i) {
+        const Vector3 tip = wanderer.next();
+        const Contact contact = proxy.update(mesh, tip);
+        expect_sound(contact, tip);
+        // A path that crosses the surface once changes the winding number by one.
+        ASSERT_NEAR(testing::winding_number(soup, contact.x0_m), 0.0, 1e-3) << i;
+        ASSERT_LT((contact.x0_m - tip).norm(), 0.2);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ClosedShapes, ProxyWalk,
+    ::testing::Values(testing::icosphere(3, 0.04), testing::bumpy_sphere(3, 0.04),
+                      testing::bumpy_sphere(1, 0.04),
+                      // Shapes that interpenetrate: creases that are no edges of the mesh.
+                      testing::joined(testing::bumpy_sphere(2, 0.03),
+                                      testing::moved(testing::bumpy_sphere(2, 0.03),
+                                                     Eigen::Isometry3d(Eigen::Translation3d(
+                                                         0.02, 0.015, 0.01))))));
+
+TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
+    constexpr double kRadius_m = 0.04;
+    const TriangleSoup soup = testing::icosphere(3, kRadius_m);
+    const HapticSurface mesh(soup);
+    // Sagitta of the largest triangle: two faces' distances to one tip differ by less.
+    const Vector3 edge =
+        soup.vertices_m[soup.triangles[0][0]] - soup.vertices_m[soup.triangles[0][1]];
+    const double sagitta_m = edge.squaredNorm() / kRadius_m;
+    Wanderer wanderer(2, {0.0, 0.045, 0.0}, 0.041, 0.5e-3);
+    Proxy proxy;
+    proxy.reset({0.0, 0.045, 0.0});
+    int touching = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const Vector3 tip = wanderer.next();
+        const Contact contact = proxy.update(mesh, tip);
+        if (!contact.touching || tip.norm() < 0.02) {
+            continue; // near the centre all faces are alike
+        }
+        ++touching;
+        // A face, not an edge; and the tip's foot on it lies within it.
+        ASSERT_EQ(contact.active_constraints, 1);
+        const testing::Corners face = corners(soup, contact.triangle);
+        const double margin = testing::foot_coordinates(face, contact.x0_m).minCoeff();
+        ASSERT_GT(margin, -1e-4); // the rim, relative to the size of the face
+        ASSERT_NEAR(testing::distance_to_triangle(face, contact.x0_m), kClearance_m, 1e-10);
+        const double distance_m = (contact.x0_m - tip).norm();
+        ASSERT_LT(distance_m, testing::distance_to_soup(soup, tip) + sagitta_m);
+    }
+    EXPECT_GT(touching, 1000); // not vacuous
+}
+
+TEST(ProxyOnASphere, IsTheNearestPointOfAllWhereTheTipIsShallow) {
+    const TriangleSoup soup = testing::icosphere(3, 0.04);
+    const HapticSurface mesh(soup);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 1000; ++i) {
+        // 10 µm under a random face, which is too shallow for another face to be nearest by more
+        // than depth · (angle between faces)² / 2 = 5e-8 m.
+        const auto [a, b, c] = corners(soup, random() % soup.triangles.size());
+        const Vector3 weights = random_vector(random, 0.5) + Vector3::Constant(0.5);
+        const Vector3 foot = (weights[0] * a + weights[1] * b + weights[2] * c) / weights.sum();
+        const Vector3 tip = foot - 1e-5 * (b - a).cross(c - a).normalized();
+        Proxy proxy;
+        proxy.reset(1.5 * foot + random_vector(random, 0.01));
+        const Contact contact = proxy.update(mesh, tip);
+        ASSERT_TRUE(contact.touching);
+        ASSERT_NEAR((contact.x0_m - tip).norm(), testing::distance_to_soup(soup, tip),
+                    2.0 * kClearance_m);
+    }
+}
+
+TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
+    const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
+    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+    motion.translate(Vector3(0.03, -0.05, 0.02));
+    motion.rotate(Eigen::AngleAxisd(1.1, Vector3(1, 2, -3).normalized()));
+    const HapticSurface mesh(soup);
+    const HapticSurface moved_mesh(testing::moved(soup, motion));
+    Wanderer wanderer(5, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    Proxy proxy;
+    Proxy moved_proxy;
+    proxy.reset({0.0, 0.06, 0.0});
+    moved_proxy.reset(motion * Vector3(0.0, 0.06, 0.0));
+    int touching = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vector3 tip = wanderer.next();
+        const Contact contact = proxy.update(mesh, tip);
+        const Contact moved = moved_proxy.update(moved_mesh, motion * tip);
+        // Corners of the moved mesh are rounded to 1e-17 m, the planes through them turn by that
+        // over the size of a facet, and three planes meet at that over the least sine of theirs.
+        ASSERT_LT((motion * contact.x0_m - moved.x0_m).norm(), 1e-10) << i;
+        const Matrix3 expected =
+            motion.linear() * contact.allowed_motion * motion.linear().transpose();
+        ASSERT_LT((expected - moved.allowed_motion).norm(), 1e-9) << i;
+        touching += contact.touching ? 1 : 0;
+    }
+    EXPECT_GT(touching, 1000); // not vacuous
+}
+
+TEST(ProxyOnAnyMesh, GivesTheSameBitsForTheSameInput) {
+    const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
+    const HapticSurface mesh(soup);
+    const HapticSurface same_mesh(soup);
+    Wanderer wanderer(6, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    Proxy proxy;
+    Proxy same_proxy;
+    for (int i = 0; i < 5000; ++i) {
+        const Vector3 tip = wanderer.next();
+        ASSERT_TRUE(is_identical(proxy.update(mesh, tip), same_proxy.update(same_mesh, tip)));
+    }
+}
+
+} // namespace
+} // namespace springdrive::contact

@@ -1,0 +1,59 @@
+// Covers engine/lab/limits/failure_lines/failure_line.cpp.
+#include "engine/lab/limits/failure_lines/failure_line.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace springdrive::limits {
+namespace {
+
+TriedLine tried(double holds_at, double fails_at, const std::function<bool(double)> &holds) {
+    return {{"method", "above", "m", "setting", {}, {}, {}}, holds_at, fails_at, false, holds};
+}
+
+TEST(TurningPoint, IsFoundFromEitherSide) {
+    const auto below = [](double x) { return x < std::sqrt(2.0); };
+    const auto above = [](double x) { return x > std::sqrt(2.0); };
+    for (const double resolution : {1e-3, 1e-6, 1e-9}) {
+        const double up = turning_point(0.0, 100.0, below, resolution);
+        const double down = turning_point(100.0, 0.0, above, resolution);
+        EXPECT_TRUE(below(up));
+        EXPECT_TRUE(above(down));
+        EXPECT_NEAR(up, std::sqrt(2.0), 2.0 * resolution);
+        EXPECT_NEAR(down, std::sqrt(2.0), 2.0 * resolution);
+    }
+}
+
+TEST(MeasuredLine, IsNoneWhereEverythingHolds) {
+    EXPECT_EQ(measured(tried(1.0, 1e3, [](double) { return true; })).measured, std::nullopt);
+}
+
+TEST(MeasuredLine, IsFoundEvenWhereTheEndHoldsAgain) {
+    const auto hole = [](double x) { return x < 10.0 || x > 100.0; };
+    EXPECT_NEAR(measured(tried(1.0, 1e3, hole)).measured.value_or(0.0), 10.0, 2e-5);
+    const auto between_signs = [](double x) { return std::abs(x) > 1.0; };
+    EXPECT_NEAR(measured(tried(-6.0, 6.0, between_signs)).measured.value_or(0.0), -1.0, 2e-6);
+}
+
+TEST(MeasuredLine, OfWholeNumbersIsTheLastThatHolds) {
+    for (int last = 0; last < 9; ++last) {
+        TriedLine line = tried(0.0, 9.0, [=](double x) {
+            EXPECT_EQ(x, std::round(x));
+            return x <= last;
+        });
+        line.whole = true;
+        EXPECT_EQ(measured(line).measured, static_cast<double>(last));
+    }
+}
+
+TEST(MeasuredLine, OfAValueIsItsReading) {
+    TriedLine line;
+    line.line.predicted = 2.0;
+    line.reading = [] { return std::optional(3.0); };
+    EXPECT_EQ(measured(line).measured, 3.0);
+    EXPECT_EQ(measured(line).predicted, 2.0);
+}
+
+} // namespace
+} // namespace springdrive::limits

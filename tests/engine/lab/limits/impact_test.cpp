@@ -1,0 +1,86 @@
+// Covers engine/lab/limits/impact.cpp.
+#include "engine/lab/limits/impact.h"
+
+#include "device/core/phantom/dynamics.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/coupling.h"
+#include "engine/control/motion_control.h"
+#include "tests/support/devices.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+namespace springdrive::limits {
+namespace {
+
+loops::StabilityCase held_firmly() {
+    loops::StabilityCase which;
+    which.device = testing::phantom_1_0();
+    which.period_s = 1e-4;
+    which.hands = {{"leading", 0.0, 200.0, 20000.0}}; // goes on as it came
+    return which;
+}
+
+/// A spring alone: the force grows by K times the way, so that rate over speed is K, but for the
+/// half of a sample by which it is late at first.
+TEST(Impact, OfAPlainSpringIsItsStiffness) {
+    loops::StabilityCase which = held_firmly();
+    which.drive = device::AmplifierKind::current_drive;
+    which.wall = {500.0, 0.0};
+    const Impact found = impact(which);
+    EXPECT_NEAR(found.rate_hardness_N_per_m, 500.0, 0.05 * 500.0);
+    EXPECT_NEAR(found.greatest_force_N, 500.0 * 0.1 * 0.01, 0.1 * 0.5); // 10 ms at 0.1 m/s
+}
+
+TEST(Impact, GrowsWithTheWall) {
+    loops::StabilityCase which = held_firmly();
+    which.drive = device::AmplifierKind::current_drive;
+    double before = 0.0;
+    for (const double K : {200.0, 800.0, 3200.0}) {
+        which.wall = {K, 0.0};
+        const double found = impact(which).rate_hardness_N_per_m;
+        EXPECT_GT(found, before);
+        before = found;
+    }
+}
+
+/// M, rotors and all, through J along the vertical: what an unpowered current drive is to a hand
+/// that leads along a line.
+TEST(ApparentMass, OfACurrentDriveIsTheLinkagesOwn) {
+    loops::StabilityCase which = held_firmly();
+    which.drive = device::AmplifierKind::current_drive;
+    const device::DeviceDescription &device = which.device;
+    const device::LinkageMoments moments =
+        device::linkage_moments(device.geometry, device.inertia, device.inertia.tip_load_kg);
+    Matrix3 M = device::mass_matrix(moments, which.q_rad);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double N = device.geometry.transmission_ratio[j];
+        M(j, j) += N * N * device.motor[0].rotor_inertia_kg_m2;
+    }
+    const Matrix3 J = device::joint_jacobian(device.geometry, which.q_rad);
+    // Sideways the hand is stiff, so the tip keeps to the vertical: q̇ = J⁻¹ e_y ẏ.
+    const Vector3 rate = J.inverse() * Vector3::UnitY();
+    const double truth = rate.dot(M * rate);
+    EXPECT_NEAR(apparent_mass_kg(which), truth, 0.03 * truth); // ±10 mm change M by a few per cent
+}
+
+/// k_T² τ/dR of each motor on top, τ the loop's whole lag (DESIGN section 3).
+TEST(ApparentMass, OfASpringDriveHasTheLagsToo) {
+    loops::StabilityCase which = held_firmly();
+    which.period_s = 1e-3;
+    const double spring = apparent_mass_kg(which);
+    loops::StabilityCase bare = which;
+    bare.drive = device::AmplifierKind::current_drive;
+    const double own = apparent_mass_kg(bare);
+    const control::Coupling c =
+        control::coupling(which.device.motor[0], which.tuning, which.period_s, 0);
+    const Vector3 rate =
+        device::motor_jacobian(which.device.geometry, which.q_rad).inverse() * Vector3::UnitY();
+    const double truth = c.added_inertia_kg_m2 * rate.squaredNorm();
+    // The held voltage is on average half a period older than the lag counts, and 5 Hz is not rest.
+    EXPECT_NEAR(spring - own, truth,
+                0.5 * c.B_dR_Nms_per_rad * which.period_s * rate.squaredNorm() + 0.05 * truth);
+}
+
+} // namespace
+} // namespace springdrive::limits

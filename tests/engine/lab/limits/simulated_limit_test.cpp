@@ -1,0 +1,164 @@
+// Covers engine/lab/limits/simulated_limit.cpp and last_stable.h.
+#include "engine/lab/limits/simulated_limit.h"
+
+#include "engine/lab/limits/last_stable.h"
+#include "tests/support/random_loops.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string_view>
+
+namespace springdrive::limits {
+namespace {
+
+const loops::StabilityParameter &named(std::string_view name) {
+    return *loops::stability_parameter_named(name);
+}
+
+loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityParameter &parameter,
+                          double value) {
+    parameter.set(which, value);
+    return which;
+}
+
+loops::StabilityCase firm() {
+    loops::StabilityCase which;
+    which.device = testing::phantom_1_0();
+    return which;
+}
+
+StabilityLimit predicted(const loops::StabilityCase &which,
+                         const loops::StabilityParameter &parameter) {
+    return predicted_limits(which, parameter, {parameter.from, parameter.to}).front();
+}
+
+TEST(LastStable, IsFoundFromEitherSide) {
+    for (const double turns : {-3.3, 0.7, 1e4}) {
+        const auto below = [&](double value) { return value < turns; };
+        const auto above = [&](double value) { return value > turns; };
+        const double tolerance = 1e-6 * (std::abs(turns) + 7.0); // of the larger end
+        EXPECT_NEAR(last_stable(turns - 7.0, turns + 5.0, 1e-6, below), turns, tolerance);
+        EXPECT_NEAR(last_stable(turns + 5.0, turns - 7.0, 1e-6, above), turns, tolerance);
+        EXPECT_TRUE(below(last_stable(turns - 7.0, turns + 5.0, 1e-6, below)));
+    }
+}
+
+TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {
+    const loops::StabilityParameter &kp = named("kp");
+    const StabilityLimit limit = predicted(firm(), kp);
+    for (const TrialOptions &options :
+         {TrialOptions::linear(), TrialOptions::with(SimulationEffects::electronics()),
+          TrialOptions::with(SimulationEffects::all())}) {
+        const std::optional<double> found = simulated_limit(firm(), kp, limit, options);
+        ASSERT_TRUE(found);
+        EXPECT_TRUE(is_stable_simulated(with(firm(), kp, *found), options));
+        // To 1e-3 of the larger end of the bracket; trials are the same each time.
+        bool fails = false;
+        for (const double beyond : {1.0005, 1.0011, 1.002}) {
+            fails = fails || !is_stable_simulated(with(firm(), kp, beyond * *found), options);
+        }
+        EXPECT_TRUE(fails);
+    }
+}
+
+/// With counts a loop rests, rattles and rests again along T. All of a grid below the limit rests.
+TEST(SimulatedLimit, WithCountsIsTheFirstFromTheStableSide) {
+    const loops::StabilityParameter &T = named("T");
+    const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
+    const StabilityLimit limit = predicted(firm(), T);
+    const std::optional<double> found = simulated_limit(firm(), T, limit, options);
+    ASSERT_TRUE(found);
+    for (const double share : {0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0}) {
+        const double value = share * limit.predicted;
+        if (value < *found) {
+            EXPECT_TRUE(is_stable_simulated(with(firm(), T, value), options)) << share;
+        } else { // the first beyond it does not
+            EXPECT_FALSE(is_stable_simulated(with(firm(), T, value), options)) << share;
+            break;
+        }
+    }
+    // There are places farther out that rest.
+    bool rests_again = false;
+    for (double value = 1.01 * *found; value < limit.predicted && !rests_again; value *= 1.01) {
+        rests_again = is_stable_simulated(with(firm(), T, value), options);
+    }
+    EXPECT_TRUE(rests_again);
+}
+
+/// The verdicts are the trials' own: with a wrong prediction the same limit is found.
+TEST(SimulatedLimit, DoesNotBelieveThePrediction) {
+    const loops::StabilityParameter &kp = named("kp");
+    loops::StabilityCase which = firm();
+    which.hands = {loops::no_hand()};
+    const StabilityLimit truth = predicted(which, kp);
+    for (const double wrong_by : {0.6, 0.9, 1.1, 1.6}) {
+        StabilityLimit wrong = truth;
+        wrong.predicted *= wrong_by;
+        const std::optional<double> found =
+            simulated_limit(which, kp, wrong, TrialOptions::linear());
+        ASSERT_TRUE(found) << wrong_by;
+        EXPECT_NEAR(*found, truth.predicted, 5e-3 * truth.predicted) << wrong_by;
+    }
+}
+
+TEST(SimulatedLimit, StandsForTheLowerEndToo) {
+    const loops::StabilityParameter &dR = named("dR");
+    loops::StabilityCase which = firm();
+    which.hands = {loops::no_hand()};
+    const StabilityLimit limit = predicted(which, dR);
+    ASSERT_FALSE(limit.stable_below);
+    const std::optional<double> linear = simulated_limit(which, dR, limit, TrialOptions::linear());
+    ASSERT_TRUE(linear);
+    EXPECT_NEAR(*linear, limit.predicted, 5e-3 * limit.predicted);
+    const std::optional<double> counts =
+        simulated_limit(which, dR, limit, TrialOptions::with(SimulationEffects::electronics()));
+    ASSERT_TRUE(counts);
+    EXPECT_GT(*counts, limit.predicted); // earlier: counts keep a loop rattling
+}
+
+TEST(SimulatedLimit, OfADelayHasItsSides) {
+    const loops::StabilityParameter &d = named("d");
+    const StabilityLimit limit = predicted(firm(), d);
+    for (const TrialOptions &options :
+         {TrialOptions::linear(), TrialOptions::with(SimulationEffects::all())}) {
+        const std::optional<double> found = simulated_limit(firm(), d, limit, options);
+        ASSERT_TRUE(found);
+        EXPECT_TRUE(is_stable_simulated(with(firm(), d, *found), options));
+        // Bisection to 1e-3.
+        EXPECT_FALSE(is_stable_simulated(with(firm(), d, *found * 1.002), options));
+    }
+}
+
+TEST(SimulatedLimit, MayNotBeThere) {
+    // Friction holds a soft wall's device where it is, far beyond the line.
+    loops::StabilityCase which = firm();
+    which.drive = device::AmplifierKind::current_drive;
+    which.hands = {loops::no_hand()};
+    const loops::StabilityParameter &K = named("wall-stiffness");
+    EXPECT_FALSE(simulated_limit(which, K, predicted(which, K),
+                                 TrialOptions::with(SimulationEffects::all())));
+}
+
+/// A soft wall without damping, the whole linkage: all modes are slow, and the one that grows is
+/// hidden behind the others at first. What is told of it in half a minute.
+TEST(SimulatedLimit, IsNearForSlowMotionsToo) {
+    loops::StabilityCase which = firm();
+    which.drive = device::AmplifierKind::current_drive;
+    which.freedom = loops::Freedom::three_motors;
+    which.hands = {loops::no_hand()};
+    const loops::StabilityParameter &K = named("wall-stiffness");
+    const StabilityLimit limit = predicted(which, K);
+    TrialOptions hasty = TrialOptions::linear();
+    hasty.patience_s = 0.0;
+    const TrialOptions patient = TrialOptions::linear();
+    // Grows by 0.056/s 1.2 times as stiff, beside two that fall by 0.11 and 0.21/s (eigenvalues).
+    const loops::StabilityCase beyond = with(which, K, 1.2 * limit.predicted);
+    EXPECT_TRUE(is_stable_simulated(beyond, hasty));
+    EXPECT_FALSE(is_stable_simulated(beyond, patient));
+    EXPECT_TRUE(is_stable_simulated(with(which, K, 0.98 * limit.predicted), patient));
+}
+
+} // namespace
+} // namespace springdrive::limits

@@ -1,0 +1,338 @@
+// Covers engine/lab/limits/thermal_hold.cpp and thermal_text.cpp.
+#include "engine/lab/limits/thermal_hold.h"
+
+#include "base/input_error.h"
+#include "device/core/motor/winding_guard.h"
+#include "device/core/phantom/kinematics.h"
+#include "tests/support/devices.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace springdrive::limits {
+namespace {
+
+constexpr double kLong_s = 10000.0; ///< sixteen time constants of the motor
+
+device::DeviceDescription device() { return testing::phantom_1_0(); }
+
+ThermalHoldOptions hold(double force_N, double seconds) {
+    ThermalHoldOptions options;
+    options.force_N = force_N;
+    options.seconds = seconds;
+    return options;
+}
+
+ThermalRow last_of(const std::vector<ThermalRow> &rows, ThermalPhase phase) {
+    const auto found = std::find_if(rows.rbegin(), rows.rend(),
+                                    [phase](const ThermalRow &row) { return row.phase == phase; });
+    EXPECT_NE(found, rows.rend());
+    return *found;
+}
+
+Vector3 theta_rad(const device::DeviceDescription &d, const ThermalHoldOptions &options) {
+    return device::motor_from_joint(d.geometry, options.q_rad);
+}
+
+Matrix3 jacobian(const device::DeviceDescription &d, const ThermalHoldOptions &options) {
+    return device::motor_jacobian(d.geometry, options.q_rad);
+}
+
+/// Static currents of a force along the normal: τ = Jᵀ F (22).
+Vector3 currents_A(const device::DeviceDescription &d, const ThermalHoldOptions &options) {
+    return jacobian(d, options).transpose() * options.direction.normalized() * options.force_N /
+           d.motor[0].torque_constant_Nm_per_A;
+}
+
+/// Where a winding ends at R̂ fixed: T = T_a + i² R(T, θ) (R_wh + R_ha) with i = e_W/(R(T, θ) − R̂),
+/// found by bisection.
+double final_winding_C(const device::MotorParameters &motor, double theta, double e_W_V,
+                       double R_hat_Ohm, double air_C) {
+    const double K_per_W =
+        motor.thermal.winding_housing_K_per_W + motor.thermal.housing_ambient_K_per_W;
+    double low_C = air_C;
+    double high_C = 500.0;
+    for (int i = 0; i < 100; ++i) {
+        const double middle_C = 0.5 * (low_C + high_C);
+        const double R_Ohm = device::winding_resistance_Ohm(motor, middle_C, theta);
+        const double current_A = e_W_V / (R_Ohm - R_hat_Ohm);
+        (air_C + current_A * current_A * R_Ohm * K_per_W > middle_C ? low_C : high_C) = middle_C;
+    }
+    return low_C;
+}
+
+TEST(ThermalHold, StartsAsAskedForAndAsTuned) {
+    for (const Vector3 &direction : {Vector3(0, 1, 0), Vector3(0, -3, 0), Vector3(1, 2, -1)}) {
+        ThermalHoldOptions options = hold(1.2, 10.0);
+        options.direction = direction;
+        const ThermalRow first = thermal_hold(device(), options).front();
+        EXPECT_EQ(first.time_s, 0.0);
+        EXPECT_NEAR(first.tip_force_N, 1.2, 1e-12);
+        EXPECT_LT(first.direction_error_rad, 1e-12);
+        for (int j = 0; j < 3; ++j) {
+            EXPECT_NEAR(first.dR_Ohm[j], options.tuning.dR_Ohm, 1e-13);
+            EXPECT_EQ(first.winding_C[j], 25.0);
+        }
+    }
+}
+
+TEST(ThermalHold, EndsWhereTheHeatBalanceSays) {
+    const device::DeviceDescription d = device();
+    const ThermalHoldOptions options = hold(1.2, kLong_s);
+    const ThermalRow last = last_of(thermal_hold(d, options), ThermalPhase::hold);
+    const Vector3 theta = theta_rad(d, options);
+    const Vector3 e_W_V = options.tuning.dR_Ohm * currents_A(d, options);
+    for (std::size_t j = 0; j < 3; ++j) {
+        const auto axis = static_cast<Eigen::Index>(j);
+        const double R_hat_Ohm =
+            device::winding_resistance_Ohm(d.motor[j], 25.0, theta[axis]) - options.tuning.dR_Ohm;
+        // Sixteen time constants leave 1e-7 of the warmth.
+        EXPECT_NEAR(last.winding_C[axis],
+                    final_winding_C(d.motor[j], theta[axis], e_W_V[axis], R_hat_Ohm, 25.0), 1e-5);
+    }
+    EXPECT_GT(last.winding_C.maxCoeff(), 35.0); // not vacuous
+}
+
+TEST(ThermalHold, WarmsAlongTheWayOfAnIntegration) {
+    // One motor, tiny explicit steps of the two heat balances. The hold's power stands still for
+    // 10 ms: behind by half of that on the way up, at some 1 K/s in the beginning.
+    const device::DeviceDescription d = device();
+    const ThermalHoldOptions options = hold(2.0, 20.0);
+    const ThermalRow last = last_of(thermal_hold(d, options), ThermalPhase::hold);
+    const device::MotorParameters &m = d.motor[1];
+    const device::ThermalParameters &t = m.thermal;
+    const double theta = theta_rad(d, options)[1];
+    const double e_W_V = options.tuning.dR_Ohm * currents_A(d, options)[1];
+    const double R_hat_Ohm = device::winding_resistance_Ohm(m, 25.0, theta) - options.tuning.dR_Ohm;
+    double winding_C = 25.0;
+    double housing_C = 25.0;
+    constexpr int kSteps = 200000;
+    const double h = 20.0 / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+        const double R_Ohm = device::winding_resistance_Ohm(m, winding_C, theta);
+        const double current_A = e_W_V / (R_Ohm - R_hat_Ohm);
+        const double inner_W = (winding_C - housing_C) / t.winding_housing_K_per_W;
+        const double outer_W = (housing_C - 25.0) / t.housing_ambient_K_per_W;
+        winding_C += h * (current_A * current_A * R_Ohm - inner_W) /
+                     (t.winding_time_s / t.winding_housing_K_per_W);
+        housing_C += h * (inner_W - outer_W) / (t.motor_time_s / t.housing_ambient_K_per_W);
+    }
+    EXPECT_GT(winding_C, 27.0);
+    EXPECT_NEAR(last.winding_C[1], winding_C, 5e-3);
+}
+
+TEST(ThermalHold, ResistanceAndStiffnessFollowTheTemperature) {
+    const device::DeviceDescription d = device();
+    const ThermalHoldOptions options = hold(1.4, 600.0);
+    const std::vector<ThermalRow> rows = thermal_hold(d, options);
+    const Vector3 theta = theta_rad(d, options);
+    for (const ThermalRow &row : rows) {
+        if (row.phase == ThermalPhase::cool) {
+            break;
+        }
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto axis = static_cast<Eigen::Index>(j);
+            const double R25_Ohm = device::winding_resistance_Ohm(d.motor[j], 25.0, theta[axis]);
+            const double risen_Ohm = R25_Ohm * 0.0039 * (row.winding_C[axis] - 25.0);
+            EXPECT_NEAR(row.dR_Ohm[axis], options.tuning.dR_Ohm + risen_Ohm, 1e-12);
+            EXPECT_NEAR(row.K_DC_Nm_per_rad[axis],
+                        d.motor[j].torque_constant_Nm_per_A * options.tuning.K_P_V_per_rad /
+                            row.dR_Ohm[axis],
+                        1e-12);
+        }
+    }
+    const ThermalRow hot = last_of(rows, ThermalPhase::hold);
+    EXPECT_LT(hot.tip_force_N, 0.95 * options.force_N);
+    EXPECT_GT(hot.direction_error_rad, 0.01);
+}
+
+TEST(ThermalHold, MotorsThatWarmAlikeKeepTheDirection) {
+    device::DeviceDescription d = device();
+    for (device::MotorParameters &motor : d.motor) {
+        motor.commutation_ripple = 0.0;
+    }
+    ThermalHoldOptions options = hold(2.5, 600.0);
+    // Jᵀ n is the same on every motor.
+    options.direction = jacobian(d, options).transpose().inverse() * Vector3::Ones();
+    const ThermalRow hot = last_of(thermal_hold(d, options), ThermalPhase::hold);
+    EXPECT_GT(hot.winding_C.minCoeff(), 27.0);
+    EXPECT_LT(hot.tip_force_N, 0.99 * options.force_N);
+    EXPECT_LT(hot.direction_error_rad, 1e-12);
+}
+
+TEST(ThermalHold, WithoutResistanceRiseNothingChanges) {
+    device::DeviceDescription d = device();
+    for (device::MotorParameters &motor : d.motor) {
+        motor.resistance_rise_per_K = 0.0;
+    }
+    const ThermalHoldOptions options = hold(2.0, 600.0);
+    const ThermalRow hot = last_of(thermal_hold(d, options), ThermalPhase::hold);
+    EXPECT_GT(hot.winding_C.maxCoeff(), 35.0);
+    EXPECT_NEAR(hot.tip_force_N, options.force_N, 1e-12);
+    EXPECT_LT(hot.direction_error_rad, 1e-12);
+}
+
+TEST(ThermalHold, TunedHotAndCooledOnlyTheLimitKeepsANetResistance) {
+    const device::DeviceDescription d = device();
+    ThermalHoldOptions options = hold(4.0, 1200.0);
+    options.tuning.dR_Ohm = 0.1;
+    for (const double sign : {1.0, -1.0}) {
+        options.direction = sign * Vector3::UnitY();
+        const std::vector<ThermalRow> rows = thermal_hold(d, options);
+        const ThermalRow cold = last_of(rows, ThermalPhase::cool);
+        EXPECT_LT(cold.dR_unlimited_Ohm[1], -0.02);
+        EXPECT_NEAR(cold.growth_time_s,
+                    d.motor[0].inductance_H / -cold.least_dR_unlimited_Ohm.minCoeff(), 1e-15);
+        const Vector3 theta = theta_rad(d, options);
+        for (const ThermalRow &row : rows) {
+            EXPECT_EQ(std::isnan(row.growth_time_s), row.least_dR_unlimited_Ohm.minCoeff() >= 0.0);
+            for (std::size_t j = 0; j < 3; ++j) {
+                const auto axis = static_cast<Eigen::Index>(j);
+                const double R_Ohm =
+                    device::winding_resistance_Ohm(d.motor[j], row.winding_C[axis], theta[axis]);
+                const double least_Ohm =
+                    device::least_resistance_Ohm(d.motor[j], row.winding_C[axis]);
+                EXPECT_NEAR(row.dR_Ohm[axis], R_Ohm - row.R_hat_allowed_Ohm[axis], 1e-13);
+                EXPECT_GT(row.least_dR_Ohm[axis], device::kLeastResidualShare * least_Ohm);
+                EXPECT_NEAR(row.least_dR_Ohm[axis], least_Ohm - row.R_hat_allowed_Ohm[axis], 1e-13);
+            }
+        }
+    }
+}
+
+TEST(ThermalHold, TheRetunedResistanceIsTheOneTunedCold) {
+    const ThermalHoldOptions options = hold(2.0, 300.0);
+    const std::vector<ThermalRow> rows = thermal_hold(device(), options);
+    const ThermalRow hot = last_of(rows, ThermalPhase::hold);
+    const ThermalRow &retuned = rows[static_cast<std::size_t>(options.rows)];
+    EXPECT_EQ(retuned.phase, ThermalPhase::cool);
+    EXPECT_EQ(retuned.time_s, hot.time_s);
+    EXPECT_GT(hot.dR_Ohm[1], 1.1 * options.tuning.dR_Ohm);
+    EXPECT_NEAR(retuned.dR_Ohm[1], options.tuning.dR_Ohm, 1e-13);
+    EXPECT_EQ(retuned.tip_force_N, 0.0);
+    EXPECT_TRUE(std::isnan(retuned.direction_error_rad));
+}
+
+TEST(ThermalHold, TunedLooselyItNeedsNoLimit) {
+    ThermalHoldOptions options = hold(1.0, 1200.0);
+    options.tuning.dR_Ohm = 1.2;
+    for (const ThermalRow &row : thermal_hold(device(), options)) {
+        EXPECT_TRUE(std::isnan(row.growth_time_s));
+        EXPECT_EQ(row.dR_Ohm, row.dR_unlimited_Ohm);
+    }
+}
+
+TEST(ThermalHold, EndsWhereTheSafetyMonitorTrips) {
+    ThermalHoldOptions options = hold(1.4, kLong_s);
+    EXPECT_FALSE(thermal_hold(device(), options).back().tripped);
+    options.force_N = 8.0;
+    const std::vector<ThermalRow> rows = thermal_hold(device(), options);
+    EXPECT_TRUE(rows.back().tripped);
+    EXPECT_EQ(rows.back().phase, ThermalPhase::hold);
+    EXPECT_LT(rows.back().time_s, kLong_s);
+    EXPECT_TRUE(std::none_of(rows.begin(), rows.end() - 1,
+                             [](const ThermalRow &row) { return row.tripped; }));
+    // The upper estimate errs to the safe side: by the air, and by what that makes of R.
+    EXPECT_LT(rows.back().winding_C.maxCoeff(), 100.0);
+    EXPECT_GT(rows.back().winding_C.maxCoeff(), 75.0);
+}
+
+TEST(ThermalHold, RefusesWhatCannotBe) {
+    const device::DeviceDescription d = device();
+    const auto refused = [&d](const ThermalHoldOptions &options) {
+        try {
+            static_cast<void>(thermal_hold(d, options));
+        } catch (const InputError &error) {
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+            return true;
+        }
+        return false;
+    };
+    const double nan = std::nan("");
+    for (const double force_N : {0.0, -1.0, nan, static_cast<double>(INFINITY), 8.6}) {
+        EXPECT_TRUE(refused(hold(force_N, 1.0))) << force_N;
+    }
+    for (const double seconds : {0.0, -1.0, nan, 86401.0}) {
+        EXPECT_TRUE(refused(hold(1.0, seconds))) << seconds;
+    }
+    for (const int rows : {-1, 0, 1, 100001}) {
+        ThermalHoldOptions options = hold(1.0, 1.0);
+        options.rows = rows;
+        EXPECT_TRUE(refused(options)) << rows;
+    }
+    for (const double air_C : {nan, device::kColdestAir_C - 0.1, device::kWarmestAir_C + 0.1}) {
+        ThermalHoldOptions options = hold(1.0, 1.0);
+        options.ambient_C = air_C;
+        EXPECT_TRUE(refused(options)) << air_C;
+    }
+    for (const Vector3 &q_rad : {Vector3(0, nan, 0), Vector3(2.0, 0, 0), Vector3(0, -0.6, 0.6)}) {
+        ThermalHoldOptions options = hold(1.0, 1.0);
+        options.q_rad = q_rad;
+        EXPECT_TRUE(refused(options)) << q_rad.transpose();
+    }
+    for (const Vector3 &direction : {Vector3(0, 0, 0), Vector3(0, nan, 0)}) {
+        ThermalHoldOptions options = hold(1.0, 1.0);
+        options.direction = direction;
+        EXPECT_TRUE(refused(options)) << direction.transpose();
+    }
+    ThermalHoldOptions limp = hold(1.0, 1.0);
+    limp.tuning.K_P_V_per_rad = 0.0;
+    EXPECT_TRUE(refused(limp));
+    EXPECT_FALSE(refused(hold(1.0, 1.0)));
+}
+
+TEST(ThermalHold, RefusesAForceBeyondTheMotors) {
+    // Both sides of the force at which the first motor meets its peak current or its supply.
+    device::DeviceDescription d = device();
+    ThermalHoldOptions options = hold(1.0, 0.1);
+    d.motor[1].peak_current_A = 1.0;
+    d.motor[2].supply_V = 1.0;
+    const Vector3 ampere_per_N = currents_A(d, options).cwiseAbs();
+    const double R3_Ohm =
+        device::winding_resistance_Ohm(d.motor[2], 25.0, theta_rad(d, options)[2]);
+    const double greatest_N = std::min(1.0 / ampere_per_N[1], 1.0 / (R3_Ohm * ampere_per_N[2]));
+    options.force_N = 0.999 * greatest_N;
+    EXPECT_NO_THROW(static_cast<void>(thermal_hold(d, options)));
+    options.force_N = 1.001 * greatest_N;
+    EXPECT_THROW(static_cast<void>(thermal_hold(d, options)), InputError);
+}
+
+TEST(ThermalHold, WritesEveryRowAndColumn) {
+    const std::vector<ThermalRow> rows = thermal_hold(device(), hold(1.4, 600.0));
+    std::ostringstream csv;
+    write_thermal_csv(csv, rows);
+    std::istringstream lines(csv.str());
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line.rfind("time_s,phase,winding1_C,", 0), 0U);
+    const auto commas = std::count(line.begin(), line.end(), ',');
+    std::size_t count = 0;
+    while (std::getline(lines, line)) {
+        EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas);
+        EXPECT_EQ(line.find("nan"), std::string::npos);
+        ++count;
+    }
+    EXPECT_EQ(count, rows.size());
+    EXPECT_EQ(count, 120U);
+}
+
+TEST(ThermalHold, TellsItsStoryInWords) {
+    const auto table = [](ThermalHoldOptions options, double dR_Ohm) {
+        options.tuning.dR_Ohm = dR_Ohm;
+        std::ostringstream text;
+        write_thermal_table(text, thermal_hold(device(), options));
+        EXPECT_EQ(text.str().find("nan"), std::string::npos);
+        return text.str();
+    };
+    EXPECT_NE(table(hold(4.0, 1200.0), 0.1).find("over-cancelled from"), std::string::npos);
+    EXPECT_EQ(table(hold(1.0, 1200.0), 1.2).find("over-cancelled"), std::string::npos);
+    EXPECT_NE(table(hold(8.0, 1200.0), 0.5).find("safety monitor trips"), std::string::npos);
+}
+
+} // namespace
+} // namespace springdrive::limits

@@ -1,0 +1,255 @@
+// Covers engine/lab/loops/stability_case.cpp.
+#include "engine/lab/loops/stability_case.h"
+
+#include "device/core/phantom/dynamics.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/motion_control.h"
+#include "tests/support/configurations.h"
+#include "tests/support/random_loops.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace springdrive::loops {
+namespace {
+
+using testing::phantom_1_0;
+
+StabilityCase three_motors(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    StabilityCase which;
+    which.device = device;
+    which.freedom = Freedom::three_motors;
+    which.q_rad = q_rad;
+    return which;
+}
+
+double largest_of(const Eigen::MatrixXd &matrix) { return matrix.eigenvalues().real().maxCoeff(); }
+
+/// Motors that differ by up to a half in k_T.
+device::DeviceDescription with_unequal_motors(std::mt19937_64 &random) {
+    device::DeviceDescription device = phantom_1_0();
+    for (device::MotorParameters &motor : device.motor) {
+        motor.torque_constant_Nm_per_A *= testing::Draw(random).even(0.7, 1.4);
+    }
+    return device;
+}
+
+TEST(HeldShare, AtTheBoundTheLargestModeIsTheInverseMaps) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 50; ++i) {
+        const device::DeviceDescription device = with_unequal_motors(random);
+        StabilityCase which =
+            three_motors(device, testing::random_workspace_angles(device, random));
+        which.tuning.map = control::MotionMap::inverse;
+        EXPECT_TRUE(held_share(which).isIdentity());
+        which.tuning.map = control::MotionMap::transpose;
+        which.tuning.alpha_mode = control::AlphaMode::on_the_fly;
+        EXPECT_NEAR(largest_of(held_share(which)), 1.0, 1e-9); // (29)
+        which.tuning.alpha_mode = control::AlphaMode::by_hand;
+        const Matrix3 J = device::motor_jacobian(device.geometry, which.q_rad);
+        which.tuning.alpha_rad2_per_m2 =
+            0.4 * control::alpha_bound(J, control::relative_stiffness(device));
+        which.tuning.eta = 0.25;
+        EXPECT_NEAR(largest_of(held_share(which)), 0.75 * 0.4, 1e-9);
+        which.freedom = Freedom::one_motor;
+        EXPECT_NEAR(held_share(which)(0, 0), 0.75 * 0.4, 1e-12);
+    }
+}
+
+TEST(HeldShare, TheGlobalScaleExceedsNoBound) {
+    const device::DeviceDescription device = phantom_1_0();
+    const Vector3 half_m = 0.5 * device.workspace.size_m;
+    double largest = 0.0;
+    // The corners and middles of the box are points of the grid that the bound is taken over.
+    for (int i = 0; i < 27; ++i) {
+        const int layer = i / 9 - 1;
+        const Vector3 share(i % 3 - 1, i / 3 % 3 - 1, layer);
+        const std::optional<Vector3> q_rad = device::joint_angles_rad(
+            device.geometry, device.workspace.centre_m + half_m.cwiseProduct(share));
+        if (!q_rad || !device.joint_limits.allow(*q_rad)) {
+            continue;
+        }
+        StabilityCase which = three_motors(device, *q_rad);
+        which.tuning.alpha_mode = control::AlphaMode::global;
+        largest = std::max(largest, largest_of(held_share(which)));
+    }
+    EXPECT_LE(largest, 1.0 + 1e-9);
+    EXPECT_GT(largest, 0.3) << "somewhere it is of use";
+}
+
+/// By energies: of links by their own dynamics, of rotors and hand by their speeds.
+TEST(DrivenLoad, HasTheEnergyOfAllThatMoves) {
+    std::mt19937_64 random(2);
+    const Hand hand = hand_of_firmness(0.7);
+    for (int i = 0; i < 20; ++i) {
+        const device::DeviceDescription device = phantom_1_0();
+        const Vector3 q_rad = testing::random_workspace_angles(device, random);
+        const StabilityCase which = three_motors(device, q_rad);
+        const DrivenLoad load = driven_load(which, {0, hand});
+        const Vector3 theta_rate = testing::random_vector(random, 10.0);
+        const Vector3 q_rate = device::joint_from_motor(device.geometry, theta_rate);
+        constexpr double kStep_s = 1e-6;
+        const Vector3 tip_rate =
+            (device::tip_position_m(device.geometry, q_rad + kStep_s * q_rate) -
+             device::tip_position_m(device.geometry, q_rad - kStep_s * q_rate)) /
+            (2.0 * kStep_s);
+        const device::LinkageMoments moments =
+            device::linkage_moments(device.geometry, device.inertia, 0.0);
+        const double inertia = q_rate.dot(device::mass_matrix(moments, q_rad) * q_rate) +
+                               device.motor[0].rotor_inertia_kg_m2 * theta_rate.squaredNorm() +
+                               hand.mass_kg * tip_rate.squaredNorm();
+        const double damping = device.friction.viscous_Nms_per_rad * q_rate.squaredNorm() +
+                               hand.damping_Ns_per_m * tip_rate.squaredNorm();
+        const double stiffness = hand.stiffness_N_per_m * tip_rate.squaredNorm();
+        const auto power = [&](const Eigen::MatrixXd &matrix) {
+            return theta_rate.dot(matrix * theta_rate);
+        };
+        EXPECT_NEAR(power(load.inertia_kg_m2), inertia, 1e-8 * inertia);
+        EXPECT_NEAR(power(load.damping_Nms_per_rad), damping, 1e-8 * damping);
+        EXPECT_NEAR(power(load.stiffness_Nm_per_rad), stiffness, 1e-8 * stiffness);
+        EXPECT_EQ(load.inertia_kg_m2, load.inertia_kg_m2.transpose());
+    }
+}
+
+TEST(DrivenLoad, AMotorByItselfIsItsOwnEntryOfTheWhole) {
+    const StabilityCase whole = three_motors(phantom_1_0(), {0.2, 0.3, -0.1});
+    StabilityCase one = whole;
+    one.freedom = Freedom::one_motor;
+    for (int j = 0; j < 3; ++j) {
+        const LoopMember member{j, hand_of_firmness(0.4)};
+        const DrivenLoad all = driven_load(whole, member);
+        const DrivenLoad own = driven_load(one, member);
+        EXPECT_DOUBLE_EQ(own.inertia_kg_m2(0, 0), all.inertia_kg_m2(j, j));
+        EXPECT_DOUBLE_EQ(own.damping_Nms_per_rad(0, 0), all.damping_Nms_per_rad(j, j));
+        EXPECT_DOUBLE_EQ(own.stiffness_Nm_per_rad(0, 0), all.stiffness_Nm_per_rad(j, j));
+        EXPECT_EQ(own.torque_Nm_per_A[0], all.torque_Nm_per_A[j]);
+    }
+}
+
+/// A loop of one motor as sampled_loop_test.cpp has proved it.
+SampledLoop loop_of(const StabilityCase &which, const LoopMember &member, double share) {
+    SampledLoop loop;
+    loop.drive.motor = which.device.motor[static_cast<std::size_t>(member.motor)];
+    loop.drive.tuning = which.tuning;
+    loop.drive.tuning.eta = 1.0 - share;
+    loop.drive.period_s = which.period_s;
+    loop.drive.delay_periods = which.delay_periods;
+    const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
+    const double lever = J.col(member.motor).squaredNorm();
+    const double N = which.device.geometry.transmission_ratio[member.motor];
+    const device::LinkageMoments moments =
+        device::linkage_moments(which.device.geometry, which.device.inertia, 0.0);
+    loop.device = {device::mass_matrix(moments, which.q_rad)(member.motor, member.motor) / (N * N),
+                   which.device.friction.viscous_Nms_per_rad / (N * N), 0.0};
+    loop.hand = {member.hand.mass_kg * lever, member.hand.damping_Ns_per_m * lever,
+                 member.hand.stiffness_N_per_m * lever};
+    return loop;
+}
+
+TEST(StabilityCase, OneMotorIsTheSampledLoop) {
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 30; ++i) {
+        testing::Draw draw(random);
+        StabilityCase which;
+        which.device = phantom_1_0();
+        which.device.motor.fill(testing::random_motor(random));
+        which.tuning = testing::random_tuning(which.device.motor[0], random);
+        which.period_s = draw.by_ratio(2e-4, 2e-3);
+        which.delay_periods = i % 4;
+        which.q_rad = testing::random_workspace_angles(which.device, random);
+        const LoopMember member{i % 3, hand_of_firmness(draw.even(0.0, 1.0))};
+        const double truth = largest_eigenvalue(loop_of(which, member, 1.0 - which.tuning.eta));
+        EXPECT_NEAR(largest_eigenvalue(which, member), truth, 1e-9);
+    }
+}
+
+/// Where the links stand square to each other and q₂ = q₃, no motor feels another's: neither by
+/// inertia nor by the hand.
+TEST(StabilityCase, ALinkageThatIsSquareIsThreeLoopsOfOneMotor) {
+    std::mt19937_64 random(4);
+    testing::Draw draw(random);
+    for (int i = 0; i < 20; ++i) {
+        const double fold = draw.even(-0.4, 0.6);
+        StabilityCase which = three_motors(phantom_1_0(), {draw.even(-0.5, 0.5), fold, fold});
+        which.tuning = testing::random_tuning(which.device.motor[0], random);
+        which.tuning.map = i % 2 == 0 ? control::MotionMap::inverse : control::MotionMap::transpose;
+        which.delay_periods = i % 3;
+        const Hand hand = hand_of_firmness(draw.even(0.0, 1.0));
+        const Eigen::MatrixXd share = held_share(which);
+        double truth = 0.0;
+        for (int j = 0; j < 3; ++j) {
+            truth = std::max(truth, largest_eigenvalue(loop_of(which, {j, hand}, share(j, j))));
+        }
+        EXPECT_NEAR(largest_eigenvalue(which, {0, hand}), truth, 1e-9);
+        which.q_rad[2] -= 0.3; // elsewhere they feel each other
+        EXPECT_GT(std::abs(driven_load(which, {0, hand}).inertia_kg_m2(1, 2)), 1e-8);
+    }
+}
+
+TEST(StabilityCase, HasEveryHandOnEveryMotor) {
+    StabilityCase which;
+    which.device = phantom_1_0();
+    EXPECT_EQ(members(which).size(), 18U);
+    which.freedom = Freedom::three_motors;
+    EXPECT_EQ(members(which).size(), 6U);
+    which.freedom = Freedom::one_motor;
+    which.rotor = device::RotorLoad{1e-5, 1e-5, 0.0};
+    EXPECT_EQ(members(which).size(), 6U);
+    which.hands = {no_hand()};
+    EXPECT_EQ(members(which).size(), 1U);
+}
+
+TEST(StabilityCase, TheWorstMemberIsTheWorst) {
+    StabilityCase which;
+    which.device = phantom_1_0();
+    which.tuning.K_P_V_per_rad = 29.0;
+    const WorstMember worst = worst_member(which);
+    EXPECT_EQ(worst.eigenvalue, largest_eigenvalue(which, worst.member));
+    for (const LoopMember &member : members(which)) {
+        EXPECT_LE(largest_eigenvalue(which, member), worst.eigenvalue);
+    }
+    EXPECT_EQ(worst.is_stable(), is_stable(which));
+    EXPECT_TRUE(is_stable(which));
+    which.tuning.K_P_V_per_rad = 40.0;
+    EXPECT_FALSE(is_stable(which));
+}
+
+TEST(StabilityCase, ANetResistanceTakesThePlaceOfTheTunings) {
+    StabilityCase which;
+    which.device = phantom_1_0();
+    const device::MotorParameters &motor = which.device.motor[0];
+    EXPECT_EQ(which.dR_Ohm(motor), 0.5);
+    which.tuning.dR_Ohm = 0.0;
+    EXPECT_EQ(which.dR_Ohm(motor), device::kLeastResidualShare * motor.resistance_Ohm);
+    which.net_resistance_Ohm = -0.3;
+    EXPECT_EQ(which.dR_Ohm(motor), -0.3);
+    const DrivenLoad load = driven_load(which, {0, no_hand()});
+    EXPECT_DOUBLE_EQ(load.current_rate_per_current[0], 0.3 / motor.inductance_H);
+}
+
+/// F = −K x − B ẋ at the tip does Jᵀ F at the motors, whatever their k_T.
+TEST(SampledLaw, OfACurrentDriveIsTheWallAtTheTip) {
+    std::mt19937_64 random(5);
+    const device::DeviceDescription device = with_unequal_motors(random);
+    StabilityCase which = three_motors(device, {0.3, 0.2, -0.2});
+    which.drive = device::AmplifierKind::current_drive;
+    which.wall = {400.0, 3.0};
+    which.tuning.eta = 0.5;
+    const LoopMember member{0, no_hand()};
+    const SampledLaw law = sampled_law(which, member);
+    const Matrix3 J = device::motor_jacobian(device.geometry, which.q_rad);
+    const Vector3 theta = testing::random_vector(random, 1.0);
+    const Vector3 force_N = 0.5 * -400.0 * (J * theta);
+    const Vector3 torque =
+        driven_load(which, member).torque_Nm_per_A.cwiseProduct(law.per_position * theta);
+    EXPECT_LT((torque - J.transpose() * force_N).norm(), 1e-12);
+    const Vector3 damping =
+        driven_load(which, member).torque_Nm_per_A.cwiseProduct(law.per_velocity * theta);
+    EXPECT_LT((damping - J.transpose() * (force_N * 3.0 / 400.0)).norm(), 1e-12);
+}
+
+} // namespace
+} // namespace springdrive::loops

@@ -1,0 +1,102 @@
+// Covers engine/lab/loops/stability_parameters.cpp.
+#include "engine/lab/loops/stability_parameters.h"
+
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+
+namespace springdrive::loops {
+namespace {
+
+StabilityCase firm() {
+    StabilityCase which;
+    which.device = testing::phantom_1_0();
+    return which;
+}
+
+TEST(StabilityParameters, HaveNamesOfTheirOwn) {
+    std::set<std::string_view> names;
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+        EXPECT_EQ(stability_parameter_named(parameter.name), &parameter);
+        EXPECT_NE(names_of_stability_parameters().find(parameter.name), std::string::npos);
+        EXPECT_FALSE(parameter.help.empty());
+    }
+    EXPECT_EQ(stability_parameter_named("K_P"), nullptr);
+    EXPECT_EQ(stability_parameter_named(""), nullptr);
+}
+
+TEST(StabilityParameters, GetWhatWasSet) {
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        for (const double share : {0.0, 0.3, 1.0}) {
+            const double value = parameter.from + share * (parameter.to - parameter.from);
+            StabilityCase which = firm();
+            parameter.set(which, value);
+            EXPECT_EQ(parameter.get(which), value) << parameter.name;
+        }
+    }
+}
+
+TEST(StabilityParameters, LeaveTheOthersAlone) {
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        StabilityCase which = firm();
+        parameter.set(which, 0.5 * (parameter.from + parameter.to));
+        for (const StabilityParameter &other : stability_parameters()) {
+            if (&other != &parameter) {
+                EXPECT_EQ(other.get(which), other.get(firm()))
+                    << parameter.name << " moves " << other.name;
+            }
+        }
+    }
+}
+
+TEST(StabilityParameters, LookWithinTheirRange) {
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        EXPECT_LT(parameter.from, parameter.to) << parameter.name;
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.from), "") << parameter.name;
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.to), "") << parameter.name;
+    }
+}
+
+TEST(StabilityParameters, RefuseWhatTheyCannotBeWithTheirRange) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.lowest), "") << parameter.name;
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.highest), "") << parameter.name;
+        for (const double bad :
+             {std::nextafter(parameter.lowest, -infinity),
+              std::nextafter(parameter.highest, infinity), std::nan(""), infinity, -infinity}) {
+            const std::string wrong = what_is_wrong_with(parameter, bad);
+            EXPECT_EQ(wrong.find(parameter.name), 0U) << parameter.name << ": " << wrong;
+            EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;
+            EXPECT_EQ(wrong.find('\n'), std::string::npos);
+        }
+    }
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("dR"), 0.0).find("not 0"),
+              std::string::npos);
+    EXPECT_EQ(what_is_wrong_with(*stability_parameter_named("d"), 1.5), "");
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("d"), 8.5).find("0 to 8 periods"),
+              std::string::npos);
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("T"), 0.0), "");
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("hand-mass"), -0.1), "");
+    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("inertia"), 0.0), "");
+}
+
+TEST(StabilityParameters, AnInertiaOfItsOwnStartsAsTheSecondMotors) {
+    StabilityCase which = firm();
+    const double damping = stability_parameter_named("damping")->get(which);
+    const DrivenLoad load = driven_load(which, {1, no_hand()});
+    EXPECT_EQ(damping, load.damping_Nms_per_rad(0, 0));
+    stability_parameter_named("inertia")->set(which, 3e-5);
+    ASSERT_TRUE(which.rotor);
+    EXPECT_EQ(which.rotor->damping_Nms_per_rad, damping);
+    EXPECT_EQ(driven_load(which, {1, no_hand()}).inertia_kg_m2(0, 0), 3e-5);
+}
+
+} // namespace
+} // namespace springdrive::loops

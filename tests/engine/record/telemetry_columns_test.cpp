@@ -1,0 +1,154 @@
+// Covers engine/record/telemetry_columns.h.
+#include "engine/record/telemetry_columns.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <type_traits>
+
+namespace springdrive::record {
+namespace {
+
+/// Where the members of a sample lie that the list knows: address to bytes.
+std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
+    std::map<const char *, std::size_t> found;
+    for_each_column(sample, [&](std::string_view name, std::string_view, const auto &value) {
+        const auto *const address = reinterpret_cast<const char *>(&value);
+        EXPECT_TRUE(found.emplace(address, sizeof value).second) << name << " stands there twice";
+    });
+    return found;
+}
+
+TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndTheNumberOfItsCommand) {
+    const servo::ServoSample sample;
+    auto found = places(sample);
+    const auto *const begin = reinterpret_cast<const char *>(&sample);
+    found.emplace(reinterpret_cast<const char *>(&sample.command.number), sizeof(std::uint64_t));
+    found.emplace(begin + sizeof sample, 0);
+    const char *at = begin;
+    for (const auto &[address, bytes] : found) {
+        EXPECT_GE(address, at) << "overlap";
+        EXPECT_LT(address - at, 8) << "bytes " << at - begin << " to " << address - begin;
+        at = address + bytes;
+    }
+}
+
+// A small member may hide in padding. These do not compile when one is added or taken away: first
+// see to it that the list has it, then name it here.
+TEST(TelemetryColumns, KnowEveryMember) {
+    const servo::ServoSample sample;
+    [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
+                                  since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
+                                  global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
+                                  carried, command, current, force, rendered, inverse, transpose,
+                                  safety, held_back, limits, energy, winding, missed, in_a_row,
+                                  missed_periods, clock, lateness, period, read, compute, write] =
+        sample;
+    [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
+                                  settled, surface, barycentric, triangle, material] = contact;
+    [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
+    [[maybe_unused]] const auto &[state, cause, measured, limit, ramp] = safety;
+    [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
+    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
+    [[maybe_unused]] const auto &[least, greatest, R_hat_limit, is_limited] = winding[0];
+    EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
+}
+
+TEST(TelemetryColumns, HaveNamesThatFitEverywhereAndUnits) {
+    std::set<std::string_view> names;
+    const servo::ServoSample sample;
+    for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
+        EXPECT_TRUE(names.insert(name).second) << name << " twice";
+        EXPECT_FALSE(unit.empty()) << name;
+        EXPECT_LE(name.size(), 63U) << name;
+        EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                         "0123456789_"),
+                  std::string_view::npos)
+            << name;
+    });
+    EXPECT_EQ(names.count("limit_beyond_stops_rad"), 1U);
+}
+
+/// What a name has to end in.
+std::string ending_for(std::string_view unit) {
+    const std::map<std::string_view, std::string> spelled{{"1", ""},
+                                                          {"SI", ""},
+                                                          {"s", "_s"},
+                                                          {"rad", "_rad"},
+                                                          {"rad/s", "_rad_per_s"},
+                                                          {"m", "_m"},
+                                                          {"m/s", "_m_per_s"},
+                                                          {"V", "_V"},
+                                                          {"A", "_A"},
+                                                          {"N", "_N"},
+                                                          {"J", "_J"},
+                                                          {"Ω", "_Ohm"},
+                                                          {"°C", "_C"},
+                                                          {"V/rad", "_V_per_rad"},
+                                                          {"V·s/rad", "_Vs_per_rad"},
+                                                          {"rad²/m²", "_rad2_per_m2"}};
+    const auto found = spelled.find(unit);
+    return found == spelled.end() ? "unknown unit " + std::string(unit) : found->second;
+}
+
+TEST(TelemetryColumns, SayTheSameUnitInTheNameAsByItself) {
+    const servo::ServoSample sample;
+    for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
+        EXPECT_TRUE(name.ends_with(ending_for(unit))) << name << " [" << unit << "]";
+    });
+}
+
+double value_of(const servo::ServoSample &sample, std::string_view wanted) {
+    double found = -1e9;
+    for_each_column(sample, [&](std::string_view name, std::string_view, const auto &value) {
+        if (name == wanted) {
+            found = static_cast<double>(value);
+        }
+    });
+    return found;
+}
+
+TEST(TelemetryColumns, StandForTheMemberOfTheirName) {
+    servo::ServoSample sample;
+    sample.counts = {-1, -2, -3};
+    sample.tip_m = {1.0, 2.0, 3.0};
+    sample.contact.allowed_motion << 11, 12, 13, 21, 22, 23, 31, 32, 33;
+    sample.contact.x0_m = {4.0, 5.0, 6.0};
+    sample.tuning.eta = 0.25;
+    sample.contact.eta = 0.5;
+    sample.eta = 0.625;
+    sample.tuning.alpha_rad2_per_m2 = 3000.0;
+    sample.alpha_rad2_per_m2 = 2500.0;
+    sample.limits.window_silence_s = 0.5;
+    sample.winding[2].is_limited = true;
+    sample.safety.cause = servo::TripCause::voltage;
+    EXPECT_EQ(value_of(sample, "counts3"), -3);
+    EXPECT_EQ(value_of(sample, "tip_y_m"), 2.0);
+    EXPECT_EQ(value_of(sample, "allowed_motion_xz"), 13.0);
+    EXPECT_EQ(value_of(sample, "allowed_motion_zx"), 31.0);
+    EXPECT_EQ(value_of(sample, "proxy_z_m"), 6.0);
+    EXPECT_EQ(value_of(sample, "eta"), 0.25);
+    EXPECT_EQ(value_of(sample, "surface_eta"), 0.5);
+    EXPECT_EQ(value_of(sample, "eta_in_force"), 0.625);
+    EXPECT_EQ(value_of(sample, "alpha_rad2_per_m2"), 3000.0);
+    EXPECT_EQ(value_of(sample, "alpha_in_force_rad2_per_m2"), 2500.0);
+    EXPECT_EQ(value_of(sample, "limit_window_silence_s"), 0.5);
+    EXPECT_EQ(value_of(sample, "R_hat_limited3"), 1.0);
+    EXPECT_EQ(value_of(sample, "R_hat_limited1"), 0.0);
+    EXPECT_EQ(value_of(sample, "trip_cause"), static_cast<double>(servo::TripCause::voltage));
+}
+
+TEST(TelemetryColumns, CanBeWrittenThrough) {
+    servo::ServoSample sample;
+    for_each_column(sample, [](std::string_view name, std::string_view, auto &value) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, double>) {
+            value = name == "force_z_N" ? 7.5 : value;
+        }
+    });
+    EXPECT_EQ(sample.tip_force_N, Vector3(0.0, 0.0, 7.5));
+}
+
+} // namespace
+} // namespace springdrive::record
