@@ -1,10 +1,13 @@
 // What follows from a tuning: the numbers that the tuning panel shows beside the sliders.
 #pragma once
 
+#include "base/vector.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"
+
+#include <array>
 
 namespace springdrive::control {
 
@@ -22,12 +25,12 @@ struct Coupling {
 /// @param delay_periods  d, from reading θ to applying e_W
 [[nodiscard]] inline Coupling coupling(const device::MotorParameters &motor, const Tuning &tuning,
                                        double period_s, double delay_periods) {
-    const double k_T = motor.torque_constant_Nm_per_A;
     const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
     Coupling c;
     c.K_L_Nm_per_rad = device::inductive_stiffness_Nm_per_rad(motor);
     const double dR_Ohm = device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
-    c.K_DC_Nm_per_rad = k_T * tuning.K_P_V_per_rad / dR_Ohm;
+    c.K_DC_Nm_per_rad =
+        device::static_stiffness_Nm_per_rad(motor, tuning.K_P_V_per_rad, tuning.dR_Ohm);
     c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
     c.B_dR_Nms_per_rad = device::series_damping_Nms_per_rad(motor, dR_Ohm);
     c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_periods);
@@ -35,14 +38,21 @@ struct Coupling {
     return c;
 }
 
+/// K_DC (13) of each motor [N·m/rad]. RT-safe.
+[[nodiscard]] inline Vector3
+static_stiffness_Nm_per_rad(const std::array<device::MotorParameters, 3> &motor,
+                            const Tuning &tuning) noexcept {
+    const auto of = [&tuning](const device::MotorParameters &each) {
+        return device::static_stiffness_Nm_per_rad(each, tuning.K_P_V_per_rad, tuning.dR_Ohm);
+    };
+    return {of(motor[0]), of(motor[1]), of(motor[2])};
+}
+
 /// k̄: K_DC as a mean over motors that may differ [N·m/rad].
 [[nodiscard]] inline double
 mean_static_stiffness_Nm_per_rad(const device::DeviceDescription &device, const Tuning &tuning) {
-    double sum = 0.0;
-    for (const device::MotorParameters &motor : device.motor) {
-        sum += coupling(motor, tuning, 1.0, 0).K_DC_Nm_per_rad;
-    }
-    return sum / static_cast<double>(device.motor.size());
+    const Vector3 K_DC = static_stiffness_Nm_per_rad(device.motor, tuning);
+    return (K_DC[0] + K_DC[1] + K_DC[2]) / 3.0;
 }
 
 /// Static tip stiffness of the transpose map (27) behind an η: (1 − η) α K_DC [N/m].

@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "device/core/haptic_device.h"
 #include "engine/contact/contact.h"
+#include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
 
@@ -44,6 +45,11 @@ public:
                                           const MotorSetPoint &set_point) const noexcept;
 
     [[nodiscard]] const Vector3 &k_T() const { return k_T_; }
+
+    /// K_DC (13) of each motor [N·m/rad]. RT-safe.
+    [[nodiscard]] Vector3 static_stiffness_Nm_per_rad(const Tuning &tuning) const noexcept {
+        return control::static_stiffness_Nm_per_rad(motor_, tuning);
+    }
 
     /// θ of encoder counts [rad]. RT-safe.
     [[nodiscard]] Vector3 theta_rad(const std::array<std::int32_t, 3> &counts) const noexcept {

@@ -201,8 +201,7 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
 /// Static force of the coupling K_DC (13) between tip and proxy.
 Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const control::Tuning &tuning,
                                   const control::MotorSetPoint &set_point) const noexcept {
-    const Vector3 stiffness_Nm_per_rad = law_.k_T() * (tuning.K_P_V_per_rad / tuning.dR_Ohm);
-    return control::static_tip_force(now.J, stiffness_Nm_per_rad,
+    return control::static_tip_force(now.J, law_.static_stiffness_Nm_per_rad(tuning),
                                      set_point.theta_Sd_rad - now.theta_rad);
 }
 

@@ -122,7 +122,7 @@ std::vector<servo::Observation> observations(const control::HapticLaw &law,
         seen.touching = sample.contact.touching;
         if (seen.touching) {
             seen.spring_force_N = control::static_tip_force(
-                seen.now.J, law.k_T() * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm),
+                seen.now.J, law.static_stiffness_Nm_per_rad(sample.tuning),
                 sample.theta_Sd_rad - sample.theta_rad);
             seen.spring_stretch_m = sample.contact.x0_m - sample.tip_m;
         }

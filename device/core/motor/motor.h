@@ -56,6 +56,13 @@ inline constexpr double kLeastResidualShare = 0.005;
     return motor.torque_constant_Nm_per_A * motor.torque_constant_Nm_per_A / resistance_Ohm;
 }
 
+/// K_DC = k_T K_P/dR (13) [N·m/rad]: the static stiffness between rotor and set-point.
+/// @param dR_Ohm  as asked for; what results of it counts
+[[nodiscard]] constexpr double static_stiffness_Nm_per_rad(const MotorParameters &motor,
+                                                           double K_P_V_per_rad, double dR_Ohm) {
+    return motor.torque_constant_Nm_per_A * K_P_V_per_rad / residual_resistance_Ohm(motor, dR_Ohm);
+}
+
 /// What a winding does over a time h while e_W and the rotor's velocity stand still.
 ///
 /// With (6) in (1) the winding obeys (11), L di/dt = e_W − dR i − k_T θ̇, so with the net voltage

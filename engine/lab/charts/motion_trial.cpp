@@ -36,16 +36,6 @@ Vector3 proxy_m(const Vector3 &true_tip_m, const Vector3 &believed_tip_m, const 
     return believed_tip_m + height_m * tip.normal;
 }
 
-Vector3 static_stiffness_Nm_per_rad(const device::DeviceDescription &device,
-                                    const control::Tuning &tuning) {
-    Vector3 K_DC;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
-        K_DC[j] = control::coupling(motor, tuning, 1.0, 0).K_DC_Nm_per_rad;
-    }
-    return K_DC;
-}
-
 /// The part of a displacement that each mode of the map answers.
 Vector3 mode_shares(const device::DeviceDescription &device, const MotionMethod &method,
                     const Matrix3 &J) {
@@ -93,7 +83,8 @@ Vector3 force_on_holder_N(const device::DeviceDescription &device, const control
     if (!set_point) {
         return Vector3::Zero();
     }
-    return control::static_tip_force(truth.J, static_stiffness_Nm_per_rad(device, tuning),
+    return control::static_tip_force(truth.J,
+                                     control::static_stiffness_Nm_per_rad(device.motor, tuning),
                                      set_point->theta_Sd_rad - believed.theta_rad);
 }
 

@@ -229,9 +229,8 @@ control::TuningMargins margins_of(loops::HeldLoops &loops, const loops::Stabilit
     control::TuningMargins margins;
     margins.servo_hz = 1.0 / which.period_s;
     margins.delay_periods = which.delay_periods;
-    margins.K_DC_Nm_per_rad =
-        control::coupling(which.device.motor[0], which.tuning, which.period_s, which.delay_periods)
-            .K_DC_Nm_per_rad;
+    margins.K_DC_Nm_per_rad = device::static_stiffness_Nm_per_rad(
+        which.device.motor[0], which.tuning.K_P_V_per_rad, which.tuning.dR_Ohm);
     find_gain_margin(margins, loops, which.tuning);
 
     loops::StabilityCase later = which;

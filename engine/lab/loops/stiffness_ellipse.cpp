@@ -18,14 +18,11 @@ namespace {
 /// than this share of its length: 0.006 degrees from the singular configuration.
 constexpr double kLeastSine = 1e-4;
 
-Vector2 static_stiffness_Nm_per_rad(const device::DeviceDescription &device,
+/// (1 − η) K_DC (13) of the two motors that move the tip in its plane.
+Vector2 planar_stiffness_Nm_per_rad(const device::DeviceDescription &device,
                                     const control::Tuning &tuning) {
-    Vector2 K_q;
-    for (Eigen::Index j = 0; j < 2; ++j) {
-        const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j + 1)];
-        K_q[j] = (1.0 - tuning.eta) * control::coupling(motor, tuning, 1.0, 0).K_DC_Nm_per_rad;
-    }
-    return K_q;
+    return (1.0 - tuning.eta) *
+           control::static_stiffness_Nm_per_rad(device.motor, tuning).tail<2>();
 }
 
 /// (29) of the planar device: the base column of J is zero.
@@ -45,7 +42,7 @@ PlanarStiffness planar_stiffness(const device::DeviceDescription &device,
                          "has no bound; choose q3 - q2 further from 90 and -90 degrees");
     }
     PlanarStiffness stiffness;
-    stiffness.K_q_Nm_per_rad = static_stiffness_Nm_per_rad(device, tuning);
+    stiffness.K_q_Nm_per_rad = planar_stiffness_Nm_per_rad(device, tuning);
     if (!(stiffness.K_q_Nm_per_rad.minCoeff() > 0.0)) {
         throw InputError("the tuning has no static stiffness, so that no force answers a "
                          "displacement; choose K_P above 0 and eta below 1");

@@ -21,13 +21,12 @@ long ticks_in(double time_s, const loops::StabilityCase &which) {
     return std::lround(time_s / which.period_s);
 }
 
-/// K_x = α k̄ (27) where all motors are alike: with k_T K_P/dR for k̄.
+/// K_x = α k̄ (27) where all motors are alike.
 double tip_stiffness_N_per_m(const loops::StabilityCase &which) {
     const double alpha =
         control::alpha_bound(device::motor_jacobian(which.device.geometry, which.q_rad),
                              control::relative_stiffness(which.device));
-    return alpha * control::torque_constants(which.device).mean() * which.tuning.K_P_V_per_rad /
-           which.tuning.dR_Ohm;
+    return alpha * control::mean_static_stiffness_Nm_per_rad(which.device, which.tuning);
 }
 
 /// The greatest speed of the tip per newton of the force that it was pressed with, by the linear
