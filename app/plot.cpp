@@ -29,7 +29,7 @@ ImU32 packed(ImVec4 colour, float alpha = 1.0F) {
 }
 
 /// The part of the screen that the axes frame, and the values at its borders.
-struct Frame {
+struct PlotFrame {
     ImVec2 lower; ///< bottom left
     ImVec2 upper; ///< top right
     double first_s = 0.0;
@@ -71,7 +71,7 @@ double greatest_value(const Plot &plot, std::size_t first) {
     return greatest;
 }
 
-void draw_axes(ImDrawList &list, const Plot &plot, const Frame &frame) {
+void draw_axes(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
     constexpr int kDivisions = 4;
     const float font = ImGui::GetFontSize();
     std::array<char, 32> text{};
@@ -95,7 +95,7 @@ void draw_axes(ImDrawList &list, const Plot &plot, const Frame &frame) {
     }
 }
 
-void draw_levels(ImDrawList &list, const Plot &plot, const Frame &frame) {
+void draw_levels(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
     const float font = ImGui::GetFontSize();
     for (const PlotLevel &level : plot.levels) {
         if (level.value > frame.top) {
@@ -115,7 +115,7 @@ void draw_levels(ImDrawList &list, const Plot &plot, const Frame &frame) {
 
 /// One upright stroke a pixel column, from the least to the greatest value there: nothing of a
 /// kilohertz of samples is lost however narrow the plot.
-void draw_line(ImDrawList &list, const Plot &plot, const PlotLine &line, const Frame &frame,
+void draw_line(ImDrawList &list, const Plot &plot, const PlotLine &line, const PlotFrame &frame,
                std::size_t first) {
     const ImU32 colour = packed(line.colour);
     float column = -1.0F;
@@ -179,7 +179,7 @@ void draw_legend(ImDrawList &list, const Plot &plot, ImVec2 right_end) {
     }
 }
 
-void show_values_under_mouse(const Plot &plot, const Frame &frame, std::size_t first) {
+void show_values_under_mouse(const Plot &plot, const PlotFrame &frame, std::size_t first) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     if (!ImGui::IsItemHovered() || mouse.x < frame.lower.x || mouse.x > frame.upper.x ||
         plot.samples == first) {
@@ -210,7 +210,7 @@ void draw_plot(const Plot &plot, ImVec2 size) {
     ImDrawList &list = *ImGui::GetWindowDrawList();
     ImGui::InvisibleButton(plot.title, size);
 
-    Frame frame;
+    PlotFrame frame;
     frame.lower = {corner.x + 2.6F * font, corner.y + size.y - 1.3F * font};
     frame.upper = {corner.x + size.x - 0.5F * font, corner.y + 1.6F * font};
     frame.last_s = plot.samples > 0 ? plot.time_s(plot.samples - 1) : 0.0;

@@ -18,7 +18,7 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedBaseline {
     std::filesystem::path device_file;
     std::optional<double> servo_hz;
     std::optional<double> delay_periods;
@@ -28,7 +28,7 @@ struct Typed {
 };
 
 /// The usual ones, or those of them that have what was typed; and with all three typed that one.
-std::vector<limits::ServoSetting> settings_of(const Typed &typed,
+std::vector<limits::ServoSetting> settings_of(const TypedBaseline &typed,
                                               const device::DeviceDescription &device) {
     std::vector<limits::ServoSetting> settings = limits::usual_settings();
     for (limits::ServoSetting &setting : settings) {
@@ -51,7 +51,7 @@ std::vector<limits::ServoSetting> settings_of(const Typed &typed,
     return once;
 }
 
-void run(const Typed &typed) {
+void run(const TypedBaseline &typed) {
     loops::StabilityCase which;
     which.device = device::read_device_file(typed.device_file);
     check_range("--margin", typed.margin, 1.0, 10.0);
@@ -78,7 +78,7 @@ void run(const Typed &typed) {
 void add_baseline_command(CLI::App &app) {
     CLI::App &baseline = *app.add_subcommand(
         "baseline", "spring drive against current drive, each at its own stable best");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedBaseline>();
     add_device_file_option(baseline, typed->device_file);
     baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
         ->type_name("HZ");

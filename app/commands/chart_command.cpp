@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kMostRepeats = 100;
 
-struct Typed {
+struct TypedChart {
     std::filesystem::path out;
     std::filesystem::path device_file;
     std::filesystem::path tuning_file; ///< empty: the default tuning
@@ -31,7 +31,7 @@ struct Typed {
     int repeats = charts::ChartSetting{}.repeats;
 };
 
-charts::ChartSetting setting_of(const Typed &typed) {
+charts::ChartSetting setting_of(const TypedChart &typed) {
     charts::ChartSetting setting;
     setting.device = device::read_device_file(typed.device_file);
     if (!typed.tuning_file.empty()) {
@@ -43,7 +43,7 @@ charts::ChartSetting setting_of(const Typed &typed) {
     return setting;
 }
 
-bool is_asked_for(const Typed &typed, std::string_view name) {
+bool is_asked_for(const TypedChart &typed, std::string_view name) {
     return typed.only.empty() || std::ranges::find(typed.only, name) != typed.only.end();
 }
 
@@ -53,7 +53,7 @@ std::string footnote(const charts::ChartSetting &setting, const std::string &mac
 }
 
 /// All numbers first, so that they are there even where nothing can be drawn.
-void make_charts(const Typed &typed) {
+void make_charts(const TypedChart &typed) {
     const charts::ChartSetting setting = setting_of(typed);
     make_output_folder(typed.out);
     const std::string machine = machine_name();
@@ -93,7 +93,7 @@ void add_chart_command(CLI::App &app) {
     CLI::App *chart = app.add_subcommand(
         "chart", "speed against accuracy of integrators, plant models, motion control, proxies "
                  "and servo rates: each method's cost beside its error, as SVG and CSV");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedChart>();
     chart->add_option("--out", typed->out, "the folder to write to; made where missing")
         ->type_name("DIR")
         ->required();

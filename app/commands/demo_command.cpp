@@ -12,12 +12,12 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedDemo {
     TypedSession session;
     DemoOptions options;
 };
 
-void add_run_options(CLI::App &demo, Typed &typed) {
+void add_run_options(CLI::App &demo, TypedDemo &typed) {
     DemoOptions &options = typed.options;
     demo.add_option("--frames", options.frames, "end after so many frames")->type_name("N");
     demo.add_option("--seconds", options.seconds, "end after so long")->type_name("S");
@@ -54,7 +54,7 @@ void check(const DemoOptions &options) {
     }
 }
 
-void run(const Typed &typed) {
+void run(const TypedDemo &typed) {
     DemoOptions options = typed.options;
     options.session = typed.session.session();
     options.session.plays_script = options.unattended();
@@ -68,7 +68,7 @@ void run(const Typed &typed) {
 
 void add_demo_command(CLI::App &app) {
     CLI::App &demo = *app.add_subcommand("demo", "the window (the default)");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedDemo>();
     typed->session.add_to(demo);
     add_run_options(demo, *typed);
     demo.callback([typed] { run(*typed); });

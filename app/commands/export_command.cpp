@@ -16,7 +16,7 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedExport {
     std::filesystem::path record;
     std::string csv;
     std::string npy;
@@ -42,7 +42,7 @@ void write_contents(std::ostream &out, record::RecordReader &record) {
     }
 }
 
-int formats(const Typed &typed) {
+int formats(const TypedExport &typed) {
     return (typed.csv.empty() ? 0 : 1) + (typed.npy.empty() ? 0 : 1) + (typed.mat.empty() ? 0 : 1);
 }
 
@@ -60,7 +60,7 @@ record::ExportSummary export_to(const std::string &where, record::RecordReader &
     return summary;
 }
 
-void run(const Typed &typed) {
+void run(const TypedExport &typed) {
     record::RecordReader record(typed.record);
     if (typed.list) {
         write_contents(std::cout, record);
@@ -98,7 +98,7 @@ void run(const Typed &typed) {
 void add_export_command(CLI::App &app) {
     CLI::App &command =
         *app.add_subcommand("export", "a record as CSV, for Python (NPY) or MATLAB (MAT)");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedExport>();
     command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
     command.add_option("--csv", typed->csv, "comma-separated text; - is standard output")
         ->type_name("FILE|-");

@@ -27,7 +27,7 @@ namespace {
 /// Data sheets promise R within a few per cent.
 constexpr double kLargestSpread = 0.05;
 
-struct Typed {
+struct TypedFigures {
     std::filesystem::path out;
     std::filesystem::path device_file;
     std::filesystem::path tuning_file; ///< empty: the default tuning
@@ -49,7 +49,7 @@ void remark_on_friction(const FigureSetting &setting) {
     }
 }
 
-FigureSetting setting_of(const Typed &typed) {
+FigureSetting setting_of(const TypedFigures &typed) {
     FigureSetting setting;
     setting.device = device::read_device_file(typed.device_file);
     if (!typed.tuning_file.empty()) {
@@ -74,7 +74,7 @@ FigureSetting setting_of(const Typed &typed) {
 }
 
 /// All numbers first, so that they are there even where nothing can be drawn.
-void make_figures(const Typed &typed) {
+void make_figures(const TypedFigures &typed) {
     const FigureSetting setting = setting_of(typed);
     make_output_folder(typed.out);
     ProgressLine line;
@@ -99,7 +99,7 @@ void add_figures_command(CLI::App &app) {
     CLI::App *figures = app.add_subcommand(
         "figures", "figures 2, 3, 5 and 6 of the paper, measured beside their predictions, and "
                    "the direction error over frequency, as SVG and CSV");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedFigures>();
     figures->add_option("--out", typed->out, "the folder to write to; made where missing")
         ->type_name("DIR")
         ->required();

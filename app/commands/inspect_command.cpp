@@ -22,7 +22,7 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedInspect {
     std::string scene;
     std::filesystem::path device_file;
     std::string json; ///< empty: text for people
@@ -35,7 +35,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// With the default tuning at 1 kHz, as `springdrive demo` begins.
-model_selection::ModelChoice model_of_scene(const Typed &typed, const scene::Scene &scene,
+model_selection::ModelChoice model_of_scene(const TypedInspect &typed, const scene::Scene &scene,
                                             const device::DeviceDescription &device) {
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
@@ -43,7 +43,7 @@ model_selection::ModelChoice model_of_scene(const Typed &typed, const scene::Sce
                             typed.fresh);
 }
 
-void run(const Typed &typed) {
+void run(const TypedInspect &typed) {
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const auto start = std::chrono::steady_clock::now();
     const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
@@ -78,7 +78,7 @@ void add_inspect_command(CLI::App &app) {
     CLI::App &inspect =
         *app.add_subcommand("inspect", "what a scene holds, what of it can be touched, and "
                                        "which model it would get");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedInspect>();
     inspect
         .add_option("scene", typed->scene,
                     "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles")

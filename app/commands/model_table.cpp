@@ -1,15 +1,13 @@
 #include "app/commands/model_table.h"
 
+#include "base/degrees.h"
 #include "base/print.h"
 
-#include <numbers>
 #include <string>
 
 namespace springdrive::app {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// What else is known of a candidate: that it is the one, or how it did with the others as chosen.
 std::string further(const model_selection::ModelAxis &axis, std::size_t candidate,

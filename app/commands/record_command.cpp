@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLongest_s = 24.0 * 3600.0;
 
-struct Typed {
+struct TypedRecord {
     TypedSession session;
     double seconds = 10.0;
     std::string json;
@@ -41,7 +41,7 @@ void play(session::Session &session, bool lockstep, double seconds) {
     }
 }
 
-void run(const Typed &typed) {
+void run(const TypedRecord &typed) {
     check_range("--seconds", typed.seconds, 1e-3, kLongest_s);
     session::SessionOptions options = typed.session.session();
     if (options.record == "-") {
@@ -74,7 +74,7 @@ void run(const Typed &typed) {
 void add_record_command(CLI::App &app) {
     CLI::App &record = *app.add_subcommand(
         "record", "a touch without a window, every servo tick of it into a file");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedRecord>();
     record.add_option("file", typed->session.options.record, "to write; must not exist yet")
         ->type_name("FILE")
         ->required();

@@ -17,7 +17,7 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedReplay {
     std::filesystem::path record;
     TuningOptions tuning;
     std::string csv;
@@ -72,7 +72,7 @@ void report(std::ostream &out, const record::RecordReader &record, const record:
     }
 }
 
-void run(const Typed &typed) {
+void run(const TypedReplay &typed) {
     record::RecordReader record(typed.record);
     check_other_file(typed.csv, typed.record);
     const record::RecordHeader &header = record.header();
@@ -99,7 +99,7 @@ void run(const Typed &typed) {
 void add_replay_command(CLI::App &app) {
     CLI::App &command = *app.add_subcommand(
         "replay", "a record through the control law again: must give the same voltages");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedReplay>();
     command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
     command
         .add_option("--csv", typed->csv,

@@ -22,9 +22,9 @@ namespace springdrive::app {
 namespace {
 
 constexpr int kUnstable = 3; ///< exit status: the work was done, and the answer is no
-constexpr int kMostSteps = 400;
+constexpr int kMostStepsOfAnAxis = 400;
 
-struct Typed {
+struct TypedStability {
     StabilityOptions loop;
     std::string vary; ///< empty: nothing is varied
     std::optional<double> from;
@@ -36,7 +36,7 @@ struct Typed {
     std::string json; ///< empty: text for people
 };
 
-StabilityReport report_of(const Typed &typed) {
+StabilityReport report_of(const TypedStability &typed) {
     StabilityReport report;
     report.which = typed.loop.stability_case();
     report.worst = loops::worst_member(report.which);
@@ -58,7 +58,7 @@ StabilityReport report_of(const Typed &typed) {
     return report;
 }
 
-void tell(const Typed &typed) {
+void tell(const TypedStability &typed) {
     const StabilityReport report = report_of(typed);
     write_output(typed.json.empty() ? "-" : typed.json, [&](std::ostream &out) {
         if (typed.json.empty()) {
@@ -140,7 +140,7 @@ MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &
     return {text.str(), loop_text(which, varies("alpha"), varies("hand"))};
 }
 
-void draw_map(const Typed &typed) {
+void draw_map(const TypedStability &typed) {
     const loops::StabilityCase which = typed.loop.stability_case();
     const limits::MapAxis x = axis_of(typed.map[0], typed.steps);
     const limits::MapAxis y = axis_of(typed.map[1], typed.steps);
@@ -150,7 +150,7 @@ void draw_map(const Typed &typed) {
     if (x.parameter == y.parameter) {
         throw InputError("--map: names the same parameter twice; it takes two");
     }
-    check_range("--steps", typed.steps, 2, kMostSteps);
+    check_range("--steps", typed.steps, 2, kMostStepsOfAnAxis);
     if (typed.out.extension() != ".svg") {
         throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
     }
@@ -163,7 +163,7 @@ void draw_map(const Typed &typed) {
     draw_stability_map(typed.out, setting_of(which, x, y), x, y, cells);
 }
 
-void write_table(const Typed &typed) {
+void write_table(const TypedStability &typed) {
     const loops::StabilityCase which = typed.loop.stability_case();
     std::vector<limits::FailureLine> lines;
     {
@@ -173,7 +173,7 @@ void write_table(const Typed &typed) {
     write_output("-", [&](std::ostream &out) { limits::write_failure_lines(out, lines); });
 }
 
-void run(const Typed &typed) {
+void run(const TypedStability &typed) {
     if (typed.table) {
         write_table(typed);
     } else if (typed.map.empty()) {
@@ -188,7 +188,7 @@ void run(const Typed &typed) {
 void add_stability_command(CLI::App &app) {
     CLI::App &stability = *app.add_subcommand(
         "stability", "whether a loop is stable and where that ends, predicted and simulated");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedStability>();
     typed->loop.add_to(stability);
     CLI::Option *vary =
         stability

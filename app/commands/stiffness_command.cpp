@@ -25,7 +25,7 @@ namespace {
 constexpr double kLowest_hz = 0.01;
 constexpr int kMostPoints = 10000;
 
-struct Typed {
+struct TypedStiffness {
     std::filesystem::path device_file;
     TuningOptions tuning;
     std::vector<double> motor; ///< R, L, k_T; empty: the device file's
@@ -41,7 +41,7 @@ struct Typed {
 };
 
 /// The device with the motors that were typed.
-device::DeviceDescription device_of(const Typed &typed) {
+device::DeviceDescription device_of(const TypedStiffness &typed) {
     device::DeviceDescription device = device::read_device_file(typed.device_file);
     if (typed.motor.empty()) {
         return device;
@@ -58,14 +58,14 @@ device::DeviceDescription device_of(const Typed &typed) {
     return device;
 }
 
-control::Tuning tuning_for(const device::DeviceDescription &device, const Typed &typed) {
+control::Tuning tuning_for(const device::DeviceDescription &device, const TypedStiffness &typed) {
     const control::Tuning tuning = typed.tuning.tuning();
     check_dR(device, tuning);
     static_cast<void>(cold_dR_Ohm(device, tuning)); // the bench itself gives what was asked for
     return tuning;
 }
 
-loops::SweepRange range_of(const Typed &typed) {
+loops::SweepRange range_of(const TypedStiffness &typed) {
     const double half_rate_hz = 0.5 * typed.servo_hz;
     const double highest_hz = typed.highest_hz.value_or(0.5 * half_rate_hz);
     check_range("--freq-from", typed.lowest_hz, kLowest_hz, half_rate_hz);
@@ -77,7 +77,7 @@ loops::SweepRange range_of(const Typed &typed) {
     return {typed.lowest_hz, highest_hz, typed.points};
 }
 
-void sweep(const Typed &typed) {
+void sweep(const TypedStiffness &typed) {
     const device::DeviceDescription device = device_of(typed);
     loops::SpringDrive drive;
     drive.motor = device.motor[0];
@@ -96,7 +96,7 @@ void sweep(const Typed &typed) {
     });
 }
 
-void hold(const Typed &typed) {
+void hold(const TypedStiffness &typed) {
     for (const CLI::Option *option : typed.of_a_sweep) {
         if (option->count() > 0) {
             throw InputError(option->get_name() + ": belongs to a sweep; leave it out with --hold");
@@ -117,7 +117,7 @@ void hold(const Typed &typed) {
     });
 }
 
-void run(const Typed &typed) {
+void run(const TypedStiffness &typed) {
     if (typed.hold_N) {
         hold(typed);
     } else {
@@ -125,7 +125,7 @@ void run(const Typed &typed) {
     }
 }
 
-void add_sweep_options(CLI::App &stiffness, Typed &typed) {
+void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
     typed.of_a_sweep = {
         stiffness.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
             ->type_name("HZ"),
@@ -144,7 +144,7 @@ void add_sweep_options(CLI::App &stiffness, Typed &typed) {
             ->type_name("N")};
 }
 
-void add_hold_options(CLI::App &stiffness, Typed &typed) {
+void add_hold_options(CLI::App &stiffness, TypedStiffness &typed) {
     CLI::Option *hold = stiffness
                             .add_option("--hold", typed.hold_N,
                                         "instead of a sweep: hold a contact with this force, and "
@@ -160,7 +160,7 @@ void add_hold_options(CLI::App &stiffness, Typed &typed) {
 void add_stiffness_command(CLI::App &app) {
     CLI::App &stiffness = *app.add_subcommand(
         "stiffness", "the coupling K_θ over frequency: (12), sampled and measured");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedStiffness>();
     add_device_file_option(stiffness, typed->device_file);
     stiffness
         .add_option("--motor", typed->motor,

@@ -31,7 +31,7 @@ namespace {
 constexpr int kMostSteps = 1'000'000;
 constexpr int kRepeats = 3;
 
-struct Typed {
+struct TypedTouch {
     std::string scene;
     std::filesystem::path device_file;
     std::string path = "slide";
@@ -47,7 +47,7 @@ struct Typed {
     bool is_strict = false;
 };
 
-void check(const Typed &typed) {
+void check(const TypedTouch &typed) {
     check_range("--speed", typed.how.speed_m_per_s, 1e-6, 100.0);
     check_range("--depth", typed.how.depth_m, 1e-6, 1.0);
     check_range("--radius", typed.how.radius_m, 0.0, 0.1);
@@ -61,7 +61,7 @@ void check(const Typed &typed) {
 }
 
 /// The tip at each tick of the servo while the hand is on its way.
-std::vector<Vector3> tips_of_file(const Typed &typed, double period_s) {
+std::vector<Vector3> tips_of_file(const TypedTouch &typed, double period_s) {
     for (const CLI::Option *option : typed.of_a_made_path) {
         if (option->count() > 0) {
             throw InputError(option->get_name() + ": belongs to a path that is made here; leave it "
@@ -89,7 +89,7 @@ std::vector<Vector3> tips_of_file(const Typed &typed, double period_s) {
     return tips_m;
 }
 
-TouchReport touch(Typed typed) {
+TouchReport touch(TypedTouch typed) {
     check(typed);
     typed.how.period_s = servo::servo_period_s(typed.servo_hz);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
@@ -134,7 +134,7 @@ TouchReport touch(Typed typed) {
     return report;
 }
 
-void run(const Typed &typed) {
+void run(const TypedTouch &typed) {
     const TouchReport report = touch(typed);
     if (!typed.csv.empty()) {
         write_output(typed.csv, [&](std::ostream &out) { write_touch_csv(out, report); });
@@ -153,7 +153,7 @@ void run(const Typed &typed) {
     }
 }
 
-void add_path_options(CLI::App &touch, Typed &typed) {
+void add_path_options(CLI::App &touch, TypedTouch &typed) {
     touch
         .add_option("--path", typed.path,
                     "press, slide, lissajous, rain or random, or a CSV file with columns t,x,y,z "
@@ -179,7 +179,7 @@ void add_path_options(CLI::App &touch, Typed &typed) {
 void add_touch_command(CLI::App &app) {
     CLI::App &touch = *app.add_subcommand(
         "touch", "the proxy over a scene along a path: time per tick, lag, pop-throughs");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedTouch>();
     touch
         .add_option("scene", typed->scene,
                     "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles: 1280, 5120, "

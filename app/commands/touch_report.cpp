@@ -1,19 +1,17 @@
 #include "app/commands/touch_report.h"
 
+#include "base/degrees.h"
 #include "base/print.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <numbers>
 
 namespace springdrive::app {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// As many steps of a kind are named.
 constexpr std::size_t kNamedSteps = 20;

@@ -19,7 +19,7 @@ namespace springdrive::app {
 
 namespace {
 
-struct Typed {
+struct TypedTune {
     std::filesystem::path device_file;
     double dR_Ohm = control::Tuning{}.dR_Ohm;
     double servo_hz = 1000.0;
@@ -29,7 +29,7 @@ struct Typed {
     std::string out; ///< empty: standard output, after what people want to know
 };
 
-limits::AutoTuneRequest request_of(const Typed &typed) {
+limits::AutoTuneRequest request_of(const TypedTune &typed) {
     limits::AutoTuneRequest request;
     loops::StabilityCase &which = request.which;
     which.device = device::read_device_file(typed.device_file);
@@ -47,7 +47,7 @@ limits::AutoTuneRequest request_of(const Typed &typed) {
     return request;
 }
 
-std::string description_of(const Typed &typed, const limits::AutoTuned &found) {
+std::string description_of(const TypedTune &typed, const limits::AutoTuned &found) {
     std::ostringstream text;
     text.precision(4);
     text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_periods
@@ -77,7 +77,7 @@ void tell(std::ostream &out, const limits::AutoTuned &found) {
     }
 }
 
-void run(const Typed &typed) {
+void run(const TypedTune &typed) {
     const limits::AutoTuneRequest request = request_of(typed);
     check_writable(typed.out);
     limits::AutoTuned found;
@@ -100,7 +100,7 @@ void run(const Typed &typed) {
 void add_tune_command(CLI::App &app) {
     CLI::App &tune = *app.add_subcommand(
         "tune", "the stiffest tuning that every hand finds stable, as a tuning file");
-    const auto typed = std::make_shared<Typed>();
+    const auto typed = std::make_shared<TypedTune>();
     add_device_file_option(tune, typed->device_file);
     tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), which the search keeps [0.5]")
         ->type_name("Ω");

@@ -2,14 +2,12 @@
 #pragma once
 
 #include "app/figures/figure.h"
+#include "base/degrees.h"
 
 #include <initializer_list>
-#include <numbers>
 #include <string>
 
 namespace springdrive::app {
-
-inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// "1.234e-05": `digits` significant digits, no more than needed; empty for a NaN.
 [[nodiscard]] std::string number_text(double number, int digits);

@@ -1,15 +1,13 @@
 #include "app/panels/look.h"
 #include "app/panels/panels.h"
+#include "base/degrees.h"
 
 #include <cstddef>
-#include <numbers>
 #include <string>
 
 namespace springdrive::app {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 void explain(const char *text) {
     if (ImGui::IsItemHovered()) {

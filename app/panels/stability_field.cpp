@@ -11,7 +11,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kMoved_rad = 0.1; // below that, the field hardly changes
+constexpr double kFieldMoved_rad = 0.1; // below that, the field hardly changes
 
 /// Between two ends by the logarithm, in the middle of one of `count` cells.
 double middle(double least, double greatest, int cell, int count) {
@@ -27,7 +27,7 @@ bool has_same_field(const loops::StabilityCase &a, const loops::StabilityCase &b
     control::Tuning same = a.tuning;
     same.K_P_V_per_rad = b.tuning.K_P_V_per_rad;
     same.dR_Ohm = b.tuning.dR_Ohm;
-    return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kMoved_rad &&
+    return same == b.tuning && (a.q_rad - b.q_rad).cwiseAbs().maxCoeff() < kFieldMoved_rad &&
            a.period_s == b.period_s && a.delay_periods == b.delay_periods &&
            a.device.name == b.device.name;
 }

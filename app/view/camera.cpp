@@ -1,6 +1,7 @@
 #include "app/view/camera.h"
 
 #include "app/view/gl_vector.h"
+#include "base/degrees.h"
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
@@ -12,8 +13,6 @@
 namespace springdrive::app {
 
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 constexpr double kFieldOfView_rad = 32.0 * kRadiansPerDegree; // vertical
 constexpr double kFramedYaw_rad = 24.0 * kRadiansPerDegree;

@@ -1,12 +1,12 @@
 #include "device/core/device_file.h"
 
+#include "base/degrees.h"
 #include "base/strict_toml.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <sstream>
 
@@ -89,23 +89,21 @@ JointFriction read_friction(StrictTomlTable table) {
     return friction;
 }
 
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
-
 JointLimits read_joint_limits(StrictTomlTable table) {
     JointLimits limits;
-    limits.lowest_rad = kRadPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
-    limits.highest_rad = kRadPerDegree * table.vector("highest_deg", {0.0, 270.0});
+    limits.lowest_rad = kRadiansPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
+    limits.highest_rad = kRadiansPerDegree * table.vector("highest_deg", {0.0, 270.0});
     limits.least_q3_minus_q2_rad =
-        kRadPerDegree * table.number("least_q3_minus_q2_deg", {-89.0, 0.0});
+        kRadiansPerDegree * table.number("least_q3_minus_q2_deg", {-89.0, 0.0});
     limits.greatest_q3_minus_q2_rad =
-        kRadPerDegree * table.number("greatest_q3_minus_q2_deg", {0.0, 89.0});
+        kRadiansPerDegree * table.number("greatest_q3_minus_q2_deg", {0.0, 89.0});
     table.refuse_unknown_keys();
     return limits;
 }
 
 WorkspaceEdge read_edge(StrictTomlTable table) {
     WorkspaceEdge edge;
-    edge.margin_rad = kRadPerDegree * table.number("margin_deg", {0.0, 30.0});
+    edge.margin_rad = kRadiansPerDegree * table.number("margin_deg", {0.0, 30.0});
     edge.stiffness_Nm_per_rad = table.number("stiffness_Nm_per_rad", {0.0, 100.0});
     edge.damping_Nms_per_rad = table.number("damping_Nms_per_rad", {0.0, 10.0});
     table.refuse_unknown_keys();
@@ -118,7 +116,7 @@ DeviceLimits read_limits(StrictTomlTable table) {
     DeviceLimits limits;
     limits.tip_force_N = table.number("tip_force_N", {0.1, 100.0});
     limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
-    limits.beyond_stops_rad = kRadPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
+    limits.beyond_stops_rad = kRadiansPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
     limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
     if (table.has("missed_deadlines")) { // an older file: at 1 kHz as many milliseconds
         if (table.has("late_ms") || table.has("stale_ms")) {

@@ -4,9 +4,11 @@
 #include "engine/record/record_format.h"
 #include "engine/record/row_codec.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <span>
 #include <string>
 #include <system_error>
 #include <unistd.h>
@@ -82,7 +84,7 @@ void RecordWriter::write_header(const RecordHeader &header) {
     const std::span text = std::span(bytes).subspan(kMagic.size() + 4, json.size());
     std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
     store(bytes.data() + kMagic.size(), static_cast<std::uint32_t>(json.size()));
-    std::memcpy(text.data(), json.data(), json.size());
+    std::ranges::copy(std::as_bytes(std::span(json)), text.begin());
     store(bytes.data() + bytes.size() - 4, crc32_of(text));
     const int error = write_all(descriptor_, bytes);
     if (error != 0) {

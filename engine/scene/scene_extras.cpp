@@ -1,12 +1,12 @@
 #include "engine/scene/scene_extras.h"
 
+#include "base/degrees.h"
 #include "engine/scene/gltf_extras.h"
 
 #include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -14,7 +14,6 @@ namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 3> kToleranceKeys = {"force_N", "direction_deg",
                                                             "bandwidth_hz"};
 

@@ -1,19 +1,18 @@
 #include "engine/scene/smooth_nodes.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "engine/scene/curved_patches.h"
 #include "engine/scene/gltf_text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr std::size_t kMostCuts = 128; // of an edge; more is asked for by damaged normals only
 
 /// The primitives of one smooth node and the patches that they make.

@@ -98,14 +98,15 @@ ShortIdle::ShortIdle() : file_(open(kIdleFile, O_WRONLY | O_CLOEXEC)) {
     if (file_ >= 0 && write(file_, &longest_us, sizeof longest_us) == sizeof longest_us) {
         return;
     }
-    remark_ = errno == ENOENT
-                  ? std::string("processors may idle deeply, ticks may come some 0.1 ms "
-                                "late; this system has no ") +
-                        kIdleFile
-                  : std::string("processors may idle deeply, ticks may come some 0.1 ms "
-                                "late; to allow it: echo 'KERNEL==\"cpu_dma_latency\", "
-                                "MODE=\"0666\"' | sudo tee "
-                                "/etc/udev/rules.d/99-springdrive.rules, and restart");
+    const bool has_none = errno == ENOENT;
+    remark_ = "processors may idle deeply, ticks may come some 0.1 ms late; ";
+    if (has_none) {
+        remark_ += "this system has no ";
+        remark_ += kIdleFile;
+    } else {
+        remark_ += "to allow it: echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee "
+                   "/etc/udev/rules.d/99-springdrive.rules, and restart";
+    }
 }
 
 ShortIdle::~ShortIdle() {

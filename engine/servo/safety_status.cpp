@@ -1,11 +1,11 @@
 #include "engine/servo/safety_status.h"
 
+#include "base/degrees.h"
 #include "device/core/haptic_device.h"
 
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <numbers>
 #include <utility>
 
 namespace springdrive::servo {
@@ -51,7 +51,6 @@ std::string names_of(double bits) {
 } // namespace
 
 std::string description(const SafetyStatus &status) {
-    constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
     switch (status.cause) {
     case TripCause::none:
         return "no trip";

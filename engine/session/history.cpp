@@ -1,5 +1,6 @@
 #include "engine/session/history.h"
 
+#include "base/degrees.h"
 #include "engine/control/force_direction.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ constexpr double kPlotted_s = 10.0;
 constexpr double kGreatestPlotRate_hz = 1000.0;
 /// What people can tell of a force's direction by hand (the paper, section V).
 constexpr double kFelt_hz = 30.0;
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 } // namespace
 

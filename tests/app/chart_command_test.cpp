@@ -23,12 +23,6 @@ testing::Ending chart(const std::filesystem::path &out, std::vector<std::string>
     return testing::run_program(more);
 }
 
-void expect_one_line(const testing::Ending &ending, int status, const std::string &names) {
-    EXPECT_EQ(ending.exit_status, status);
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-}
-
 std::set<std::string> files_in(const std::filesystem::path &folder) {
     std::set<std::string> names;
     for (const auto &file : std::filesystem::directory_iterator(folder)) {
@@ -72,15 +66,16 @@ TEST(Charts, TakeTheDeviceAndTheTuning) {
 TEST(Charts, SayWhatIsWrongInOneLine) {
     const std::filesystem::path folder = testing::fresh_folder("wrong_charts");
     std::ofstream(folder / "file") << "in the way";
-    expect_one_line(testing::run_program({"chart"}), 2, "--out");
-    expect_one_line(chart(folder / "file" / "below"), 1, "below");
-    expect_one_line(chart(folder, {"--only", "everything"}), 2, "servo_rate_stiffness");
-    expect_one_line(chart(folder, {"--repeats", "0"}), 1, "--repeats is 0; it must be from 1 to");
-    expect_one_line(chart(folder, {"--repeats", "101"}), 1, "100");
-    expect_one_line(chart(folder, {"--repeats", "many"}), 2, "--repeats");
-    expect_one_line(chart(folder, {"--tuning-file", "none.toml"}), 1, "none.toml");
+    testing::expect_one_line(testing::run_program({"chart"}), 2, "--out");
+    testing::expect_one_line(chart(folder / "file" / "below"), 1, "below");
+    testing::expect_one_line(chart(folder, {"--only", "everything"}), 2, "servo_rate_stiffness");
+    testing::expect_one_line(chart(folder, {"--repeats", "0"}), 1,
+                             "--repeats is 0; it must be from 1 to");
+    testing::expect_one_line(chart(folder, {"--repeats", "101"}), 1, "100");
+    testing::expect_one_line(chart(folder, {"--repeats", "many"}), 2, "--repeats");
+    testing::expect_one_line(chart(folder, {"--tuning-file", "none.toml"}), 1, "none.toml");
     std::filesystem::create_symlink("/dev/full", folder / "motion_stiffness.csv");
-    expect_one_line(chart(folder, {"--only", kQuick}), 1, "motion_stiffness.csv");
+    testing::expect_one_line(chart(folder, {"--only", kQuick}), 1, "motion_stiffness.csv");
     std::filesystem::remove_all(folder);
 }
 
@@ -91,7 +86,7 @@ TEST(Charts, WithoutGnuplotTheNumbersStay) {
     setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
     const testing::Ending ending = chart(folder / "out", {"--only", kQuick, "--repeats", "1"});
     setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    expect_one_line(ending, 1, "gnuplot-nox");
+    testing::expect_one_line(ending, 1, "gnuplot-nox");
     EXPECT_EQ(files_in(folder / "out"),
               (std::set<std::string>{"motion_stiffness.csv", "servo_rate_direction.csv"}));
     std::filesystem::remove_all(folder);

@@ -52,12 +52,6 @@ testing::Ending figures(const std::filesystem::path &out, std::vector<std::strin
     return testing::run_program(more);
 }
 
-void expect_one_line(const testing::Ending &ending, int status, const std::string &names) {
-    EXPECT_EQ(ending.exit_status, status);
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-}
-
 TEST(Figures, ComeOutOfOneCommand) {
     // The folder's name is one that no shell would take as it is.
     const std::filesystem::path folder =
@@ -133,19 +127,19 @@ TEST(Figures, RepeatToTheLastByte) {
 TEST(Figures, SayWhatIsWrongInOneLine) {
     const std::filesystem::path folder = testing::fresh_folder("wrong");
     std::ofstream(folder / "file") << "in the way";
-    expect_one_line(testing::run_program({"figures"}), 2, "--out");
-    expect_one_line(figures(folder / "file" / "below"), 1, "below");
-    expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
-    expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
-    expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
-    expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "q3 - q2 is 90");
-    expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
-    expect_one_line(figures(folder / "a", {"--resistance-spread", "0.06"}), 1, "0.05");
-    expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
+    testing::expect_one_line(testing::run_program({"figures"}), 2, "--out");
+    testing::expect_one_line(figures(folder / "file" / "below"), 1, "below");
+    testing::expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
+    testing::expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
+    testing::expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
+    testing::expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "q3 - q2 is 90");
+    testing::expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
+    testing::expect_one_line(figures(folder / "a", {"--resistance-spread", "0.06"}), 1, "0.05");
+    testing::expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
     // A disk without room: each write into a link to /dev/full fails.
     std::filesystem::create_directory(folder / "full");
     std::filesystem::create_symlink("/dev/full", folder / "full" / "fig3_ellipses.csv");
-    expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
+    testing::expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
     EXPECT_GT(std::filesystem::file_size(folder / "full" / "fig2_stiffness.csv"), 1000U);
     std::filesystem::remove_all(folder);
 }
@@ -175,7 +169,7 @@ TEST(Figures, WithoutGnuplotTheNumbersStay) {
     setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
     const testing::Ending ending = figures(folder / "out");
     setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    expect_one_line(ending, 1, "gnuplot-nox");
+    testing::expect_one_line(ending, 1, "gnuplot-nox");
     for (const FigureMaker &figure : kFigures) {
         EXPECT_TRUE(std::filesystem::exists(folder / "out" / (std::string(figure.name) + ".csv")));
     }

@@ -3,6 +3,7 @@
 #include "engine/lab/limits/stability_limits.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -25,22 +26,6 @@ testing::Ending stability(std::vector<std::string> options) {
 Json json_of(std::vector<std::string> options) {
     options.insert(options.end(), {"--json", "-"});
     return Json::parse(stability(options).out);
-}
-
-void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const testing::Ending ending = stability(options);
-    EXPECT_TRUE(ending.exit_status == 1 || ending.exit_status == 2)
-        << names << ": " << ending.exit_status;
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    EXPECT_EQ(ending.out, "");
-}
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
 }
 
 TEST(StabilityCommand, ExitsByTheAnswer) {
@@ -67,7 +52,7 @@ TEST(StabilityCommand, SaysWhyTheTwoMayDiffer) {
 TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
     const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");
     const std::vector<limits::StabilityLimit> truth =
-        limits::predicted_limits(firm(), kp, {1.0, 100.0});
+        limits::predicted_limits(testing::firm(), kp, {1.0, 100.0});
     ASSERT_EQ(truth.size(), 1U);
     const std::vector<std::string> options{"--vary", "kp", "--from", "1", "--to", "100"};
     const Json json = json_of(options);
@@ -122,7 +107,7 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
     const auto eigenvalue = [](const std::vector<std::string> &options) {
         return json_of(options)["predicted"]["largest_eigenvalue"].get<double>();
     };
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     EXPECT_EQ(eigenvalue({}), loops::worst_member(which).eigenvalue);
     which.freedom = loops::Freedom::three_motors;
     EXPECT_EQ(eigenvalue({"--motors", "3"}), loops::worst_member(which).eigenvalue);
@@ -130,7 +115,7 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
     which.q_rad = Vector3(10.0, -5.0, 30.0) * std::numbers::pi / 180.0;
     EXPECT_EQ(eigenvalue({"--motors", "3", "--kinematics", "inverse", "--q", "10,-5,30"}),
               loops::worst_member(which).eigenvalue);
-    which = firm();
+    which = testing::firm();
     which.hands = {loops::no_hand()};
     which.period_s = 1.0 / 2500.0;
     which.delay_periods = 2;
@@ -139,16 +124,16 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
     which.delay_periods = 1.25;
     EXPECT_EQ(eigenvalue({"--no-hand", "--servo-hz", "2500", "--delay", "1.25"}),
               loops::worst_member(which).eigenvalue);
-    which = firm();
+    which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.wall = {500.0, 1.5};
     EXPECT_EQ(
         eigenvalue({"--drive", "current", "--wall-stiffness", "500", "--wall-damping", "1.5"}),
         loops::worst_member(which).eigenvalue);
-    which = firm();
+    which = testing::firm();
     which.net_resistance_Ohm = -0.05;
     EXPECT_EQ(eigenvalue({"--dR", "-0.05"}), loops::worst_member(which).eigenvalue);
-    which = firm();
+    which = testing::firm();
     which.rotor = loops::driven_load(which, {1, loops::no_hand()}).damping_Nms_per_rad(0, 0) > 0.0
                       ? device::RotorLoad{3e-5, 1e-4, 0.0}
                       : device::RotorLoad{};
@@ -172,13 +157,14 @@ TEST(StabilityCommand, TellsColgateAndSchenkelsLine) {
 }
 
 TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
-    expect_refused({"--motors", "3", "--vary", "inertia"}, "--vary inertia");
-    expect_refused({"--motors", "3", "--inertia", "1e-5"}, "--inertia");
-    expect_refused({"--drive", "current", "--vary", "kp"}, "spring drive");
-    expect_refused({"--vary", "wall-stiffness"}, "--drive current");
-    expect_refused({"--kinematics", "inverse", "--vary", "alpha"}, "transpose");
-    expect_refused({"--no-hand", "--vary", "hand-mass"}, "--no-hand");
-    expect_refused({"--map", "kp,wall-damping", "--out", "none.svg"}, "--map wall-damping");
+    testing::expect_refused(stability({"--motors", "3", "--vary", "inertia"}), "--vary inertia");
+    testing::expect_refused(stability({"--motors", "3", "--inertia", "1e-5"}), "--inertia");
+    testing::expect_refused(stability({"--drive", "current", "--vary", "kp"}), "spring drive");
+    testing::expect_refused(stability({"--vary", "wall-stiffness"}), "--drive current");
+    testing::expect_refused(stability({"--kinematics", "inverse", "--vary", "alpha"}), "transpose");
+    testing::expect_refused(stability({"--no-hand", "--vary", "hand-mass"}), "--no-hand");
+    testing::expect_refused(stability({"--map", "kp,wall-damping", "--out", "none.svg"}),
+                            "--map wall-damping");
 }
 
 /// Its rows have drives, tunings and servos of their own.
@@ -189,17 +175,22 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
             const std::string option = name == "d"   ? "--delay"
                                        : name == "T" ? "--servo-hz"
                                                      : "--" + name;
-            expect_refused({"--table", option, "1"}, option + " excludes --table");
+            testing::expect_refused(stability({"--table", option, "1"}),
+                                    option + " excludes --table");
         }
     }
-    expect_refused({"--table", "--tuning-file", "x.toml"}, "--tuning-file excludes --table");
-    expect_refused({"--table", "--kinematics", "inverse"}, "--kinematics excludes --table");
-    expect_refused({"--table", "--drive", "current"}, "--drive excludes --table");
-    expect_refused({"--table", "--motors", "3"}, "--motors excludes --table");
+    testing::expect_refused(stability({"--table", "--tuning-file", "x.toml"}),
+                            "--tuning-file excludes --table");
+    testing::expect_refused(stability({"--table", "--kinematics", "inverse"}),
+                            "--kinematics excludes --table");
+    testing::expect_refused(stability({"--table", "--drive", "current"}),
+                            "--drive excludes --table");
+    testing::expect_refused(stability({"--table", "--motors", "3"}), "--motors excludes --table");
     // Those that it looks at come as far as their values.
-    expect_refused({"--table", "--hand-mass", "-0.1"}, "0 to 100");
-    expect_refused({"--table", "--q", "nan,0,0"}, "--q");
-    expect_refused({"--table", "--no-hand", "--device-file", "none.toml"}, "none.toml");
+    testing::expect_refused(stability({"--table", "--hand-mass", "-0.1"}), "0 to 100");
+    testing::expect_refused(stability({"--table", "--q", "nan,0,0"}), "--q");
+    testing::expect_refused(stability({"--table", "--no-hand", "--device-file", "none.toml"}),
+                            "none.toml");
 }
 
 TEST(StabilityCommand, DrawsAMap) {
@@ -228,7 +219,7 @@ TEST(StabilityCommand, DrawsAMap) {
             row.push_back(std::stod(cell));
         }
         ASSERT_EQ(row.size(), 5U) << line;
-        loops::StabilityCase which = firm();
+        loops::StabilityCase which = testing::firm();
         which.hands = {loops::no_hand()};
         which.tuning.K_P_V_per_rad = row[0];
         which.net_resistance_Ohm = row[1];
@@ -240,57 +231,62 @@ TEST(StabilityCommand, DrawsAMap) {
 }
 
 TEST(StabilityCommand, RefusesNonsenseWithTheRange) {
-    expect_refused({"--kp", "-1"}, "0 to 10000");
-    expect_refused({"--kp", "nan"}, "kp");
-    expect_refused({"--dR", "0"}, "not 0");
-    expect_refused({"--servo-hz", "0"}, "1 to 1");
-    expect_refused({"--servo-hz", "nan"}, "--servo-hz");
-    expect_refused({"--delay", "-1"}, "0 to 8");
-    expect_refused({"--delay", "9"}, "0 to 8");
-    expect_refused({"--delay", "8.001"}, "0 to 8");
-    expect_refused({"--delay", "nan"}, "0 to 8");
-    expect_refused({"--eta", "1.1"}, "0 to 1");
-    expect_refused({"--eta="}, "--eta: 1 required VALUE missing");
-    expect_refused({"--eta"}, "--eta: 1 required VALUE missing");
-    expect_refused({"--hand-mass", "-0.1"}, "0 to 100");
-    expect_refused({"--hand-mass", "0.1", "--no-hand"}, "--no-hand");
-    expect_refused({"--inertia", "0"}, "inertia");
-    expect_refused({"--inertia", "-1e-5"}, "1e-12");
-    expect_refused({"--damping", "-1"}, "0 to 1000");
-    expect_refused({"--inertia", "1e-5", "--motors", "3"}, "--motors");
-    expect_refused({"--motors", "2"}, "--motors");
-    expect_refused({"--drive", "hydraulic"}, "--drive");
-    expect_refused({"--q", "0,20"}, "--q");
-    expect_refused({"--q", "nan,0,0"}, "--q");
-    expect_refused({"--q", "0,200,0"}, "q");
-    expect_refused({"--tuning-file", "none.toml"}, "none.toml");
-    expect_refused({"--device-file", "none.toml"}, "none.toml");
-    expect_refused({"--json", "/no/such/folder/x.json"}, "/no/such/folder");
+    testing::expect_refused(stability({"--kp", "-1"}), "0 to 10000");
+    testing::expect_refused(stability({"--kp", "nan"}), "kp");
+    testing::expect_refused(stability({"--dR", "0"}), "not 0");
+    testing::expect_refused(stability({"--servo-hz", "0"}), "1 to 1");
+    testing::expect_refused(stability({"--servo-hz", "nan"}), "--servo-hz");
+    testing::expect_refused(stability({"--delay", "-1"}), "0 to 8");
+    testing::expect_refused(stability({"--delay", "9"}), "0 to 8");
+    testing::expect_refused(stability({"--delay", "8.001"}), "0 to 8");
+    testing::expect_refused(stability({"--delay", "nan"}), "0 to 8");
+    testing::expect_refused(stability({"--eta", "1.1"}), "0 to 1");
+    testing::expect_refused(stability({"--eta="}), "--eta: 1 required VALUE missing");
+    testing::expect_refused(stability({"--eta"}), "--eta: 1 required VALUE missing");
+    testing::expect_refused(stability({"--hand-mass", "-0.1"}), "0 to 100");
+    testing::expect_refused(stability({"--hand-mass", "0.1", "--no-hand"}), "--no-hand");
+    testing::expect_refused(stability({"--inertia", "0"}), "inertia");
+    testing::expect_refused(stability({"--inertia", "-1e-5"}), "1e-12");
+    testing::expect_refused(stability({"--damping", "-1"}), "0 to 1000");
+    testing::expect_refused(stability({"--inertia", "1e-5", "--motors", "3"}), "--motors");
+    testing::expect_refused(stability({"--motors", "2"}), "--motors");
+    testing::expect_refused(stability({"--drive", "hydraulic"}), "--drive");
+    testing::expect_refused(stability({"--q", "0,20"}), "--q");
+    testing::expect_refused(stability({"--q", "nan,0,0"}), "--q");
+    testing::expect_refused(stability({"--q", "0,200,0"}), "q");
+    testing::expect_refused(stability({"--tuning-file", "none.toml"}), "none.toml");
+    testing::expect_refused(stability({"--device-file", "none.toml"}), "none.toml");
+    testing::expect_refused(stability({"--json", "/no/such/folder/x.json"}), "/no/such/folder");
 }
 
 TEST(StabilityCommand, RefusesRangesThatCannotBe) {
-    expect_refused({"--vary", "gain"}, "kp, kd, lambda");
-    expect_refused({"--vary", "kp", "--from", "10", "--to", "1"}, "the first must be below");
-    expect_refused({"--vary", "kp", "--from", "1", "--to", "1"}, "the first must be below");
-    expect_refused({"--vary", "T", "--from", "0"}, "1e-06 to 1");
-    expect_refused({"--vary", "kp", "--to", "1e9"}, "0 to 10000");
-    expect_refused({"--vary", "kp", "--from", "nan"}, "kp");
-    expect_refused({"--vary", "d", "--to", "8.5"}, "0 to 8 periods");
-    expect_refused({"--from", "1"}, "--vary");
+    testing::expect_refused(stability({"--vary", "gain"}), "kp, kd, lambda");
+    testing::expect_refused(stability({"--vary", "kp", "--from", "10", "--to", "1"}),
+                            "the first must be below");
+    testing::expect_refused(stability({"--vary", "kp", "--from", "1", "--to", "1"}),
+                            "the first must be below");
+    testing::expect_refused(stability({"--vary", "T", "--from", "0"}), "1e-06 to 1");
+    testing::expect_refused(stability({"--vary", "kp", "--to", "1e9"}), "0 to 10000");
+    testing::expect_refused(stability({"--vary", "kp", "--from", "nan"}), "kp");
+    testing::expect_refused(stability({"--vary", "d", "--to", "8.5"}), "0 to 8 periods");
+    testing::expect_refused(stability({"--from", "1"}), "--vary");
 }
 
 TEST(StabilityCommand, RefusesMapsThatCannotBe) {
-    expect_refused({"--map", "kp,kp", "--out", "x.svg"}, "twice");
-    expect_refused({"--map", "kp", "--out", "x.svg"}, "--map");
-    expect_refused({"--map", "kp,gain", "--out", "x.svg"}, "gain");
-    expect_refused({"--map", "kp=5,kd", "--out", "x.svg"}, "NAME=FROM:TO");
-    expect_refused({"--map", "kp=5:1,kd", "--out", "x.svg"}, "below");
-    expect_refused({"--map", "kp=1:2x,kd", "--out", "x.svg"}, "NAME=FROM:TO");
-    expect_refused({"--map", "kp,kd"}, "--out");
-    expect_refused({"--map", "kp,kd", "--out", "x.png"}, ".svg");
-    expect_refused({"--map", "kp,kd", "--out", "/no/such/folder/x.svg"}, "/no/such/folder");
-    expect_refused({"--map", "kp,kd", "--out", "x.svg", "--steps", "1"}, "--steps");
-    expect_refused({"--map", "kp,kd", "--out", "x.svg", "--steps", "401"}, "--steps");
+    testing::expect_refused(stability({"--map", "kp,kp", "--out", "x.svg"}), "twice");
+    testing::expect_refused(stability({"--map", "kp", "--out", "x.svg"}), "--map");
+    testing::expect_refused(stability({"--map", "kp,gain", "--out", "x.svg"}), "gain");
+    testing::expect_refused(stability({"--map", "kp=5,kd", "--out", "x.svg"}), "NAME=FROM:TO");
+    testing::expect_refused(stability({"--map", "kp=5:1,kd", "--out", "x.svg"}), "below");
+    testing::expect_refused(stability({"--map", "kp=1:2x,kd", "--out", "x.svg"}), "NAME=FROM:TO");
+    testing::expect_refused(stability({"--map", "kp,kd"}), "--out");
+    testing::expect_refused(stability({"--map", "kp,kd", "--out", "x.png"}), ".svg");
+    testing::expect_refused(stability({"--map", "kp,kd", "--out", "/no/such/folder/x.svg"}),
+                            "/no/such/folder");
+    testing::expect_refused(stability({"--map", "kp,kd", "--out", "x.svg", "--steps", "1"}),
+                            "--steps");
+    testing::expect_refused(stability({"--map", "kp,kd", "--out", "x.svg", "--steps", "401"}),
+                            "--steps");
 }
 
 } // namespace

@@ -18,15 +18,6 @@ testing::Ending stiffness(std::vector<std::string> options) {
     return testing::run_program(options);
 }
 
-void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const testing::Ending ending = stiffness(options);
-    EXPECT_GT(ending.exit_status, 0) << names;
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    EXPECT_EQ(ending.out, "");
-}
-
 using Row = std::vector<double>;
 
 /// The rows of a CSV text below its header.
@@ -96,35 +87,36 @@ TEST(StiffnessCommand, TakesAnotherMotor) {
 }
 
 TEST(StiffnessCommand, SaysWhatIsWrongInOneLine) {
-    expect_refused({"--freq-from", "50", "--freq-to", "20"}, "--freq-from");
-    expect_refused({"--freq-to", "500.1"}, "500");
-    expect_refused({"--servo-hz", "2000", "--freq-to", "1000.1"}, "1000");
-    expect_refused({"--freq-from", "0"}, "0.01");
-    expect_refused({"--freq-from", "nan"}, "--freq-from");
-    expect_refused({"--freq-to", "nan"}, "--freq-to");
-    expect_refused({"--freq-to", "inf"}, "--freq-to");
-    expect_refused({"--points", "1"}, "--points");
-    expect_refused({"--points", "2.5"}, "--points");
-    expect_refused({"--servo-hz", "249"}, "250");
-    expect_refused({"--servo-hz", "nan"}, "250");
-    expect_refused({"--delay", "-1"}, "--delay");
-    expect_refused({"--delay", "9"}, "--delay");
-    expect_refused({"--delay", "8.01"}, "--delay");
-    expect_refused({"--delay", "nan"}, "--delay");
-    expect_refused({"--kp", "nan"}, "K_P");
-    expect_refused({"--dR", "0"}, "--dR");
-    expect_refused({"--motor", "2.18,-0.000238,0.0234"}, "--motor: L");
-    expect_refused({"--motor", "0,0.000238,0.0234"}, "--motor: R");
-    expect_refused({"--motor", "2.18,0.000238,nan"}, "--motor: kT");
-    expect_refused({"--motor", "2.18,0.000238"}, "--motor");
-    expect_refused({"--motor", "0.3,0.000238,0.0234"}, "dR is 0.5"); // dR 0.5 of 0.3
-    expect_refused({"--colour", "blue"}, "--colour");
-    expect_refused({"--eta", "0.5"}, "--eta"); // has no part in the coupling
-    expect_refused({"demo"}, "demo");
-    expect_refused({"--device-file", "none.toml"}, "none.toml");
-    expect_refused({"--tuning-file", "none.toml"}, "none.toml");
-    expect_refused({"--csv", "/no/such/folder/k.csv"}, "/no/such/folder/k.csv");
-    expect_refused({"--csv", "/dev/full"}, "/dev/full");
+    testing::expect_refused(stiffness({"--freq-from", "50", "--freq-to", "20"}), "--freq-from");
+    testing::expect_refused(stiffness({"--freq-to", "500.1"}), "500");
+    testing::expect_refused(stiffness({"--servo-hz", "2000", "--freq-to", "1000.1"}), "1000");
+    testing::expect_refused(stiffness({"--freq-from", "0"}), "0.01");
+    testing::expect_refused(stiffness({"--freq-from", "nan"}), "--freq-from");
+    testing::expect_refused(stiffness({"--freq-to", "nan"}), "--freq-to");
+    testing::expect_refused(stiffness({"--freq-to", "inf"}), "--freq-to");
+    testing::expect_refused(stiffness({"--points", "1"}), "--points");
+    testing::expect_refused(stiffness({"--points", "2.5"}), "--points");
+    testing::expect_refused(stiffness({"--servo-hz", "249"}), "250");
+    testing::expect_refused(stiffness({"--servo-hz", "nan"}), "250");
+    testing::expect_refused(stiffness({"--delay", "-1"}), "--delay");
+    testing::expect_refused(stiffness({"--delay", "9"}), "--delay");
+    testing::expect_refused(stiffness({"--delay", "8.01"}), "--delay");
+    testing::expect_refused(stiffness({"--delay", "nan"}), "--delay");
+    testing::expect_refused(stiffness({"--kp", "nan"}), "K_P");
+    testing::expect_refused(stiffness({"--dR", "0"}), "--dR");
+    testing::expect_refused(stiffness({"--motor", "2.18,-0.000238,0.0234"}), "--motor: L");
+    testing::expect_refused(stiffness({"--motor", "0,0.000238,0.0234"}), "--motor: R");
+    testing::expect_refused(stiffness({"--motor", "2.18,0.000238,nan"}), "--motor: kT");
+    testing::expect_refused(stiffness({"--motor", "2.18,0.000238"}), "--motor");
+    testing::expect_refused(stiffness({"--motor", "0.3,0.000238,0.0234"}),
+                            "dR is 0.5"); // dR 0.5 of 0.3
+    testing::expect_refused(stiffness({"--colour", "blue"}), "--colour");
+    testing::expect_refused(stiffness({"--eta", "0.5"}), "--eta"); // has no part in the coupling
+    testing::expect_refused(stiffness({"demo"}), "demo");
+    testing::expect_refused(stiffness({"--device-file", "none.toml"}), "none.toml");
+    testing::expect_refused(stiffness({"--tuning-file", "none.toml"}), "none.toml");
+    testing::expect_refused(stiffness({"--csv", "/no/such/folder/k.csv"}), "/no/such/folder/k.csv");
+    testing::expect_refused(stiffness({"--csv", "/dev/full"}), "/dev/full");
 }
 
 TEST(StiffnessCommand, HoldsAContact) {
@@ -134,11 +126,11 @@ TEST(StiffnessCommand, HoldsAContact) {
     const testing::Ending csv = stiffness({"--hold", "1", "--seconds", "60", "--csv", "-"});
     EXPECT_EQ(csv.exit_status, 0) << csv.error;
     EXPECT_EQ(csv.out.substr(0, 6), "time_s") << csv.out;
-    expect_refused({"--seconds", "60"}, "--hold");
-    expect_refused({"--hold", "1", "--points", "5"}, "--points");
-    expect_refused({"--hold", "nan"}, "nan");
-    expect_refused({"--hold", "-1"}, "-1");
-    expect_refused({"--hold", "1", "--seconds", "0"}, "0");
+    testing::expect_refused(stiffness({"--seconds", "60"}), "--hold");
+    testing::expect_refused(stiffness({"--hold", "1", "--points", "5"}), "--points");
+    testing::expect_refused(stiffness({"--hold", "nan"}), "nan");
+    testing::expect_refused(stiffness({"--hold", "-1"}), "-1");
+    testing::expect_refused(stiffness({"--hold", "1", "--seconds", "0"}), "0");
 }
 
 } // namespace

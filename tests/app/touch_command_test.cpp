@@ -30,15 +30,6 @@ json figures(std::vector<std::string> options) {
     return json::parse(ending.out);
 }
 
-void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const testing::Ending ending = touch(options);
-    EXPECT_GT(ending.exit_status, 0) << names;
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    EXPECT_EQ(ending.out, "");
-}
-
 TEST(TouchCommand, TellsFiguresOfEveryPath) {
     for (const char *path : {"press", "slide", "lissajous", "rain", "random"}) {
         const json said = figures({kSphere, "--path", path, "--steps", "4000", "--check", "20"});
@@ -109,11 +100,12 @@ TEST(TouchCommand, FollowsAPathFromAFile) {
     EXPECT_FALSE(said.contains("seed"));
     EXPECT_EQ(figures({kSphere, "--path", folder / "hand.csv", "--servo-hz", "500"})["steps"], 101);
     EXPECT_EQ(figures({kSphere, "--path", folder / "hand.csv", "--steps", "40"})["steps"], 40);
-    expect_refused({kSphere, "--path", folder / "hand.csv", "--speed", "1"}, "--speed");
+    testing::expect_refused(touch({kSphere, "--path", folder / "hand.csv", "--speed", "1"}),
+                            "--speed");
     std::ofstream(folder / "bad.csv") << "t,x,y,z\n0,0,0.06,0\n1,0,oops,0\n";
-    expect_refused({kSphere, "--path", folder / "bad.csv"}, "bad.csv:3:");
+    testing::expect_refused(touch({kSphere, "--path", folder / "bad.csv"}), "bad.csv:3:");
     std::ofstream(folder / "long.csv") << "t,x,y,z\n0,0,0.06,0\n5000,0,0,0\n";
-    expect_refused({kSphere, "--path", folder / "long.csv"}, "1000000");
+    testing::expect_refused(touch({kSphere, "--path", folder / "long.csv"}), "1000000");
     std::filesystem::remove_all(folder);
 }
 
@@ -149,30 +141,31 @@ TEST(TouchCommand, TouchesAFile) {
 }
 
 TEST(TouchCommand, SaysWhatIsWrongInOneLine) {
-    expect_refused({}, "scene");
-    expect_refused({"none.glb"}, "none.glb");
-    expect_refused({"sphere:1000"}, "1310720");
-    expect_refused({kSphere, "--path", "slid"}, "slid");
-    expect_refused({kSphere, "--speed", "0"}, "--speed");
-    expect_refused({kSphere, "--speed", "101"}, "--speed");
-    expect_refused({kSphere, "--speed", "nan"}, "--speed");
-    expect_refused({kSphere, "--depth", "-1e-3"}, "--depth");
-    expect_refused({kSphere, "--depth", "1.1"}, "--depth");
-    expect_refused({kSphere, "--radius", "-1e-3"}, "--radius");
-    expect_refused({kSphere, "--radius", "0.11"}, "--radius");
-    expect_refused({kSphere, "--steps", "0"}, "--steps");
-    expect_refused({kSphere, "--steps", "1000001"}, "--steps");
-    expect_refused({kSphere, "--steps", "1.5"}, "--steps");
-    expect_refused({kSphere, "--check", "-1"}, "--check");
-    expect_refused({kSphere, "--slack", "1e-12"}, "--slack");
-    expect_refused({kSphere, "--slack", "6e-9"}, "--slack");
-    expect_refused({kSphere, "--servo-hz", "249"}, "250");
-    expect_refused({kSphere, "--seed", "-1"}, "--seed");
-    expect_refused({kSphere, "--csv", "-", "--json", "-"}, "--json");
-    expect_refused({kSphere, "--steps", "9", "--csv", "/no/such/folder/t.csv"}, "/no/such/folder");
-    expect_refused({kSphere, "--steps", "9", "--json", "/dev/full"}, "/dev/full");
-    expect_refused({kSphere, "--device-file", "none.toml"}, "none.toml");
-    expect_refused({kSphere, "more"}, "more");
+    testing::expect_refused(touch({}), "scene");
+    testing::expect_refused(touch({"none.glb"}), "none.glb");
+    testing::expect_refused(touch({"sphere:1000"}), "1310720");
+    testing::expect_refused(touch({kSphere, "--path", "slid"}), "slid");
+    testing::expect_refused(touch({kSphere, "--speed", "0"}), "--speed");
+    testing::expect_refused(touch({kSphere, "--speed", "101"}), "--speed");
+    testing::expect_refused(touch({kSphere, "--speed", "nan"}), "--speed");
+    testing::expect_refused(touch({kSphere, "--depth", "-1e-3"}), "--depth");
+    testing::expect_refused(touch({kSphere, "--depth", "1.1"}), "--depth");
+    testing::expect_refused(touch({kSphere, "--radius", "-1e-3"}), "--radius");
+    testing::expect_refused(touch({kSphere, "--radius", "0.11"}), "--radius");
+    testing::expect_refused(touch({kSphere, "--steps", "0"}), "--steps");
+    testing::expect_refused(touch({kSphere, "--steps", "1000001"}), "--steps");
+    testing::expect_refused(touch({kSphere, "--steps", "1.5"}), "--steps");
+    testing::expect_refused(touch({kSphere, "--check", "-1"}), "--check");
+    testing::expect_refused(touch({kSphere, "--slack", "1e-12"}), "--slack");
+    testing::expect_refused(touch({kSphere, "--slack", "6e-9"}), "--slack");
+    testing::expect_refused(touch({kSphere, "--servo-hz", "249"}), "250");
+    testing::expect_refused(touch({kSphere, "--seed", "-1"}), "--seed");
+    testing::expect_refused(touch({kSphere, "--csv", "-", "--json", "-"}), "--json");
+    testing::expect_refused(touch({kSphere, "--steps", "9", "--csv", "/no/such/folder/t.csv"}),
+                            "/no/such/folder");
+    testing::expect_refused(touch({kSphere, "--steps", "9", "--json", "/dev/full"}), "/dev/full");
+    testing::expect_refused(touch({kSphere, "--device-file", "none.toml"}), "none.toml");
+    testing::expect_refused(touch({kSphere, "more"}), "more");
 }
 
 } // namespace

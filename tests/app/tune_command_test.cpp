@@ -23,15 +23,6 @@ testing::Ending tune(std::vector<std::string> options) {
     return testing::run_program(options);
 }
 
-void expect_refused(const std::vector<std::string> &options, const std::string &names) {
-    const testing::Ending ending = tune(options);
-    EXPECT_GT(ending.exit_status, 0) << names;
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    EXPECT_EQ(ending.out, "");
-}
-
 /// Both ways to get it, and that every command can use it. The whole search: seconds.
 TEST(TuneCommand, WritesATuningThatIsStable) {
     const std::filesystem::path folder = testing::fresh_folder("tune");
@@ -70,28 +61,30 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
 }
 
 TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
-    expect_refused({"--dR", "0"}, "0.02 to 2.18");
-    expect_refused({"--dR", "nan"}, "--dR");
-    expect_refused({"--servo-hz", "249"}, "250");
-    expect_refused({"--servo-hz", "nan"}, "250");
-    expect_refused({"--delay", "-1"}, "--delay");
-    expect_refused({"--delay", "9"}, "--delay");
-    expect_refused({"--margin", "0.9"}, "1 to 10");
-    expect_refused({"--margin", "11"}, "1 to 10");
-    expect_refused({"--margin", "nan"}, "--margin");
-    expect_refused({"--kinematics", "forward"}, "--kinematics");
-    expect_refused({"--device-file", "none.toml"}, "none.toml");
-    expect_refused({"--out", "/no/such/folder/t.toml"}, "/no/such/folder");
+    testing::expect_refused(tune({"--dR", "0"}), "0.02 to 2.18");
+    testing::expect_refused(tune({"--dR", "nan"}), "--dR");
+    testing::expect_refused(tune({"--servo-hz", "249"}), "250");
+    testing::expect_refused(tune({"--servo-hz", "nan"}), "250");
+    testing::expect_refused(tune({"--delay", "-1"}), "--delay");
+    testing::expect_refused(tune({"--delay", "9"}), "--delay");
+    testing::expect_refused(tune({"--margin", "0.9"}), "1 to 10");
+    testing::expect_refused(tune({"--margin", "11"}), "1 to 10");
+    testing::expect_refused(tune({"--margin", "nan"}), "--margin");
+    testing::expect_refused(tune({"--kinematics", "forward"}), "--kinematics");
+    testing::expect_refused(tune({"--device-file", "none.toml"}), "none.toml");
+    testing::expect_refused(tune({"--out", "/no/such/folder/t.toml"}), "/no/such/folder");
 }
 
 /// Before the search, which would show its progress and what it found.
 TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
     const std::filesystem::path folder = testing::fresh_folder("tune_targets");
-    expect_refused({"--out", folder}, "is a folder");
-    expect_refused({"--out", folder / ""}, "is a folder");
-    expect_refused({"--out", folder / std::string(300, 'x')}, "cannot be written");
-    expect_refused({"--out", folder / "none" / "t.toml"}, "its folder does not exist");
-    expect_refused({"--out", "/proc/x.toml"}, "/proc/x.toml: cannot be written"); // by root, too
+    testing::expect_refused(tune({"--out", folder}), "is a folder");
+    testing::expect_refused(tune({"--out", folder / ""}), "is a folder");
+    testing::expect_refused(tune({"--out", folder / std::string(300, 'x')}), "cannot be written");
+    testing::expect_refused(tune({"--out", folder / "none" / "t.toml"}),
+                            "its folder does not exist");
+    testing::expect_refused(tune({"--out", "/proc/x.toml"}),
+                            "/proc/x.toml: cannot be written"); // by root, too
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     std::filesystem::remove_all(folder);
 }

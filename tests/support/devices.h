@@ -1,6 +1,7 @@
 // Devices that several tests share.
 #pragma once
 
+#include "base/vector.h"
 #include "device/core/device_file.h"
 
 #include <filesystem>
@@ -23,5 +24,14 @@ inline device::DeviceDescription phantom_1_0() {
 inline device::DeviceDescription phantom_premium_1_5() {
     return device::read_device_file(assets() / "devices/phantom_premium_1_5.toml");
 }
+
+/// The first motor of the PHANTOM 1.0; its three are alike.
+inline const device::MotorParameters &phantom_motor() {
+    static const device::MotorParameters read = phantom_1_0().motor[0];
+    return read;
+}
+
+/// A place in its workspace where nothing is zero or symmetrical.
+inline const Vector3 kOffCentre_m(0.02, 0.03, 0.01);
 
 } // namespace springdrive::testing

@@ -17,11 +17,6 @@ namespace {
 /// Of the volts themselves.
 constexpr double kRoundOff_V = 1e-9;
 
-bool passes(const servo::ServoSample &sample) {
-    return sample.safety.state != servo::SafetyState::waiting &&
-           sample.safety.state != servo::SafetyState::tripped;
-}
-
 bool is_held_back(const servo::ServoSample &sample) {
     return sample.held_back.force || sample.held_back.voltage || sample.held_back.at_edge;
 }
@@ -38,12 +33,12 @@ public:
         if (before_) {
             check_order(*before_, sample);
         }
-        if (before_ && passes(*before_)) {
+        if (before_ && servo::lets_pass(before_->safety.state)) {
             check_step(*before_, sample);
             found.scenes += sample.scene_id != before_->scene_id ? 1 : 0;
             found.rates += std::abs(sample.since_last_s - before_->since_last_s) > 1e-9 ? 1 : 0;
         }
-        found.felt += passes(sample) && sample.contact.touching ? 1 : 0;
+        found.felt += servo::lets_pass(sample.safety.state) && sample.contact.touching ? 1 : 0;
         found.greatest_carried_V =
             std::max(found.greatest_carried_V, sample.carried_V.cwiseAbs().maxCoeff());
         before_ = sample;

@@ -1,5 +1,8 @@
 #include "tests/support/program.h"
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -71,6 +74,21 @@ Ending run_program(const std::vector<std::string> &arguments, int signal,
     ending.after_signal = Clock::now() - signalled;
     std::filesystem::remove_all(folder);
     return ending;
+}
+
+void expect_one_line(const Ending &ending, int status, const std::string &names) {
+    EXPECT_EQ(ending.exit_status, status);
+    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+}
+
+void expect_refused(const Ending &ending, const std::string &names) {
+    EXPECT_TRUE(ending.exit_status == 1 || ending.exit_status == 2)
+        << names << ": " << ending.exit_status;
+    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
+    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
+    EXPECT_EQ(ending.out, "");
 }
 
 } // namespace springdrive::testing

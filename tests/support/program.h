@@ -22,4 +22,10 @@ struct Ending {
 [[nodiscard]] Ending run_program(const std::vector<std::string> &arguments, int signal = 0,
                                  const std::filesystem::path &started = {});
 
+/// That it ended with that status and one line that names this.
+void expect_one_line(const Ending &ending, int status, const std::string &names);
+
+/// That it refused: one line of its own that names this, nothing on standard output.
+void expect_refused(const Ending &ending, const std::string &names);
+
 } // namespace springdrive::testing

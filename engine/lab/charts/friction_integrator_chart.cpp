@@ -9,7 +9,7 @@ namespace springdrive::charts {
 
 namespace {
 
-constexpr std::array<double, 6> kTolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
+constexpr std::array<double, 6> kFrictionTolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
 
 /// Of friction that is smoothed for CVODE.
 struct Smoothing {
@@ -51,7 +51,7 @@ rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
         chart.points.back().method = "CVODE (BDF), smooth";
     }
     progress(++done / lines);
-    for (const double tolerance : kTolerances) {
+    for (const double tolerance : kFrictionTolerances) {
         chart.points.push_back(trial.reference_point(tolerance, setting.repeats));
         chart.points.back().method = "CVODE, slip to stick";
     }

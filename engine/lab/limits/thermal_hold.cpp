@@ -17,7 +17,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kLongestStep_s = 0.01;
+constexpr double kLongestThermalStep_s = 0.01;
 constexpr double kLongestHold_s = 86400.0;
 constexpr int kMostRows = 100000;
 constexpr double kLargestK_P_V_per_rad = 1e6; ///< far beyond any that is stable
@@ -204,7 +204,7 @@ std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
                                      const ThermalHoldOptions &options) {
     check(device, options);
     const double span_s = options.seconds / (options.rows - 1);
-    const long steps_a_row = std::lround(std::max(1.0, std::ceil(span_s / kLongestStep_s)));
+    const long steps_a_row = std::lround(std::max(1.0, std::ceil(span_s / kLongestThermalStep_s)));
     HeldDevice held(device, options, span_s / static_cast<double>(steps_a_row));
     std::vector<ThermalRow> rows;
     rows.reserve(2 * static_cast<std::size_t>(options.rows));

@@ -1,4 +1,5 @@
 // The outputs of thermal_hold.h.
+#include "base/degrees.h"
 #include "engine/lab/limits/thermal_hold.h"
 
 #include <algorithm>
@@ -10,8 +11,6 @@
 namespace springdrive::limits {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// Enough for a table to show the course of a phase.
 constexpr std::size_t kTableRows = 11;

@@ -1,18 +1,16 @@
 #include "engine/lab/model_selection/model_choice.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <sstream>
 
 namespace springdrive::model_selection {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 [[noreturn]] void refuse(const std::string &aspect, const std::string &name) {
     throw InputError("model choice: its " + aspect + " is '" + name +

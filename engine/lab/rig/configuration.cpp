@@ -1,10 +1,10 @@
 #include "engine/lab/rig/configuration.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <array>
-#include <numbers>
 #include <optional>
 #include <sstream>
 
@@ -22,7 +22,6 @@ struct LimitedAngle {
 } // namespace
 
 void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
     const device::JointLimits &limits = device.joint_limits;
     const std::array<LimitedAngle, 4> angles{
         {{"q1", q_rad[0], limits.lowest_rad[0], limits.highest_rad[0]},
@@ -33,9 +32,10 @@ void check_configuration(const device::DeviceDescription &device, const Vector3 
     for (const LimitedAngle &angle : angles) {
         if (!(angle.rad >= angle.lowest_rad && angle.rad <= angle.highest_rad)) { // a NaN too
             std::ostringstream message;
-            message << angle.name << " is " << kDegrees * angle.rad << "°; " << device.name
-                    << " allows " << kDegrees * angle.lowest_rad << "° to "
-                    << kDegrees * angle.highest_rad << "° (joint_limits of its device file)";
+            message << angle.name << " is " << kDegreesPerRadian * angle.rad << "°; " << device.name
+                    << " allows " << kDegreesPerRadian * angle.lowest_rad << "° to "
+                    << kDegreesPerRadian * angle.highest_rad
+                    << "° (joint_limits of its device file)";
             throw InputError(message.str());
         }
     }

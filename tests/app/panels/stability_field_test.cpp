@@ -1,17 +1,12 @@
 // Covers app/panels/stability_field.cpp, but for its drawing.
 #include "app/panels/stability_field.h"
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
 namespace springdrive::app {
 namespace {
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
 
 TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
     EXPECT_GT(StabilityGrid::K_P_V_per_rad(0), StabilityGrid::kLeast_K_P_V_per_rad);
@@ -26,7 +21,7 @@ TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
 
 TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
     BackgroundTalk talk;
-    const StabilityGrid grid = stability_grid(firm(), talk);
+    const StabilityGrid grid = stability_grid(testing::firm(), talk);
     ASSERT_EQ(grid.eigenvalue.size(),
               static_cast<std::size_t>(StabilityGrid::kColumns * StabilityGrid::kRows));
     EXPECT_EQ(talk.share, 1.0);
@@ -34,7 +29,7 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
     for (int row = 0; row < StabilityGrid::kRows; row += 3) {
         for (int column = 0; column < StabilityGrid::kColumns; column += 5) {
             // As typed into the tuning, where the grid sets the net resistance.
-            loops::StabilityCase there = firm();
+            loops::StabilityCase there = testing::firm();
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
             there.tuning.dR_Ohm = StabilityGrid::dR_Ohm(row);
             // The motors of this device are alike, so both are the same but for rounding.
@@ -49,7 +44,7 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
 TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
     BackgroundTalk talk;
     talk.is_given_up = true;
-    const StabilityGrid grid = stability_grid(firm(), talk);
+    const StabilityGrid grid = stability_grid(testing::firm(), talk);
     EXPECT_EQ(grid.at(3, 3), 0.0); // not worked out
 }
 

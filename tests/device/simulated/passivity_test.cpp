@@ -16,8 +16,6 @@
 namespace springdrive::simulated {
 namespace {
 
-const Vector3 kStart_m(0.02, 0.03, 0.01);
-
 /// Nothing holds the tip; `mass_kg` sits on it.
 SimulationOptions free_running(double mass_kg) {
     SimulationOptions options;
@@ -133,13 +131,13 @@ SimulationOptions pulled(const Vector3 &force_N) {
     SimulationOptions options;
     options.effects.gravity = false;
     options.hand = {0.0, 0.0, kSpring_N_per_m, 100.0, 1.0};
-    options.path = at(kStart_m + force_N / kSpring_N_per_m);
+    options.path = at(testing::kOffCentre_m + force_N / kSpring_N_per_m);
     return options;
 }
 
 /// The joints' share of their breakaway torque under a force at the tip, the largest.
 double load_share(const device::DeviceDescription &device, const Vector3 &force_N) {
-    const Vector3 q_rad = *device::joint_angles_rad(device.geometry, kStart_m);
+    const Vector3 q_rad = *device::joint_angles_rad(device.geometry, testing::kOffCentre_m);
     const Vector3 torque_Nm = device::joint_jacobian(device.geometry, q_rad).transpose() * force_N;
     return torque_Nm.cwiseAbs().cwiseQuotient(device.friction.coulomb_Nm).maxCoeff();
 }
@@ -153,7 +151,7 @@ TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
         force_N *= 0.99 / load_share(description, force_N);
         SimulationOptions options = pulled(force_N);
         options.longest_step_s = 5e-4;
-        SimulatedPhantom device(description, options, kStart_m);
+        SimulatedPhantom device(description, options, testing::kOffCentre_m);
         const Vector3 start_rad = device.truth().theta_rad;
         const device::Measurement first = device.advance(device::DeviceCommand::braking());
         for (int k = 0; k < 60'000; ++k) {
@@ -169,7 +167,7 @@ TEST(Friction, GivesWayAboveBreakaway) {
     for (const double share : {0.999, 1.001}) {
         Vector3 force_N(0.3, 1.0, -0.2);
         force_N *= share / load_share(description, force_N);
-        SimulatedPhantom device(description, pulled(force_N), kStart_m);
+        SimulatedPhantom device(description, pulled(force_N), testing::kOffCentre_m);
         const Vector3 start_rad = device.truth().theta_rad;
         for (int k = 0; k < 1000; ++k) {
             device.advance(device::DeviceCommand::braking());
@@ -182,8 +180,8 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
     // With weight, held by a hand: after the swing has died, friction holds what hand and gravity
     // leave, without a chatter.
     SimulationOptions options;
-    options.path = at(kStart_m);
-    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    options.path = at(testing::kOffCentre_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     device.set_in_motion(Vector3(2.0, -3.0, 2.5), Vector3::Zero());
     for (int k = 0; k < 3000; ++k) {
         device.advance(device::DeviceCommand::braking());
@@ -202,7 +200,7 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     options.amplifier = device::AmplifierKind::current_drive;
     options.effects = PlantEffects::none();
     options.effects.coulomb_friction = true;
-    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     device.set_in_motion(Vector3(0.6, 0.0, 0.0), Vector3::Zero());
     const double initial_J = device.stored_energy_J();
     const Vector3 &coulomb_Nm = device.description().friction.coulomb_Nm;
@@ -222,7 +220,7 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
 
 TEST(JointStops, HoldALinkageThatFallsIntoThem) {
     SimulationOptions options = free_running(0.2);
-    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     const double at_rest_J = device.stored_energy_J();
     device.set_in_motion(Vector3(8.0, 5.0, -5.0), Vector3::Zero());
     const double kinetic_J = device.stored_energy_J() - at_rest_J;

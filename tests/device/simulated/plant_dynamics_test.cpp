@@ -23,7 +23,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-const Vector3 kStart_m(0.02, 0.03, 0.01);
 constexpr int kPeriods = 40;
 constexpr double kEnd_s = 0.04;
 constexpr double kCancelled_Ohm = 1.6;
@@ -45,11 +44,11 @@ device::DeviceCommand voltage(const Vector3 &e_W_V) {
 template <typename Command>
 Vector3 moved_m(const device::DeviceDescription &device, const SimulationOptions &options,
                 const Command &command, int periods = kPeriods) {
-    SimulatedPhantom plant(device, options, kStart_m);
+    SimulatedPhantom plant(device, options, testing::kOffCentre_m);
     for (int k = 0; k < periods; ++k) {
         plant.advance(command);
     }
-    return plant.truth().tip_m - kStart_m;
+    return plant.truth().tip_m - testing::kOffCentre_m;
 }
 
 // Closed forms: motions so small that the plant is linear, about the vertical axis alone.
@@ -59,7 +58,7 @@ constexpr double kSmall = 1e-6;
 /// The base joint at the start, reflected to itself.
 struct BaseJoint {
     device::DeviceDescription device = testing::phantom_1_0();
-    Vector3 q_rad = *device::joint_angles_rad(device.geometry, kStart_m);
+    Vector3 q_rad = *device::joint_angles_rad(device.geometry, testing::kOffCentre_m);
     double N = device.geometry.transmission_ratio[0];
     double k_T = device.motor[0].torque_constant_Nm_per_A;
     double dR_Ohm = device.motor[0].resistance_Ohm - kCancelled_Ohm;
@@ -78,7 +77,7 @@ TEST(RigidBody, RunsUpAsARotorBehindADamper) {
     const BaseJoint base;
     SimulationOptions options = bare(PlantDynamics::rigid_body);
     options.hand = {0.1, 0.0, 0.0, 0.0, 1.0};
-    SimulatedPhantom plant(base.device, options, kStart_m);
+    SimulatedPhantom plant(base.device, options, testing::kOffCentre_m);
     const double tau_s = base.inertia_kg_m2(options.hand.mass_kg) / base.drive_Nms_per_rad;
     const device::DeviceCommand command = voltage(Vector3(kSmall, 0.0, 0.0));
     for (int k = 1; k <= kPeriods; ++k) {
@@ -97,15 +96,15 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
     SimulationOptions options = bare(PlantDynamics::coupling);
     const Vector3 sideways =
         device::joint_jacobian(base.device.geometry, base.q_rad).col(0).normalized();
-    options.path = HandPath({{0.0, kStart_m + kSmall * sideways}});
-    SimulatedPhantom plant(base.device, options, kStart_m);
+    options.path = HandPath({{0.0, testing::kOffCentre_m + kSmall * sideways}});
+    SimulatedPhantom plant(base.device, options, testing::kOffCentre_m);
     const double r_squared = base.reach_m * base.reach_m;
     const double tau_s = (base.drive_Nms_per_rad + options.hand.damping_Ns_per_m * r_squared) /
                          (options.hand.stiffness_N_per_m * r_squared);
     double before_m = 0.0;
     for (int k = 1; k <= kPeriods; ++k) {
         plant.advance(voltage(Vector3::Zero()));
-        const double way_m = (plant.truth().tip_m - kStart_m).dot(sideways);
+        const double way_m = (plant.truth().tip_m - testing::kOffCentre_m).dot(sideways);
         ASSERT_NEAR(way_m, kSmall * (1.0 - std::exp(-1e-3 * k / tau_s)), 1e-5 * kSmall);
         // The hand's force is what the drive takes.
         ASSERT_NEAR(plant.truth().hand_force_N.dot(sideways),
@@ -370,9 +369,9 @@ TEST(Planar, TheBaseStandsStillWhateverPushes) {
         options.dynamics = model.dynamics;
         options.effects = model.effects;
         options.planar = true;
-        SimulatedPhantom plant(testing::phantom_1_0(), options, kStart_m);
+        SimulatedPhantom plant(testing::phantom_1_0(), options, testing::kOffCentre_m);
         plant.set_in_motion(Vector3(1.0, 0.0, 0.0), Vector3(1.0, 0.0, 0.0));
-        plant.set_hand_target(kStart_m + Vector3(0.05, 0.0, 0.0));
+        plant.set_hand_target(testing::kOffCentre_m + Vector3(0.05, 0.0, 0.0));
         const double start_rad = plant.truth().theta_rad[0];
         const device::Measurement first = plant.advance(voltage(Vector3(1.0, 0.0, 0.0)));
         for (int k = 0; k < kPeriods; ++k) {
@@ -427,12 +426,12 @@ TEST(ReducedPlants, StandWhateverStepAndHand) {
             options.effects = model.effects;
             options.hand = hand;
             options.longest_step_s = 1e-3;
-            SimulatedPhantom plant(testing::phantom_1_0(), options, kStart_m);
-            plant.set_hand_target(kStart_m + Vector3(0.01, 0.01, -0.01));
+            SimulatedPhantom plant(testing::phantom_1_0(), options, testing::kOffCentre_m);
+            plant.set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.01, -0.01));
             for (int k = 0; k < 300; ++k) {
                 plant.advance(voltage(Vector3(0.05, -0.05, 0.05)));
                 ASSERT_TRUE(plant.truth().tip_m.allFinite()) << model.name;
-                ASSERT_LT((plant.truth().tip_m - kStart_m).norm(), 0.5) << model.name;
+                ASSERT_LT((plant.truth().tip_m - testing::kOffCentre_m).norm(), 0.5) << model.name;
             }
         }
     }
@@ -441,19 +440,20 @@ TEST(ReducedPlants, StandWhateverStepAndHand) {
 TEST(ReducedPlants, RefuseWhatMakesNoSense) {
     const device::DeviceDescription device = testing::phantom_1_0();
     SimulationOptions options = bare(PlantDynamics::coupling);
-    EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m));
+    EXPECT_NO_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m));
     options.effects.coulomb_friction = true;
-    EXPECT_THROW(SimulatedPhantom(device, options, kStart_m), InputError);
+    EXPECT_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m), InputError);
     options.effects.coulomb_friction = false;
     options.effects.structural_compliance = true;
-    EXPECT_THROW(SimulatedPhantom(device, options, kStart_m), InputError);
+    EXPECT_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m), InputError);
     options.effects.structural_compliance = false;
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
-    EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m)); // a spring drive holds the tip
+    EXPECT_NO_THROW(
+        SimulatedPhantom(device, options, testing::kOffCentre_m)); // a spring drive holds the tip
     options.amplifier = device::AmplifierKind::current_drive;
-    EXPECT_THROW(SimulatedPhantom(device, options, kStart_m), InputError);
+    EXPECT_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m), InputError);
     options.hand.damping_Ns_per_m = 1.0;
-    EXPECT_NO_THROW(SimulatedPhantom(device, options, kStart_m));
+    EXPECT_NO_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m));
 }
 
 } // namespace

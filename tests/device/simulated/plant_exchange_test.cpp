@@ -14,7 +14,6 @@
 namespace springdrive::simulated {
 namespace {
 
-const Vector3 kStart_m(0.02, 0.03, 0.01);
 const Vector3 kSideways_m(0.02, 0.0, 0.0);
 
 SimulationOptions simulating(const PlantModel &model, bool planar = false) {
@@ -38,30 +37,33 @@ double sideways_m(const SimulatedPhantom &device) { return device.truth().tip_m.
 
 TEST(PlantExchange, ABaseThatWasHeldIsLetGoOf) {
     for (const PlantModel &model : kPlantModels) {
-        SimulatedPhantom device(testing::phantom_1_0(), simulating(model, true), kStart_m);
-        device.set_hand_target(kStart_m + kSideways_m);
+        SimulatedPhantom device(testing::phantom_1_0(), simulating(model, true),
+                                testing::kOffCentre_m);
+        device.set_hand_target(testing::kOffCentre_m + kSideways_m);
         const double held_rad = device.truth().theta_rad[0];
         run(device, 500);
         EXPECT_EQ(device.truth().theta_rad[0], held_rad) << model.name;
         device.simulate_as(simulating(model, false));
         run(device, 1000);
         // A hand of 300 N/m against some 0.05 N of friction and weight, and the structure.
-        EXPECT_NEAR(sideways_m(device), (kStart_m + kSideways_m).x(), 2e-3) << model.name;
+        EXPECT_NEAR(sideways_m(device), (testing::kOffCentre_m + kSideways_m).x(), 2e-3)
+            << model.name;
     }
 }
 
 TEST(PlantExchange, ABaseThatMovesIsNotSeized) {
-    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()),
+                            testing::kOffCentre_m);
     device.simulate_as(simulating(kPlantModels.back(), true));
-    device.set_hand_target(kStart_m + kSideways_m);
+    device.set_hand_target(testing::kOffCentre_m + kSideways_m);
     run(device, 1000);
-    EXPECT_NEAR(sideways_m(device), (kStart_m + kSideways_m).x(), 2e-3);
+    EXPECT_NEAR(sideways_m(device), (testing::kOffCentre_m + kSideways_m).x(), 2e-3);
 }
 
 TEST(PlantExchange, AHeldBaseStaysHeldByAnotherModel) {
     SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.front(), true),
-                            kStart_m);
-    device.set_hand_target(kStart_m + kSideways_m);
+                            testing::kOffCentre_m);
+    device.set_hand_target(testing::kOffCentre_m + kSideways_m);
     const double held_rad = device.truth().theta_rad[0];
     run(device, 100);
     device.simulate_as(simulating(kPlantModels.back(), true));
@@ -71,8 +73,8 @@ TEST(PlantExchange, AHeldBaseStaysHeldByAnotherModel) {
 
 TEST(PlantExchange, TheSameAgainChangesNothing) {
     for (const PlantModel &model : kPlantModels) {
-        SimulatedPhantom once(testing::phantom_1_0(), simulating(model), kStart_m);
-        SimulatedPhantom again(testing::phantom_1_0(), simulating(model), kStart_m);
+        SimulatedPhantom once(testing::phantom_1_0(), simulating(model), testing::kOffCentre_m);
+        SimulatedPhantom again(testing::phantom_1_0(), simulating(model), testing::kOffCentre_m);
         for (int k = 0; k < 300; ++k) {
             if (k % 50 == 7) {
                 again.simulate_as(simulating(model));
@@ -89,8 +91,9 @@ TEST(PlantExchange, TheSameAgainChangesNothing) {
 TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
     for (const PlantModel &from : kPlantModels) {
         for (const PlantModel &to : kPlantModels) {
-            SimulatedPhantom device(testing::phantom_1_0(), simulating(from), kStart_m);
-            device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
+            SimulatedPhantom device(testing::phantom_1_0(), simulating(from),
+                                    testing::kOffCentre_m);
+            device.set_hand_target(testing::kOffCentre_m + Vector3(0.02, -0.03, 0.02));
             device::Measurement last = run(device, 60);
             device.simulate_as(simulating(to));
             for (int k = 0; k < 200; ++k) {
@@ -118,8 +121,8 @@ TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
                 options->effects.coulomb_friction = false;
                 options->effects.winding_heat = false;
             }
-            SimulatedPhantom changed(testing::phantom_1_0(), before, kStart_m);
-            SimulatedPhantom fresh(testing::phantom_1_0(), after, kStart_m);
+            SimulatedPhantom changed(testing::phantom_1_0(), before, testing::kOffCentre_m);
+            SimulatedPhantom fresh(testing::phantom_1_0(), after, testing::kOffCentre_m);
             run(changed, 300, push);
             changed.simulate_as(after);
             run(changed, 1500, push);
@@ -158,16 +161,18 @@ TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
 }
 
 TEST(PlantExchange, WhatCannotBeSimulatedIsRefusedAndChangesNothing) {
-    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()),
+                            testing::kOffCentre_m);
     SimulationOptions impossible = simulating(kPlantModels.back());
     impossible.dynamics = PlantDynamics::coupling; // and Coulomb friction
     EXPECT_THROW(device.simulate_as(impossible), InputError);
     impossible = simulating(kPlantModels.back());
     impossible.longest_step_s = 0.0;
     EXPECT_THROW(device.simulate_as(impossible), InputError);
-    SimulatedPhantom twin(testing::phantom_1_0(), simulating(kPlantModels.back()), kStart_m);
-    device.set_hand_target(kStart_m + kSideways_m);
-    twin.set_hand_target(kStart_m + kSideways_m);
+    SimulatedPhantom twin(testing::phantom_1_0(), simulating(kPlantModels.back()),
+                          testing::kOffCentre_m);
+    device.set_hand_target(testing::kOffCentre_m + kSideways_m);
+    twin.set_hand_target(testing::kOffCentre_m + kSideways_m);
     run(device, 100);
     run(twin, 100);
     EXPECT_EQ(device.truth().tip_m, twin.truth().tip_m);

@@ -20,7 +20,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kPeriod_s = 1e-3;
-constexpr int kPeriods = 50;
+constexpr int kReferencePeriods = 50;
 const double kStep_s = SimulationOptions{}.longest_step_s;
 
 /// One motion of the whole plant, with every effect smooth.
@@ -61,8 +61,8 @@ public:
             return testing::integrate([this](double, const VectorXd &y) { return rates(y); },
                                       start_, periods * kPeriod_s);
         };
-        const VectorXd before = at(kPeriods - 1);
-        const VectorXd end = at(kPeriods);
+        const VectorXd before = at(kReferencePeriods - 1);
+        const VectorXd end = at(kReferencePeriods);
         const device::HandParameters &hand = options_.hand;
         const Vector3 impulse = end.tail<3>() - before.tail<3>() -
                                 hand.damping_Ns_per_m * (end - before).segment<3>(9) -
@@ -151,7 +151,7 @@ Ending simulated(const Trial &trial, double step_s) {
     SimulatedPhantom plant(trial.device, options,
                            device::tip_position_m(trial.device.geometry, trial.start_q_rad));
     plant.set_in_motion(trial.start_rate, trial.start_current_A);
-    for (int k = 0; k < kPeriods; ++k) {
+    for (int k = 0; k < kReferencePeriods; ++k) {
         plant.advance(trial.command);
     }
     const SimulatedPhantom::Truth &t = plant.truth();

@@ -17,8 +17,6 @@
 namespace springdrive::simulated {
 namespace {
 
-const Vector3 kStart_m(0.02, 0.03, 0.01);
-
 device::DeviceCommand voltage(const Vector3 &e_W_V, double R_hat_Ohm) {
     return {e_W_V, Vector3::Constant(R_hat_Ohm)};
 }
@@ -38,18 +36,18 @@ SimulationOptions held() {
 }
 
 TEST(SimulatedPhantom, StaysAtRestWhereItStarts) {
-    SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), bare(), testing::kOffCentre_m);
     const device::Measurement first = device.advance(device::DeviceCommand::braking());
     for (int i = 0; i < 2000; ++i) {
         EXPECT_EQ(device.advance(device::DeviceCommand::braking()).counts, first.counts);
     }
-    EXPECT_LT((device.truth().tip_m - kStart_m).norm(), 1e-12);
+    EXPECT_LT((device.truth().tip_m - testing::kOffCentre_m).norm(), 1e-12);
 }
 
 TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
     // A hand as stiff as a vice holds the tip: the motor sees θ̇ = 0, and (11) is a plain RL
     // circuit with the closed form i = e_W/dR (1 − e^(−dR t/L)).
-    SimulatedPhantom device(testing::phantom_1_0(), held(), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), held(), testing::kOffCentre_m);
     const double dR = 0.3;
     const device::MotorParameters &m = device.description().motor[0];
     const device::DeviceCommand command = voltage(Vector3(0.1, -0.05, 0.02), m.resistance_Ohm - dR);
@@ -66,7 +64,7 @@ TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
     // dR < 0 (DESIGN section 6): the current grows as e^(|dR| t/L) until the rail.
     SimulationOptions options = held();
     options.effects.amplifier_limits = true;
-    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     const device::MotorParameters &m = device.description().motor[0];
     const double dR = -0.1;
     const device::DeviceCommand command = voltage(Vector3(1e-3, 0.0, 0.0), m.resistance_Ohm - dR);
@@ -90,7 +88,7 @@ TEST(SimulatedPhantom, ConvergesAtSecondOrder) {
     const auto final_tip = [](double step_s) {
         SimulationOptions options = bare();
         options.longest_step_s = step_s;
-        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
         for (int k = 0; k < 40; ++k) {
             device.advance(voltage(Vector3(0.4, -0.3, 0.2) * std::sin(0.3 * k), 1.6));
         }
@@ -104,8 +102,8 @@ TEST(SimulatedPhantom, ConvergesAtSecondOrder) {
 }
 
 TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
-    device.set_hand_target(kStart_m + Vector3(0.02, -0.03, 0.02));
+    SimulatedPhantom device(testing::phantom_1_0(), {}, testing::kOffCentre_m);
+    device.set_hand_target(testing::kOffCentre_m + Vector3(0.02, -0.03, 0.02));
     for (int k = 0; k < 500; ++k) {
         const device::Measurement state = device.advance(device::DeviceCommand::braking());
         const double rad_per_count = 2.0 * std::numbers::pi / 4096;
@@ -115,14 +113,14 @@ TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
                       0.5 * rad_per_count + 1e-12);
         }
     }
-    EXPECT_GT((device.truth().tip_m - kStart_m).norm(), 0.01); // it did move
+    EXPECT_GT((device.truth().tip_m - testing::kOffCentre_m).norm(), 0.01); // it did move
 }
 
 TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
     for (int delay = 0; delay <= 3; ++delay) {
         SimulationOptions options = bare();
         options.delay_periods = delay;
-        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
         const device::DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
         int silent = 0;
         while (device.advance(kick).current_A[0] < 1e-9) { // round-off of the rest at the start
@@ -139,7 +137,7 @@ TEST(SimulatedPhantom, AFractionOfADelaySplitsAPeriodExactly) {
     for (int run = 0; run < 20; ++run) {
         SimulationOptions options = held();
         options.delay_periods = std::uniform_real_distribution<double>(0.0, 3.0)(random);
-        SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+        SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
         const double dR = 0.3;
         const device::MotorParameters &m = device.description().motor[0];
         const device::DeviceCommand command =
@@ -158,7 +156,7 @@ TEST(SimulatedPhantom, AFractionOfADelaySplitsAPeriodExactly) {
 }
 
 TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
-    SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), bare(), testing::kOffCentre_m);
     double time_s = 0.0;
     std::uint64_t number = 0;
     for (const double period_s : {1e-3, 0.25e-3, 4e-3, 1e-3}) {
@@ -177,8 +175,8 @@ TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
 }
 
 TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
-    SimulatedPhantom written(testing::phantom_1_0(), {}, kStart_m);
-    SimulatedPhantom held_on(testing::phantom_1_0(), {}, kStart_m);
+    SimulatedPhantom written(testing::phantom_1_0(), {}, testing::kOffCentre_m);
+    SimulatedPhantom held_on(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     const device::DeviceCommand command = voltage(Vector3(0.3, -0.2, 0.1), 1.0);
     held_on.write(command);
     for (int i = 0; i < 50; ++i) {
@@ -195,9 +193,9 @@ TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
     device::DeviceCommand brake = open;
     brake.mode = device::CommandMode::brake;
     const Vector3 rate(0.5, 0.4, -0.3);
-    SimulatedPhantom coasting(testing::phantom_1_0(), options, kStart_m);
-    SimulatedPhantom braking(testing::phantom_1_0(), options, kStart_m);
-    SimulatedPhantom shorted(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom coasting(testing::phantom_1_0(), options, testing::kOffCentre_m);
+    SimulatedPhantom braking(testing::phantom_1_0(), options, testing::kOffCentre_m);
+    SimulatedPhantom shorted(testing::phantom_1_0(), options, testing::kOffCentre_m);
     for (SimulatedPhantom *const device : {&coasting, &braking, &shorted}) {
         device->set_in_motion(rate, Vector3::Zero());
     }
@@ -213,7 +211,7 @@ TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
 }
 
 TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     const device::Measurement before = device.read();
     const double per_count = device.description().rad_per_count();
     const Vector3 theta_rad = device.truth().theta_rad;
@@ -226,7 +224,7 @@ TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
 }
 
 TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
-    SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     const device::DeviceCommand command = voltage(Vector3(0.3, 0.0, 0.0), 1.0);
     for (int i = 0; i < 20; ++i) {
         device.advance(command);
@@ -247,9 +245,9 @@ TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
 
 TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
     SimulationOptions options;
-    SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     // Shorted windings brake, the target runs away at its greatest speed.
-    device.set_hand_target(kStart_m + Vector3(0.5, 0.0, 0.0));
+    device.set_hand_target(testing::kOffCentre_m + Vector3(0.5, 0.0, 0.0));
     const double greatest = options.hand.greatest_force_N + 2.0 * options.hand.damping_Ns_per_m *
                                                                 options.hand.greatest_speed_m_per_s;
     for (int k = 0; k < 300; ++k) {
@@ -259,7 +257,7 @@ TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
 }
 
 TEST(SimulatedPhantom, ACommandThatIsNotFiniteBrakes) {
-    SimulatedPhantom device(testing::phantom_1_0(), bare(), kStart_m);
+    SimulatedPhantom device(testing::phantom_1_0(), bare(), testing::kOffCentre_m);
     device.advance(voltage(Vector3(NAN, 1.0, INFINITY), 1.0));
     EXPECT_LT(device.truth().current_A.norm(), 1e-12); // round-off of the rest at the start
     EXPECT_TRUE(device.truth().tip_m.allFinite());
@@ -275,9 +273,9 @@ TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
     SimulationOptions options = bare();
     EXPECT_NO_THROW(SimulatedPhantom(description, options, folded_m));
     options.delay_periods = -1;
-    EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
+    EXPECT_THROW(SimulatedPhantom(description, options, testing::kOffCentre_m), InputError);
     options.delay_periods = SimulationOptions::kLongestDelay + 1;
-    EXPECT_THROW(SimulatedPhantom(description, options, kStart_m), InputError);
+    EXPECT_THROW(SimulatedPhantom(description, options, testing::kOffCentre_m), InputError);
 }
 
 } // namespace

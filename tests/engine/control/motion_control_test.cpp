@@ -1,6 +1,7 @@
 // Covers engine/control/motion_control.cpp.
 #include "engine/control/motion_control.h"
 
+#include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "tests/support/devices.h"
@@ -15,8 +16,6 @@
 
 namespace springdrive::control {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 Configuration at(const device::DeviceDescription &device, const Vector3 &q_rad) {
     Configuration now;

@@ -33,8 +33,9 @@ TEST(RecordFormat, LaysAChunksHeadOutAsDocumented) {
     const std::string_view head(reinterpret_cast<const char *>(chunk.data()), 24);
     using namespace std::string_view_literals;
     EXPECT_EQ(head, "CHNK\x01\0\0\0\x08\x07\x06\x05\x04\x03\x02\x01\x0D\x0C\x0B\x0A\x09\0\0\0"sv);
-    EXPECT_EQ(load<std::uint32_t>(chunk.data() + 24),
-              crc32_of(bytes_of(std::string(head) + "123456789")));
+    std::string sealed(head);
+    sealed += "123456789";
+    EXPECT_EQ(load<std::uint32_t>(chunk.data() + 24), crc32_of(bytes_of(sealed)));
 }
 
 TEST(RecordFormat, ReadsBackWhatItSealed) {

@@ -20,8 +20,6 @@ using testing::complaint_of;
 using testing::contents_of;
 using testing::fresh_folder;
 
-constexpr double kServo_hz = 250.0; // 5 rows a chunk
-
 /// Runs `step` in a process whose files cannot grow beyond `bytes`, and returns what it says.
 std::string with_files_up_to(std::uint64_t bytes, const std::filesystem::path &folder,
                              const std::function<std::string()> &step) {
@@ -52,7 +50,7 @@ std::uint64_t rows_in(const std::filesystem::path &file) {
 
 /// Writes until it fails; then goes on, which must do nothing.
 std::string write_until_full(const std::filesystem::path &file) {
-    RecordWriter writer(file, record_header(kServo_hz));
+    RecordWriter writer(file, record_header(testing::kServo_hz));
     servo::ServoSample sample;
     const std::string said = complaint_of([&] {
         for (; sample.tick < 100'000; ++sample.tick) {
@@ -71,7 +69,7 @@ std::string write_until_full(const std::filesystem::path &file) {
 }
 
 TEST(FullDisk, EndsTheFileAtItsLastWholeChunkAndSaysSoOnce) {
-    const RecordHeader header = record_header(kServo_hz);
+    const RecordHeader header = record_header(testing::kServo_hz);
     // Nothing, a byte, and all but a byte of a chunk fit after two of them.
     for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1},
                                      expected_bytes(5, header) - expected_bytes(0, header) - 1}) {
@@ -90,7 +88,7 @@ TEST(FullDisk, LeavesNoFileWhereNotEvenTheHeaderFits) {
     const auto folder = fresh_folder("full_disk_header");
     const auto file = folder / "a.rec";
     const std::string said = with_files_up_to(1000, folder, [&] {
-        return complaint_of([&] { RecordWriter(file, record_header(kServo_hz)); });
+        return complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     });
     EXPECT_EQ(said, file.string() + ": cannot be written: File too large; nothing was recorded");
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -98,7 +96,7 @@ TEST(FullDisk, LeavesNoFileWhereNotEvenTheHeaderFits) {
 
 TEST(FullDisk, IsNotTriedOnADeviceThatExists) {
     const std::string said =
-        complaint_of([] { RecordWriter("/dev/full", record_header(kServo_hz)); });
+        complaint_of([] { RecordWriter("/dev/full", record_header(testing::kServo_hz)); });
     EXPECT_EQ(said, "/dev/full: exists already; give another name");
 }
 
@@ -108,7 +106,7 @@ std::uint64_t g_pushed_while_full = 0;
 std::string record_until_full(const std::filesystem::path &file) {
     SampleRing<servo::ServoSample> ring(16);
     Recorder recorder(ring);
-    recorder.start(file, record_header(kServo_hz), Recorder::Mode::pumped);
+    recorder.start(file, record_header(testing::kServo_hz), Recorder::Mode::pumped);
     servo::ServoSample sample;
     const auto push_and_pump = [&] {
         for (int i = 0; i < 16; ++i, ++sample.tick) {
@@ -134,7 +132,7 @@ std::string record_until_full(const std::filesystem::path &file) {
 TEST(FullDisk, EndsTheRecordingButNotTheDraining) {
     const auto folder = fresh_folder("full_disk_recorder");
     const auto file = folder / "a.rec";
-    const RecordHeader header = record_header(kServo_hz);
+    const RecordHeader header = record_header(testing::kServo_hz);
     const std::string said = with_files_up_to(expected_bytes(25, header) + 7, folder,
                                               [&] { return record_until_full(file); });
     EXPECT_EQ(said, file.string() +
@@ -156,7 +154,7 @@ TEST(FullDisk, KeepsWhatFitsOnARealOne) {
     EXPECT_EQ(said, file.string() + ": the recording ends after " + std::to_string(rows) +
                         " rows, which are kept: No space left on device; make room or choose "
                         "another folder");
-    const RecordHeader header = record_header(kServo_hz);
+    const RecordHeader header = record_header(testing::kServo_hz);
     EXPECT_LE(expected_bytes(rows, header), std::uint64_t{1} << 20U);
     EXPECT_GT(expected_bytes(rows + 10, header), (std::uint64_t{1} << 20U) - 4096);
 }

@@ -16,12 +16,10 @@ namespace {
 
 using testing::bytes_of_number;
 
-constexpr double kServo_hz = 250.0; // 5 rows a chunk
-
 std::string good_record() {
     const auto file = testing::fresh_folder("fuzz_good") / "a.rec";
-    RecordWriter writer(file, record_header(kServo_hz));
-    const auto samples = testing::random_samples(13, kServo_hz, 1);
+    RecordWriter writer(file, record_header(testing::kServo_hz));
+    const auto samples = testing::random_samples(13, testing::kServo_hz, 1);
     for (const servo::ServoSample &sample : samples) {
         writer.write(sample);
         if (sample.tick == 6) {
@@ -77,7 +75,7 @@ protected:
 
     std::mt19937_64 random{20};
     std::filesystem::path file = testing::fresh_folder("fuzz") / "a.rec";
-    std::vector<servo::ServoSample> samples = testing::random_samples(13, kServo_hz, 1);
+    std::vector<servo::ServoSample> samples = testing::random_samples(13, testing::kServo_hz, 1);
     std::string good = good_record();
     testing::RecordBytes parts = testing::take_apart(good);
 };

@@ -20,8 +20,6 @@ using testing::random_samples;
 using testing::row_of;
 using testing::write_file;
 
-constexpr double kServo_hz = 250.0; // 5 rows a chunk
-
 std::vector<std::string> rows_of(RecordReader &reader) {
     std::vector<std::string> rows;
     while (reader.next()) {
@@ -34,8 +32,8 @@ std::vector<std::string> rows_of(RecordReader &reader) {
 
 TEST(RecordReader, GivesBackEverySample) {
     const auto file = fresh_folder("reader_all") / "a.rec";
-    const auto samples = random_samples(103, kServo_hz, 1);
-    testing::write_record(file, kServo_hz, samples);
+    const auto samples = random_samples(103, testing::kServo_hz, 1);
+    testing::write_record(file, testing::kServo_hz, samples);
     RecordReader reader(file);
     EXPECT_EQ(to_json(reader.header()), testing::take_apart(contents_of(file)).json);
     for (int round = 0; round < 2; ++round) {
@@ -53,8 +51,8 @@ TEST(RecordReader, GivesBackEverySample) {
 TEST(RecordReader, GivesNotesBetweenTheRows) {
     const auto file = fresh_folder("reader_notes") / "a.rec";
     {
-        RecordWriter writer(file, record_header(kServo_hz));
-        writer.write(random_samples(1, kServo_hz, 2)[0]);
+        RecordWriter writer(file, record_header(testing::kServo_hz));
+        writer.write(random_samples(1, testing::kServo_hz, 2)[0]);
         writer.note("one");
         writer.note("");
     }
@@ -76,12 +74,12 @@ TEST(RecordReader, GivesNotesBetweenTheRows) {
 
 TEST(RecordReader, CountsTicksThatAreMissing) {
     const auto file = fresh_folder("reader_missing") / "a.rec";
-    auto samples = random_samples(10, kServo_hz, 3);
+    auto samples = random_samples(10, testing::kServo_hz, 3);
     const std::vector<std::uint64_t> ticks{100, 101, 103, 104, 105, 110, 111, 112, 5, 7};
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         samples[i].tick = ticks[i];
     }
-    testing::write_record(file, kServo_hz, samples);
+    testing::write_record(file, testing::kServo_hz, samples);
     RecordReader reader(file);
     EXPECT_EQ(rows_of(reader).size(), 10U);
     EXPECT_EQ(reader.ending().missing_ticks, 1U + 4U + 1U); // also between chunks
@@ -99,7 +97,7 @@ std::string ending_of(const std::filesystem::path &file, const std::string &byte
 class DamagedRecord : public ::testing::Test {
 protected:
     void SetUp() override {
-        testing::write_record(file, kServo_hz, random_samples(15, kServo_hz, 4));
+        testing::write_record(file, testing::kServo_hz, random_samples(15, testing::kServo_hz, 4));
         bytes = contents_of(file);
         chunks = testing::take_apart(bytes).chunks;
     }
@@ -164,7 +162,7 @@ TEST(RecordReader, RefusesWhatIsNoRecord) {
         EXPECT_EQ(text.find(file.string() + ": "), 0U) << text;
         return text;
     };
-    const std::string good = header_bytes(to_json(record_header(kServo_hz)));
+    const std::string good = header_bytes(to_json(record_header(testing::kServo_hz)));
     write_file(file, good);
     EXPECT_NO_THROW(RecordReader{file});
     EXPECT_NE(said("").find("is no record"), std::string::npos);
@@ -216,7 +214,7 @@ std::int64_t most_memory_kB() {
 TEST(RecordReader, AsksForLittleMemoryWhateverLengthsAFileClaims) {
     const auto file = fresh_folder("reader_memory") / "a.rec";
     const std::int64_t before_kB = most_memory_kB();
-    std::string header = header_bytes(to_json(record_header(kServo_hz)));
+    std::string header = header_bytes(to_json(record_header(testing::kServo_hz)));
     std::string head = chunk_bytes(1, 0, 0, "");
     for (const std::uint64_t claimed : {0xFFFFFFFFU, 0x80000000U, (64U << 20U) + 1}) {
         head.replace(20, 4, testing::bytes_of_number(claimed, 4));

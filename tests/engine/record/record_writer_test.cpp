@@ -16,14 +16,12 @@ using testing::random_samples;
 using testing::row_of;
 using testing::take_apart;
 
-constexpr double kServo_hz = 250.0; // 5 rows a chunk
-
 TEST(RecordWriter, WritesTheFileThatIsDocumented) {
     const auto file = fresh_folder("writer_layout") / "a.rec";
-    const auto samples = random_samples(13, kServo_hz, 1);
-    testing::write_record(file, kServo_hz, samples);
+    const auto samples = random_samples(13, testing::kServo_hz, 1);
+    testing::write_record(file, testing::kServo_hz, samples);
     const auto record = take_apart(contents_of(file));
-    EXPECT_EQ(from_json(record.json).columns, record_header(kServo_hz).columns);
+    EXPECT_EQ(from_json(record.json).columns, record_header(testing::kServo_hz).columns);
     ASSERT_EQ(record.chunks.size(), 3U);
     std::string rows;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -41,9 +39,9 @@ TEST(RecordWriter, WritesTheFileThatIsDocumented) {
 
 TEST(RecordWriter, WritesAChunkAsSoonAsItIsFullAndNoSooner) {
     const auto file = fresh_folder("writer_chunks") / "a.rec";
-    const RecordHeader header = record_header(kServo_hz);
+    const RecordHeader header = record_header(testing::kServo_hz);
     RecordWriter writer(file, header);
-    const auto samples = random_samples(12, kServo_hz, 2);
+    const auto samples = random_samples(12, testing::kServo_hz, 2);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         writer.write(samples[i]);
         const std::size_t in_file = (i + 1) / 5 * 5;
@@ -82,8 +80,8 @@ TEST(RecordWriter, KnowsTheSizeBeforehand) {
 TEST(RecordWriter, PutsNotesBetweenTheRowsWhereTheyCame) {
     const auto file = fresh_folder("writer_notes") / "a.rec";
     {
-        RecordWriter writer(file, record_header(kServo_hz));
-        const auto samples = random_samples(7, kServo_hz, 3);
+        RecordWriter writer(file, record_header(testing::kServo_hz));
+        const auto samples = random_samples(7, testing::kServo_hz, 3);
         writer.note(R"({"scene": "sphere"})");
         for (std::size_t i = 0; i < 7; ++i) {
             writer.write(samples[i]);
@@ -104,7 +102,7 @@ TEST(RecordWriter, PutsNotesBetweenTheRowsWhereTheyCame) {
 
 TEST(RecordWriter, RefusesANoteThatIsTooLongAndGoesOn) {
     const auto file = fresh_folder("writer_long_note") / "a.rec";
-    RecordWriter writer(file, record_header(kServo_hz));
+    RecordWriter writer(file, record_header(testing::kServo_hz));
     writer.note(std::string(RecordWriter::kLongestNote, ' '));
     const std::string said =
         complaint_of([&] { writer.note(std::string(RecordWriter::kLongestNote + 1, ' ')); });
@@ -117,21 +115,23 @@ TEST(RecordWriter, RefusesANoteThatIsTooLongAndGoesOn) {
 TEST(RecordWriter, NeverReplacesAFile) {
     const auto file = fresh_folder("writer_exists") / "a.rec";
     testing::write_file(file, "precious");
-    const std::string said = complaint_of([&] { RecordWriter(file, record_header(kServo_hz)); });
+    const std::string said =
+        complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     EXPECT_EQ(said, file.string() + ": exists already; give another name");
     EXPECT_EQ(contents_of(file), "precious");
 }
 
 TEST(RecordWriter, NamesAFolderThatIsNotThere) {
     const auto file = fresh_folder("writer_folder") / "none" / "a.rec";
-    const std::string said = complaint_of([&] { RecordWriter(file, record_header(kServo_hz)); });
+    const std::string said =
+        complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     EXPECT_NE(said.find(file.string() + ": cannot be written: No such file"), std::string::npos)
         << said;
 }
 
 TEST(RecordWriter, RefusesTheHeaderOfAnotherVersion) {
     const auto file = fresh_folder("writer_version") / "a.rec";
-    RecordHeader header = record_header(kServo_hz);
+    RecordHeader header = record_header(testing::kServo_hz);
     header.columns.pop_back();
     EXPECT_NE(complaint_of([&] { RecordWriter(file, header); }), "");
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -139,7 +139,7 @@ TEST(RecordWriter, RefusesTheHeaderOfAnotherVersion) {
 
 TEST(RecordWriter, RefusesAHeaderThatNoReaderWouldTake) {
     const auto file = fresh_folder("writer_header") / "a.rec";
-    RecordHeader header = record_header(kServo_hz);
+    RecordHeader header = record_header(testing::kServo_hz);
     header.device_toml = std::string(std::size_t{2} << 20U, 'x');
     EXPECT_NE(complaint_of([&] { RecordWriter(file, header); }), "");
     EXPECT_FALSE(std::filesystem::exists(file));

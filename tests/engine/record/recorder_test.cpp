@@ -15,8 +15,6 @@ namespace {
 using testing::fresh_folder;
 using Mode = Recorder::Mode;
 
-constexpr double kServo_hz = 250.0; // 5 rows a chunk
-
 servo::ServoSample sample_at(std::uint64_t tick) {
     servo::ServoSample sample;
     sample.tick = tick;
@@ -51,7 +49,7 @@ TEST(Recorder, KeepsWhatIsPumpedBetweenStartAndStop) {
     Recorder recorder(ring);
     push(ring, 0, 3); // from before
     EXPECT_FALSE(recorder.is_recording());
-    recorder.start(file, record_header(kServo_hz), Mode::pumped);
+    recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
     EXPECT_TRUE(recorder.is_recording());
     push(ring, 3, 10);
     recorder.pump();
@@ -73,7 +71,7 @@ TEST(Recorder, WritesAFileAsLargeAsWasToldBeforehand) {
     const auto file = fresh_folder("recorder_size") / "a.rec";
     SampleRing<servo::ServoSample> ring(16);
     Recorder recorder(ring);
-    const RecordHeader header = record_header(kServo_hz);
+    const RecordHeader header = record_header(testing::kServo_hz);
     recorder.start(file, header, Mode::pumped);
     for (std::uint64_t tick = 0; tick < 1234; ++tick) {
         ring.push(sample_at(tick));
@@ -91,7 +89,7 @@ TEST(Recorder, CountsWhatTheRingLostOnce) {
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
     push(ring, 0, 20); // loses 12, which are not the recording's
-    recorder.start(file, record_header(kServo_hz), Mode::pumped);
+    recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
     EXPECT_EQ(recorder.status().lost, 0U);
     push(ring, 20, 31); // 3 lost
     recorder.pump();
@@ -113,9 +111,10 @@ TEST(Recorder, StartsAnewWithACleanSlate) {
     const auto folder = fresh_folder("recorder_anew");
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
-    recorder.start(folder / "a.rec", record_header(kServo_hz), Mode::pumped);
+    recorder.start(folder / "a.rec", record_header(testing::kServo_hz), Mode::pumped);
     push(ring, 0, 12);
-    recorder.start(folder / "b.rec", record_header(kServo_hz), Mode::pumped); // stops the first
+    recorder.start(folder / "b.rec", record_header(testing::kServo_hz),
+                   Mode::pumped); // stops the first
     EXPECT_EQ(recorder.status().rows, 0U);
     EXPECT_EQ(recorder.status().lost, 0U);
     push(ring, 50, 52);
@@ -133,7 +132,7 @@ TEST(Recorder, LeavesTheOldFileAloneWhereItCannotStart) {
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
     const std::string said = testing::complaint_of(
-        [&] { recorder.start(file, record_header(kServo_hz), Mode::own_thread); });
+        [&] { recorder.start(file, record_header(testing::kServo_hz), Mode::own_thread); });
     EXPECT_NE(said.find("exists already"), std::string::npos);
     EXPECT_FALSE(recorder.is_recording());
     recorder.stop();
@@ -144,7 +143,7 @@ TEST(Recorder, RefusesANoteThatIsTooLong) {
     const auto file = fresh_folder("recorder_note") / "a.rec";
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
-    recorder.start(file, record_header(kServo_hz), Mode::pumped);
+    recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
     EXPECT_NE(testing::complaint_of(
                   [&] { recorder.note(std::string(RecordWriter::kLongestNote + 1, ' ')); }),
               "");

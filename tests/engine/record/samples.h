@@ -18,6 +18,8 @@
 
 namespace springdrive::testing {
 
+inline constexpr double kServo_hz = 250.0; ///< 5 rows a chunk
+
 /// Every column random, with numbers that are hard to write: NaN, −0, subnormal, infinite. Enums
 /// stay within what they can be.
 inline servo::ServoSample random_sample(std::mt19937_64 &random, std::uint64_t tick) {

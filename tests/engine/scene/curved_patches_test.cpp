@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kRadius_m = 0.04;
 constexpr double kRadian = 180.0 / std::numbers::pi;
-constexpr double kRounding_m = 1e-16; // of a sum of a few coordinates of 0.04 m
+constexpr double kSumRounding_m = 1e-16; // of a sum of a few coordinates of 0.04 m
 
 SmoothMesh sphere(int level) {
     const contact::TriangleSoup soup = testing::icosphere(level, kRadius_m);
@@ -199,7 +199,7 @@ TEST(CurvedPatches, WhatIsFlatStaysFlatAndIsNotCut) {
     };
     const SmoothMesh fine = patches.cut(4, 0, plate.triangles.size());
     for (const Vector3 &point : fine.positions) {
-        EXPECT_LT(std::abs(normal.dot(point)), kRounding_m);
+        EXPECT_LT(std::abs(normal.dot(point)), kSumRounding_m);
     }
     EXPECT_NEAR(area(fine), area(plate), 1e-15); // no fold, no overlap
 }
@@ -216,7 +216,7 @@ TEST(CurvedPatches, ACubeWithSplitNormalsStaysACube) {
     for (std::size_t i = 0; i < fine.positions.size(); ++i) {
         const Vector3 turned = upright * fine.positions[i];
         EXPECT_NEAR(turned.cwiseAbs().maxCoeff(), 0.5 * std::numbers::sqrt2 * kRadius_m,
-                    kRounding_m);
+                    kSumRounding_m);
         const Vector3 normal = upright * fine.normals[i];
         EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-14);
     }
@@ -238,7 +238,7 @@ TEST(CurvedPatches, TheRimOfACylinderIsSharpAndRound) {
     EXPECT_EQ(on_rim, 2U * 16U * 8U);
     for (const Vector3 &point : fine.positions) {
         const double from_axis_m = std::hypot(point.x(), point.z());
-        EXPECT_LE(std::abs(point.y()), 0.03 + kRounding_m);
+        EXPECT_LE(std::abs(point.y()), 0.03 + kSumRounding_m);
         if (std::abs(point.y()) < 0.03 - 1e-9) { // the mantle; measured: 5.2e-4, flat 1.9e-2
             EXPECT_NEAR(from_axis_m / kRadius_m, 1.0, 6e-4);
         } else { // a cubic's arc of 22.5° errs by 6.6e-8

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRounding = 1e-12; // relative, a few operations in double precision
 
-BoundingBox box_of(const Vector3 &lower, const Vector3 &upper) {
+BoundingBox box_between(const Vector3 &lower, const Vector3 &upper) {
     BoundingBox box;
     box.include(lower);
     box.include(upper);
@@ -33,34 +33,37 @@ TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
         EXPECT_LT((0.5 * (lower + upper) - workspace.centre_m).norm(), kRounding);
         const Vector3 share = (upper - lower).cwiseQuotient(workspace.size_m);
         EXPECT_NEAR(share.maxCoeff(), 0.6, kRounding);
-        EXPECT_TRUE(lies_within(workspace, box_of(lower, upper)));
+        EXPECT_TRUE(lies_within(workspace, box_between(lower, upper)));
     }
 }
 
 TEST(Fit, AFlatSceneIsScaledByWhatItSpans) {
     const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
-    const Fit fit = fit_into(workspace, box_of(Vector3(0, 5, 0), Vector3(3, 5, 0.5)));
+    const Fit fit = fit_into(workspace, box_between(Vector3(0, 5, 0), Vector3(3, 5, 0.5)));
     EXPECT_NEAR(fit.scale, 0.06, kRounding); // 0.6 × 0.3 / 3
     EXPECT_NEAR(fit(Vector3(0, 5, 0)).y(), 0.0, kRounding);
 }
 
 TEST(Fit, RefusesAPointAndTheBoundless) {
     const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
-    EXPECT_THROW((void)fit_into(workspace, box_of(Vector3(1, 2, 3), Vector3(1, 2, 3))), InputError);
-    EXPECT_THROW((void)fit_into(workspace, box_of(Vector3(-1.5e308, 0, 0), Vector3(1.5e308, 0, 0))),
+    EXPECT_THROW((void)fit_into(workspace, box_between(Vector3(1, 2, 3), Vector3(1, 2, 3))),
                  InputError);
-    EXPECT_THROW((void)fit_into(workspace, box_of(Vector3::Zero(), Vector3(1e-320, 0, 0))),
+    EXPECT_THROW(
+        (void)fit_into(workspace, box_between(Vector3(-1.5e308, 0, 0), Vector3(1.5e308, 0, 0))),
+        InputError);
+    EXPECT_THROW((void)fit_into(workspace, box_between(Vector3::Zero(), Vector3(1e-320, 0, 0))),
                  InputError);
 }
 
 TEST(Fit, WithinMeansOnEverySide) {
     const device::Workspace workspace{Vector3(1, 1, 1), Vector3(2, 2, 2)};
-    EXPECT_TRUE(lies_within(workspace, box_of(Vector3(0, 0, 0), Vector3(2, 2, 2))));
+    EXPECT_TRUE(lies_within(workspace, box_between(Vector3(0, 0, 0), Vector3(2, 2, 2))));
     for (int axis = 0; axis < 3; ++axis) {
         Vector3 beyond = Vector3::Zero();
         beyond[axis] = 0.001;
-        EXPECT_FALSE(lies_within(workspace, box_of(Vector3::Zero(), Vector3(2, 2, 2) + beyond)));
-        EXPECT_FALSE(lies_within(workspace, box_of(-beyond, Vector3(2, 2, 2))));
+        EXPECT_FALSE(
+            lies_within(workspace, box_between(Vector3::Zero(), Vector3(2, 2, 2) + beyond)));
+        EXPECT_FALSE(lies_within(workspace, box_between(-beyond, Vector3(2, 2, 2))));
     }
 }
 

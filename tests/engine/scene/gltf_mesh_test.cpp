@@ -9,7 +9,7 @@
 namespace springdrive::scene {
 namespace {
 
-constexpr float kSinglePrecision = 1e-6F; // of unit vectors and colours
+constexpr float kFloatRounding = 1e-6F; // of unit vectors and colours
 
 Vector3 normal_of(const VisualVertex &vertex) {
     return {vertex.normal[0], vertex.normal[1], vertex.normal[2]};
@@ -64,7 +64,7 @@ TEST(GltfMesh, MissingNormalsBecomeTheFlatOnesOfEachTriangle) {
             const Vector3 expected = (b - a).cross(c - a).normalized();
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vector3 normal = normal_of(mesh.vertices[mesh.indices[i + k]]);
-                EXPECT_LT((normal - expected).norm(), kSinglePrecision);
+                EXPECT_LT((normal - expected).norm(), kFloatRounding);
             }
         }
     }
@@ -92,7 +92,7 @@ TEST(GltfMesh, NormalsStaySquareToTheSurfaceUnderAnyTransform) {
         const Vector3 c = position_of(mesh.vertices[mesh.indices[2]]);
         const Vector3 wound = (b - a).cross(c - a).normalized();
         for (const VisualVertex &vertex : mesh.vertices) {
-            EXPECT_LT((normal_of(vertex) - wound).norm(), 10 * kSinglePrecision) << scale;
+            EXPECT_LT((normal_of(vertex) - wound).norm(), 10 * kFloatRounding) << scale;
         }
     }
 }
@@ -143,23 +143,23 @@ std::vector<std::array<float, 4>> colours(const std::vector<Number> &numbers, in
     return result;
 }
 
-const std::string kBlend =
+const std::string kBlendedMaterial =
     R"({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 0.5]}})";
 
 TEST(GltfMesh, VertexColoursOfEveryKindMultiplyTheBaseColour) {
     const auto floats =
-        colours(std::vector<float>{1, 0.5F, 0, 1, 1, 1, 1, 1, 1}, kFloat, "VEC3", kBlend);
+        colours(std::vector<float>{1, 0.5F, 0, 1, 1, 1, 1, 1, 1}, kFloat, "VEC3", kBlendedMaterial);
     EXPECT_EQ(floats[0], (std::array<float, 4>{0.5F, 0.5F, 0.0F, 0.5F}));
     EXPECT_EQ(floats[1], (std::array<float, 4>{0.5F, 1.0F, 1.0F, 0.5F}));
     // Integers count as fractions, whether or not the file says "normalized".
     const auto shorts =
         colours(std::vector<std::uint16_t>{65535, 13107, 0, 32767, 0, 0, 0, 0, 0, 0, 0, 0},
-                kUnsignedShort, "VEC4", kBlend);
+                kUnsignedShort, "VEC4", kBlendedMaterial);
     EXPECT_FLOAT_EQ(shorts[0][0], 0.5F);
     EXPECT_FLOAT_EQ(shorts[0][1], 0.2F); // 13107 / 65535
     EXPECT_FLOAT_EQ(shorts[0][3], 0.5F * 32767.0F / 65535.0F);
     const auto bytes = colours(std::vector<std::uint8_t>{255, 51, 0, 255, 0, 0, 0, 0, 0, 0, 0, 0},
-                               kUnsignedByte, "VEC4", kBlend);
+                               kUnsignedByte, "VEC4", kBlendedMaterial);
     EXPECT_FLOAT_EQ(bytes[0][1], 0.2F);
 }
 

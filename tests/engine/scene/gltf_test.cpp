@@ -7,7 +7,7 @@
 namespace springdrive::scene {
 namespace {
 
-constexpr double kRounding_m = 1e-12; // a few double operations on metres
+constexpr double kFittedRounding_m = 1e-12; // a few double operations on metres
 
 TEST(Gltf, ASceneWithoutUnitsIsFittedAndCentred) {
     GltfBuilder builder = one_triangle();
@@ -15,10 +15,10 @@ TEST(Gltf, ASceneWithoutUnitsIsFittedAndCentred) {
     const Scene scene = load(builder);
     // ½ × ¼ units into 60 % of 0.2 × 0.1 m: both axes ask for 0.24 m a unit.
     EXPECT_FALSE(scene.in_metres);
-    EXPECT_NEAR(scene.metres_per_unit, 0.24, kRounding_m);
-    EXPECT_LT((scene.lower_m - Vector3(-0.06, 0.0, -0.015)).norm(), kRounding_m);
-    EXPECT_LT((scene.upper_m - Vector3(0.06, 0.06, -0.015)).norm(), kRounding_m);
-    EXPECT_LT((scene.surface.vertices_m[1] - Vector3(0.06, 0.0, -0.015)).norm(), kRounding_m);
+    EXPECT_NEAR(scene.metres_per_unit, 0.24, kFittedRounding_m);
+    EXPECT_LT((scene.lower_m - Vector3(-0.06, 0.0, -0.015)).norm(), kFittedRounding_m);
+    EXPECT_LT((scene.upper_m - Vector3(0.06, 0.06, -0.015)).norm(), kFittedRounding_m);
+    EXPECT_LT((scene.surface.vertices_m[1] - Vector3(0.06, 0.0, -0.015)).norm(), kFittedRounding_m);
     EXPECT_FLOAT_EQ(scene.meshes[0].vertices[1].position_m[0], 0.06F);
     EXPECT_EQ(scene.file.filename(), "scene.gltf");
 }
@@ -29,9 +29,10 @@ TEST(Gltf, FittingIsTheSameWhateverTheUnitAndPlace) {
     const Scene plain = load(builder);
     builder.nodes = {R"({"mesh": 0, "scale": [1000, 1000, 1000], "translation": [5000, 0, -70]})"};
     const Scene large = load(builder);
-    EXPECT_NEAR(large.metres_per_unit * 1000.0, plain.metres_per_unit, kRounding_m);
+    EXPECT_NEAR(large.metres_per_unit * 1000.0, plain.metres_per_unit, kFittedRounding_m);
     for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_LT((large.surface.vertices_m[i] - plain.surface.vertices_m[i]).norm(), kRounding_m);
+        EXPECT_LT((large.surface.vertices_m[i] - plain.surface.vertices_m[i]).norm(),
+                  kFittedRounding_m);
     }
 }
 

@@ -1,12 +1,9 @@
 // Covers engine/scene/scene_extras.cpp.
+#include "base/degrees.h"
 #include "tests/engine/scene/gltf_builder.h"
-
-#include <numbers>
 
 namespace springdrive::scene {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 GltfBuilder with_scene_extras(const std::string &extras) {
     GltfBuilder builder = one_triangle();

@@ -12,7 +12,7 @@ namespace {
 using gltf::fit_shape;
 using gltf::ShapeKind;
 
-constexpr double kRounding_m = 1e-14; // a few double operations on metres
+constexpr double kShapeRounding_m = 1e-14; // a few double operations on metres
 
 BoundingBox box_of(const Vector3 &lower, const Vector3 &upper) {
     BoundingBox box;
@@ -100,9 +100,10 @@ TEST(ShapeFit, APlateLiesAcrossItsThinnestExtent) {
         half[flat] = 0.0009;
         const contact::AnalyticShape plate = fitted(ShapeKind::plate, half);
         half[flat] = 0.0;
-        EXPECT_LT((plate.bounds().max() - half).norm(), kRounding_m);
-        EXPECT_LT((plate.bounds().min() + half).norm(), kRounding_m);
-        EXPECT_NEAR(std::abs(plate.nearest(Vector3::Unit(flat)).normal[flat]), 1.0, kRounding_m);
+        EXPECT_LT((plate.bounds().max() - half).norm(), kShapeRounding_m);
+        EXPECT_LT((plate.bounds().min() + half).norm(), kShapeRounding_m);
+        EXPECT_NEAR(std::abs(plate.nearest(Vector3::Unit(flat)).normal[flat]), 1.0,
+                    kShapeRounding_m);
     }
 }
 
@@ -129,7 +130,7 @@ TEST(ShapeFit, TurnedMirroredAndScaledTheShapeMovesWithItsMesh) {
                 Vector3(1.0, 2.0, 3.0) + half + Vector3(normal(dice), normal(dice), normal(dice));
             const contact::NearestOnShape a = here.nearest(query);
             const contact::NearestOnShape b = there.nearest(to_device * query);
-            const double tolerance_m = 20.0 * kRounding_m * (1.0 + scale);
+            const double tolerance_m = 20.0 * kShapeRounding_m * (1.0 + scale);
             EXPECT_NEAR(b.distance_m, scale * a.distance_m, tolerance_m);
             EXPECT_LT((b.point_m - to_device * a.point_m).norm(), tolerance_m);
         }
@@ -141,11 +142,11 @@ TEST(ShapeFit, PlatesAndBoxesMayBeStretchedAlongTheirAxes) {
                                     Eigen::Scaling(2.0, -3.0, 4.0));
     const auto box =
         std::get<contact::Box>(fitted(ShapeKind::box, {0.5, 0.25, 0.125}, stretched).size());
-    EXPECT_LT((box.half_size_m - Vector3(1.0, 0.75, 0.5)).norm(), kRounding_m);
+    EXPECT_LT((box.half_size_m - Vector3(1.0, 0.75, 0.5)).norm(), kShapeRounding_m);
     const auto plate =
         std::get<contact::Plate>(fitted(ShapeKind::plate, {0.5, 0.0, 0.125}, stretched).size());
-    EXPECT_NEAR(plate.half_x_m, 1.0, kRounding_m);
-    EXPECT_NEAR(plate.half_z_m, 0.5, kRounding_m);
+    EXPECT_NEAR(plate.half_x_m, 1.0, kShapeRounding_m);
+    EXPECT_NEAR(plate.half_z_m, 0.5, kShapeRounding_m);
     const std::string same = "its transform scales by 2 by 3 by 4; the three must be the same";
     const Eigen::Affine3d plain(Eigen::Scaling(2.0, 3.0, 4.0));
     expect_refused(ShapeKind::sphere, {1, 1, 1}, same, plain);
@@ -203,8 +204,8 @@ TEST(ShapeFit, ShapesAreFittedIntoTheWorkspaceWithTheScene) {
     builder.asset = R"({"version": "2.0"})";
     const Scene scene = load(builder);
     ASSERT_EQ(scene.shapes.size(), 1U);
-    EXPECT_LT((scene.shapes[0].bounds().min() - scene.lower_m).norm(), kRounding_m);
-    EXPECT_LT((scene.shapes[0].bounds().max() - scene.upper_m).norm(), kRounding_m);
+    EXPECT_LT((scene.shapes[0].bounds().min() - scene.lower_m).norm(), kShapeRounding_m);
+    EXPECT_LT((scene.shapes[0].bounds().max() - scene.upper_m).norm(), kShapeRounding_m);
 }
 
 TEST(ShapeFit, ShapesAndTrianglesStandSideBySideWithMaterialsOfTheirOwn) {

@@ -13,7 +13,7 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kObserverPeriod_s = 1e-3;
 constexpr double kLimit_J = 0.03;
 constexpr double kForgetsNothing_s = 1e-15; ///< as a period: too short for any memory to fade in
 
@@ -35,7 +35,7 @@ TEST(EnergyObserver, AnExactSpringMakesNothing) {
     // Trapezia are exact for a force that is linear in the way, however coarse the steps.
     std::mt19937_64 random(1);
     for (int run = 0; run < 100; ++run) {
-        EnergyObserver observer(kPeriod_s);
+        EnergyObserver observer(kObserverPeriod_s);
         const Spring spring{std::uniform_real_distribution<double>(100.0, 5000.0)(random)};
         const Vector3 first_m = testing::random_vector(random, 5e-3);
         go(observer, spring, first_m);
@@ -179,7 +179,7 @@ TEST(EnergyObserver, AModelThatHoldsTooMuchAccusesNobody) {
 }
 
 TEST(EnergyObserver, StartsAnewAfterAReset) {
-    EnergyObserver observer(kPeriod_s);
+    EnergyObserver observer(kObserverPeriod_s);
     const Vector3 push_N(1.0, 0, 0);
     observer.update(Vector3::Zero(), push_N, 0.0, 0.0, kLimit_J);
     observer.update(Vector3(0.01, 0, 0), push_N, 0.0, 0.0, kLimit_J);

@@ -16,12 +16,10 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = testing::kFaultsOfACause;
-
 TEST(FaultInjection, TipForce) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(41);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         // The device's own limit, or one that was lowered while nobody felt it.
@@ -46,9 +44,9 @@ TEST(FaultInjection, TipForce) {
 }
 
 TEST(FaultInjection, Energy) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(42);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::running_on_plate);
         what.firm = what.firm && what.tuning_name != "soft"; // it would hold a soft spring's double
         what.target_m.y() = -testing::uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
@@ -95,7 +93,7 @@ testing::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) 
 }
 
 TEST(FaultInjection, WhicheverCauseIsFirst) {
-    constexpr int kAny = 2 * kFaults;
+    constexpr int kAny = 2 * testing::kFaultsOfACause;
     RecordProperty("faults", kAny);
     std::mt19937 random(43);
     int tripped = 0;

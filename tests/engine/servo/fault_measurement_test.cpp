@@ -14,8 +14,6 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = testing::kFaultsOfACause;
-
 /// One or several motors, each with −1, 0 or 1, not all zero.
 Vector3 some_motors(std::mt19937 &random) {
     Vector3 signs = Vector3::Zero();
@@ -42,9 +40,9 @@ void see_through(testing::FaultRig &rig, testing::FaultKind kind, const Vector3 
 }
 
 TEST(FaultInjection, DeviceLost) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(21);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         see_through(rig, testing::FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
@@ -53,9 +51,9 @@ TEST(FaultInjection, DeviceLost) {
 
 /// What only keeps silent, repeats itself or garbles what it says is borne for the budget's time.
 TEST(FaultInjection, StaleMeasurements) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(24);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         constexpr std::array<testing::FaultKind, 3> kKinds{
@@ -76,9 +74,9 @@ TEST(FaultInjection, StaleMeasurements) {
 }
 
 TEST(FaultInjection, BoardFault) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(25);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         // An amplifier's own fault opens the windings, where no brake bounds the hand.
@@ -90,9 +88,9 @@ TEST(FaultInjection, BoardFault) {
 }
 
 TEST(FaultInjection, NotFinite) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(22);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         see_through(rig,
@@ -103,9 +101,9 @@ TEST(FaultInjection, NotFinite) {
 }
 
 TEST(FaultInjection, CurrentReading) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(23);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         const double peak_A = rig.device.description().motor[0].peak_current_A;
@@ -134,9 +132,9 @@ double surely_a_jump_m(const testing::FaultRig &rig) {
 }
 
 TEST(FaultInjection, EncoderJump) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(24);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();

@@ -20,8 +20,6 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = testing::kFaultsOfACause;
-
 /// Where the hand goes before the fault, and from then on at another speed to another place.
 simulated::SimulationOptions yanking(const testing::FaultCase &what, const Vector3 &end_m,
                                      double speed_m_per_s) {
@@ -38,9 +36,9 @@ simulated::SimulationOptions yanking(const testing::FaultCase &what, const Vecto
 }
 
 TEST(FaultInjection, TipSpeed) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(31);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::anywhere);
         what.at_tick = std::max(what.at_tick, static_cast<std::uint64_t>(0.4 * what.servo_hz));
         what.start_m.x() = -0.06;
@@ -112,12 +110,12 @@ Vector3 angles_near(std::mt19937 &random, const device::JointLimits &stops, int 
 }
 
 TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(32);
     // Towards each stop: the joint that drifts, and its sign.
     constexpr std::array<std::pair<int, double>, 6> kTowards{
         {{0, 1.0}, {0, -1.0}, {1, 1.0}, {2, -1.0}, {2, 1.0}, {2, -1.0}}};
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::free);
         what.firm = true; // a light one gives way to the soft wall, and gets nowhere
         const int stop = i % 6;
@@ -148,9 +146,9 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
 }
 
 TEST(FaultInjection, WindingTemperature) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(33);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
@@ -170,9 +168,9 @@ TEST(FaultInjection, WindingTemperature) {
 }
 
 TEST(FaultInjection, VoltageThatLasts) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(34);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();

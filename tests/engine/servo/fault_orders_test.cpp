@@ -12,12 +12,10 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr int kFaults = testing::kFaultsOfACause;
-
 TEST(FaultInjection, EmergencyStop) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(11);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
@@ -68,9 +66,9 @@ void tear_at(int where, ServoInputs &inputs) {
 }
 
 TEST(FaultInjection, TornInputs) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(12);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
@@ -87,9 +85,9 @@ TEST(FaultInjection, TornInputs) {
 }
 
 TEST(FaultInjection, MissedDeadlines) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(13);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
@@ -116,9 +114,9 @@ TEST(FaultInjection, MissedDeadlines) {
 }
 
 TEST(FaultInjection, WindowSilent) {
-    RecordProperty("faults", kFaults);
+    RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(14);
-    for (int i = 0; i < kFaults && !HasFailure(); ++i) {
+    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         const double limit_s = i % 6 == 0 ? 2.0 : testing::log_uniform(random, 0.05, 1.0);

@@ -9,7 +9,7 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kWatchPeriod_s = 1e-3;
 const Vector3 kPlace_m(0.05, -0.02, 0.01);
 
 /// Ticks until it is at rest, with the tip where `tip_m(tick)` says; −1 when not within a second.
@@ -41,33 +41,33 @@ TEST(RestWatch, AMillimetreToAndFroIsRestMoreIsNot) {
             return Vector3(kPlace_m + Vector3(0.0, tick % 2 == 0 ? reach_m : 0.0, 0.0));
         };
     };
-    RestWatch calm(kPeriod_s);
-    EXPECT_GT(ticks_to_rest(calm, sway(0.999e-3), kPeriod_s), 0);
-    RestWatch restless(kPeriod_s);
-    EXPECT_EQ(ticks_to_rest(restless, sway(1.001e-3), kPeriod_s), -1);
+    RestWatch calm(kWatchPeriod_s);
+    EXPECT_GT(ticks_to_rest(calm, sway(0.999e-3), kWatchPeriod_s), 0);
+    RestWatch restless(kWatchPeriod_s);
+    EXPECT_EQ(ticks_to_rest(restless, sway(1.001e-3), kWatchPeriod_s), -1);
 }
 
 TEST(RestWatch, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {
     const auto drift = [](double speed_m_per_s) {
         return [speed_m_per_s](int tick) {
-            return Vector3(kPlace_m + Vector3(speed_m_per_s * kPeriod_s * tick, 0.0, 0.0));
+            return Vector3(kPlace_m + Vector3(speed_m_per_s * kWatchPeriod_s * tick, 0.0, 0.0));
         };
     };
-    RestWatch slow(kPeriod_s);
-    EXPECT_GT(ticks_to_rest(slow, drift(0.0098), kPeriod_s), 0);
-    RestWatch fast(kPeriod_s);
-    EXPECT_EQ(ticks_to_rest(fast, drift(0.0105), kPeriod_s), -1);
+    RestWatch slow(kWatchPeriod_s);
+    EXPECT_GT(ticks_to_rest(slow, drift(0.0098), kWatchPeriod_s), 0);
+    RestWatch fast(kWatchPeriod_s);
+    EXPECT_EQ(ticks_to_rest(fast, drift(0.0105), kWatchPeriod_s), -1);
 }
 
 TEST(RestWatch, WhoTouchesNeverRests) {
-    RestWatch watch(kPeriod_s);
+    RestWatch watch(kWatchPeriod_s);
     for (int tick = 0; tick < 1000; ++tick) {
         watch.update(kPlace_m, true);
         ASSERT_FALSE(watch.is_at_rest());
     }
     // One touch shortly before the end, and all of it again.
     EXPECT_GT(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kPeriod_s),
+                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
               99);
     for (int tick = 0; tick < 99; ++tick) {
         watch.update(kPlace_m, tick == 0);
@@ -78,26 +78,26 @@ TEST(RestWatch, WhoTouchesNeverRests) {
 TEST(RestWatch, ATipThatIsNowhereDoesNotRest) {
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        RestWatch watch(kPeriod_s);
+        RestWatch watch(kWatchPeriod_s);
         const Vector3 nowhere_m(0.0, bad, 0.0);
         EXPECT_EQ(ticks_to_rest(
-                      watch, [&](int) { return nowhere_m; }, kPeriod_s),
+                      watch, [&](int) { return nowhere_m; }, kWatchPeriod_s),
                   -1);
         EXPECT_GT(ticks_to_rest(
-                      watch, [](int) { return kPlace_m; }, kPeriod_s),
+                      watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
                   0); // it mends
     }
 }
 
 TEST(RestWatch, AResetStartsTheTimeAnew) {
-    RestWatch watch(kPeriod_s);
+    RestWatch watch(kWatchPeriod_s);
     ASSERT_GT(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kPeriod_s),
+                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
               0);
     watch.reset();
     EXPECT_FALSE(watch.is_at_rest());
     EXPECT_GE(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kPeriod_s),
+                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
               100);
 }
 

@@ -1,5 +1,6 @@
 // Covers the soft wall at the edge of the workspace as a hand meets it: before every joint's stop,
 // whatever the tuning, and at η = 1 too.
+#include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_rig.h"
@@ -8,15 +9,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace springdrive::servo {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// A stop that can be reached, and how to get there: from these joint angles along one joint.
 struct Way {

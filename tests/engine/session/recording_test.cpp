@@ -14,7 +14,7 @@
 namespace springdrive::session {
 namespace {
 
-const Vector3 kStart_m(0.0, 0.02, 0.0);
+const Vector3 kRecordedStart_m(0.0, 0.02, 0.0);
 
 class RecordingTest : public ::testing::Test {
 protected:
@@ -32,8 +32,8 @@ protected:
     }
 
     std::filesystem::path folder_;
-    simulated::SimulatedPhantom device_{testing::phantom_1_0(), {}, kStart_m};
-    simulated::SimulatedPhantom other_{testing::phantom_1_0(), {}, kStart_m};
+    simulated::SimulatedPhantom device_{testing::phantom_1_0(), {}, kRecordedStart_m};
+    simulated::SimulatedPhantom other_{testing::phantom_1_0(), {}, kRecordedStart_m};
     ServoRun run_{device_, {1000.0, true, std::nullopt}};
     Recording recording_{run_};
 };

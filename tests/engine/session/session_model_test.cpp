@@ -4,6 +4,7 @@
 
 #include "base/input_error.h"
 #include "engine/lab/model_selection/choice_cache.h"
+#include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -18,7 +19,6 @@
 namespace springdrive::session {
 namespace {
 
-constexpr double kFrame_s = 1.0 / 60.0;
 constexpr const char *kVersion = "a version";
 
 /// Every test has a cache of its own, so that none finds what another remembered.
@@ -49,9 +49,9 @@ private:
 int frames_in_contact(Session &session) {
     session.start();
     int touching = 0;
-    for (int frame = 0; frame < static_cast<int>(std::round(3.7 / kFrame_s)); ++frame) {
-        session.advance(kFrame_s);
-        touching += frame * kFrame_s > 2.7 && session.latest().contact.touching ? 1 : 0;
+    for (int frame = 0; frame < static_cast<int>(std::round(3.7 / testing::kFrame_s)); ++frame) {
+        session.advance(testing::kFrame_s);
+        touching += frame * testing::kFrame_s > 2.7 && session.latest().contact.touching ? 1 : 0;
     }
     return touching;
 }
@@ -124,7 +124,7 @@ TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
     session.measure_model();
     EXPECT_TRUE(session.models().measurement().is_running());
     while (session.models().measurement().is_running()) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     ASSERT_TRUE(session.models().choice()) << session.models().measurement().error();
@@ -167,26 +167,20 @@ SessionOptions by_hand(const SessionOptions &headless) {
     return options;
 }
 
-void run(Session &session, double seconds) {
-    for (int frame = 0; frame < static_cast<int>(std::round(seconds / kFrame_s)); ++frame) {
-        session.advance(kFrame_s);
-    }
-}
-
 void show(Session &session, const std::string &scene) {
     session.request_scene(testing::assets() / "scenes" / scene);
     while (session.scenes().is_loading()) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ASSERT_EQ(session.scenes().error(), "");
     ASSERT_EQ(session.scenes().now().scene.file.filename(), scene);
-    run(session, 0.1);
+    testing::run(session, 0.1);
 }
 
 void move_hand_sideways(Session &session) {
     session.hand().move_to(session.hand().target_m() + Vector3(0.02, 0.0, 0.0));
-    run(session, 2.0);
+    testing::run(session, 2.0);
 }
 
 /// How far the tip is from where the hand wants it, sideways.
@@ -200,7 +194,7 @@ constexpr double kNearTheHand_m = 2e-3;
 TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
-    run(session, 2.5); // wait and ramp
+    testing::run(session, 2.5); // wait and ramp
     EXPECT_TRUE(session.simulation().planar);
     EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
     const double plane_m = session.latest().tip_m.x();
@@ -238,7 +232,7 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
 
     session.choose_models();
     while (session.scenes().is_loading()) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     EXPECT_EQ(session.scenes().error(), "");
@@ -276,7 +270,7 @@ TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
     session.start();
     session.request_scene(testing::assets() / "scenes/sphere.gltf");
     while (session.scenes().progress().find("measuring models") == std::string::npos) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         ASSERT_TRUE(session.scenes().is_loading());
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

@@ -4,6 +4,7 @@
 #include "base/input_error.h"
 #include "base/sha256.h"
 #include "engine/record/record_reader.h"
+#include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -18,8 +19,6 @@
 namespace springdrive::session {
 namespace {
 
-constexpr double kFrame_s = 1.0 / 60.0;
-
 SessionOptions headless() {
     SessionOptions options;
     options.scene = testing::assets() / "scenes/plate.gltf";
@@ -29,20 +28,14 @@ SessionOptions headless() {
     return options;
 }
 
-void run(Session &session, double seconds) {
-    for (int frame = 0; frame < static_cast<int>(std::round(seconds / kFrame_s)); ++frame) {
-        session.advance(kFrame_s);
-    }
-}
-
 /// Frames until the background loading is over, and as many more as a tick needs.
 void wait_for_scene(Session &session) {
     while (session.scenes().is_loading()) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    session.advance(kFrame_s);
-    session.advance(kFrame_s);
+    session.advance(testing::kFrame_s);
+    session.advance(testing::kFrame_s);
 }
 
 /// Of the sixty frames after the first 2.7 s of the scripted touch, how many end in contact.
@@ -51,10 +44,10 @@ int frames_in_contact(const std::filesystem::path &scene) {
     options.scene = scene;
     Session session(options);
     session.start();
-    run(session, 2.7);
+    testing::run(session, 2.7);
     int touching = 0;
     for (int frame = 0; frame < 60; ++frame) {
-        session.advance(kFrame_s);
+        session.advance(testing::kFrame_s);
         const servo::ServoSample &now = session.latest();
         touching += now.contact.touching ? 1 : 0;
         // The tip stays where a finger could have pushed it: near its proxy.
@@ -88,7 +81,7 @@ TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
     std::ofstream(folder / "broken.glb") << "no glTF";
     Session session(headless());
     session.start();
-    run(session, 0.1);
+    testing::run(session, 0.1);
     session.request_scene(folder / "broken.glb");
     wait_for_scene(session);
     EXPECT_NE(session.scenes().error().find("broken.glb"), std::string::npos);
@@ -105,12 +98,12 @@ TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
 TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
     Session session(headless());
     session.start();
-    run(session, 2.7);
+    testing::run(session, 2.7);
     ASSERT_TRUE(session.latest().contact.touching);
     for (const char *name : {"sphere", "organic", "stepped_block", "plate"}) {
         session.request_scene(testing::assets() / "scenes" / (std::string(name) + ".gltf"));
         wait_for_scene(session);
-        run(session, 0.2);
+        testing::run(session, 0.2);
         EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running) << name;
         EXPECT_LT(session.latest().tip_force_N.norm(), 6.0) << name;
     }
@@ -121,14 +114,14 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
     options.plays_script = false; // a hand that rests
     Session session(options);
     session.start();
-    run(session, 1.2);
+    testing::run(session, 1.2);
     session.servo().emergency_stop();
-    run(session, 0.1);
+    testing::run(session, 0.1);
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
     session.servo().reset_safety();
-    run(session, 1.3); // it rests above the scene: a wait, then the ramp
+    testing::run(session, 1.3); // it rests above the scene: a wait, then the ramp
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
 }
 
@@ -139,10 +132,10 @@ TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
     Session session(options);
     session.start();
     EXPECT_FALSE(session.hand().follows_path());
-    run(session, 1.2);
+    testing::run(session, 1.2);
     const Vector3 goal_m = session.hand().target_m() + Vector3(0.02, -0.01, 0.01);
     session.hand().move_to(goal_m);
-    run(session, 2.7);
+    testing::run(session, 2.7);
     EXPECT_LT((session.latest().tip_m - goal_m).norm(), 2e-4); // encoder counts and a soft spring
     session.hand().move_to(Vector3(5.0, 5.0, 5.0));
     const device::Workspace &box = session.description().workspace;
@@ -157,10 +150,10 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     options.record = folder / "touch.rec";
     Session session(options);
     session.start();
-    run(session, 2.0);
+    testing::run(session, 2.0);
     session.request_scene(testing::assets() / "scenes/sphere.gltf");
     wait_for_scene(session);
-    run(session, 0.5);
+    testing::run(session, 0.5);
     const std::uint64_t ticks = session.latest().tick + 1;
     session.stop();
     EXPECT_EQ(session.recording().status().error, "");
@@ -194,7 +187,7 @@ TEST(Session, ARecordHoldsTheDeviceThatRanWhateverBecameOfItsFile) {
     session.start();
     std::filesystem::remove(options.device.file);
     session.start_recording(folder / "after.rec");
-    run(session, 0.1);
+    testing::run(session, 0.1);
     session.stop();
     EXPECT_EQ(record::RecordReader(folder / "after.rec").header().device_toml, text);
     std::filesystem::remove_all(folder);
@@ -209,10 +202,10 @@ TEST(Session, ARecordThatCannotBeMadeIsSaid) {
     options.record.clear();
     Session session(options);
     session.start();
-    run(session, 0.1);
+    testing::run(session, 0.1);
     EXPECT_THROW(session.start_recording(folder / "no" / "such.rec"), InputError);
     session.start_recording(folder / "is.rec"); // and another time goes well
-    run(session, 0.1);
+    testing::run(session, 0.1);
     session.recording().stop();
     EXPECT_EQ(session.recording().status().rows, 100U);
     EXPECT_THROW(session.start_recording(folder / "is.rec"), InputError); // nothing is overwritten
@@ -225,12 +218,12 @@ TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
     options.lockstep = false; // the servo goes on by itself
     Session session(options);
     session.start();
-    session.advance(kFrame_s);
+    session.advance(testing::kFrame_s);
     const double silence_s = session.description().limits.window_silence_s;
     std::this_thread::sleep_for(std::chrono::duration<double>(silence_s + 0.2));
     for (int frame = 0; frame < 10; ++frame) {
-        session.advance(kFrame_s);
-        std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s));
+        session.advance(testing::kFrame_s);
+        std::this_thread::sleep_for(std::chrono::duration<double>(testing::kFrame_s));
     }
     session.stop();
     EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped);
@@ -246,7 +239,7 @@ TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
 TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
     Session session(headless());
     session.start();
-    run(session, 1.2);
+    testing::run(session, 1.2);
     session.servo().emergency_stop();
     session.servo().reset_safety(); // before any tick has seen the stop
     session.advance(1.0 / session.servo().rate_hz());
@@ -257,13 +250,13 @@ TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
 TEST(Session, LimitsAreLoweredAndNeverRaised) {
     Session session(headless());
     session.start();
-    run(session, 0.1);
+    testing::run(session, 0.1);
     const servo::SafetyLimits device = servo::limits_of(session.description());
     servo::SafetyLimits wishes = session.servo().inputs().limits;
     wishes.tip_force_N = 3.0;
     wishes.current_A = 100.0;
     session.servo().lower_limits(wishes);
-    run(session, 0.1); // it still waits, so nobody feels a blow
+    testing::run(session, 0.1); // it still waits, so nobody feels a blow
     EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
     EXPECT_EQ(session.latest().limits.current_A, device.current_A);
     session.stop();

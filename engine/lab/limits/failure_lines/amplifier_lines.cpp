@@ -1,17 +1,14 @@
+#include "base/degrees.h"
 #include "device/core/motor/amplifier.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/failure_lines/motor_lines.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace springdrive::limits {
 
 namespace {
-
-constexpr const char *kMethod = "motor";
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Whether the simulated amplifier gives what (11) settles at, i = (e_W − k_T θ̇)/dR.
 bool settles(const device::MotorParameters &motor, double e_W_V, double rate_rad_per_s) {
@@ -34,18 +31,18 @@ TriedLine standing(const device::MotorParameters &motor) {
     const control::Tuning tuning;
     const double greatest_A = std::min(motor.peak_current_A, motor.supply_V / motor.resistance_Ohm);
     return {
-        {kMethod,
+        {kMotorMethod,
          "θ_Sd − θ above",
          "°",
          "tuning firm, rotor held: the amplifier gives no more than " + with_unit(greatest_A, "A"),
-         kDegrees * greatest_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
+         kDegreesPerRadian * greatest_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
          {},
          {}},
         1e-2,
         1e3,
         false,
         [=](double error_deg) {
-            return settles(motor, tuning.K_P_V_per_rad * error_deg / kDegrees, 0.0);
+            return settles(motor, tuning.K_P_V_per_rad * error_deg / kDegreesPerRadian, 0.0);
         }};
 }
 
@@ -59,19 +56,19 @@ TriedLine coming_back(const device::MotorParameters &motor) {
     const double R_hat_Ohm = motor.resistance_Ohm - tuning.dR_Ohm;
     const double e_W_V =
         (motor.supply_V * tuning.dR_Ohm + R_hat_Ohm * back_emf_V) / motor.resistance_Ohm;
-    return {{kMethod,
+    return {{kMotorMethod,
              "θ_Sd − θ above",
              "°",
              "tuning firm, rotor coming back at " + with_unit(kRate_rad_per_s, "rad/s") +
                  ": R̂ i + e_W at the supply of " + with_unit(motor.supply_V, "V"),
-             kDegrees * (e_W_V + damping_V) / tuning.K_P_V_per_rad,
+             kDegreesPerRadian * (e_W_V + damping_V) / tuning.K_P_V_per_rad,
              {},
              {}},
-            kDegrees * (back_emf_V + damping_V) / tuning.K_P_V_per_rad, // no current
+            kDegreesPerRadian * (back_emf_V + damping_V) / tuning.K_P_V_per_rad, // no current
             1e3,
             false,
             [=](double error_deg) {
-                const double pull_V = tuning.K_P_V_per_rad * error_deg / kDegrees;
+                const double pull_V = tuning.K_P_V_per_rad * error_deg / kDegreesPerRadian;
                 return settles(motor, pull_V - damping_V, kRate_rad_per_s);
             }};
 }

@@ -12,7 +12,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr const char *kMethod = "resistance cancellation (6)";
+constexpr const char *kCancellationMethod = "resistance cancellation (6)";
 constexpr double kSmall_A = 1e-3;
 
 /// What becomes of a small current in a winding of that resistance, behind the real amplifier.
@@ -41,7 +41,7 @@ TriedLine cold_winding(device::MotorParameters motor) {
     constexpr double kNet_Ohm = 0.1;
     motor.commutation_ripple = 0.0;
     const double R_hat_Ohm = motor.resistance_Ohm - kNet_Ohm;
-    return {{kMethod,
+    return {{kCancellationMethod,
              "winding cooler than",
              "°C",
              "R̂ tuned for dR " + with_unit(kNet_Ohm, "Ω") + " at 25 °C, rotor held",
@@ -61,7 +61,7 @@ TriedLine cold_winding(device::MotorParameters motor) {
 /// R̂ tuned where the commutator's ripple is in the middle; then the rotor turns.
 TriedLine commutator(const device::MotorParameters &motor) {
     constexpr int kAngles = 64; // of one ripple
-    return {{kMethod,
+    return {{kCancellationMethod,
              "dR tuned below",
              "Ω",
              "at 25 °C, the worst of " + with_unit(kAngles, "angles of the commutator"),
@@ -90,7 +90,7 @@ TriedLine growth(const device::MotorParameters &motor) {
     constexpr double kTooMuch_Ohm = 0.1;
     constexpr double kTime_s = 5e-3;
     TriedLine tried;
-    tried.line = {kMethod,
+    tried.line = {kCancellationMethod,
                   "current grows e-fold in",
                   "ms",
                   "R̂ " + with_unit(kTooMuch_Ohm, "Ω") + " above R, rotor held",
@@ -114,7 +114,7 @@ TriedLine guarded(const device::DeviceDescription &device) {
     const double R_hat_Ohm =
         device::WindingGuard(motor, device.amplifier.greatest_cancelled_Ohm, 1.0)
             .greatest_cancelled_Ohm();
-    return {{std::string(kMethod) + ", guarded",
+    return {{std::string(kCancellationMethod) + ", guarded",
              "winding cooler than",
              "°C",
              "dR 0 asked for, worst angle; the guard counts on air of " +

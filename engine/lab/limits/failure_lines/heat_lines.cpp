@@ -12,8 +12,6 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr const char *kMethod = "motor";
-
 /// The upper estimate of a winding, T = (winding, housing) above the warmest air, under a steady
 /// current: dT/dt = A T + h, whose heat i² R(T) at the commutator's worst angle grows with T.
 struct Warming {
@@ -74,7 +72,7 @@ TriedLine hot_after(const device::DeviceDescription &device) {
     const device::MotorParameters &motor = device.motor[1];
     const Warming warming(motor, kCurrent_A);
     TriedLine tried;
-    tried.line = {kMethod,
+    tried.line = {kMotorMethod,
                   "held for longer than",
                   "s",
                   with_unit(kCurrent_A, "A") + ": winding at " +
@@ -101,7 +99,7 @@ TriedLine hot_in_the_end(const device::DeviceDescription &device) {
                            (1.0 + motor.resistance_rise_per_K *
                                       (t.greatest_winding_C - device::kReferenceTemperature_C));
     return {
-        {kMethod,
+        {kMotorMethod,
          "held for good above",
          "A",
          "winding at " + with_unit(t.greatest_winding_C, "°C") + " by the upper estimate",

@@ -12,8 +12,6 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr const char *kMethod = "motor";
-
 /// The law's command at one configuration, put through the limiter.
 class LimitedLaw {
 public:
@@ -96,7 +94,7 @@ TriedLine too_much_force(const device::DeviceDescription &device, const Vector3 
                        (*alpha * motor.torque_constant_Nm_per_A * control::Tuning{}.K_P_V_per_rad);
     }
     const LimitedLaw law(device, q_rad);
-    return {{kMethod,
+    return {{kMotorMethod,
              "pressed deeper than",
              "mm",
              "tuning firm, upwards: 95 % of " + with_unit(device.limits.tip_force_N, "N") +
@@ -123,7 +121,7 @@ TriedLine too_much_current(const device::DeviceDescription &device) {
                        (control::Tuning{}.K_P_V_per_rad * *alpha * lever_m);
     }
     const LimitedLaw law(device, stretched_rad);
-    return {{kMethod,
+    return {{kMotorMethod,
              "pressed deeper than",
              "mm",
              "tuning firm, sideways at r " +
@@ -142,7 +140,7 @@ TriedLine too_much_current(const device::DeviceDescription &device) {
 TriedLine too_much_voltage(const device::DeviceDescription &device, const Vector3 &q_rad) {
     const device::MotorParameters &motor = device.motor[1];
     const LimitedLaw law(device, q_rad);
-    return {{kMethod,
+    return {{kMotorMethod,
              "free motion faster than",
              "rad/s",
              "e_W at the supply of " + with_unit(motor.supply_V, "V"),

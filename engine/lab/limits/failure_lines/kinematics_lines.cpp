@@ -1,5 +1,6 @@
 #include "engine/lab/limits/failure_lines/kinematics_lines.h"
 
+#include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 
@@ -11,8 +12,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr const char *kMethod = "inverse kinematics (18)";
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr const char *kKinematicsMethod = "inverse kinematics (18)";
 constexpr double kStraight_deg = 90.0; ///< where the links are aligned
 constexpr double kTimes = 5.0;         ///< this much farther than usual is far
 constexpr double kWay_m = 1e-7;        ///< so short that J alone counts
@@ -34,7 +34,8 @@ control::Configuration at_rest(const device::DeviceDescription &device, const Ve
 /// plane [rad/m]; infinite where (18) has no answer for one of them. The upper arm is level.
 double set_point_reach(const device::DeviceDescription &device, double fold_deg, double way_m) {
     constexpr int kDirections = 720;
-    const control::Configuration now = at_rest(device, Vector3(0.0, 0.0, fold_deg / kDegrees));
+    const control::Configuration now =
+        at_rest(device, Vector3(0.0, 0.0, fold_deg / kDegreesPerRadian));
     double greatest = 0.0;
     for (int i = 0; i < kDirections; ++i) {
         const double angle = 2.0 * std::numbers::pi * i / kDirections;
@@ -52,19 +53,20 @@ double set_point_reach(const device::DeviceDescription &device, double fold_deg,
 /// l √(1 − |sin(q₃ − q₂)|)/N with l₁ = l₂ = l and N₂ = N₃ = N.
 TriedLine exploding(const device::DeviceDescription &device) {
     const double square = set_point_reach(device, 0.0, kWay_m);
-    return {{kMethod,
-             "q₃ − q₂ above",
-             "°",
-             "set-points go 5 times as far as at q₃ = q₂",
-             if_links_are_even(device, kDegrees * std::asin(1.0 - 1.0 / (kTimes * kTimes))),
-             {},
-             {}},
-            0.0,
-            kStraight_deg,
-            false,
-            [=](double fold_deg) {
-                return set_point_reach(device, fold_deg, kWay_m) < kTimes * square;
-            }};
+    return {
+        {kKinematicsMethod,
+         "q₃ − q₂ above",
+         "°",
+         "set-points go 5 times as far as at q₃ = q₂",
+         if_links_are_even(device, kDegreesPerRadian * std::asin(1.0 - 1.0 / (kTimes * kTimes))),
+         {},
+         {}},
+        0.0,
+        kStraight_deg,
+        false,
+        [=](double fold_deg) {
+            return set_point_reach(device, fold_deg, kWay_m) < kTimes * square;
+        }};
 }
 
 /// A set-point farther out than both links reach, l √(2 (1 + sin(q₃ − q₂))) from the shoulder.
@@ -72,11 +74,11 @@ TriedLine unreachable(const device::DeviceDescription &device) {
     constexpr double kOut_m = 1e-3;
     const double share = 2.0 - kOut_m / device.geometry.upper_arm_m;
     return {
-        {kMethod,
+        {kKinematicsMethod,
          "q₃ − q₂ above",
          "°",
          "a set-point 1 mm away is out of reach",
-         if_links_are_even(device, kDegrees * std::asin(0.5 * share * share - 1.0)),
+         if_links_are_even(device, kDegreesPerRadian * std::asin(0.5 * share * share - 1.0)),
          {},
          {}},
         0.0,
@@ -100,7 +102,7 @@ double turn_rad(const device::DeviceDescription &device, double r_m) {
 TriedLine base_axis(const device::DeviceDescription &device) {
     const double l1_mm = 1e3 * device.geometry.upper_arm_m;
     const double usual_rad = turn_rad(device, device.geometry.upper_arm_m);
-    return {{kMethod,
+    return {{kKinematicsMethod,
              "r below",
              "mm",
              "the base's set-point goes 5 times as far as at r = l₁",

@@ -13,8 +13,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kHand_N = 40.0; ///< the most that it presses with
-constexpr double kWatched_s = 0.3;
+constexpr double kHand_N = 40.0;   ///< the most that it presses with
 constexpr double kContact_s = 0.2; ///< by then the tip has left the walls
 
 long ticks_in(double time_s, const loops::StabilityCase &which) {
@@ -45,7 +44,8 @@ double speed_per_force(const loops::StabilityCase &which) {
     // [θ, its way since the last tick, θ̇, i, θ̇_f], see closed_loop.h
     Eigen::VectorXd state = Eigen::VectorXd::Zero(map.rows());
     state.head<3>() = J.inverse() * pressed_m;
-    state.segment<3>(9) = law.per_position * state.head<3>() / which.tuning.dR_Ohm;
+    const Matrix3 per_position = law.per_position;
+    state.segment<3>(9) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
     double greatest = 0.0;
     for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
         state = map * state;
@@ -67,6 +67,7 @@ bool is_borne(const loops::StabilityCase &which, double force_N, double limit_m_
         return false;
     }
     rig.device.let_go();
+    constexpr double kWatched_s = 0.3;
     for (long tick = 0; tick < ticks_in(kWatched_s, which); ++tick) {
         static_cast<void>(rig.tick());
     }

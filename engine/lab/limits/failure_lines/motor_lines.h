@@ -6,6 +6,8 @@
 
 namespace springdrive::limits {
 
+inline constexpr const char *kMotorMethod = "motor";
+
 /// What the amplifier cannot give.
 [[nodiscard]] std::vector<TriedLine> amplifier_lines(const device::DeviceDescription &device);
 

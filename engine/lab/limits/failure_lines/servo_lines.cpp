@@ -12,7 +12,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr const char *kMethod = "servo";
+constexpr const char *kServoMethod = "servo";
 constexpr double kMilli = 1e3;
 
 /// Tuning firm, all motors, one relaxed hand.
@@ -35,7 +35,7 @@ TriedLine late_tick(const loops::StabilityCase &which) {
     const double period_ms = kMilli * which.period_s;
     const int limit = missed_limit(which);
     TriedLine tried{
-        {kMethod,
+        {kServoMethod,
          "a tick later than",
          "ms",
          "1 kHz; it stops at more than " + with_unit(limit, "missed deadlines in a row"),
@@ -88,7 +88,7 @@ TriedLine every_other_tick_late(const loops::StabilityCase &which) {
            late_ticks_eigenvalue(which, loops::members(which).front(), predicted + 1) < 1.0) {
         ++predicted;
     }
-    return {{kMethod,
+    return {{kServoMethod,
              "every other tick later than",
              "periods",
              "tuning firm, 1 kHz, pressed into a corner by a relaxed hand",
@@ -114,7 +114,7 @@ TriedLine late_answers(const loops::StabilityCase &which) {
            loops::is_stable(delayed(predicted + 1))) {
         ++predicted;
     }
-    return {{kMethod,
+    return {{kServoMethod,
              "answers later than",
              "periods",
              "K_P 20 V/rad, 1 kHz, pressed into a corner by a relaxed hand",
@@ -129,7 +129,7 @@ TriedLine late_answers(const loops::StabilityCase &which) {
 
 /// A device that is gone stops the servo at once.
 TriedLine lost_device(const loops::StabilityCase &which) {
-    return {{kMethod,
+    return {{kServoMethod,
              "device lost, ticks more than",
              "–",
              "unplugged, say; no command can reach it",
@@ -152,7 +152,7 @@ TriedLine lost_device(const loops::StabilityCase &which) {
 /// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
 TriedLine missing_answers(const loops::StabilityCase &which) {
     const double budget = which.device.limits.stale_s / which.period_s;
-    return {{kMethod,
+    return {{kServoMethod,
              "measurements missing in a row, more than",
              "–",
              "1 kHz; the last command stands meanwhile",
@@ -175,9 +175,12 @@ TriedLine missing_answers(const loops::StabilityCase &which) {
 /// The tick that sees it commands braking before it ends.
 TriedLine volts_off(const loops::StabilityCase &which) {
     TriedLine tried;
-    tried.line = {kMethod,   "volts off after",
-                  "periods", "the device is lost while a relaxed hand presses",
-                  0.0,       {},
+    tried.line = {kServoMethod,
+                  "volts off after",
+                  "periods",
+                  "the device is lost while a relaxed hand presses",
+                  0.0,
+                  {},
                   {}};
     tried.reading = [=]() -> std::optional<double> {
         ServoRig rig({which, 20.0});
@@ -228,7 +231,7 @@ TriedLine new_scene(const loops::StabilityCase &which) {
 
 TriedLine silent_window(const loops::StabilityCase &which) {
     TriedLine tried;
-    tried.line = {kMethod,
+    tried.line = {kServoMethod,
                   "window silent for longer than",
                   "s",
                   "its heartbeat stands still",

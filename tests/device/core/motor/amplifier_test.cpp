@@ -17,18 +17,13 @@ constexpr double kStep_s = 25e-6;
 /// Round-off of currents of some amperes, grown by the cancellation in a mean over a short step.
 constexpr double kRoundOff_A = 1e-12;
 
-const MotorParameters &motor() {
-    static const MotorParameters read = testing::phantom_1_0().motor[0];
-    return read;
-}
-
 /// End and mean of i from L di/dt = V − R i, in closed form.
 struct Current {
     double end_A = 0.0;
     double mean_A = 0.0;
 };
 Current closed_form(double voltage_V, double net_Ohm, double current_A, double step_s = kStep_s) {
-    const double time_s = motor().inductance_H / net_Ohm;
+    const double time_s = testing::phantom_motor().inductance_H / net_Ohm;
     const double steady_A = voltage_V / net_Ohm;
     const double decay = std::exp(-step_s / time_s);
     return {steady_A + (current_A - steady_A) * decay,
@@ -50,24 +45,26 @@ TEST(SpringDrive, IsAWindingOfTheResidualResistanceWithinItsLimits) {
         const DriveState now{R_Ohm, 1.5 * one(random), 100.0 * one(random), true};
         const double e_W_V = 3.0 * one(random);
         const double mean_rate = 100.0 * one(random);
-        const CurrentStep step = spring_drive_step(motor(), now, e_W_V, R_Ohm - dR_Ohm, kStep_s);
-        expect_current(step, mean_rate,
-                       closed_form(e_W_V - motor().torque_constant_Nm_per_A * mean_rate, dR_Ohm,
-                                   now.current_A));
+        const CurrentStep step =
+            spring_drive_step(testing::phantom_motor(), now, e_W_V, R_Ohm - dR_Ohm, kStep_s);
+        expect_current(
+            step, mean_rate,
+            closed_form(e_W_V - testing::phantom_motor().torque_constant_Nm_per_A * mean_rate,
+                        dR_Ohm, now.current_A));
     }
 }
 
 TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
     // e_A = R̂ i + e_W on either side of 12 V, and of −12 V.
-    const double R_Ohm = motor().resistance_Ohm;
+    const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double R_hat_Ohm = 1.7;
     for (const double sign : {1.0, -1.0}) {
         const DriveState now{R_Ohm, sign * 2.0, 0.0, true};
         const auto at = [&](double e_A_V) {
             const double e_W_V = sign * (e_A_V - R_hat_Ohm * 2.0);
-            return spring_drive_step(motor(), now, e_W_V, R_hat_Ohm, kStep_s);
+            return spring_drive_step(testing::phantom_motor(), now, e_W_V, R_hat_Ohm, kStep_s);
         };
-        const double supply_V = motor().supply_V;
+        const double supply_V = testing::phantom_motor().supply_V;
         expect_current(at(0.8 * supply_V), 0.0,
                        closed_form(sign * (0.8 * supply_V - R_hat_Ohm * 2.0), R_Ohm - R_hat_Ohm,
                                    now.current_A));
@@ -80,28 +77,29 @@ TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
 
 TEST(SpringDrive, MeetsTheRailInTheMiddleOfAStep) {
     // The current grows until R̂ i + e_W is the supply; that moment has a closed form.
-    const double R_Ohm = motor().resistance_Ohm;
+    const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double R_hat_Ohm = 1.7;
     const double dR_Ohm = R_Ohm - R_hat_Ohm;
     for (const double share : {0.95, 0.99, 0.999}) {
         const DriveState now{R_Ohm, 2.0, 0.0, true};
-        const double e_W_V = share * motor().supply_V - R_hat_Ohm * now.current_A;
+        const double e_W_V = share * testing::phantom_motor().supply_V - R_hat_Ohm * now.current_A;
         const double steady_A = e_W_V / dR_Ohm;
-        const double rail_A = (motor().supply_V - e_W_V) / R_hat_Ohm;
-        const double free_s = motor().inductance_H / dR_Ohm *
+        const double rail_A = (testing::phantom_motor().supply_V - e_W_V) / R_hat_Ohm;
+        const double free_s = testing::phantom_motor().inductance_H / dR_Ohm *
                               std::log((now.current_A - steady_A) / (rail_A - steady_A));
         ASSERT_GT(free_s, 0.0);
         ASSERT_LT(free_s, kStep_s);
         const Current free = closed_form(e_W_V, dR_Ohm, now.current_A, free_s);
-        const Current railed = closed_form(motor().supply_V, R_Ohm, free.end_A, kStep_s - free_s);
+        const Current railed =
+            closed_form(testing::phantom_motor().supply_V, R_Ohm, free.end_A, kStep_s - free_s);
         const double mean_A = (free_s * free.mean_A + (kStep_s - free_s) * railed.mean_A) / kStep_s;
-        expect_current(spring_drive_step(motor(), now, e_W_V, R_hat_Ohm, kStep_s), 0.0,
-                       {railed.end_A, mean_A});
+        expect_current(spring_drive_step(testing::phantom_motor(), now, e_W_V, R_hat_Ohm, kStep_s),
+                       0.0, {railed.end_A, mean_A});
     }
 }
 
 TEST(SpringDrive, DrivesACurrentAtItsLimitNoFurther) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double supply_V = m.supply_V;
     const double sustaining_V = m.peak_current_A * m.resistance_Ohm; // 11.99 V, just below supply
     ASSERT_LT(sustaining_V, supply_V);
@@ -125,9 +123,9 @@ TEST(SpringDrive, DrivesACurrentAtItsLimitNoFurther) {
 }
 
 TEST(SpringDrive, HasNoLimitsWhereTheyAreOff) {
-    const DriveState now{motor().resistance_Ohm, 20.0, 0.0, false};
-    expect_current(spring_drive_step(motor(), now, 50.0, 0.0, kStep_s), 0.0,
-                   closed_form(50.0, motor().resistance_Ohm, 20.0));
+    const DriveState now{testing::phantom_motor().resistance_Ohm, 20.0, 0.0, false};
+    expect_current(spring_drive_step(testing::phantom_motor(), now, 50.0, 0.0, kStep_s), 0.0,
+                   closed_form(50.0, testing::phantom_motor().resistance_Ohm, 20.0));
 }
 
 TEST(CurrentDrive, FollowsAtItsBandwidth) {
@@ -136,22 +134,25 @@ TEST(CurrentDrive, FollowsAtItsBandwidth) {
     double current_A = 0.3;
     double charge_C = 0.0;
     for (int k = 0; k < 40; ++k) {
-        const CurrentStep step = current_drive_step(
-            motor(), {motor().resistance_Ohm, current_A, 20.0, true}, 1.0, kBandwidth, kStep_s);
+        const CurrentStep step =
+            current_drive_step(testing::phantom_motor(),
+                               {testing::phantom_motor().resistance_Ohm, current_A, 20.0, true},
+                               1.0, kBandwidth, kStep_s);
         charge_C += kStep_s * step.mean_at(20.0);
         current_A = step.end_at(20.0);
     }
     const double decay = std::exp(-kBandwidth * 1e-3);
     EXPECT_NEAR(current_A, 1.0 - 0.7 * decay, kRoundOff_A);
     EXPECT_NEAR(charge_C, 1e-3 - 0.7 * (1.0 - decay) / kBandwidth, kRoundOff_A * 1e-3);
-    EXPECT_EQ(current_drive_step(motor(), {2.18, 0.0, 0.0, true}, 1.0, kBandwidth, kStep_s)
+    EXPECT_EQ(current_drive_step(testing::phantom_motor(), {2.18, 0.0, 0.0, true}, 1.0, kBandwidth,
+                                 kStep_s)
                   .mean_As_per_rad,
               0.0); // the rotor's velocity does not disturb it
 }
 
 TEST(CurrentDrive, MeetsTheRailWhereTheSupplyDoesNotSuffice) {
     // At a steady 2 A the supply is spent where k_T θ̇ = 12 V − R · 2 A, a rotor at 327 rad/s.
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double spent_rad_per_s =
         (m.supply_V - 2.0 * m.resistance_Ohm) / m.torque_constant_Nm_per_A;
     const auto at = [&](double rate) {
@@ -169,32 +170,34 @@ TEST(CurrentDrive, MeetsTheRailWhereTheSupplyDoesNotSuffice) {
 }
 
 TEST(CurrentDrive, HoldsItsCurrentLimitUnlessLimitsAreOff) {
-    const double peak_A = motor().peak_current_A;
+    const double peak_A = testing::phantom_motor().peak_current_A;
     for (const double commanded_A : {0.9 * peak_A, 1.1 * peak_A, -1.1 * peak_A}) {
         const double held_A = std::clamp(commanded_A, -peak_A, peak_A);
         const DriveState now{2.0, held_A, 0.0, true};
-        expect_current(current_drive_step(motor(), now, commanded_A, 1e4, kStep_s), 0.0,
-                       {held_A, held_A});
+        expect_current(current_drive_step(testing::phantom_motor(), now, commanded_A, 1e4, kStep_s),
+                       0.0, {held_A, held_A});
     }
     const DriveState free{2.0, 20.0, 0.0, false};
-    expect_current(current_drive_step(motor(), free, 20.0, 1e4, kStep_s), 0.0, {20.0, 20.0});
+    expect_current(current_drive_step(testing::phantom_motor(), free, 20.0, 1e4, kStep_s), 0.0,
+                   {20.0, 20.0});
 }
 
 TEST(SpringDriveAtOnce, IsOhmsLawOnWhatRemainsOfTheResistance) {
     // (11) with L = 0: i = (e_W − k_T θ̇)/dR.
-    const double R_Ohm = motor().resistance_Ohm;
+    const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     for (const double dR_Ohm : {R_Ohm, 0.5, 0.02}) {
         for (const double rate : {0.0, 30.0, -30.0}) {
-            const double current_A = (0.02 - motor().torque_constant_Nm_per_A * rate) / dR_Ohm;
-            const CurrentStep step =
-                spring_drive_at_once(motor(), {R_Ohm, 7.0, rate, false}, 0.02, R_Ohm - dR_Ohm);
+            const double current_A =
+                (0.02 - testing::phantom_motor().torque_constant_Nm_per_A * rate) / dR_Ohm;
+            const CurrentStep step = spring_drive_at_once(
+                testing::phantom_motor(), {R_Ohm, 7.0, rate, false}, 0.02, R_Ohm - dR_Ohm);
             expect_current(step, rate, {current_A, current_A}); // whatever it was before
         }
     }
 }
 
 TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
-    MotorParameters m = motor();
+    MotorParameters m = testing::phantom_motor();
     m.inductance_H *= 1e-9;
     const DriveState now{m.resistance_Ohm, 0.3, 5.0, false};
     const CurrentStep slow = spring_drive_step(m, now, 0.4, 1.6, kStep_s);
@@ -205,18 +208,18 @@ TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
 }
 
 TEST(SpringDriveAtOnce, KeepsAResidualWhereTheWindingIsOverCancelled) {
-    const double R_Ohm = motor().resistance_Ohm;
+    const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double least_Ohm = kLeastResidualShare * R_Ohm;
     for (const double cancelled_Ohm : {R_Ohm - least_Ohm, R_Ohm, R_Ohm + 0.1}) {
-        const CurrentStep step =
-            spring_drive_at_once(motor(), {R_Ohm, 0.0, 0.0, false}, 1e-3, cancelled_Ohm);
+        const CurrentStep step = spring_drive_at_once(
+            testing::phantom_motor(), {R_Ohm, 0.0, 0.0, false}, 1e-3, cancelled_Ohm);
         expect_current(step, 0.0, {1e-3 / least_Ohm, 1e-3 / least_Ohm});
     }
 }
 
 TEST(SpringDriveAtOnce, MeetsTheRailWhereItExceedsTheSupply) {
     // At standstill e_A = R̂ i + e_W = e_W R/dR. Nothing limits the current here.
-    MotorParameters m = motor();
+    MotorParameters m = testing::phantom_motor();
     m.peak_current_A = 100.0;
     const double R_Ohm = m.resistance_Ohm;
     const double dR_Ohm = 0.5;
@@ -230,7 +233,7 @@ TEST(SpringDriveAtOnce, MeetsTheRailWhereItExceedsTheSupply) {
 }
 
 TEST(SpringDriveAtOnce, HoldsItsCurrentLimit) {
-    MotorParameters m = motor();
+    MotorParameters m = testing::phantom_motor();
     m.peak_current_A = 2.0;
     const double R_Ohm = m.resistance_Ohm;
     const auto current_A = [&](double wanted_A) {
@@ -243,7 +246,7 @@ TEST(SpringDriveAtOnce, HoldsItsCurrentLimit) {
 }
 
 TEST(CurrentDriveAtOnce, HoldsTheCommandWithinSupplyAndLimit) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double k_T = m.torque_constant_Nm_per_A;
     const double spent_rad_per_s = (m.supply_V - 2.0 * m.resistance_Ohm) / k_T;
     const auto at = [&](double commanded_A, double rate, bool limited) {

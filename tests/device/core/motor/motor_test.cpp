@@ -10,8 +10,6 @@
 namespace springdrive::device {
 namespace {
 
-MotorParameters motor() { return testing::phantom_1_0().motor[0]; }
-
 /// i' = (u − dR i)/L by a Taylor series of many small steps in extended precision.
 struct Reference {
     long double current_A;
@@ -42,7 +40,7 @@ Reference integrate(const MotorParameters &m, long double dR, long double i0, lo
 }
 
 TEST(WindingStep, AgreesWithAnIntegrationForEveryResistance) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double i0 = 0.7;
     const double u = 0.3;
     for (const double dR : {-0.3, -0.02, -1e-6, 0.0, 1e-9, 1e-4, 0.02, 0.094, 0.097, 0.4, 2.18}) {
@@ -62,15 +60,17 @@ TEST(WindingStep, AgreesWithAnIntegrationForEveryResistance) {
 
 TEST(Motor, DataSheetGivesThePublishedStiffness) {
     // DESIGN section 5: K_L = 2.30 N·m/rad and R/L = 9160 rad/s, both given to three digits.
-    EXPECT_NEAR(inductive_stiffness_Nm_per_rad(motor()), 2.30, 0.005);
-    EXPECT_NEAR(motor().resistance_Ohm / motor().inductance_H, 9160.0, 5.0);
+    EXPECT_NEAR(inductive_stiffness_Nm_per_rad(testing::phantom_motor()), 2.30, 0.005);
+    EXPECT_NEAR(testing::phantom_motor().resistance_Ohm / testing::phantom_motor().inductance_H,
+                9160.0, 5.0);
 }
 
 TEST(Motor, SpringAndDamperInSeriesHaveTheElectricalCorner) {
     // K_L/B_dR is dR/L: the mechanical picture of Fig. 1 has the electrical time constant.
     const double dR = 0.37;
-    EXPECT_NEAR(inductive_stiffness_Nm_per_rad(motor()) / series_damping_Nms_per_rad(motor(), dR),
-                dR / motor().inductance_H, 1e-9);
+    EXPECT_NEAR(inductive_stiffness_Nm_per_rad(testing::phantom_motor()) /
+                    series_damping_Nms_per_rad(testing::phantom_motor(), dR),
+                dR / testing::phantom_motor().inductance_H, 1e-9);
 }
 
 } // namespace

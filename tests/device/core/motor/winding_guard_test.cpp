@@ -20,8 +20,6 @@ namespace {
 constexpr double kPeriod_s = 1e-3;
 constexpr double kAmplifierLimit_Ohm = 2.8;
 
-MotorParameters motor() { return testing::phantom_1_0().motor[0]; }
-
 WindingGuard guard(const MotorParameters &m) { return {m, kAmplifierLimit_Ohm, kPeriod_s}; }
 
 /// The winding itself: its current runs to a new value in each period as e^(−t/τ) lets it, and
@@ -50,7 +48,7 @@ struct TrueWinding {
 };
 
 TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     std::mt19937 random(3);
     std::uniform_real_distribution<double> share(-1.0, 1.0);
     for (int run = 0; run < 20; ++run) {
@@ -73,7 +71,7 @@ TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
 
 TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
     // Without ripple, in the coldest air, under a steady current, nothing is left to doubt below.
-    MotorParameters m = motor();
+    MotorParameters m = testing::phantom_motor();
     m.commutation_ripple = 0.0;
     TrueWinding winding(m, kColdestAir_C);
     WindingGuard bounds = guard(m);
@@ -90,7 +88,7 @@ TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
 TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
     // Warmed in the coldest air by a current long or short, then cooled: at no time, at no angle,
     // is the R̂ allowed above R. Barely: the share that is left is the one promised.
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     for (const double current_A : {0.0, 0.5, 1.2, 3.0}) {
         TrueWinding winding(m, kColdestAir_C);
         WindingGuard bounds = guard(m);
@@ -106,7 +104,7 @@ TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
 }
 
 TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     WindingGuard bounds = guard(m);
     const double cold_Ohm = bounds.greatest_cancelled_Ohm();
     for (int tick = 0; tick < 30000; ++tick) {
@@ -128,7 +126,7 @@ TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
 }
 
 TEST(WindingGuard, NeverPassesWhatTheAmplifierCanBeSetTo) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double cold_Ohm = guard(m).greatest_cancelled_Ohm();
     EXPECT_DOUBLE_EQ(WindingGuard(m, 1.001 * cold_Ohm, kPeriod_s).greatest_cancelled_Ohm(),
                      cold_Ohm);
@@ -147,7 +145,7 @@ TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
     servo::ServoLoop loop(device, kPeriod_s);
     servo::ServoInputs inputs;
     inputs.tuning.dR_Ohm = 0.02;
-    const double asked_Ohm = motor().resistance_Ohm - inputs.tuning.dR_Ohm;
+    const double asked_Ohm = testing::phantom_motor().resistance_Ohm - inputs.tuning.dR_Ohm;
     int over_cancelled_without = 0;
     for (int tick = 0; tick < 2100; ++tick) {
         const servo::ServoSample sample = loop.tick(servo::sealed(inputs));
@@ -163,7 +161,7 @@ TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
 }
 
 TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     for (const double unknown : {static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
         WindingGuard idle = guard(m);
         WindingGuard full = guard(m);

@@ -13,8 +13,7 @@
 namespace springdrive::device {
 namespace {
 
-MotorParameters motor() { return testing::phantom_1_0().motor[0]; }
-ThermalParameters thermal() { return motor().thermal; }
+ThermalParameters thermal() { return testing::phantom_motor().thermal; }
 
 /// The two heat balances as they stand in the header, by classical Runge-Kutta.
 struct Network {
@@ -142,7 +141,7 @@ TEST(WindingTemperature, MoreHeatAndWarmerAirNeverCool) {
 }
 
 TEST(WindingResistance, RisesAsCopperAndRipplesWithTheCommutator) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     const double R = m.resistance_Ohm;
     const double quarter_rad = 0.5 * std::numbers::pi / m.commutator_segments;
     EXPECT_NEAR(winding_resistance_Ohm(m, 25.0, quarter_rad), R, 1e-14);
@@ -157,7 +156,7 @@ TEST(WindingResistance, RisesAsCopperAndRipplesWithTheCommutator) {
 }
 
 TEST(WindingResistance, BoundsAreThoseOfAWholeTurn) {
-    const MotorParameters m = motor();
+    const MotorParameters m = testing::phantom_motor();
     for (const double winding_C : {15.0, 25.0, 60.0, 100.0}) {
         double least_Ohm = INFINITY;
         double greatest_Ohm = 0.0;

@@ -16,7 +16,7 @@
 namespace springdrive::device {
 namespace {
 
-constexpr double kRoundOff = 10.0 * std::numeric_limits<double>::epsilon();
+constexpr double kSecantRoundOff = 10.0 * std::numeric_limits<double>::epsilon();
 
 /// Two configurations, from a radian apart down to where nothing but round-off lies between them.
 struct Pair {
@@ -46,15 +46,16 @@ TEST_P(Secants, SayExactlyWhatChangesFromOneEndToTheOther) {
         const Vector3 u = any_vector();
         const Vector3 v = any_vector();
         const Vector3 moved_m = tip_position_m(geometry(), q.b) - tip_position_m(geometry(), q.a);
-        ASSERT_LT((tip_secant(geometry(), q.a, q.b) * q.way() - moved_m).norm(), kRoundOff);
+        ASSERT_LT((tip_secant(geometry(), q.a, q.b) * q.way() - moved_m).norm(), kSecantRoundOff);
 
         const Matrix3 M_a = mass_matrix(moments, q.a);
         const Matrix3 M_b = mass_matrix(moments, q.b);
         ASSERT_NEAR(q.way().dot(inertia_secant(moments, q.a, q.b, u) * v),
-                    0.5 * u.dot((M_b - M_a) * v), kRoundOff * M_a.norm());
+                    0.5 * u.dot((M_b - M_a) * v), kSecantRoundOff * M_a.norm());
 
         ASSERT_NEAR(gravity_secant_Nm(moments, q.a, q.b).dot(q.way()),
-                    gravity_energy_J(moments, q.b) - gravity_energy_J(moments, q.a), kRoundOff);
+                    gravity_energy_J(moments, q.b) - gravity_energy_J(moments, q.a),
+                    kSecantRoundOff);
     }
 }
 
@@ -62,7 +63,7 @@ TEST_P(Secants, AreTheDerivativesWhereTheEndsMeet) {
     for (int i = 0; i < 1000; ++i) {
         const Pair q = any_pair(0.0);
         ASSERT_LT((tip_secant(geometry(), q.a, q.a) - joint_jacobian(geometry(), q.a)).norm(),
-                  kRoundOff);
+                  kSecantRoundOff);
         ASSERT_EQ(gravity_secant_Nm(moments, q.a, q.a), gravity_torque_Nm(moments, q.a));
         // The rows of Γ are ½ uᵀ ∂M/∂q, here by central differences: h² and ε/h, 1e-10 together.
         constexpr double kStep = 1e-5;
@@ -86,7 +87,7 @@ TEST_P(Secants, AreOfSecondOrderAboutTheMiddleHoweverCloseTheEnds) {
         const Pair q = any_pair(way_rad);
         const Vector3 u = any_vector();
         // Frequencies of up to 2 in each of three angles: 3 · (2 d)²/8 and more where they mix.
-        const double relative = 5.0 * way_rad * way_rad + kRoundOff;
+        const double relative = 5.0 * way_rad * way_rad + kSecantRoundOff;
         const Matrix3 J = joint_jacobian(geometry(), q.middle());
         ASSERT_LT((tip_secant(geometry(), q.a, q.b) - J).norm(), relative * J.norm());
         ASSERT_LT((inertia_secant(moments, q.a, q.b, u) -
@@ -109,10 +110,10 @@ TEST_P(Secants, OfTwoJointsAreThoseOfThreeWhereTheBaseStandsStill) {
         const Vector3 outward(std::sin(q.a[0]), 0.0, std::cos(q.a[0]));
         Eigen::Matrix<double, 3, 2> tip = outward * two.tip(geometry()).row(0);
         tip.row(1) += two.tip(geometry()).row(1);
-        ASSERT_LT((tip - tip_secant(geometry(), q.a, q.b).rightCols<2>()).norm(), kRoundOff);
+        ASSERT_LT((tip - tip_secant(geometry(), q.a, q.b).rightCols<2>()).norm(), kSecantRoundOff);
         const Eigen::Matrix2d gamma = two.inertia(moments, u.tail<2>());
         ASSERT_LT((gamma - inertia_secant(moments, q.a, q.b, u).bottomRightCorner<2, 2>()).norm(),
-                  kRoundOff);
+                  kSecantRoundOff);
         ASSERT_EQ(two.gravity_Nm(moments), gravity_secant_Nm(moments, q.a, q.b).tail<2>());
         ASSERT_EQ(mass_matrix_of_plane(moments, LinkSines::of(q.a)),
                   (mass_matrix(moments, q.a).bottomRightCorner<2, 2>()));

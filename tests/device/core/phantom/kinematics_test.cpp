@@ -1,18 +1,16 @@
 // Covers device/core/phantom/kinematics.cpp.
 #include "device/core/phantom/kinematics.h"
 
+#include "base/degrees.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
 
 namespace springdrive::device {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// Joint angles well inside the branch that `joint_angles_rad` answers on.
 Vector3 random_configuration(std::mt19937_64 &random) {
@@ -61,13 +59,13 @@ TEST_P(Kinematics, JacobianRateAgreesWithFiniteDifferencesOverTheWorkspace) {
     std::mt19937_64 random(2);
     constexpr double kFastest_rad_per_s = 3.0;
     // As above, for a motion that turns by up to 3·3 rad/s in the fastest of its terms.
-    constexpr double kStep_s = 1e-6;
+    constexpr double kDifference_s = 1e-6;
     for (int i = 0; i < 1000; ++i) {
         const Vector3 q = testing::random_workspace_angles(GetParam(), random);
         const Vector3 w = testing::random_vector(random, kFastest_rad_per_s);
-        const Matrix3 difference = (joint_jacobian(geometry(), q + kStep_s * w) -
-                                    joint_jacobian(geometry(), q - kStep_s * w)) /
-                                   (2.0 * kStep_s);
+        const Matrix3 difference = (joint_jacobian(geometry(), q + kDifference_s * w) -
+                                    joint_jacobian(geometry(), q - kDifference_s * w)) /
+                                   (2.0 * kDifference_s);
         ASSERT_LT((joint_jacobian_rate(geometry(), q, w) - difference).norm(),
                   1e-9 * joint_jacobian(geometry(), q).norm() * kFastest_rad_per_s);
     }

@@ -13,7 +13,7 @@ namespace {
 using testing::Boxes;
 using testing::BoxSet;
 
-SearchBudget unlimited() { return {1 << 30}; }
+SearchBudget no_limit() { return {1 << 30}; }
 
 TEST(BoxTreeBuild, NumbersEveryBoxOnce) {
     std::mt19937_64 random(1);
@@ -37,7 +37,7 @@ TEST(BoxTreeBuild, FindsEachBoxAtEachOfItsCorners) {
             const Vector3 corner = box.corner(corner_type);
             bool found_within = false;
             bool found_along = false;
-            SearchBudget budget = unlimited();
+            SearchBudget budget = no_limit();
             tree.within(corner, 0.0, budget, [&](std::uint32_t visited, double squared) {
                 found_within |= visited == item;
                 return squared;
@@ -55,7 +55,7 @@ TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
     const Boxes boxes = testing::boxes_of(testing::bumpy_sphere(5, 0.05));
     const auto walk = [&](const BoxTree &tree) {
         std::vector<std::uint32_t> visits;
-        SearchBudget budget = unlimited();
+        SearchBudget budget = no_limit();
         tree.within({0.03, 0.01, -0.02}, 0.06, budget, [&](std::uint32_t item, double) {
             visits.push_back(item);
             return 0.06 * 0.06;

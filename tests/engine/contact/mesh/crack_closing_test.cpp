@@ -16,11 +16,11 @@ using testing::mesh_of;
 using testing::shaken;
 using testing::unshared;
 
-constexpr double kTolerance_m = 5e-6;
+constexpr double kCrackTolerance_m = 5e-6;
 
 ClosedCracks closed_cracks(const TriangleSoup &soup) {
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
-    return close_cracks(triangles, edges_of(triangles), soup.vertices_m, kTolerance_m);
+    return close_cracks(triangles, edges_of(triangles), soup.vertices_m, kCrackTolerance_m);
 }
 
 std::vector<VertexTriple> welded(const TriangleSoup &soup, const ClosedCracks &closed) {
@@ -48,7 +48,7 @@ void expect_moves_within_tolerance(const TriangleSoup &soup, const ClosedCracks 
         largest_m = std::max(largest_m, (soup.vertices_m[i] - soup.vertices_m[head]).norm());
         moved += head != i ? 1 : 0;
     }
-    EXPECT_LE(largest_m, kTolerance_m);
+    EXPECT_LE(largest_m, kCrackTolerance_m);
     EXPECT_EQ(closed.largest_move_m, largest_m);
     EXPECT_EQ(closed.moved_vertices, moved);
 }
@@ -148,8 +148,8 @@ std::size_t welds_over_slit(double gap_m) {
 }
 
 TEST(CrackClosing, ClosesASlitOfTheToleranceAndNoWiderOne) {
-    EXPECT_GT(welds_over_slit(0.99 * kTolerance_m), 0U);
-    EXPECT_EQ(welds_over_slit(1.01 * kTolerance_m), 0U);
+    EXPECT_GT(welds_over_slit(0.99 * kCrackTolerance_m), 0U);
+    EXPECT_EQ(welds_over_slit(1.01 * kCrackTolerance_m), 0U);
 }
 
 TEST(CrackClosing, CollapsesNoTriangleHoweverSmall) {

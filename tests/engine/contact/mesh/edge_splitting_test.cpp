@@ -13,19 +13,19 @@ namespace {
 using testing::edges_of;
 using testing::mesh_of;
 
-constexpr double kTolerance_m = 5e-6;
+constexpr double kSplitTolerance_m = 5e-6;
 
-struct Outcome {
+struct SplitOutcome {
     std::vector<MeshTriangle> triangles;
     std::vector<VertexTriple> triples;
     SplitEdges split;
 };
 
-Outcome after_splitting(const std::vector<VertexTriple> &triples,
-                        const std::vector<Vector3> &vertices_m, unsigned threads = 1) {
-    Outcome outcome{mesh_of(triples), {}, {}};
+SplitOutcome after_splitting(const std::vector<VertexTriple> &triples,
+                             const std::vector<Vector3> &vertices_m, unsigned threads = 1) {
+    SplitOutcome outcome{mesh_of(triples), {}, {}};
     const EdgeTable edges = edges_of(outcome.triangles);
-    outcome.split = split_edges(outcome.triangles, edges, vertices_m, kTolerance_m, threads);
+    outcome.split = split_edges(outcome.triangles, edges, vertices_m, kSplitTolerance_m, threads);
     for (const MeshTriangle &triangle : outcome.triangles) {
         outcome.triples.push_back(triangle.vertices);
     }
@@ -61,7 +61,7 @@ TEST(EdgeSplitting, LeadsAnEdgeThroughTheVerticesOnIt) {
     const std::vector<Vector3> vertices_m = {{0.0, 0.0, 0.0},     {0.03, 0.0, 0.0},
                                              {0.01, 0.02, 0.0},   {0.02, 1e-6, 1e-6},
                                              {0.01, -2e-6, 1e-6}, {0.015, -0.02, 0.0}};
-    const Outcome outcome =
+    const SplitOutcome outcome =
         after_splitting({{0, 1, 2}, {0, 5, 4}, {4, 5, 3}, {3, 5, 1}}, vertices_m);
     EXPECT_EQ(outcome.split.split_triangles, 1U);
     EXPECT_DOUBLE_EQ(outcome.split.largest_move_m, std::sqrt(5.0) * 1e-6);
@@ -77,9 +77,9 @@ TEST(EdgeSplitting, ReachesAsFarAsTheToleranceAndNoFarther) {
     for (const double share : {0.99, 1.01}) {
         const std::vector<Vector3> vertices_m = {
             {0.0, 0.0, 0.0},   {0.03, 0.0, 0.0},
-            {0.01, 0.02, 0.0}, {0.02, -share * kTolerance_m, 0.0},
+            {0.01, 0.02, 0.0}, {0.02, -share * kSplitTolerance_m, 0.0},
             {0.0, -0.02, 0.0}, {0.03, -0.02, 0.0}};
-        const Outcome outcome = after_splitting({{0, 1, 2}, {3, 4, 5}}, vertices_m);
+        const SplitOutcome outcome = after_splitting({{0, 1, 2}, {3, 4, 5}}, vertices_m);
         EXPECT_EQ(outcome.split.split_triangles, share < 1.0 ? 1U : 0U);
     }
 }
@@ -104,7 +104,7 @@ TEST(EdgeSplitting, DividesAllThreeSidesAndKeepsAreaAndWinding) {
                 ++on_sides;
             }
         }
-        const Outcome outcome = after_splitting(triples, vertices_m);
+        const SplitOutcome outcome = after_splitting(triples, vertices_m);
         std::vector<VertexTriple> pieces;
         double area = 0.0;
         for (const MeshTriangle &triangle : outcome.triangles) {
@@ -133,7 +133,7 @@ TEST(EdgeSplitting, DividesALongEdgeByThousandsOfVertices) {
     for (std::uint32_t i = 0; i < kCells; ++i) {
         triples.push_back({i + 1 == kCells ? 1 : 4 + i, i == 0 ? 0 : 3 + i, 3});
     }
-    const Outcome outcome = after_splitting(triples, vertices_m, 2);
+    const SplitOutcome outcome = after_splitting(triples, vertices_m, 2);
     EXPECT_EQ(outcome.triangles.size(), 2U * kCells);
     EXPECT_EQ(open_edges(outcome.triples).size(), 4U);
 }
@@ -141,7 +141,7 @@ TEST(EdgeSplitting, DividesALongEdgeByThousandsOfVertices) {
 TEST(EdgeSplitting, IsTheSameForAnyNumberOfThreads) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::random_soup(random, 500, 1e-4, 1e-4);
-    const Outcome one = after_splitting(soup.triangles, soup.vertices_m, 1);
+    const SplitOutcome one = after_splitting(soup.triangles, soup.vertices_m, 1);
     EXPECT_GT(one.split.split_triangles, 0U);
     EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 2).triples, one.triples);
     EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 3).triples, one.triples);

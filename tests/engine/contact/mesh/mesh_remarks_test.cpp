@@ -9,19 +9,19 @@
 namespace springdrive::contact {
 namespace {
 
-const Vector3 kLower_m(-0.03, -0.02, -0.01);
-const Vector3 kUpper_m(0.03, 0.02, 0.01);
+const Vector3 kBoxLower_m(-0.03, -0.02, -0.01);
+const Vector3 kBoxUpper_m(0.03, 0.02, 0.01);
 
 std::vector<std::string> remarks(const TriangleSoup &soup) {
     return remarks_on(prepare_mesh(soup).report, soup.materials);
 }
 
 TEST(MeshRemarks, SaysNothingOfACleanMesh) {
-    EXPECT_TRUE(remarks(testing::box_soup(kLower_m, kUpper_m)).empty());
+    EXPECT_TRUE(remarks(testing::box_soup(kBoxLower_m, kBoxUpper_m)).empty());
 }
 
 TEST(MeshRemarks, NamesTheNodeWhoseTrianglesCannotBeTouched) {
-    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    TriangleSoup soup = testing::box_soup(kBoxLower_m, kBoxUpper_m);
     soup.materials.push_back({"needle", 0.0});
     soup.triangles.push_back({0, 0, 1});
     soup.material_of_triangle.push_back(1);
@@ -30,7 +30,7 @@ TEST(MeshRemarks, NamesTheNodeWhoseTrianglesCannotBeTouched) {
 }
 
 TEST(MeshRemarks, SaysThatAnOpenSurfaceHasTwoSides) {
-    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    TriangleSoup soup = testing::box_soup(kBoxLower_m, kBoxUpper_m);
     soup.triangles.pop_back();
     soup.material_of_triangle.pop_back();
     ASSERT_EQ(remarks(soup).size(), 1U);
@@ -38,7 +38,8 @@ TEST(MeshRemarks, SaysThatAnOpenSurfaceHasTwoSides) {
 }
 
 TEST(MeshRemarks, SaysThatABoxInsideOutIsTouchedFromWithin) {
-    const TriangleSoup soup = testing::turned_inside_out(testing::box_soup(kLower_m, kUpper_m));
+    const TriangleSoup soup =
+        testing::turned_inside_out(testing::box_soup(kBoxLower_m, kBoxUpper_m));
     ASSERT_EQ(remarks(soup).size(), 1U);
     EXPECT_NE(remarks(soup).front().find("face inwards"), std::string::npos);
 }
@@ -70,7 +71,7 @@ TEST(MeshRemarks, SaysWhatWasTurnedAndWhatHasTwoSides) {
 }
 
 TEST(MeshRemarks, DoesNotPromiseSidesThatANodeMaySet) {
-    TriangleSoup soup = testing::box_soup(kLower_m, kUpper_m);
+    TriangleSoup soup = testing::box_soup(kBoxLower_m, kBoxUpper_m);
     soup.triangles.pop_back();
     soup.material_of_triangle.pop_back();
     soup.materials.front().sides = TouchSides::one;

@@ -13,13 +13,13 @@ namespace {
 using testing::edges_of;
 using testing::mesh_of;
 
-struct Outcome {
+struct RepeatOutcome {
     std::vector<MeshTriangle> triangles;
     RepeatedTriangles repeated;
 };
 
-Outcome after_dropping(std::vector<MeshTriangle> triangles,
-                       const std::vector<std::uint16_t> &materials, unsigned threads = 1) {
+RepeatOutcome after_dropping(std::vector<MeshTriangle> triangles,
+                             const std::vector<std::uint16_t> &materials, unsigned threads = 1) {
     const EdgeTable edges = edges_of(triangles);
     RepeatedTriangles repeated = drop_repeated_triangles(triangles, edges, materials, threads);
     return {std::move(triangles), std::move(repeated)};
@@ -51,14 +51,16 @@ Felt felt(const std::vector<MeshTriangle> &triangles, const std::vector<std::uin
 }
 
 TEST(RepeatedTriangles, LeavesAMeshWithoutAnyAlone) {
-    const Outcome outcome = after_dropping(mesh_of({{0, 1, 2}, {0, 2, 3}, {1, 0, 3}}), {0, 0, 0});
+    const RepeatOutcome outcome =
+        after_dropping(mesh_of({{0, 1, 2}, {0, 2, 3}, {1, 0, 3}}), {0, 0, 0});
     EXPECT_EQ(outcome.triangles.size(), 3U);
     EXPECT_TRUE(outcome.repeated.same_winding.empty());
     EXPECT_TRUE(outcome.repeated.merged.empty());
 }
 
 TEST(RepeatedTriangles, KeepsTheFirstOfOneWinding) {
-    const Outcome outcome = after_dropping(mesh_of({{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}), {0, 1, 0});
+    const RepeatOutcome outcome =
+        after_dropping(mesh_of({{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}), {0, 1, 0});
     ASSERT_EQ(outcome.triangles.size(), 1U);
     EXPECT_EQ(outcome.triangles.front().triangle, 0U);
     EXPECT_FALSE(outcome.triangles.front().has_both_windings);
@@ -66,14 +68,14 @@ TEST(RepeatedTriangles, KeepsTheFirstOfOneWinding) {
 }
 
 TEST(RepeatedTriangles, MergesBothWindings) {
-    const Outcome outcome = after_dropping(mesh_of({{0, 1, 2}, {0, 2, 1}}), {0, 0});
+    const RepeatOutcome outcome = after_dropping(mesh_of({{0, 1, 2}, {0, 2, 1}}), {0, 0});
     ASSERT_EQ(outcome.triangles.size(), 1U);
     EXPECT_TRUE(outcome.triangles.front().has_both_windings);
     EXPECT_EQ(outcome.repeated.merged, std::vector<std::uint32_t>{1});
 }
 
 TEST(RepeatedTriangles, KeepsBothSidesOfDifferentMaterials) {
-    const Outcome outcome = after_dropping(mesh_of({{0, 1, 2}, {0, 2, 1}}), {0, 1});
+    const RepeatOutcome outcome = after_dropping(mesh_of({{0, 1, 2}, {0, 2, 1}}), {0, 1});
     ASSERT_EQ(outcome.triangles.size(), 2U);
     EXPECT_FALSE(outcome.triangles.front().has_both_windings);
 }
@@ -81,7 +83,7 @@ TEST(RepeatedTriangles, KeepsBothSidesOfDifferentMaterials) {
 TEST(RepeatedTriangles, KeepsBothWindingsOfWhatWasMergedBefore) {
     std::vector<MeshTriangle> triangles = mesh_of({{0, 1, 2}, {0, 1, 2}});
     triangles[1].has_both_windings = true;
-    const Outcome outcome = after_dropping(triangles, {0, 0});
+    const RepeatOutcome outcome = after_dropping(triangles, {0, 0});
     ASSERT_EQ(outcome.triangles.size(), 1U);
     EXPECT_TRUE(outcome.triangles.front().has_both_windings);
 }
@@ -100,7 +102,7 @@ TEST(RepeatedTriangles, LeavesOneOfEachAndNoSideUnfelt) {
             materials.push_back(static_cast<std::uint16_t>(random() % 4 == 0 ? 1 : 0));
         }
         const std::vector<MeshTriangle> before = mesh_of(triples);
-        const Outcome outcome = after_dropping(before, materials, 1 + round % 3);
+        const RepeatOutcome outcome = after_dropping(before, materials, 1 + round % 3);
 
         // By brute force: of each winding the material of its first triangle.
         Felt expected;
@@ -124,7 +126,7 @@ TEST(RepeatedTriangles, LeavesOneOfEachAndNoSideUnfelt) {
 TEST(RepeatedTriangles, ManageAHundredThousandCopies) {
     std::vector<VertexTriple> triples(100000, {0, 1, 2});
     triples.push_back({0, 2, 1});
-    const Outcome outcome =
+    const RepeatOutcome outcome =
         after_dropping(mesh_of(triples), std::vector<std::uint16_t>(triples.size(), 0), 2);
     EXPECT_EQ(outcome.triangles.size(), 1U);
     EXPECT_EQ(outcome.repeated.same_winding.size(), 99999U);

@@ -12,21 +12,22 @@ using testing::bumpy_sphere;
 using testing::edges_of;
 using testing::mesh_of;
 
-struct Outcome {
+struct OrientationOutcome {
     std::vector<VertexTriple> triples;
     TurnedTriangles turned;
 };
 
-Outcome oriented(std::vector<MeshTriangle> triangles, const std::vector<Vector3> &vertices_m) {
+OrientationOutcome oriented(std::vector<MeshTriangle> triangles,
+                            const std::vector<Vector3> &vertices_m) {
     const EdgeTable edges = edges_of(triangles);
-    Outcome outcome{{}, orient_triangles(triangles, edges, vertices_m)};
+    OrientationOutcome outcome{{}, orient_triangles(triangles, edges, vertices_m)};
     for (const MeshTriangle &triangle : triangles) {
         outcome.triples.push_back(triangle.vertices);
     }
     return outcome;
 }
 
-Outcome oriented(const TriangleSoup &soup) {
+OrientationOutcome oriented(const TriangleSoup &soup) {
     return oriented(mesh_of(soup.triangles), soup.vertices_m);
 }
 
@@ -53,7 +54,7 @@ TEST(TriangleOrientation, LeavesWhatAgreesAlone) {
     const TriangleSoup body = bumpy_sphere(2, 0.03);
     const TriangleSoup room = testing::turned_inside_out(body);
     for (const TriangleSoup &soup : {body, room}) {
-        const Outcome outcome = oriented(soup);
+        const OrientationOutcome outcome = oriented(soup);
         EXPECT_EQ(outcome.turned.of_one_winding, 0U);
         EXPECT_EQ(outcome.triples, soup.triangles);
     }
@@ -65,7 +66,7 @@ TEST(TriangleOrientation, TurnsTheFewInABodyAndInARoom) {
     for (const TriangleSoup &right : {body, testing::turned_inside_out(body)}) {
         for (int round = 0; round < 10; ++round) {
             const TriangleSoup spoilt = testing::partly_turned(right, 0.05 + 0.02 * round, random);
-            const Outcome outcome = oriented(spoilt);
+            const OrientationOutcome outcome = oriented(spoilt);
             EXPECT_EQ(differences(outcome.triples, right.triangles), 0U);
             EXPECT_EQ(outcome.turned.of_one_winding,
                       differences(spoilt.triangles, right.triangles));
@@ -77,7 +78,7 @@ TEST(TriangleOrientation, TurnsABodyOfRandomWindingOutwards) {
     std::mt19937_64 random(1);
     for (int round = 0; round < 20; ++round) {
         const TriangleSoup body = testing::shuffled(bumpy_sphere(3, 0.03), random);
-        const Outcome outcome = oriented(testing::partly_turned(body, 0.5, random));
+        const OrientationOutcome outcome = oriented(testing::partly_turned(body, 0.5, random));
         EXPECT_TRUE(testing::is_watertight(outcome.triples));
         EXPECT_GT(volume_m3(outcome.triples, body.vertices_m), 0.0);
     }
@@ -90,7 +91,7 @@ TEST(TriangleOrientation, CountsAreaNotTriangles) {
     const std::vector<VertexTriple> upper_inward = {{4, 0, 2}, {4, 2, 1}, {4, 1, 3}, {4, 3, 0}};
     std::vector<VertexTriple> triples = upper_inward;
     triples.insert(triples.end(), {{5, 0, 2}, {5, 2, 1}, {5, 1, 3}, {5, 3, 0}});
-    const Outcome outcome = oriented(mesh_of(triples), vertices_m);
+    const OrientationOutcome outcome = oriented(mesh_of(triples), vertices_m);
     EXPECT_TRUE(testing::is_watertight(outcome.triples));
     EXPECT_EQ(outcome.turned.of_one_winding, 4U);
     EXPECT_TRUE(std::equal(upper_inward.begin(), upper_inward.end(), outcome.triples.begin()));
@@ -109,7 +110,7 @@ TEST(TriangleOrientation, GivesASheetTheWindingOfItsLargerPart) {
                                       ? std::array<std::uint32_t, 3>{i, i + 1, i + 2}
                                       : std::array<std::uint32_t, 3>{i + 1, i, i + 2});
     }
-    const Outcome outcome = oriented(sheet);
+    const OrientationOutcome outcome = oriented(sheet);
     EXPECT_EQ(outcome.turned.of_one_winding, 20U);
     EXPECT_EQ(outcome.triples.back(), sheet.triangles.back());
 }
@@ -124,7 +125,7 @@ TEST(TriangleOrientation, LeavesAMobiusStripAndTurnsWhatIsBesideIt) {
     for (int i = 0; i < 24; ++i) {
         vertices_m.push_back(testing::random_vector(random, 0.1));
     }
-    const Outcome outcome = oriented(mesh_of(triples), vertices_m);
+    const OrientationOutcome outcome = oriented(mesh_of(triples), vertices_m);
     EXPECT_TRUE(std::equal(strip.begin(), strip.end(), outcome.triples.begin()));
     EXPECT_EQ(outcome.turned.of_one_winding, 1U);
     EXPECT_TRUE(testing::is_watertight(
@@ -138,7 +139,7 @@ TEST(TriangleOrientation, TurnsAStripOfTwoHalfTurns) {
     for (int i = 0; i < 18; ++i) {
         soup.vertices_m.push_back(testing::random_vector(random, 0.1));
     }
-    const Outcome outcome = oriented(testing::partly_turned(soup, 0.3, random));
+    const OrientationOutcome outcome = oriented(testing::partly_turned(soup, 0.3, random));
     for (const auto &[edge, counts] : testing::edge_counts(outcome.triples)) {
         EXPECT_LE(std::max(counts[0], counts[1]), 1);
     }
@@ -153,7 +154,7 @@ TEST(TriangleOrientation, LetsTrianglesOfBothWindingsFollowWithoutAVote) {
             std::swap(triangles[i].vertices[0], triangles[i].vertices[1]);
         }
     }
-    const Outcome outcome = oriented(triangles, body.vertices_m);
+    const OrientationOutcome outcome = oriented(triangles, body.vertices_m);
     EXPECT_EQ(differences(outcome.triples, body.triangles), 0U);
     EXPECT_EQ(outcome.turned.of_one_winding, 0U);
     EXPECT_EQ(outcome.turned.of_both, 288U);

@@ -14,28 +14,28 @@ namespace {
 using testing::random_direction;
 using testing::random_vector;
 
-constexpr double kTolerance_m = 1e-7;
+constexpr double kWeldTolerance_m = 1e-7;
 
 TEST(VertexWelding, KeepsVerticesThatAreFarApart) {
     const std::vector<Vector3> vertices = {{0, 0, 0}, {3e-7, 0, 0}, {0, -3e-7, 0}, {0, 0, 1}};
     const std::vector<std::uint32_t> expected = {0, 1, 2, 3};
-    EXPECT_EQ(weld_vertices(vertices, kTolerance_m), expected);
+    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m), expected);
 }
 
 TEST(VertexWelding, FindsPositiveAndNegativeZeroEqual) {
     const std::vector<Vector3> vertices = {{0.0, 0.0, 0.0}, {-0.0, -0.0, -0.0}};
-    EXPECT_EQ(weld_vertices(vertices, kTolerance_m)[1], 0U);
+    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m)[1], 0U);
 }
 
 TEST(VertexWelding, MovesNoVertexByMoreThanTheToleranceAlongAChain) {
     std::vector<Vector3> chain;
     chain.reserve(100);
     for (int i = 0; i < 100; ++i) {
-        chain.emplace_back(0.7 * kTolerance_m * i, 0.0, 0.0);
+        chain.emplace_back(0.7 * kWeldTolerance_m * i, 0.0, 0.0);
     }
-    const std::vector<std::uint32_t> stands_for = weld_vertices(chain, kTolerance_m);
+    const std::vector<std::uint32_t> stands_for = weld_vertices(chain, kWeldTolerance_m);
     for (std::size_t i = 0; i < chain.size(); ++i) {
-        EXPECT_LE((chain[stands_for[i]] - chain[i]).norm(), kTolerance_m);
+        EXPECT_LE((chain[stands_for[i]] - chain[i]).norm(), kWeldTolerance_m);
     }
 }
 
@@ -47,9 +47,9 @@ TEST(VertexWelding, FindsTheCopiesOfScatteredVerticesWhereverTheyLie) {
         vertices.push_back(random_vector(random, 0.1)); // some 1e-3 m apart: never a pair
     }
     for (std::uint32_t i = 0; i < kCount; ++i) {
-        vertices.emplace_back(vertices[i] + 0.99 * kTolerance_m * random_direction(random));
+        vertices.emplace_back(vertices[i] + 0.99 * kWeldTolerance_m * random_direction(random));
     }
-    const std::vector<std::uint32_t> stands_for = weld_vertices(vertices, kTolerance_m);
+    const std::vector<std::uint32_t> stands_for = weld_vertices(vertices, kWeldTolerance_m);
     for (std::uint32_t i = 0; i < kCount; ++i) {
         ASSERT_EQ(stands_for[i], i);
         ASSERT_EQ(stands_for[kCount + i], i);
@@ -62,7 +62,7 @@ TEST(VertexWelding, LeavesVerticesThatAreNotFiniteAlone) {
     const std::vector<Vector3> vertices = {
         {kNaN, 0, 0}, {kNaN, 0, 0}, {kInfinity, 0, 0}, {0, 0, 1e300}, {0, 0, 1e300}};
     const std::vector<std::uint32_t> expected = {0, 1, 2, 3, 3};
-    EXPECT_EQ(weld_vertices(vertices, kTolerance_m), expected);
+    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m), expected);
 }
 
 } // namespace

@@ -1,4 +1,5 @@
 #include "engine/contact/proxy/analytic_shape.h"
+#include "tests/engine/contact/proxy/shape_names.h"
 
 #include <gtest/gtest.h>
 
@@ -42,7 +43,7 @@ private:
     std::mt19937_64 engine_{20260729};
 };
 
-struct SurfacePoint {
+struct KnownPoint {
     Vector3 point_m;
     Vector3 normal; ///< outwards; of a plate to either side
 };
@@ -51,22 +52,22 @@ struct SurfacePoint {
 struct SampleSurface {
     Dice &dice;
 
-    SurfacePoint operator()(const Plate &s) const {
+    KnownPoint operator()(const Plate &s) const {
         return {{dice.between(-s.half_x_m, s.half_x_m), 0.0, dice.between(-s.half_z_m, s.half_z_m)},
                 Vector3(0.0, dice.sign(), 0.0)};
     }
-    SurfacePoint operator()(const Sphere &s) const {
+    KnownPoint operator()(const Sphere &s) const {
         const Vector3 u = dice.direction();
         return {s.radius_m * u, u};
     }
-    SurfacePoint operator()(const Box &s) const {
-        SurfacePoint sample{dice.within(s.half_size_m), Vector3::Zero()};
+    KnownPoint operator()(const Box &s) const {
+        KnownPoint sample{dice.within(s.half_size_m), Vector3::Zero()};
         const auto face = static_cast<Eigen::Index>(dice.between(0.0, 2.999));
         sample.normal[face] = dice.sign();
         sample.point_m[face] = sample.normal[face] * s.half_size_m[face];
         return sample;
     }
-    SurfacePoint operator()(const Cylinder &s) const {
+    KnownPoint operator()(const Cylinder &s) const {
         const double turn = dice.between(0.0, 2.0 * std::numbers::pi);
         const Vector3 radial(std::cos(turn), 0.0, std::sin(turn));
         if (dice.sign() < 0.0) {
@@ -77,7 +78,7 @@ struct SampleSurface {
         const double r = s.radius_m * std::sqrt(dice.between(0.0, 1.0));
         return {r * radial + s.half_height_m * axial, axial};
     }
-    SurfacePoint operator()(const Capsule &s) const {
+    KnownPoint operator()(const Capsule &s) const {
         const Vector3 u = dice.direction();
         if (dice.sign() < 0.0) {
             const Vector3 radial = Vector3(u.x(), 0.0, u.z()).normalized();
@@ -134,8 +135,8 @@ struct Case {
     Case(const AnalyticShape::Size &of, const Eigen::Isometry3d &where)
         : size(of), placement(where), shape(of, where, 7) {}
 
-    SurfacePoint sample(Dice &dice) const {
-        const SurfacePoint local = std::visit(SampleSurface{dice}, size);
+    KnownPoint sample(Dice &dice) const {
+        const KnownPoint local = std::visit(SampleSurface{dice}, size);
         return {placement * local.point_m, placement.linear() * local.normal};
     }
     bool holds(const Vector3 &point_m) const {
@@ -189,7 +190,7 @@ TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
         const Vector3 query_m = c.placement.translation() + dice_.within(Vector3::Constant(0.15));
         const NearestOnShape nearest = c.shape.nearest(query_m);
         for (int j = 0; j < 100; ++j) {
-            const SurfacePoint other = c.sample(dice_);
+            const KnownPoint other = c.sample(dice_);
             EXPECT_LT(nearest.normal.dot(other.point_m - nearest.point_m), kRounding_m);
             // So none is nearer; this also holds from within, where the plane alone proves nothing.
             EXPECT_GT((other.point_m - query_m).norm(), std::abs(nearest.distance_m) - kRounding_m);
@@ -200,7 +201,7 @@ TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
 TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces) {
     for (int i = 0; i < 2000; ++i) {
         const Case c = random_case();
-        const SurfacePoint on = c.sample(dice_);
+        const KnownPoint on = c.sample(dice_);
         constexpr double kOff_m = 1e-7;
         const NearestOnShape outside = c.shape.nearest(on.point_m + kOff_m * on.normal);
         EXPECT_NEAR(outside.distance_m, kOff_m, kRounding_m);
@@ -279,12 +280,7 @@ TEST_P(AnalyticShapes, NormalsAreUnitWhereverTheQueryLies) {
     }
 }
 
-std::string shape_name(const ::testing::TestParamInfo<int> &info) {
-    const std::vector<std::string> names = {"Plate", "Sphere", "Box", "Cylinder", "Capsule"};
-    return names[static_cast<std::size_t>(info.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Every, AnalyticShapes, ::testing::Range(0, 5), shape_name);
+INSTANTIATE_TEST_SUITE_P(Every, AnalyticShapes, ::testing::Range(0, 5), testing::shape_name);
 
 TEST(AnalyticShape, HasItsMaterialAndAnInsideUnlessItIsAPlate) {
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();

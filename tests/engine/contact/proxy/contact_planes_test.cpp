@@ -15,9 +15,9 @@ namespace {
 using testing::random_direction;
 using testing::random_vector;
 
-const Vector3 kX = Vector3::UnitX();
-const Vector3 kY = Vector3::UnitY();
-const Vector3 kZ = Vector3::UnitZ();
+const Vector3 kUnitX = Vector3::UnitX();
+const Vector3 kUnitY = Vector3::UnitY();
+const Vector3 kUnitZ = Vector3::UnitZ();
 
 ContactPlanes planes(std::initializer_list<ContactPlane> list) {
     ContactPlanes result;
@@ -29,21 +29,21 @@ ContactPlanes planes(std::initializer_list<ContactPlane> list) {
 
 TEST(NearestPoint, IsTheTipWhereNothingHoldsItBack) {
     const Vector3 tip(0.01, 0.02, 0.03);
-    const NearestPoint nearest = nearest_point(tip, planes({{kY, 0.0, 1}}), Vector3::Zero());
+    const NearestPoint nearest = nearest_point(tip, planes({{kUnitY, 0.0, 1}}), Vector3::Zero());
     EXPECT_EQ(nearest.point_m, tip);
     EXPECT_EQ(nearest.active.size(), 0U);
 }
 
 TEST(NearestPoint, LiesUnderTheTipOnAFace) {
     const NearestPoint nearest =
-        nearest_point({0.01, -0.02, 0.03}, planes({{kX, -1.0, 1}, {kY, 0.005, 2}}), kY);
+        nearest_point({0.01, -0.02, 0.03}, planes({{kUnitX, -1.0, 1}, {kUnitY, 0.005, 2}}), kUnitY);
     EXPECT_LT((nearest.point_m - Vector3(0.01, 0.005, 0.03)).norm(), 1e-15);
     ASSERT_EQ(nearest.active.size(), 1U);
     EXPECT_EQ(nearest.active[0].obstacle, 2U);
 }
 
 TEST(NearestPoint, LiesInACorner) {
-    const ContactPlanes corner = planes({{kX, 0.1, 1}, {kY, 0.2, 2}, {kZ, 0.3, 3}});
+    const ContactPlanes corner = planes({{kUnitX, 0.1, 1}, {kUnitY, 0.2, 2}, {kUnitZ, 0.3, 3}});
     const NearestPoint nearest = nearest_point(-Vector3::Ones(), corner, Vector3::Ones());
     EXPECT_LT((nearest.point_m - Vector3(0.1, 0.2, 0.3)).norm(), 1e-15);
     EXPECT_EQ(nearest.active.size(), 3U);
@@ -110,7 +110,8 @@ TEST(NearestPoint, IsAccurateBetweenPlanesThatAreNearlyParallel) {
 
 TEST(NearestPoint, TakesTheUpperOfTwoParallelPlanes) {
     const NearestPoint nearest = nearest_point(
-        {0.0, -0.01, 0.0}, planes({{kY, 0.001, 1}, {kY, 0.002, 2}, {kY, 0.0015, 3}}), kY);
+        {0.0, -0.01, 0.0}, planes({{kUnitY, 0.001, 1}, {kUnitY, 0.002, 2}, {kUnitY, 0.0015, 3}}),
+        kUnitY);
     EXPECT_LT((nearest.point_m - Vector3(0.0, 0.002, 0.0)).norm(), 1e-15);
     ASSERT_EQ(nearest.active.size(), 1U);
     EXPECT_EQ(nearest.active[0].obstacle, 2U);
@@ -118,7 +119,7 @@ TEST(NearestPoint, TakesTheUpperOfTwoParallelPlanes) {
 
 TEST(NearestPoint, LowersPlanesThatLeaveNoRoom) {
     // A gap of 1 nm between planes that each ask for 100 nm.
-    const ContactPlanes gap = planes({{kY, 1e-7, 1}, {-kY, 1e-7 - 1e-9, 2}});
+    const ContactPlanes gap = planes({{kUnitY, 1e-7, 1}, {-kUnitY, 1e-7 - 1e-9, 2}});
     const Vector3 inside(0.0, 0.5e-9, 0.0);
     const NearestPoint nearest = nearest_point({0.01, -0.01, 0.0}, gap, inside);
     EXPECT_LT((nearest.point_m - Vector3(0.01, 0.5e-9, 0.0)).norm(), 1e-12);
@@ -164,9 +165,9 @@ TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
 
 TEST(AllowedMotion, CountsNearlyParallelPlanesAsOne) {
     const auto tilted = [](double angle) { return Vector3(std::sin(angle), std::cos(angle), 0.0); };
-    const AllowedMotion one = allowed_motion(planes({{kY, 0.0, 0}, {tilted(0.9e-6), 0.0, 0}}));
+    const AllowedMotion one = allowed_motion(planes({{kUnitY, 0.0, 0}, {tilted(0.9e-6), 0.0, 0}}));
     EXPECT_EQ(one.blocked_directions, 1);
-    const AllowedMotion two = allowed_motion(planes({{kY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
+    const AllowedMotion two = allowed_motion(planes({{kUnitY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
     EXPECT_EQ(two.blocked_directions, 2);
 }
 

@@ -2,6 +2,7 @@
 // Coulomb's law.
 #include "engine/contact/proxy/friction.h"
 
+#include "base/degrees.h"
 #include "engine/contact/proxy/proxy.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
@@ -13,8 +14,6 @@
 
 namespace springdrive::contact {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 HapticSurface floor_with(double static_friction, double dynamic_friction) {
     TriangleSoup soup = testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.0, 0.1});
@@ -61,8 +60,8 @@ TEST(Friction, SlipsAtTheAngleOfTheStaticAndSlidesAtThatOfTheDynamicCoefficient)
                 ASSERT_EQ(contact.active_constraints, 1);
             }
         }
-        EXPECT_NEAR(slipped_at, std::atan(mu_s), 0.2 * kDegree);
-        EXPECT_NEAR(sliding_at, std::atan(mu_d), 0.01 * kDegree);
+        EXPECT_NEAR(slipped_at, std::atan(mu_s), 0.2 * kRadiansPerDegree);
+        EXPECT_NEAR(sliding_at, std::atan(mu_d), 0.01 * kRadiansPerDegree);
     }
 }
 

@@ -20,10 +20,10 @@ using testing::random_direction;
 using testing::random_vector;
 
 /// A tip at 1 kHz that wanders within a box at a given speed.
-class Wanderer {
+class BoxWanderer {
 public:
-    Wanderer(std::uint64_t seed, const Vector3 &start_m, const Vector3 &half_m,
-             double speed_m_per_s)
+    BoxWanderer(std::uint64_t seed, const Vector3 &start_m, const Vector3 &half_m,
+                double speed_m_per_s)
         : random_(seed), tip_m_(start_m), half_m_(half_m), step_m_(1e-3 * speed_m_per_s) {}
 
     Vector3 next() {
@@ -50,7 +50,7 @@ class ProxyAtSpeed : public ::testing::TestWithParam<double> {};
 
 TEST_P(ProxyAtSpeed, NeverPassesAPlateOfATenthOfAMillimetre) {
     const HapticSurface plate(box_soup({-0.1, -0.05e-3, -0.1}, {0.1, 0.05e-3, 0.1}));
-    Wanderer wanderer(1, {0.0, 0.02, 0.0}, {0.08, 0.03, 0.08}, GetParam());
+    BoxWanderer wanderer(1, {0.0, 0.02, 0.0}, {0.08, 0.03, 0.08}, GetParam());
     Proxy proxy;
     proxy.reset({0.0, 0.02, 0.0});
     const double top_m = 0.05e-3 + kClearance_m;
@@ -66,7 +66,7 @@ TEST_P(ProxyAtSpeed, NeverPassesAPlateOfATenthOfAMillimetre) {
 TEST_P(ProxyAtSpeed, FollowsTheWallsEdgesAndCornersOfARoom) {
     const Vector3 half(0.02, 0.03, 0.04);
     const HapticSurface room(testing::turned_inside_out(box_soup(-half, half)));
-    Wanderer wanderer(2, Vector3::Zero(), 1.3 * half, GetParam());
+    BoxWanderer wanderer(2, Vector3::Zero(), 1.3 * half, GetParam());
     Proxy proxy;
     proxy.reset(Vector3::Zero());
     std::array<int, 4> seen{};
@@ -86,7 +86,7 @@ TEST_P(ProxyAtSpeed, NeverEntersASolidWhateverItsEdges) {
         const HapticSurface solid(soup);
         ASSERT_EQ(solid.report().closed_components, 1U);
         ASSERT_EQ(solid.report().inward_components, 0U);
-        Wanderer wanderer(3, Vector3::Constant(0.02), Vector3::Constant(0.021), GetParam());
+        BoxWanderer wanderer(3, Vector3::Constant(0.02), Vector3::Constant(0.021), GetParam());
         Proxy proxy;
         proxy.reset(Vector3::Constant(0.02));
         int touching = 0;
@@ -216,7 +216,7 @@ TEST(ProxyOnUnits, FeelsTheSameWhateverTheFilesUnits) {
         surfaces.emplace_back(std::move(soup));
     }
     std::array<Proxy, 3> proxies;
-    Wanderer wanderer(7, {0.0, 0.06, 0.0}, {0.04, 0.08, 0.04}, 0.2);
+    BoxWanderer wanderer(7, {0.0, 0.06, 0.0}, {0.04, 0.08, 0.04}, 0.2);
     int touching = 0;
     for (int i = 0; i < 5000; ++i) {
         const Vector3 tip = wanderer.next();

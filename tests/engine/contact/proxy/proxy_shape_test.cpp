@@ -19,7 +19,7 @@ using testing::random_direction;
 using testing::random_vector;
 
 /// Places are sums of a few numbers of 0.1 m, and directions over 10 nm lose eight digits of 16.
-constexpr double kPlace_m = 1e-11;
+constexpr double kShapePlace_m = 1e-11;
 
 HapticSurface shape(const AnalyticShape::Size &size,
                     const Eigen::Isometry3d &placement = Eigen::Isometry3d::Identity()) {
@@ -58,7 +58,7 @@ TEST(ProxyOnShapes, IsTheNearestPointOfASphere) {
                 EXPECT_LT((contact.x0_m - (0.02 + reach_m) * tip.normalized()).norm(), 1e-8) << i;
                 EXPECT_EQ(contact.eta, 0.25);
                 EXPECT_EQ(contact.active_constraints, 1);
-                EXPECT_NEAR(contact.surface_m.norm(), 0.02, kPlace_m);
+                EXPECT_NEAR(contact.surface_m.norm(), 0.02, kShapePlace_m);
             }
             EXPECT_GT(contact.x0_m.norm(), 0.02 + reach_m - 2e-12) << i;
         });
@@ -101,13 +101,13 @@ int touches_alike(const Boxes &boxes, std::uint64_t seed) {
     wander(seed, [&](const Vector3 &tip, int i) {
         const Contact expected = on_mesh.update(mesh, tip);
         const Contact contact = on_shapes.update(exact, tip);
-        EXPECT_LT((contact.x0_m - expected.x0_m).norm(), kPlace_m) << i;
+        EXPECT_LT((contact.x0_m - expected.x0_m).norm(), kShapePlace_m) << i;
         EXPECT_EQ(contact.touching, expected.touching) << i;
         EXPECT_EQ(contact.sticking, expected.sticking) << i;
         EXPECT_EQ(contact.eta, expected.eta) << i;
         if (contact.touching) {
             EXPECT_LT((contact.normal - expected.normal).norm(), 1e-6) << i;
-            EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kPlace_m) << i;
+            EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kShapePlace_m) << i;
             EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), 1e-6) << i;
         }
         touching += contact.touching ? 1 : 0;
@@ -204,11 +204,11 @@ TEST(ProxyOnShapes, ChangesTheSurfaceInContact) {
     proxy.reset({0.0, 0.03, 0.0});
     const Vector3 tip(0.0, 0.015, 0.0);
     for (int i = 0; i < 3; ++i) {
-        EXPECT_NEAR(proxy.update(ball, tip).x0_m.y(), 0.02 + kClearance_m, kPlace_m);
-        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kPlace_m);
-        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kPlace_m);
+        EXPECT_NEAR(proxy.update(ball, tip).x0_m.y(), 0.02 + kClearance_m, kShapePlace_m);
+        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kShapePlace_m);
+        EXPECT_NEAR(proxy.update(lower, tip).x0_m.y(), 0.018 + kClearance_m, kShapePlace_m);
         proxy.reset({0.0, 0.03, 0.0});
-        EXPECT_NEAR(proxy.update(floor, tip).x0_m.y(), 0.019 + kClearance_m, kPlace_m);
+        EXPECT_NEAR(proxy.update(floor, tip).x0_m.y(), 0.019 + kClearance_m, kShapePlace_m);
         proxy.reset({0.0, 0.03, 0.0});
     }
 }
@@ -267,7 +267,7 @@ TEST(ProxyOnShapes, StartsFreeInsideASolidAndFindsItFromOutside) {
     }
     const Contact contact = proxy.update(ball, {0.01, 0.0, 0.0});
     EXPECT_TRUE(contact.touching);
-    EXPECT_NEAR(contact.x0_m.x(), 0.02 + kClearance_m, kPlace_m);
+    EXPECT_NEAR(contact.x0_m.x(), 0.02 + kClearance_m, kShapePlace_m);
 }
 
 TEST(ProxyOnShapes, AreSlidOverAtOnceOnlyWhereNothingElseIsInPlay) {

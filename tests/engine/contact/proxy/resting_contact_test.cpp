@@ -9,7 +9,7 @@ namespace springdrive::contact {
 namespace {
 
 /// Of places within 0.1 m, a few roundings.
-constexpr double kRounding_m = 1e-15;
+constexpr double kRestRounding_m = 1e-15;
 
 /// A slab with its upper side at y = 0, and a ball half sunk into it, of another material.
 HapticSurface slab_and_ball() {
@@ -42,12 +42,12 @@ TEST(RestingContact, BetweenTwoObstaclesHasOneWayLeftAndTheStifferMaterial) {
     EXPECT_TRUE(contact.touching);
     EXPECT_EQ(contact.active_constraints, 2);
     EXPECT_LT((contact.allowed_motion - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
-              kRounding_m);
+              kRestRounding_m);
     EXPECT_EQ(contact.eta, 0.25);
     EXPECT_LT((contact.normal - Vector3(0.6, 0.8, 0.0)).norm(), 1e-5); // 3-4-5, but for 10 nm
     EXPECT_EQ(contact.material, 1);
     EXPECT_EQ(contact.triangle, ball_of(surface));
-    EXPECT_NEAR(contact.surface_m.norm(), 0.02, kRounding_m);
+    EXPECT_NEAR(contact.surface_m.norm(), 0.02, kRestRounding_m);
 }
 
 TEST(RestingContact, AfterASlideIsWhatThePlaneWouldTell) {
@@ -67,12 +67,12 @@ TEST(RestingContact, AfterASlideIsWhatThePlaneWouldTell) {
         EXPECT_TRUE(contact.settled);
         EXPECT_FALSE(contact.sticking);
         EXPECT_EQ(contact.x0_m, expected.x0_m);
-        EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), kRounding_m);
+        EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), kRestRounding_m);
         // The way of 2 mm between places rounded to 1e-17 m.
         EXPECT_LT((contact.normal - expected.normal).norm(), 1e-13);
         EXPECT_EQ(contact.eta, expected.eta);
         EXPECT_EQ(contact.active_constraints, expected.active_constraints);
-        EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kRounding_m);
+        EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kRestRounding_m);
         EXPECT_EQ(contact.barycentric, expected.barycentric);
         EXPECT_EQ(contact.triangle, expected.triangle);
         EXPECT_EQ(contact.material, expected.material);

@@ -4,6 +4,7 @@
 
 #include "engine/contact/proxy/descent.h"
 #include "tests/engine/contact/mesh/soups.h"
+#include "tests/engine/contact/proxy/shape_names.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ using testing::random_direction;
 using testing::random_vector;
 
 /// A few roundings of places within 0.5 m.
-constexpr double kRounding_m = 1e-15;
+constexpr double kSlideRounding_m = 1e-15;
 
 /// The descent ends 1e-11 m from its goal on the last tangent plane, and on a curved face that goal
 /// is itself off by up to ten times as much.
@@ -139,12 +140,13 @@ TEST_P(ShapeSlides, NeverComeTooNearAndRestWithinReachStraightAboveTheTip) {
                 continue;
             }
             along(scene.rest.point_m, *slide, [&](const Vector3 &point_m) {
-                EXPECT_GT(scene.shape().nearest(point_m).distance_m, reach_m - kRounding_m) << i;
+                EXPECT_GT(scene.shape().nearest(point_m).distance_m, reach_m - kSlideRounding_m)
+                    << i;
             });
             const NearestOnShape under = scene.shape().nearest(slide->rest_m);
-            EXPECT_NEAR(under.distance_m, reach_m, kRounding_m) << i;
+            EXPECT_NEAR(under.distance_m, reach_m, kSlideRounding_m) << i;
             EXPECT_LT((under.point_m + slide->depth_m * -slide->normal - scene.tip_m).norm(),
-                      kRounding_m);
+                      kSlideRounding_m);
             EXPECT_NEAR(slide->normal.norm(), 1.0, 1e-15);
             EXPECT_TRUE(!slide->is_flat || slide->over_m == slide->rest_m);
         }
@@ -168,7 +170,8 @@ TEST_P(ShapeSlides, LeaveNoPlaceAtHandThatIsNearerToTheTip) {
                 continue; // over an edge, on another face
             }
             const double lift_m = std::max(0.0, kReach_m - under.distance_m);
-            EXPECT_GT((place_m + lift_m * under.normal - scene.tip_m).norm(), rest_m - kRounding_m)
+            EXPECT_GT((place_m + lift_m * under.normal - scene.tip_m).norm(),
+                      rest_m - kSlideRounding_m)
                 << i;
         }
     }
@@ -187,12 +190,7 @@ TEST_P(ShapeSlides, AreNotForAProxyThatStartedTooNearNorForATipThatLetsGo) {
     }
 }
 
-std::string shape_name(const ::testing::TestParamInfo<int> &info) {
-    const std::vector<std::string> names = {"Plate", "Sphere", "Box", "Cylinder", "Capsule"};
-    return names[static_cast<std::size_t>(info.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Every, ShapeSlides, ::testing::Range(0, 5), shape_name);
+INSTANTIATE_TEST_SUITE_P(Every, ShapeSlides, ::testing::Range(0, 5), testing::shape_name);
 
 std::optional<ShapeSlide> slide(const AnalyticShape::Size &size, const Vector3 &from_m,
                                 const Vector3 &tip_m) {

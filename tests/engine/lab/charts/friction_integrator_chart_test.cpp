@@ -3,6 +3,7 @@
 #include "engine/lab/charts/friction_integrator_chart.h"
 
 #include "engine/lab/charts/integrator_trial.h"
+#include "tests/engine/lab/charts/quick_setting.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -15,14 +16,8 @@
 namespace springdrive::charts {
 namespace {
 
-ChartSetting setting() {
-    ChartSetting made{testing::phantom_1_0(), {}};
-    made.repeats = 1;
-    return made;
-}
-
 const IntegratorTrial &trial() {
-    static const IntegratorTrial made(sticking_press(setting()));
+    static const IntegratorTrial made(sticking_press(testing::quick_setting()));
     return made;
 }
 
@@ -107,7 +102,7 @@ TEST(FrictionIntegrators, ComeNearerWithShorterSteps) {
 TEST(FrictionIntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
     double done = 0.0;
     const rig::WorkPrecisionChart chart =
-        friction_integrator_chart(setting(), [&](double share) { done = share; });
+        friction_integrator_chart(testing::quick_setting(), [&](double share) { done = share; });
     EXPECT_DOUBLE_EQ(done, 1.0);
     std::set<std::string> methods;
     for (const rig::WorkPoint &point : chart.points) {

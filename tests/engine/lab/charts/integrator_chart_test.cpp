@@ -3,6 +3,7 @@
 #include "engine/lab/charts/integrator_chart.h"
 
 #include "engine/lab/charts/integrator_trial.h"
+#include "tests/engine/lab/charts/quick_setting.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -15,19 +16,13 @@
 namespace springdrive::charts {
 namespace {
 
-ChartSetting setting() {
-    ChartSetting made{testing::phantom_1_0(), {}};
-    made.repeats = 1;
-    return made;
-}
-
 const IntegratorTrial &pen_trial() {
-    static const IntegratorTrial trial(pen_press(setting()));
+    static const IntegratorTrial trial(pen_press(testing::quick_setting()));
     return trial;
 }
 
 const IntegratorTrial &vice_trial() {
-    static const IntegratorTrial trial(vice_press(setting()));
+    static const IntegratorTrial trial(vice_press(testing::quick_setting()));
     return trial;
 }
 
@@ -44,7 +39,7 @@ TEST(ContactPress, PressesHardAndStaysInTheSurface) {
 }
 
 TEST(ContactPress, TheHandsTargetHasItsCornersAtTheSamples) {
-    const ContactPress press = pen_press(setting());
+    const ContactPress press = pen_press(testing::quick_setting());
     simulated::HandPath path = press.hand_path();
     EXPECT_EQ(path.at(0.0).position_m, press.start_m);
     const Vector3 end_m = path.at(press.periods * press.period_s).position_m;
@@ -97,7 +92,7 @@ TEST(Cvode, AgreesWithItselfByAnotherMethodAndByTolerance) {
 
 TEST(Integrators, RunAwayWhereTheirStepIsTooLong) {
     // With nothing cancelled 2 L/R is 218 µs: between 4 and 5 steps a period.
-    ChartSetting braked = setting();
+    ChartSetting braked = testing::quick_setting();
     braked.tuning.dR_Ohm = braked.device.motor[0].resistance_Ohm;
     const IntegratorTrial trial(pen_press(braked));
     EXPECT_FALSE(std::isfinite(trial.error_N(Integrator::explicit_euler, 4)));
@@ -114,7 +109,7 @@ TEST(Integrators, RunAwayWhereTheirStepIsTooLong) {
 TEST(IntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
     double done = 0.0;
     const rig::WorkPrecisionChart chart =
-        stiff_integrator_chart(setting(), [&](double share) { done = share; });
+        stiff_integrator_chart(testing::quick_setting(), [&](double share) { done = share; });
     EXPECT_EQ(done, 1.0);
     std::set<std::string> methods;
     int crosses = 0;

@@ -2,6 +2,7 @@
 #include "engine/lab/charts/motion_control_chart.h"
 
 #include "base/input_error.h"
+#include "tests/engine/lab/charts/quick_setting.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -12,13 +13,6 @@
 namespace springdrive::charts {
 namespace {
 
-ChartSetting setting() {
-    ChartSetting setting;
-    setting.device = testing::phantom_1_0();
-    setting.repeats = 1;
-    return setting;
-}
-
 std::map<std::string, std::vector<rig::WorkPoint>> lines_of(const rig::WorkPrecisionChart &chart) {
     std::map<std::string, std::vector<rig::WorkPoint>> lines;
     for (const rig::WorkPoint &point : chart.points) {
@@ -28,7 +22,7 @@ std::map<std::string, std::vector<rig::WorkPoint>> lines_of(const rig::WorkPreci
 }
 
 TEST(MotionControlChart, FinerEncodersMakeTheTransposeTruerAndNotTheInverse) {
-    auto lines = lines_of(motion_direction_chart(setting(), [](double) {}));
+    auto lines = lines_of(motion_direction_chart(testing::quick_setting(), [](double) {}));
     ASSERT_EQ(lines.size(), 4U);
     for (const auto &[method, points] : lines) {
         ASSERT_EQ(points.size(), 5U);
@@ -46,7 +40,7 @@ TEST(MotionControlChart, FinerEncodersMakeTheTransposeTruerAndNotTheInverse) {
 }
 
 TEST(MotionControlChart, GlobalAlphaIsSofterThanOnTheFlyAndThatThanTheInverse) {
-    auto lines = lines_of(motion_stiffness_chart(setting(), [](double) {}));
+    auto lines = lines_of(motion_stiffness_chart(testing::quick_setting(), [](double) {}));
     ASSERT_EQ(lines.size(), 4U);
     const double inverse = lines["inverse (18)"].front().error;
     const double on_the_fly = lines["transpose (23), α on the fly"].front().error;
@@ -63,10 +57,10 @@ TEST(MotionControlChart, GlobalAlphaIsSofterThanOnTheFlyAndThatThanTheInverse) {
 }
 
 TEST(MotionControlChart, RefusesATuningWithoutStaticStiffness) {
-    ChartSetting without = setting();
+    ChartSetting without = testing::quick_setting();
     without.tuning.K_P_V_per_rad = 0.0;
     EXPECT_THROW(motion_direction_chart(without, [](double) {}), InputError);
-    without = setting();
+    without = testing::quick_setting();
     without.tuning.eta = 1.0;
     EXPECT_THROW(motion_stiffness_chart(without, [](double) {}), InputError);
 }

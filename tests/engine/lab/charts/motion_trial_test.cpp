@@ -1,6 +1,7 @@
 // Covers engine/lab/charts/motion_trial.cpp.
 #include "engine/lab/charts/motion_trial.h"
 
+#include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
@@ -14,8 +15,6 @@
 
 namespace springdrive::charts {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr MotionMethod kInverse{control::MotionMap::inverse, control::AlphaMode::on_the_fly, 0.0};
 constexpr MotionMethod kOnTheFly{control::MotionMap::transpose, control::AlphaMode::on_the_fly,
@@ -32,13 +31,14 @@ TEST(MotionTrial, InverseErrsByQ3MinusQ2AtMostInTheLinksPlane) {
         double largest = 0.0;
         for (int i = 0; i < 3600; ++i) {
             const loops::Vector2 n = loops::direction_at(std::numbers::pi * i / 3600.0);
-            const Vector3 normal = loops::link_plane(kDegree * q_deg[0]) * n;
-            const HeldTip tip{kDegree * q_deg, normal, 1e-7, 0};
+            const Vector3 normal = loops::link_plane(kRadiansPerDegree * q_deg[0]) * n;
+            const HeldTip tip{kRadiansPerDegree * q_deg, normal, 1e-7, 0};
             largest = std::max(
                 largest, control::direction_error_rad(
                              force_on_holder_N(device, control::Tuning{}, kInverse, tip), normal));
         }
-        EXPECT_NEAR(largest / kDegree, std::abs(q_deg[2] - q_deg[1]), 1e-3) << q_deg.transpose();
+        EXPECT_NEAR(largest / kRadiansPerDegree, std::abs(q_deg[2] - q_deg[1]), 1e-3)
+            << q_deg.transpose();
     }
 }
 
@@ -63,7 +63,7 @@ TEST(MotionTrial, TransposeErrsByRoundOffAndByTheEncodersQuantum) {
 
 TEST(MotionTrial, StiffnessIsThatOf27And21) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    const Vector3 q_rad = kDegree * Vector3(0, 20, -15);
+    const Vector3 q_rad = kRadiansPerDegree * Vector3(0, 20, -15);
     const loops::PlanarStiffness known = loops::planar_stiffness(device, control::Tuning{}, q_rad);
     for (const double angle : {0.0, 0.7, 2.0}) {
         const loops::Vector2 n = loops::direction_at(angle);
@@ -79,7 +79,7 @@ TEST(MotionTrial, StiffnessIsThatOf27And21) {
 
 TEST(MotionTrial, InverseWithoutAnAnswerGivesNoForce) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    const Vector3 aligned_rad = kDegree * Vector3(0, -45, 45);
+    const Vector3 aligned_rad = kRadiansPerDegree * Vector3(0, -45, 45);
     EXPECT_TRUE(force_on_holder_N(device, control::Tuning{}, kInverse,
                                   {aligned_rad, Vector3::UnitY(), 1e-3, 0})
                     .isZero(0.0));
@@ -92,7 +92,7 @@ TEST(MotionTrial, StableUpToTheBoundAndUnstableFarAboveIt) {
         EXPECT_TRUE(is_stable_at(device, control::Tuning{}, kOnTheFly, q_rad));
     }
     // One mode's loop gain grows with α: there is one α at which it goes, and it stays gone.
-    const Vector3 q_rad = kDegree * Vector3(0, 20, -15);
+    const Vector3 q_rad = kRadiansPerDegree * Vector3(0, 20, -15);
     bool was_stable = true;
     for (int i = 0; i < 42; ++i) {
         const double alpha = 2000.0 * std::pow(1.1, i); // up to 1e5

@@ -1,6 +1,7 @@
 // Covers engine/lab/charts/plant_model_chart.cpp.
 #include "engine/lab/charts/plant_model_chart.h"
 
+#include "tests/engine/lab/charts/quick_setting.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -15,18 +16,13 @@
 namespace springdrive::charts {
 namespace {
 
-ChartSetting setting() {
-    ChartSetting made{testing::phantom_1_0(), {}};
-    made.repeats = 1;
-    return made;
-}
-
 /// The points of each line, from the longest step to the shortest.
 using Lines = std::map<std::string, std::vector<rig::WorkPoint>>;
 const Lines &lines() {
     static const Lines found = [] {
         Lines sorted;
-        for (const rig::WorkPoint &point : plant_model_chart(setting(), [](double) {}).points) {
+        for (const rig::WorkPoint &point :
+             plant_model_chart(testing::quick_setting(), [](double) {}).points) {
             sorted[point.method].push_back(point);
         }
         return sorted;
@@ -67,7 +63,7 @@ TEST(PlantModelChart, ThePlaneIsAsGoodAsTheWholeWhereNothingPushesSideways) {
 }
 
 TEST(ModelPlant, ReadsItsEncodersInWholeCounts) {
-    const ContactPress press = planar_press(setting());
+    const ContactPress press = planar_press(testing::quick_setting());
     const double counts_per_rad = press.device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         const std::unique_ptr<PressedPlant> plant = model_plant(press, model, false, 10)();

@@ -1,6 +1,7 @@
 // Covers engine/lab/limits/locked_device.cpp.
 #include "engine/lab/limits/locked_device.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "tests/support/devices.h"
@@ -10,17 +11,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 namespace springdrive::limits {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 /// q₂ = 40°; the joint limits leave q₃ − q₂ more room on the negative side.
 Vector3 folded(double q3_minus_q2_deg) {
-    return kDegree * Vector3(0.0, 40.0, 40.0 + q3_minus_q2_deg);
+    return kRadiansPerDegree * Vector3(0.0, 40.0, 40.0 + q3_minus_q2_deg);
 }
 
 LockedDeviceOptions without_effects(const Vector3 &q_rad) {
@@ -48,8 +46,9 @@ TEST(LockedDevice, InverseErrsByTheAngleBetweenTheLinks) {
         const LockedDeviceOptions options = without_effects(folded(fold_deg));
         const LockedForce force = press_locked_device(device, options, control::MotionMap::inverse,
                                                       worst_normal_rad(device, options.q_rad));
-        EXPECT_NEAR(std::abs(force.error_rad) / kDegree, std::abs(fold_deg), 0.1);
-        EXPECT_NEAR(force.error_rad / kDegree, force.predicted_error_rad / kDegree, 0.1);
+        EXPECT_NEAR(std::abs(force.error_rad) / kRadiansPerDegree, std::abs(fold_deg), 0.1);
+        EXPECT_NEAR(force.error_rad / kRadiansPerDegree,
+                    force.predicted_error_rad / kRadiansPerDegree, 0.1);
     }
 }
 
@@ -59,8 +58,9 @@ TEST(LockedDevice, TransposePointsAlongTheNormal) {
         for (const double normal_deg : {-90.0, 10.0, 130.0}) {
             const LockedForce force =
                 press_locked_device(device, without_effects(folded(fold_deg)),
-                                    control::MotionMap::transpose, kDegree * normal_deg);
-            EXPECT_LT(std::abs(force.error_rad) / kDegree, 0.01) << fold_deg << ' ' << normal_deg;
+                                    control::MotionMap::transpose, kRadiansPerDegree * normal_deg);
+            EXPECT_LT(std::abs(force.error_rad) / kRadiansPerDegree, 0.01)
+                << fold_deg << ' ' << normal_deg;
             EXPECT_NEAR(force.predicted_error_rad, 0.0, 1e-15);
         }
     }
@@ -70,13 +70,13 @@ TEST(LockedDevice, ForcesAreThoseOfTheStiffnessEllipse) {
     // Δx/l for the map, the proxy's clearance of 10 nm and the vice's own 1 µm/N.
     const double tolerance = 0.01;
     const device::DeviceDescription device = testing::phantom_1_0();
-    LockedDeviceOptions options = without_effects(kDegree * Vector3(25.0, 20.0, -15.0));
+    LockedDeviceOptions options = without_effects(kRadiansPerDegree * Vector3(25.0, 20.0, -15.0));
     options.tuning.eta = 0.3;
     for (const control::MotionMap map :
          {control::MotionMap::inverse, control::MotionMap::transpose}) {
         for (const double normal_deg : {-90.0, 0.0, 45.0}) {
             const LockedForce force =
-                press_locked_device(device, options, map, kDegree * normal_deg);
+                press_locked_device(device, options, map, kRadiansPerDegree * normal_deg);
             EXPECT_LT((force.measured_N - force.predicted_N).norm(),
                       tolerance * force.predicted_N.norm())
                 << normal_deg;
@@ -95,8 +95,8 @@ TEST(LockedDevice, TransposeErrsLittleOnAnImperfectDevice) {
         double largest_deg = 0.0;
         for (int normal_deg = 0; normal_deg < 360; normal_deg += 15) {
             const LockedForce force = press_locked_device(
-                device, options, control::MotionMap::transpose, kDegree * normal_deg);
-            largest_deg = std::max(largest_deg, std::abs(force.error_rad) / kDegree);
+                device, options, control::MotionMap::transpose, kRadiansPerDegree * normal_deg);
+            largest_deg = std::max(largest_deg, std::abs(force.error_rad) / kRadiansPerDegree);
         }
         EXPECT_LT(largest_deg, 5.0) << fold_deg;
         EXPECT_GT(largest_deg, 0.1) << fold_deg;
@@ -145,8 +145,8 @@ TEST(LockedDevice, HarmlessPenetrationKeepsWithinTheLimits) {
         const loops::Matrix2 J = loops::planar_jacobian(device.geometry, q);
         double share = 0.0;
         for (int i = 0; i < 3600; ++i) {
-            const loops::Vector2 force =
-                penetration_m * stiffness.inverse * loops::direction_at(0.1 * kDegree * i);
+            const loops::Vector2 force = penetration_m * stiffness.inverse *
+                                         loops::direction_at(0.1 * kRadiansPerDegree * i);
             const loops::Vector2 current_A =
                 J.transpose() * force / device.motor[1].torque_constant_Nm_per_A;
             share = std::max({share, force.norm() / device.limits.tip_force_N,

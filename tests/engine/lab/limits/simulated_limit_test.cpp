@@ -3,6 +3,7 @@
 
 #include "engine/lab/limits/last_stable.h"
 #include "tests/support/random_loops.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -12,22 +13,6 @@
 
 namespace springdrive::limits {
 namespace {
-
-const loops::StabilityParameter &named(std::string_view name) {
-    return *loops::stability_parameter_named(name);
-}
-
-loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityParameter &parameter,
-                          double value) {
-    parameter.set(which, value);
-    return which;
-}
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
 
 StabilityLimit predicted(const loops::StabilityCase &which,
                          const loops::StabilityParameter &parameter) {
@@ -46,18 +31,19 @@ TEST(LastStable, IsFoundFromEitherSide) {
 }
 
 TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {
-    const loops::StabilityParameter &kp = named("kp");
-    const StabilityLimit limit = predicted(firm(), kp);
+    const loops::StabilityParameter &kp = testing::named("kp");
+    const StabilityLimit limit = predicted(testing::firm(), kp);
     for (const TrialOptions &options :
          {TrialOptions::linear(), TrialOptions::with(SimulationEffects::electronics()),
           TrialOptions::with(SimulationEffects::all())}) {
-        const std::optional<double> found = simulated_limit(firm(), kp, limit, options);
+        const std::optional<double> found = simulated_limit(testing::firm(), kp, limit, options);
         ASSERT_TRUE(found);
-        EXPECT_TRUE(is_stable_simulated(with(firm(), kp, *found), options));
+        EXPECT_TRUE(is_stable_simulated(testing::with(testing::firm(), kp, *found), options));
         // To 1e-3 of the larger end of the bracket; trials are the same each time.
         bool fails = false;
         for (const double beyond : {1.0005, 1.0011, 1.002}) {
-            fails = fails || !is_stable_simulated(with(firm(), kp, beyond * *found), options);
+            fails = fails || !is_stable_simulated(
+                                 testing::with(testing::firm(), kp, beyond * *found), options);
         }
         EXPECT_TRUE(fails);
     }
@@ -65,32 +51,34 @@ TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {
 
 /// With counts a loop rests, rattles and rests again along T. All of a grid below the limit rests.
 TEST(SimulatedLimit, WithCountsIsTheFirstFromTheStableSide) {
-    const loops::StabilityParameter &T = named("T");
+    const loops::StabilityParameter &T = testing::named("T");
     const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
-    const StabilityLimit limit = predicted(firm(), T);
-    const std::optional<double> found = simulated_limit(firm(), T, limit, options);
+    const StabilityLimit limit = predicted(testing::firm(), T);
+    const std::optional<double> found = simulated_limit(testing::firm(), T, limit, options);
     ASSERT_TRUE(found);
     for (const double share : {0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0}) {
         const double value = share * limit.predicted;
         if (value < *found) {
-            EXPECT_TRUE(is_stable_simulated(with(firm(), T, value), options)) << share;
+            EXPECT_TRUE(is_stable_simulated(testing::with(testing::firm(), T, value), options))
+                << share;
         } else { // the first beyond it does not
-            EXPECT_FALSE(is_stable_simulated(with(firm(), T, value), options)) << share;
+            EXPECT_FALSE(is_stable_simulated(testing::with(testing::firm(), T, value), options))
+                << share;
             break;
         }
     }
     // There are places farther out that rest.
     bool rests_again = false;
     for (double value = 1.01 * *found; value < limit.predicted && !rests_again; value *= 1.01) {
-        rests_again = is_stable_simulated(with(firm(), T, value), options);
+        rests_again = is_stable_simulated(testing::with(testing::firm(), T, value), options);
     }
     EXPECT_TRUE(rests_again);
 }
 
 /// The verdicts are the trials' own: with a wrong prediction the same limit is found.
 TEST(SimulatedLimit, DoesNotBelieveThePrediction) {
-    const loops::StabilityParameter &kp = named("kp");
-    loops::StabilityCase which = firm();
+    const loops::StabilityParameter &kp = testing::named("kp");
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     const StabilityLimit truth = predicted(which, kp);
     for (const double wrong_by : {0.6, 0.9, 1.1, 1.6}) {
@@ -104,8 +92,8 @@ TEST(SimulatedLimit, DoesNotBelieveThePrediction) {
 }
 
 TEST(SimulatedLimit, StandsForTheLowerEndToo) {
-    const loops::StabilityParameter &dR = named("dR");
-    loops::StabilityCase which = firm();
+    const loops::StabilityParameter &dR = testing::named("dR");
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     const StabilityLimit limit = predicted(which, dR);
     ASSERT_FALSE(limit.stable_below);
@@ -119,24 +107,25 @@ TEST(SimulatedLimit, StandsForTheLowerEndToo) {
 }
 
 TEST(SimulatedLimit, OfADelayHasItsSides) {
-    const loops::StabilityParameter &d = named("d");
-    const StabilityLimit limit = predicted(firm(), d);
+    const loops::StabilityParameter &d = testing::named("d");
+    const StabilityLimit limit = predicted(testing::firm(), d);
     for (const TrialOptions &options :
          {TrialOptions::linear(), TrialOptions::with(SimulationEffects::all())}) {
-        const std::optional<double> found = simulated_limit(firm(), d, limit, options);
+        const std::optional<double> found = simulated_limit(testing::firm(), d, limit, options);
         ASSERT_TRUE(found);
-        EXPECT_TRUE(is_stable_simulated(with(firm(), d, *found), options));
+        EXPECT_TRUE(is_stable_simulated(testing::with(testing::firm(), d, *found), options));
         // Bisection to 1e-3.
-        EXPECT_FALSE(is_stable_simulated(with(firm(), d, *found * 1.002), options));
+        EXPECT_FALSE(
+            is_stable_simulated(testing::with(testing::firm(), d, *found * 1.002), options));
     }
 }
 
 TEST(SimulatedLimit, MayNotBeThere) {
     // Friction holds a soft wall's device where it is, far beyond the line.
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.hands = {loops::no_hand()};
-    const loops::StabilityParameter &K = named("wall-stiffness");
+    const loops::StabilityParameter &K = testing::named("wall-stiffness");
     EXPECT_FALSE(simulated_limit(which, K, predicted(which, K),
                                  TrialOptions::with(SimulationEffects::all())));
 }
@@ -144,20 +133,20 @@ TEST(SimulatedLimit, MayNotBeThere) {
 /// A soft wall without damping, the whole linkage: all modes are slow, and the one that grows is
 /// hidden behind the others at first. What is told of it in half a minute.
 TEST(SimulatedLimit, IsNearForSlowMotionsToo) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.freedom = loops::Freedom::three_motors;
     which.hands = {loops::no_hand()};
-    const loops::StabilityParameter &K = named("wall-stiffness");
+    const loops::StabilityParameter &K = testing::named("wall-stiffness");
     const StabilityLimit limit = predicted(which, K);
     TrialOptions hasty = TrialOptions::linear();
     hasty.patience_s = 0.0;
     const TrialOptions patient = TrialOptions::linear();
     // Grows by 0.056/s 1.2 times as stiff, beside two that fall by 0.11 and 0.21/s (eigenvalues).
-    const loops::StabilityCase beyond = with(which, K, 1.2 * limit.predicted);
+    const loops::StabilityCase beyond = testing::with(which, K, 1.2 * limit.predicted);
     EXPECT_TRUE(is_stable_simulated(beyond, hasty));
     EXPECT_FALSE(is_stable_simulated(beyond, patient));
-    EXPECT_TRUE(is_stable_simulated(with(which, K, 0.98 * limit.predicted), patient));
+    EXPECT_TRUE(is_stable_simulated(testing::with(which, K, 0.98 * limit.predicted), patient));
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "engine/lab/limits/simulated_limit.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -15,24 +16,8 @@
 namespace springdrive::limits {
 namespace {
 
-const loops::StabilityParameter &named(std::string_view name) {
-    return *loops::stability_parameter_named(name);
-}
-
 ParameterRange whole_range(const loops::StabilityParameter &parameter) {
     return {parameter.from, parameter.to};
-}
-
-loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityParameter &parameter,
-                          double value) {
-    parameter.set(which, value);
-    return which;
-}
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
 }
 
 /// Bisection of our own, by Runge-Kutta alone, from a factor 1.3 on both sides.
@@ -40,7 +25,7 @@ double limit_by_runge_kutta(const loops::StabilityCase &which,
                             const loops::StabilityParameter &parameter,
                             const StabilityLimit &near) {
     const auto dies_out = [&](double value) {
-        return testing::RungeKuttaLoop(with(which, parameter, value)).dies_out();
+        return testing::RungeKuttaLoop(testing::with(which, parameter, value)).dies_out();
     };
     double stable = near.stable_below ? near.predicted / 1.3 : near.predicted * 1.3;
     double unstable = near.stable_below ? near.predicted * 1.3 : near.predicted / 1.3;
@@ -58,7 +43,7 @@ TEST(StabilityLimits, AreWhereRungeKuttaFindsThem) {
     std::mt19937_64 random(11);
     int found = 0;
     for (std::size_t i = 0; found < 6; ++i) {
-        const loops::StabilityParameter &parameter = named(kNames[i % kNames.size()]);
+        const loops::StabilityParameter &parameter = testing::named(kNames[i % kNames.size()]);
         loops::StabilityCase which = testing::random_rotor_loop(random);
         // Windings that are ten times as fast take Runge-Kutta ten times as long.
         if (which.tuning.dR_Ohm / which.device.motor[1].inductance_H > 5e3) {
@@ -90,29 +75,32 @@ TEST(StabilityLimits, ThePredictedOneHasAStableAndAnUnstableSide) {
         for (const StabilityLimit &limit :
              predicted_limits(which, parameter, whole_range(parameter))) {
             ++found;
-            EXPECT_TRUE(loops::is_stable(with(which, parameter, limit.predicted)))
+            EXPECT_TRUE(loops::is_stable(testing::with(which, parameter, limit.predicted)))
                 << parameter.name;
             const double outward = limit.stable_below ? 1.0 : -1.0;
             const double beyond = limit.predicted * (1.0 + outward * 2e-6);
-            EXPECT_FALSE(loops::is_stable(with(which, parameter, beyond))) << parameter.name;
+            EXPECT_FALSE(loops::is_stable(testing::with(which, parameter, beyond)))
+                << parameter.name;
         }
     }
 }
 
 TEST(StabilityLimits, NamesWhoFailsFirst) {
-    const loops::StabilityParameter &kp = named("kp");
-    const std::vector<StabilityLimit> limits = predicted_limits(firm(), kp, whole_range(kp));
+    const loops::StabilityParameter &kp = testing::named("kp");
+    const std::vector<StabilityLimit> limits =
+        predicted_limits(testing::firm(), kp, whole_range(kp));
     ASSERT_EQ(limits.size(), 1U);
     // Each motor and hand by itself: the least of their limits is the one of all.
     double least = 1e9;
     loops::LoopMember who;
-    for (const loops::LoopMember &member : loops::members(firm())) {
+    for (const loops::LoopMember &member : loops::members(testing::firm())) {
         double stable = 0.1;
         double unstable = 1e4;
         while (unstable - stable > 1e-7 * stable) {
             const double middle = 0.5 * (stable + unstable);
-            (loops::largest_eigenvalue(with(firm(), kp, middle), member) < 1.0 ? stable
-                                                                               : unstable) = middle;
+            (loops::largest_eigenvalue(testing::with(testing::firm(), kp, middle), member) < 1.0
+                 ? stable
+                 : unstable) = middle;
         }
         if (stable < least) {
             least = stable;
@@ -127,21 +115,22 @@ TEST(StabilityLimits, NamesWhoFailsFirst) {
 
 /// A delay may be any number of periods: its limit lies between two whole ones, as these tell.
 TEST(StabilityLimits, OfADelayLieBetweenWholePeriods) {
-    const loops::StabilityParameter &d = named("d");
-    const std::vector<StabilityLimit> limits = stability_limits(firm(), d, whole_range(d));
+    const loops::StabilityParameter &d = testing::named("d");
+    const std::vector<StabilityLimit> limits = stability_limits(testing::firm(), d, whole_range(d));
     ASSERT_EQ(limits.size(), 1U);
     const double last = limits.front().predicted;
-    EXPECT_TRUE(loops::is_stable(with(firm(), d, std::floor(last))));
-    EXPECT_FALSE(loops::is_stable(with(firm(), d, std::ceil(last))));
-    EXPECT_TRUE(loops::is_stable(with(firm(), d, last)));
-    EXPECT_FALSE(loops::is_stable(with(firm(), d, last * (1.0 + 2e-6)))); // bisection to 1e-6
+    EXPECT_TRUE(loops::is_stable(testing::with(testing::firm(), d, std::floor(last))));
+    EXPECT_FALSE(loops::is_stable(testing::with(testing::firm(), d, std::ceil(last))));
+    EXPECT_TRUE(loops::is_stable(testing::with(testing::firm(), d, last)));
+    EXPECT_FALSE(loops::is_stable(
+        testing::with(testing::firm(), d, last * (1.0 + 2e-6)))); // bisection to 1e-6
     ASSERT_TRUE(limits.front().simulated_linear);
     EXPECT_NEAR(*limits.front().simulated_linear, last, 0.01 * last);
 }
 
 TEST(StabilityLimits, ThereMayBeTwo) {
     // A filter may be too slow, and with K_D too fast.
-    const loops::StabilityParameter &lambda = named("lambda");
+    const loops::StabilityParameter &lambda = testing::named("lambda");
     std::mt19937_64 random(13);
     int twice = 0;
     for (int i = 0; i < 300 && twice == 0; ++i) {
@@ -159,25 +148,27 @@ TEST(StabilityLimits, ThereMayBeTwo) {
 }
 
 TEST(StabilityLimits, MayNotBeWithinTheRange) {
-    EXPECT_TRUE(stability_limits(firm(), named("kp"), {0.1, 1.0}).empty());
-    EXPECT_TRUE(stability_limits(firm(), named("kp"), {100.0, 200.0}).empty());
+    EXPECT_TRUE(stability_limits(testing::firm(), testing::named("kp"), {0.1, 1.0}).empty());
+    EXPECT_TRUE(stability_limits(testing::firm(), testing::named("kp"), {100.0, 200.0}).empty());
 }
 
 TEST(StabilityLimits, AZeroIsALimitToo) {
     // A winding alone, its rotor held by a stiff spring: it decays while dR > 0.
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-3, 6.3, 1e4};
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = which.tuning.K_D_Vs_per_rad = 0.0;
-    const std::vector<StabilityLimit> limits = predicted_limits(which, named("dR"), {-1.0, 1.0});
+    const std::vector<StabilityLimit> limits =
+        predicted_limits(which, testing::named("dR"), {-1.0, 1.0});
     ASSERT_EQ(limits.size(), 1U);
     EXPECT_FALSE(limits.front().stable_below);
     EXPECT_NEAR(limits.front().predicted, 0.0, 1e-9);
 }
 
 TEST(StabilityLimits, HaveEveryKindOfTrial) {
-    const loops::StabilityParameter &kp = named("kp");
-    const std::vector<StabilityLimit> limits = stability_limits(firm(), kp, whole_range(kp));
+    const loops::StabilityParameter &kp = testing::named("kp");
+    const std::vector<StabilityLimit> limits =
+        stability_limits(testing::firm(), kp, whole_range(kp));
     ASSERT_EQ(limits.size(), 1U);
     const StabilityLimit &limit = limits.front();
     ASSERT_TRUE(limit.simulated_linear && limit.simulated && limit.simulated_all);

@@ -3,6 +3,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +13,6 @@
 
 namespace springdrive::limits {
 namespace {
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
 
 MapAxis axis(std::string_view name, double from, double to, int steps) {
     return {loops::stability_parameter_named(name), {from, to}, steps};
@@ -47,14 +42,14 @@ TEST(MapAxis, SpreadsValuesByTheParametersScale) {
 TEST(StabilityMap, EveryCellIsWhatSingleCallsSay) {
     const MapAxis x = axis("kp", 2.0, 200.0, 6);
     const MapAxis y = axis("dR", 0.1, 2.0, 4);
-    const std::vector<MapCell> cells = stability_map(firm(), x, y, [](double) {});
+    const std::vector<MapCell> cells = stability_map(testing::firm(), x, y, [](double) {});
     ASSERT_EQ(cells.size(), 24U);
     int stable = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const MapCell &cell = cells[i];
         EXPECT_EQ(cell.x, x.values()[i % 6]);
         EXPECT_EQ(cell.y, y.values()[i / 6]);
-        loops::StabilityCase there = firm();
+        loops::StabilityCase there = testing::firm();
         there.tuning.K_P_V_per_rad = cell.x;
         there.net_resistance_Ohm = cell.y;
         EXPECT_EQ(cell.eigenvalue, loops::worst_member(there).eigenvalue);
@@ -66,7 +61,7 @@ TEST(StabilityMap, EveryCellIsWhatSingleCallsSay) {
 }
 
 TEST(StabilityMap, TellsTheTipsSpeedThatRemains) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.rotor = device::RotorLoad{1e-5, 1e-5, 0.0};
     const std::vector<MapCell> cells =
@@ -84,7 +79,7 @@ TEST(StabilityMap, TellsTheTipsSpeedThatRemains) {
 }
 
 TEST(StabilityMap, OfTheWholeLinkage) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.freedom = loops::Freedom::three_motors;
     which.hands = {loops::no_hand(), loops::hand_of_firmness(0.5), loops::hand_of_firmness(1.0)};
     const std::vector<MapCell> cells =
@@ -99,7 +94,7 @@ TEST(StabilityMap, OfTheWholeLinkage) {
 TEST(StabilityMap, TellsItsProgress) {
     std::vector<double> told;
     const std::vector<MapCell> cells =
-        stability_map(firm(), axis("kp", 1.0, 3.0, 3), axis("kd", 0.001, 0.003, 3),
+        stability_map(testing::firm(), axis("kp", 1.0, 3.0, 3), axis("kd", 0.001, 0.003, 3),
                       [&told](double share) { told.push_back(share); });
     ASSERT_EQ(told.size(), cells.size());
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));

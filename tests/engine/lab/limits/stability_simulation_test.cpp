@@ -2,6 +2,7 @@
 #include "engine/lab/limits/stability_simulation.h"
 
 #include "tests/support/random_loops.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +11,6 @@
 
 namespace springdrive::limits {
 namespace {
-
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
 
 /// Growth of the slowest mode [1/s], from its eigenvalue.
 double predicted_growth_per_s(const loops::StabilityCase &which, const loops::LoopMember &member) {
@@ -60,7 +55,7 @@ TEST(StabilitySimulation, AgreesOnStabilityFarFromTheLine) {
 TEST(StabilitySimulation, AnyRateAndDelay) {
     for (const double period_s : {1e-4, 1e-3, 0.0123, 0.05}) {
         for (const int delay : {0, 3, 8}) {
-            loops::StabilityCase which = firm();
+            loops::StabilityCase which = testing::firm();
             which.period_s = period_s;
             which.delay_periods = delay;
             which.hands = {loops::no_hand()};
@@ -81,7 +76,7 @@ TEST(StabilitySimulation, AnyRateAndDelay) {
 
 /// Where the links are square, three motors under the inverse map are three motors by themselves.
 TEST(StabilitySimulation, ThreeMotorsAreThreeTimesOneWhereTheyDoNotFeelEachOther) {
-    loops::StabilityCase three = firm();
+    loops::StabilityCase three = testing::firm();
     three.q_rad = {0.0, 0.1, 0.1};
     three.tuning.map = control::MotionMap::inverse;
     three.hands = {loops::no_hand()};
@@ -109,7 +104,7 @@ TEST(StabilitySimulation, ThreeMotorsAreThreeTimesOneWhereTheyDoNotFeelEachOther
 }
 
 TEST(StabilitySimulation, EveryMemberCounts) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.tuning.K_P_V_per_rad = 29.5; // just stable
     EXPECT_TRUE(is_stable_simulated(which, TrialOptions::linear()));
     which.tuning.K_P_V_per_rad = 30.5; // without a hand not, with a firm one yes
@@ -119,7 +114,7 @@ TEST(StabilitySimulation, EveryMemberCounts) {
 }
 
 TEST(StabilitySimulation, OnTheLineAMotionStays) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     const loops::LoopMember third{2, loops::no_hand()};
     double stable = 1.0;
@@ -143,7 +138,7 @@ TEST(StabilitySimulation, OnTheLineAMotionStays) {
 }
 
 TEST(StabilitySimulation, RestsOnItsCountsSoonerThanItIsWatched) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.freedom = loops::Freedom::three_motors;
     const loops::LoopMember member{0, loops::no_hand()};
     const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
@@ -156,7 +151,7 @@ TEST(StabilitySimulation, RestsOnItsCountsSoonerThanItIsWatched) {
 }
 
 TEST(StabilitySimulation, CountsKeepALoopRattlingThatHardlyDiesOut) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 29.5;
     const loops::LoopMember third{2, loops::no_hand()};
@@ -167,7 +162,7 @@ TEST(StabilitySimulation, CountsKeepALoopRattlingThatHardlyDiesOut) {
 }
 
 TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.tuning.K_P_V_per_rad = 60.0;
     const loops::LoopMember member{2, loops::no_hand()};
     const Trial free = simulated(which, member, TrialOptions::linear());
@@ -182,7 +177,7 @@ TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
 }
 
 TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 1e4;
     which.tuning.K_D_Vs_per_rad = 10.0;
@@ -196,7 +191,7 @@ TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
 
 /// At a period as long as counts are watched for a flicker, a single look would see none.
 TEST(StabilitySimulation, ASlowServoThatTossesItsRotorDoesNotRest) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 1e4;
     which.period_s = 0.2;

@@ -1,6 +1,7 @@
 // Covers engine/lab/loops/direction_spectrum.cpp.
 #include "engine/lab/loops/direction_spectrum.h"
 
+#include "base/degrees.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
@@ -19,8 +20,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-const Vector3 kAngles_rad = kDegree * Vector3(0.0, 20.0, -15.0);
+const Vector3 kAngles_rad = kRadiansPerDegree * Vector3(0.0, 20.0, -15.0);
 
 /// The PHANTOM 1.0 with α at its bound, its third motor stronger by `third_k_T`.
 PlanarContact contact_with(double third_k_T = 1.0) {
@@ -108,7 +108,7 @@ TEST(DirectionSpectrum, SphereAtRestAndEllipsoidFarAboveTheFilter) {
     const Matrix2 ellipsoid = K_L * J_inverse.transpose() * J_inverse;
     const Eigen::Matrix2cd fast = tip_stiffness(contact, control::MotionMap::transpose, far);
     EXPECT_LT((fast - ellipsoid.cast<Complex>()).norm(), 1e-3 * ellipsoid.norm());
-    EXPECT_NEAR(worst_direction_error_rad(fast) / kDegree, 35.0, 0.1); // |q₃ − q₂|
+    EXPECT_NEAR(worst_direction_error_rad(fast) / kRadiansPerDegree, 35.0, 0.1); // |q₃ − q₂|
 }
 
 TEST(DirectionSpectrum, InverseMapErrsAlikeAtEveryFrequency) {
@@ -117,7 +117,7 @@ TEST(DirectionSpectrum, InverseMapErrsAlikeAtEveryFrequency) {
         // A normal within 1/8° of the worst; the error is flat there.
         EXPECT_NEAR(
             worst_direction_error_rad(tip_stiffness(contact, control::MotionMap::inverse, omega)) /
-                kDegree,
+                kRadiansPerDegree,
             35.0, 0.01);
     }
 }
@@ -125,13 +125,13 @@ TEST(DirectionSpectrum, InverseMapErrsAlikeAtEveryFrequency) {
 TEST(DirectionSpectrum, PhasorErrors) {
     const Vector2 n(1.0, 0.0);
     const auto error_deg = [&n](Complex x, Complex y) {
-        return phasor_direction_error_rad({x, y}, n) / kDegree;
+        return phasor_direction_error_rad({x, y}, n) / kRadiansPerDegree;
     };
     EXPECT_NEAR(error_deg(1.0, 1.0), 45.0, 1e-12);
     EXPECT_NEAR(error_deg(-1.0, 1.0), 45.0, 1e-12);             // a line has no sign
     EXPECT_NEAR(error_deg({0.0, 2.0}, {0.0, 0.0}), 0.0, 1e-12); // nor has a phase a direction
     EXPECT_NEAR(error_deg(1.0, {0.0, 1.0}), 45.0, 1e-12);       // a circle: half lies across
-    EXPECT_NEAR(error_deg(1.0, 1e-9), 1e-9 / kDegree, 1e-20);   // no digits lost
+    EXPECT_NEAR(error_deg(1.0, 1e-9), 1e-9 / kRadiansPerDegree, 1e-20); // no digits lost
     EXPECT_NEAR(error_deg(std::sqrt(3.0), 1.0), 30.0, 1e-12);
 }
 

@@ -4,6 +4,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/random_loops.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -17,18 +18,12 @@
 namespace springdrive::loops {
 namespace {
 
-StabilityCase firm() {
-    StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
-
 LoopGains gains_of(const control::Tuning &tuning) {
     return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
 }
 
 TEST(HeldLoops, HasEveryHandAndEta) {
-    const HeldLoops loops(firm());
+    const HeldLoops loops(testing::firm());
     std::set<std::string> hands;
     std::set<double> etas;
     int together = 0;
@@ -52,7 +47,7 @@ TEST(HeldLoops, JudgesAsTheCaseDoes) {
     std::mt19937_64 random(41);
     for (int i = 0; i < 20; ++i) {
         testing::Draw draw(random);
-        StabilityCase which = firm();
+        StabilityCase which = testing::firm();
         which.period_s = draw.by_ratio(5e-4, 2e-3);
         which.delay_periods = 0.4 * (i % 6); // 0 and 2 among them
         const HeldLoops loops(which);
@@ -84,7 +79,7 @@ TEST(HeldLoops, JudgesAsTheCaseDoes) {
 }
 
 TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
-    HeldLoops loops(firm());
+    HeldLoops loops(testing::firm());
     std::vector<std::size_t> all(loops.count());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (const double K_P : {5.0, 20.0, 25.0, 28.0, 31.0, 60.0, 500.0}) {
@@ -101,7 +96,7 @@ TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
 
 TEST(HeldLoops, StandWithinTheWorkspace) {
     // Every configuration beyond the case's own is where the device can be.
-    const HeldLoops loops(firm());
+    const HeldLoops loops(testing::firm());
     std::size_t three = 0;
     for (std::size_t i = 0; i < loops.count(); ++i) {
         three += loops[i].share.rows() == 3 ? 1 : 0;
@@ -121,7 +116,7 @@ TEST(HeldLoops, StandWithinTheWorkspace) {
 }
 
 TEST(HeldLoops, OfARotorByItselfAreOnlyItsOwn) {
-    StabilityCase which = firm();
+    StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-5, 1e-4, 0.0};
     const HeldLoops loops(which);
     EXPECT_EQ(loops.count(), hand_family(41).size() * 8);

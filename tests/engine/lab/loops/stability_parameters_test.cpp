@@ -2,6 +2,7 @@
 #include "engine/lab/loops/stability_parameters.h"
 
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +13,6 @@
 
 namespace springdrive::loops {
 namespace {
-
-StabilityCase firm() {
-    StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
 
 TEST(StabilityParameters, HaveNamesOfTheirOwn) {
     std::set<std::string_view> names;
@@ -35,7 +30,7 @@ TEST(StabilityParameters, GetWhatWasSet) {
     for (const StabilityParameter &parameter : stability_parameters()) {
         for (const double share : {0.0, 0.3, 1.0}) {
             const double value = parameter.from + share * (parameter.to - parameter.from);
-            StabilityCase which = firm();
+            StabilityCase which = testing::firm();
             parameter.set(which, value);
             EXPECT_EQ(parameter.get(which), value) << parameter.name;
         }
@@ -44,11 +39,11 @@ TEST(StabilityParameters, GetWhatWasSet) {
 
 TEST(StabilityParameters, LeaveTheOthersAlone) {
     for (const StabilityParameter &parameter : stability_parameters()) {
-        StabilityCase which = firm();
+        StabilityCase which = testing::firm();
         parameter.set(which, 0.5 * (parameter.from + parameter.to));
         for (const StabilityParameter &other : stability_parameters()) {
             if (&other != &parameter) {
-                EXPECT_EQ(other.get(which), other.get(firm()))
+                EXPECT_EQ(other.get(which), other.get(testing::firm()))
                     << parameter.name << " moves " << other.name;
             }
         }
@@ -88,7 +83,7 @@ TEST(StabilityParameters, RefuseWhatTheyCannotBeWithTheirRange) {
 }
 
 TEST(StabilityParameters, AnInertiaOfItsOwnStartsAsTheSecondMotors) {
-    StabilityCase which = firm();
+    StabilityCase which = testing::firm();
     const double damping = stability_parameter_named("damping")->get(which);
     const DrivenLoad load = driven_load(which, {1, no_hand()});
     EXPECT_EQ(damping, load.damping_Nms_per_rad(0, 0));

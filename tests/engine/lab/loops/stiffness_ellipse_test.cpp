@@ -1,6 +1,7 @@
 // Covers engine/lab/loops/stiffness_ellipse.cpp and engine/lab/loops/link_plane.h.
 #include "engine/lab/loops/stiffness_ellipse.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "tests/support/devices.h"
 
@@ -16,7 +17,6 @@
 namespace springdrive::loops {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRoundOff = 1e-12; // a dozen operations on numbers of one size
 
 /// Configurations well within what the links can do.
@@ -24,7 +24,8 @@ class RandomConfigurations {
 public:
     Vector3 next() {
         const double q2 = uniform_(generator_) * 40.0;
-        return kDegree * Vector3(uniform_(generator_) * 60.0, q2, q2 + uniform_(generator_) * 60.0);
+        return kRadiansPerDegree *
+               Vector3(uniform_(generator_) * 60.0, q2, q2 + uniform_(generator_) * 60.0);
     }
 
 private:
@@ -123,25 +124,25 @@ TEST(StiffnessEllipse, TheLargestErrorIsTheAngleBetweenTheLinks) {
     // misses it by 0.01° errs by the square of that.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {-60.0, -45.0, -30.0, -15.0, 0.0, 20.0, 50.0}) {
-        const Vector3 q = kDegree * Vector3(0.0, 20.0, 20.0 + fold_deg);
+        const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, 20.0 + fold_deg);
         const PlanarStiffness stiffness = planar_stiffness(device, control::Tuning{}, q);
         double largest = 0.0;
         for (int i = 0; i < 36'000; ++i) {
-            largest = std::max(
-                largest, std::abs(inverse_direction_error_rad(stiffness, 0.01 * kDegree * i)));
+            largest = std::max(largest, std::abs(inverse_direction_error_rad(
+                                            stiffness, 0.01 * kRadiansPerDegree * i)));
         }
-        EXPECT_NEAR(largest / kDegree, std::abs(fold_deg), 1e-4);
+        EXPECT_NEAR(largest / kRadiansPerDegree, std::abs(fold_deg), 1e-4);
     }
 }
 
 TEST(StiffnessEllipse, RefusesWhatHasNoAnswer) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    const Vector3 q = kDegree * Vector3(0.0, 20.0, -15.0);
+    const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, -15.0);
     EXPECT_THROW(static_cast<void>(planar_stiffness(device, control::Tuning{},
-                                                    kDegree * Vector3(0.0, 40.0, -50.0))),
+                                                    kRadiansPerDegree * Vector3(0.0, 40.0, -50.0))),
                  InputError);
-    EXPECT_NO_THROW(static_cast<void>(
-        planar_stiffness(device, control::Tuning{}, kDegree * Vector3(0.0, 40.0, -49.9))));
+    EXPECT_NO_THROW(static_cast<void>(planar_stiffness(
+        device, control::Tuning{}, kRadiansPerDegree * Vector3(0.0, 40.0, -49.9))));
     control::Tuning limp;
     limp.K_P_V_per_rad = 0.0;
     EXPECT_THROW(static_cast<void>(planar_stiffness(device, limp, q)), InputError);

@@ -5,6 +5,7 @@
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -15,14 +16,8 @@
 namespace springdrive::loops {
 namespace {
 
-StabilityCase firm() {
-    StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
-
 StabilityCase wall() {
-    StabilityCase which = firm();
+    StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.wall = {800.0, 5.0};
     return which;
@@ -32,7 +27,7 @@ const Vector3 kSlanted = Vector3(0.3, 0.8, -0.5).normalized();
 
 /// With all motors held alike and the inverse map, the tip has K_θ through J⁻¹: (21).
 TEST(TipStiffness, IsTheSampledCouplingThroughTheInverseMap) {
-    StabilityCase which = firm();
+    StabilityCase which = testing::firm();
     which.tuning.map = control::MotionMap::inverse;
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     const double share = (J.inverse() * kSlanted).squaredNorm();
@@ -51,7 +46,7 @@ TEST(TipStiffness, IsTheSampledCouplingThroughTheInverseMap) {
 
 /// (27) and (13): α k_T K_P/dR, whatever the direction.
 TEST(TipStiffness, IsASphereAtRestUnderTheTransposeMap) {
-    const StabilityCase which = firm();
+    const StabilityCase which = testing::firm();
     const control::Coupling c =
         control::coupling(which.device.motor[0], which.tuning, which.period_s, 0);
     const double alpha =
@@ -65,7 +60,7 @@ TEST(TipStiffness, IsASphereAtRestUnderTheTransposeMap) {
 }
 
 TEST(TipStiffness, TendsToTheInductanceAlone) {
-    const StabilityCase which = firm();
+    const StabilityCase which = testing::firm();
     const double limit = inductive_tip_stiffness(which, kSlanted);
     const auto off = [&](double omega) {
         return std::abs(std::abs(tip_stiffness(which, kSlanted, omega)) / limit - 1.0);
@@ -102,7 +97,7 @@ TEST(ForceOfACount, IsTheWallsOverACountsWay) {
 /// With the inverse map each motor holds itself: its volts through dR and L for a period, (11) with
 /// a rotor that hardly moves meanwhile.
 TEST(ForceOfACount, IsTheGainsThroughTheWinding) {
-    StabilityCase which = firm();
+    StabilityCase which = testing::firm();
     which.tuning.map = control::MotionMap::inverse;
     const device::MotorParameters &motor = which.device.motor[0];
     const control::Tuning &tuning = which.tuning;

@@ -9,17 +9,17 @@
 namespace springdrive::rig {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kFlickerPeriod_s = 1e-3;
 
 /// When it is known to be all flicker [s]; infinite where not within 10 s.
 double known_after_s(const std::function<Vector3(double)> &motion, double most_rad,
                      double lasting_s = 0.4) {
-    Flicker flicker(most_rad, lasting_s, kPeriod_s);
+    Flicker flicker(most_rad, lasting_s, kFlickerPeriod_s);
     for (int k = 0; k < 10000; ++k) {
         if (flicker.is_all()) {
-            return k * kPeriod_s;
+            return k * kFlickerPeriod_s;
         }
-        flicker.watch(motion(k * kPeriod_s));
+        flicker.watch(motion(k * kFlickerPeriod_s));
     }
     return HUGE_VAL;
 }
@@ -64,7 +64,7 @@ TEST(Flicker, IsNotWhatIsNoNumber) {
 }
 
 TEST(Flicker, MayBeAllUntilItGoesTooFar) {
-    Flicker flicker(2.0, 0.4, kPeriod_s);
+    Flicker flicker(2.0, 0.4, kFlickerPeriod_s);
     flicker.watch(Vector3::Zero());
     EXPECT_TRUE(flicker.may_be_all());
     flicker.watch(Vector3(0.0, 1.9, 0.0));

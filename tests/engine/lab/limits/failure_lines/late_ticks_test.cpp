@@ -10,7 +10,7 @@
 namespace springdrive::limits {
 namespace {
 
-loops::StabilityCase held_by_a_hand() {
+loops::StabilityCase three_motors_in_a_hand() {
     loops::StabilityCase which;
     which.device = testing::phantom_1_0();
     which.freedom = loops::Freedom::three_motors;
@@ -19,7 +19,7 @@ loops::StabilityCase held_by_a_hand() {
 }
 
 TEST(LateTicks, ThatAreNotLateAreTwoOfThePlainLoop) {
-    loops::StabilityCase which = held_by_a_hand();
+    loops::StabilityCase which = three_motors_in_a_hand();
     for (const double K_P : {1.0, 6.0, 25.0, 60.0}) {
         which.tuning.K_P_V_per_rad = K_P;
         const loops::LoopMember member = loops::members(which).front();
@@ -31,7 +31,7 @@ TEST(LateTicks, ThatAreNotLateAreTwoOfThePlainLoop) {
 
 TEST(LateTicks, LoseStabilityLaterWithSofterGains) {
     const auto most_missed = [](double K_P) {
-        loops::StabilityCase which = held_by_a_hand();
+        loops::StabilityCase which = three_motors_in_a_hand();
         which.tuning.K_P_V_per_rad = K_P;
         int missed = 0;
         while (missed < 200 &&

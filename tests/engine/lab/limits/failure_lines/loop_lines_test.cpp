@@ -5,6 +5,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -16,18 +17,12 @@
 namespace springdrive::limits {
 namespace {
 
-loops::StabilityCase firm() {
-    loops::StabilityCase which;
-    which.device = testing::phantom_1_0();
-    return which;
-}
-
 loops::StabilityCase with(loops::StabilityCase which, std::string_view name, double value) {
     loops::stability_parameter_named(name)->set(which, value);
     return which;
 }
 
-double last_stable(double stable, double unstable, const std::function<bool(double)> &holds) {
+double last_that_holds(double stable, double unstable, const std::function<bool(double)> &holds) {
     while (std::abs(unstable - stable) > 1e-7 * std::abs(stable)) {
         const double middle = 0.5 * (stable + unstable);
         (holds(middle) ? stable : unstable) = middle;
@@ -60,21 +55,21 @@ StabilityLimit only_limit(const loops::StabilityCase &which, std::string_view na
 
 TEST(LoopLines, DriftCompensationGains) {
     for (const auto &[name, to] : {std::pair{"kp", 200.0}, std::pair{"kd", 1.0}}) {
-        const StabilityLimit limit = only_limit(firm(), name, 1e-3, to);
+        const StabilityLimit limit = only_limit(testing::firm(), name, 1e-3, to);
         EXPECT_TRUE(limit.stable_below);
-        expect_crossing(firm(), name, limit.predicted);
+        expect_crossing(testing::firm(), name, limit.predicted);
     }
 }
 
 TEST(LoopLines, AServoThatIsTooSlow) {
-    const StabilityLimit limit = only_limit(firm(), "T", 1e-4, 0.02);
+    const StabilityLimit limit = only_limit(testing::firm(), "T", 1e-4, 0.02);
     EXPECT_TRUE(limit.stable_below);
-    expect_crossing(firm(), "T", limit.predicted);
+    expect_crossing(testing::firm(), "T", limit.predicted);
 }
 
 TEST(LoopLines, AFilterThatIsTooSlow) {
     // Where K_D is what keeps the loop stable, its lag matters.
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.tuning.K_P_V_per_rad = 25.0;
     const StabilityLimit limit = only_limit(which, "lambda", 20.0, 1000.0);
     EXPECT_FALSE(limit.stable_below);
@@ -82,11 +77,11 @@ TEST(LoopLines, AFilterThatIsTooSlow) {
 }
 
 TEST(LoopLines, ADelayThatIsTooLong) {
-    const StabilityLimit limit = only_limit(firm(), "d", 0.0, 8.0);
+    const StabilityLimit limit = only_limit(testing::firm(), "d", 0.0, 8.0);
     EXPECT_TRUE(limit.stable_below);
-    expect_crossing(firm(), "d", limit.predicted);
+    expect_crossing(testing::firm(), "d", limit.predicted);
     // At this delay it is K_P, too, that is at its limit.
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.delay_periods = limit.predicted;
     const double K_P = which.tuning.K_P_V_per_rad;
     const double K_P_limit = only_limit(which, "kp", 0.01, 200.0).predicted;
@@ -98,15 +93,15 @@ TEST(LoopLines, ADelayThatIsTooLong) {
 }
 
 TEST(LoopLines, AResidualThatIsTooSmallForTheGains) {
-    const StabilityLimit limit = only_limit(firm(), "dR", 0.02, 2.18);
+    const StabilityLimit limit = only_limit(testing::firm(), "dR", 0.02, 2.18);
     EXPECT_FALSE(limit.stable_below);
-    expect_crossing(firm(), "dR", limit.predicted, false);
+    expect_crossing(testing::firm(), "dR", limit.predicted, false);
 }
 
 /// Resistance cancellation (6) fails at dR = 0: held fast, without gains, the current decays by
 /// dR/L or grows by it.
 TEST(LoopLines, AnOverCancelledWindingThatIsHeld) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-3, 6.3, 1e4}; // a vice
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = which.tuning.K_D_Vs_per_rad = 0.0;
@@ -126,7 +121,7 @@ TEST(LoopLines, AnOverCancelledWindingThatIsHeld) {
 /// (29) and what it promises: at the bound the largest mode is the inverse map's, and α may exceed
 /// the bound only by what one motor's gains have in hand.
 TEST(LoopLines, AlphaAboveItsBound) {
-    loops::StabilityCase three = firm();
+    loops::StabilityCase three = testing::firm();
     three.freedom = loops::Freedom::three_motors;
     three.q_rad = {0.0, 0.1, 0.1}; // square, so that each mode is a motor of its own
     three.hands = {loops::no_hand()};
@@ -137,11 +132,11 @@ TEST(LoopLines, AlphaAboveItsBound) {
     const double bound = control::alpha_bound(J, W);
     // Gains just below, then just above what the inverse map bears.
     for (const double gain : {0.9, 1.1}) {
-        double K_P = last_stable(
+        double K_P = last_that_holds(
             1.0, 200.0, [&](double value) { return loops::is_stable(with(inverse, "kp", value)); });
         K_P *= gain;
         const loops::StabilityCase tuned = with(three, "kp", K_P);
-        const double limit = last_stable(1.0, 100.0 * bound, [&](double alpha) {
+        const double limit = last_that_holds(1.0, 100.0 * bound, [&](double alpha) {
             return loops::is_stable(with(tuned, "alpha", alpha));
         });
         if (gain < 1.0) {
@@ -155,7 +150,7 @@ TEST(LoopLines, AlphaAboveItsBound) {
             one.freedom = loops::Freedom::one_motor;
             one.tuning.K_P_V_per_rad = K_P;
             // η below 0: more than rigid.
-            const double share = last_stable(1e-3, 100.0, [&](double a) {
+            const double share = last_that_holds(1e-3, 100.0, [&](double a) {
                 loops::StabilityCase at = one;
                 at.tuning.eta = 1.0 - a;
                 return loops::largest_eigenvalue(at, {j, loops::no_hand()}) < 1.0;
@@ -169,12 +164,12 @@ TEST(LoopLines, AlphaAboveItsBound) {
 /// What (29) is for: with K_P within what the inverse map bears, a motor's own limit of α is the
 /// bound times its margin.
 TEST(LoopLines, AlphaOfOneMotorHasItsGainsMargin) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_D_Vs_per_rad = 0.0;
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     const double bound = control::alpha_bound(J, control::relative_stiffness(which.device));
-    const double limit = last_stable(
+    const double limit = last_that_holds(
         1.0, 1e6, [&](double alpha) { return loops::is_stable(with(which, "alpha", alpha)); });
     EXPECT_GT(limit, bound);
     expect_crossing(which, "alpha", limit);
@@ -189,7 +184,7 @@ double sampled_wall_limit(double J, double b, double T) {
 }
 
 loops::StabilityCase wall_of_current_drive(double inertia_kg_m2, double damping_Nms_per_rad) {
-    loops::StabilityCase which = firm();
+    loops::StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.device.amplifier.current_bandwidth_hz = 1e6; // ideal
     which.rotor = device::RotorLoad{inertia_kg_m2, damping_Nms_per_rad, 0.0};

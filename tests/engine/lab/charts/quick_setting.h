@@ -1,0 +1,16 @@
+#pragma once
+
+#include "engine/lab/charts/chart_setting.h"
+#include "tests/support/devices.h"
+
+namespace springdrive::testing {
+
+/// The PHANTOM 1.0, each cost measured once: for tests that look at errors.
+inline charts::ChartSetting quick_setting() {
+    charts::ChartSetting setting;
+    setting.device = phantom_1_0();
+    setting.repeats = 1;
+    return setting;
+}
+
+} // namespace springdrive::testing
