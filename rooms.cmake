@@ -55,6 +55,7 @@ function(room name)
     target_include_directories(${name} PUBLIC ${headers})
     target_link_libraries(${name} PUBLIC ${ROOM_PUBLIC_LIBRARIES} ${ROOM_USES}
                                   PRIVATE ${ROOM_LIBRARIES})
+    target_precompile_headers(${name} REUSE_FROM precompiled)
     set(closed ${PROJECT_BINARY_DIR}/rooms/closed/${name})
     file(REMOVE_RECURSE ${closed})
     foreach(library IN LISTS closed_libraries)
