@@ -3,6 +3,7 @@
 
 #include "engine/record/record_reader.h"
 #include "tests/engine/record/samples.h"
+#include "tests/support/cases.h"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +69,7 @@ TEST(RecordKill, LosesATenthOfASecondAtTheMost) {
     std::mt19937_64 random(1);
     std::uniform_int_distribution<int> some_ms(50, 300);
     std::uint64_t most_lost = 0;
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < testing::cases(10, 100); ++i) {
         const auto file = folder / (std::to_string(i) + ".rec");
         Newest &newest = shared_tick();
         const pid_t child = fork();

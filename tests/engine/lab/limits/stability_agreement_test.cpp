@@ -2,6 +2,7 @@
 // random loops. Takes a minute.
 #include "engine/lab/limits/simulated_limit.h"
 
+#include "tests/support/cases.h"
 #include "tests/support/delayed_limits.h"
 #include "tests/support/random_loops.h"
 
@@ -27,9 +28,9 @@ struct Found {
 };
 
 /// Random loops that have a limit along one parameter; each in its turn.
-std::vector<Found> random_limits(std::size_t count, std::mt19937_64 &random) {
+std::vector<Found> random_limits(int count, std::mt19937_64 &random) {
     std::vector<Found> all;
-    for (std::size_t i = 0; all.size() < count; ++i) {
+    for (std::size_t i = 0; static_cast<int>(all.size()) < count; ++i) {
         Found found;
         found.which = testing::random_rotor_loop(random);
         found.parameter = &loops::stability_parameters()[i % kLoopParameters];
@@ -55,10 +56,11 @@ std::optional<double> lateness(const Found &found, const TrialOptions &options) 
     return found.limit.stable_below ? ratio : 2.0 - ratio; // dR may go below zero
 }
 
-TEST(StabilityAgreement, TwoHundredRandomLoopsWithinTwoPerCent) {
+TEST(StabilityAgreement, RandomLoopsWithinTwoPerCent) {
+    const int count = testing::cases(20, 200);
     std::mt19937_64 random(31);
     double worst = 0.0;
-    for (const Found &found : random_limits(200, random)) {
+    for (const Found &found : random_limits(count, random)) {
         const std::optional<double> tried =
             simulated_limit(found.which, *found.parameter, found.limit, TrialOptions::linear());
         ASSERT_TRUE(tried) << found.parameter->name << " " << found.limit.predicted;
@@ -67,11 +69,13 @@ TEST(StabilityAgreement, TwoHundredRandomLoopsWithinTwoPerCent) {
             << found.which.delay_periods;
         worst = std::max(worst, std::abs(*tried / found.limit.predicted - 1.0));
     }
-    std::printf("worst of 200: %.2f %%\n", 100.0 * worst);
+    std::printf("worst of %d: %.2f %%\n", count, 100.0 * worst);
 }
 
-TEST(StabilityAgreement, HundredLoopsWithAnyDelayWithinTwoPerCent) {
-    std::printf("worst of 100: %.2f %%\n", 100.0 * testing::expect_gain_limits_agree(100, 34));
+TEST(StabilityAgreement, LoopsWithAnyDelayWithinTwoPerCent) {
+    const int count = testing::cases(10, 100);
+    std::printf("worst of %d: %.2f %%\n", count,
+                100.0 * testing::expect_gain_limits_agree(count, 34));
 }
 
 double share_of(const std::vector<double> &values, const std::function<bool(double)> &what) {
@@ -89,11 +93,12 @@ double median(std::vector<double> values) {
 /// Most of them: where what a count is worth is small against what stays as chatter, the last
 /// digit's motion passes for rest a little beyond the line.
 TEST(StabilityAgreement, CountsFailEarlierAndFrictionLater) {
+    const int count = testing::cases(40, 200);
     std::mt19937_64 random(32);
     std::vector<double> with_counts;
     std::vector<double> with_friction;
     std::vector<double> friction_over_counts;
-    for (const Found &found : random_limits(200, random)) {
+    for (const Found &found : random_limits(count, random)) {
         const auto counts = lateness(found, TrialOptions::with(SimulationEffects::electronics()));
         const auto all = lateness(found, TrialOptions::with(SimulationEffects::all()));
         if (counts) {
@@ -106,7 +111,7 @@ TEST(StabilityAgreement, CountsFailEarlierAndFrictionLater) {
             friction_over_counts.push_back(*all - *counts);
         }
     }
-    ASSERT_GT(friction_over_counts.size(), 150U);
+    ASSERT_GT(static_cast<int>(friction_over_counts.size()), count * 3 / 4);
     const auto earlier = [](double late) { return late < 0.998; };
     const auto later = [](double late) { return late > 1.002; };
     std::printf("counts: median %.3f, earlier %.2f, later %.2f; with friction: median %.3f, "
@@ -127,8 +132,9 @@ TEST(StabilityAgreement, CountsFailEarlierAndFrictionLater) {
 TEST(StabilityAgreement, ThreeMotorsWithinTwoPerCent) {
     std::mt19937_64 random(33);
     const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");
+    const int count = testing::cases(10, 20);
     int tried = 0;
-    while (tried < 20) {
+    while (tried < count) {
         testing::Draw draw(random);
         loops::StabilityCase which;
         which.device = tried % 2 == 0 ? testing::phantom_1_0() : testing::phantom_premium_1_5();
