@@ -1,20 +1,22 @@
 # shellcheck shell=bash
 # From a bare machine to a built tree, for app/run and tests/run to source:
-#   prepare TARGET ARGUMENT...   installs what is missing, configures, builds TARGET
+#   prepare PRESET TARGET GROUPS ARGUMENT...   installs what is missing of these groups of packages,
+#                                              configures the preset, builds TARGET
 # ARGUMENTs are the caller's own, handed on should it have to start again as another user.
 # Standard input and output belong to the program; all that is said here goes to standard error.
 
 project=$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/..")
-build=$project/build/release
 packages=$project/setup/packages.txt
-readonly project build packages
+readonly project packages
 
 prepare() {
-    local -r target=$1
-    shift
-    install_missing_packages </dev/null >&2
+    local -r target=$2 groups=$3
+    preset=$1
+    build=$project/build/$preset
+    shift 3
+    install_missing_packages "$groups" </dev/null >&2
     leave_root_of_sudo "$@"
-    configure </dev/null >&2
+    configure "$groups" </dev/null >&2
     build "$target" </dev/null >&2
 }
 
@@ -35,11 +37,18 @@ is_debian() {
     esac
 }
 
+# The packages of these groups; of all where none is named.
+packages_of() {
+    awk -v groups=" ${1-} " '
+        /^\[/ { taken = groups == "  " || index(groups, " " substr($1, 2, length($1) - 2) " ") }
+        /^[a-z]/ && taken { print $1 }' "$packages"
+}
+
 # Asks dpkg alone, so that nothing missing costs no time.
 missing_packages() {
     # shellcheck disable=SC2016 # the variables are dpkg's
     local -r installed='${db:Status-Status} ${Package}\n'
-    sed 's/#.*//' "$packages" | awk 'NF { print $1 }' |
+    packages_of "$1" |
         grep -vxFf <(dpkg-query --show --showformat="$installed" | sed -n 's/^installed //p') ||
         true # grep's word for "none missing"
 }
@@ -47,7 +56,7 @@ missing_packages() {
 install_missing_packages() {
     is_debian || return 0
     local -a missing as_root=()
-    mapfile -t missing < <(missing_packages)
+    mapfile -t missing < <(missing_packages "$1")
     ((${#missing[@]} > 0)) || return 0
 
     local -r install="apt-get install --no-install-recommends ${missing[*]}"
@@ -92,7 +101,7 @@ leave_root_of_sudo() {
 check_other_distribution() {
     local tool
     say "neither Debian nor Ubuntu: nothing is installed here by itself. Needed, by Debian's names:"
-    sed '/^#/d; s/^/  /' "$packages"
+    packages_of | sed 's/^/  /'
     for tool in cmake ninja c++; do
         command -v "$tool" >/dev/null ||
             die "no '$tool' here; install what is listed above, then start again"
@@ -105,12 +114,27 @@ is_configured() {
         grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$project" "$build/CMakeCache.txt"
 }
 
+is_on() { grep -qxF "$1:BOOL=ON" "$build/CMakeCache.txt"; }
+
+# What a tree once had it keeps.
 configure() {
-    ! is_configured || return 0
+    local -r groups=$1
+    local -a options=(--fresh)
+    local option
+    if is_configured; then options=(); fi
+    for option in charts tests benchmarks; do
+        if [[ " $groups " == *" $option "* ]]; then
+            is_configured && is_on "SPRINGDRIVE_${option^^}" ||
+                options+=(-D "SPRINGDRIVE_${option^^}=ON")
+        elif ! is_configured; then
+            options+=(-D "SPRINGDRIVE_${option^^}=OFF")
+        fi
+    done
+    ((${#options[@]} > 0)) || return 0
     is_debian || check_other_distribution
-    say "configuring build/release"
+    say "configuring build/$preset"
     rm -f "$build/build.ninja"
-    cmake -S "$project" --preset release --fresh ||
+    cmake -S "$project" --preset "$preset" "${options[@]}" ||
         die "could not configure; setup/packages.txt lists what is needed"
 }
 

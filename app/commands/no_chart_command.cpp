@@ -1,0 +1,21 @@
+// In place of chart_command.cpp where the charts were not built.
+#include "app/commands/chart_command.h"
+
+#include "base/input_error.h"
+
+#include <CLI/CLI.hpp>
+
+namespace springdrive::app {
+
+void add_chart_command(CLI::App &app) {
+    CLI::App *command =
+        app.add_subcommand("chart", "speed against accuracy of every method; not in this build");
+    command->allow_extras();
+    command->callback([] {
+        throw InputError(
+            "this build has no charts, as CVODE was left out; ./app/run chart installs "
+            "it and builds them");
+    });
+}
+
+} // namespace springdrive::app
