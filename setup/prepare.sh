@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # From a bare machine to a built tree, for app/run and tests/run to source:
-#   prepare PRESET TARGET GROUPS ARGUMENT...   installs what is missing of these groups of packages,
-#                                              configures the preset, builds TARGET
+#   prepare PRESET TARGETS GROUPS ARGUMENT...   installs what is missing of these groups of packages,
+#                                               configures the preset, builds the TARGETs
 # ARGUMENTs are the caller's own, handed on should it have to start again as another user.
 # Standard input and output belong to the program; all that is said here goes to standard error.
 
@@ -10,14 +10,14 @@ packages=$project/setup/packages.txt
 readonly project packages
 
 prepare() {
-    local -r target=$2 groups=$3
+    local -r targets=$2 groups=$3
     preset=$1
     build=$project/build/$preset
     shift 3
     install_missing_packages "$groups" </dev/null >&2
     leave_root_of_sudo "$@"
     configure "$groups" </dev/null >&2
-    build "$target" </dev/null >&2
+    build "$targets" </dev/null >&2
 }
 
 say() { printf 'springdrive: %s\n' "$*" >&2; }
@@ -139,12 +139,13 @@ configure() {
 }
 
 build() {
-    local -r target=$1
+    local -a targets
+    read -r -a targets <<<"$1"
     # Asked first, as ninja has no way to be silent only when there is nothing to do.
-    [[ $(ninja -C "$build" -n "$target") != *"no work to do"* ]] || return 0
-    say "building $target"
+    [[ $(ninja -C "$build" -n "${targets[@]}") != *"no work to do"* ]] || return 0
+    say "building ${targets[*]}"
     # Killing this script must not leave a build behind.
-    setpriv --pdeathsig TERM ninja -C "$build" -j "$(job_count)" "$target"
+    setpriv --pdeathsig TERM ninja -C "$build" -j "$(job_count)" "${targets[@]}"
 }
 
 # As many compilers as there are cores, and memory for: one may take 1.5 GiB.

@@ -39,6 +39,7 @@ TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
     };
     expect_refused({"--model", "auto", "--without", "gravity"}, "give one or the other");
     expect_refused({"--plant-model", "full", "--with", "gravity"}, "give one or the other");
+    expect_refused({"--cpu", "1023"}, "--cpu 1023: this process may run on processors");
     expect_refused({"--plant-model", "fullest"}, "--plant-model");
     expect_refused({"--step-us", "0.5"}, "--step-us is 0.5; it must be from 1 to 4000");
     expect_refused({"--contact-shape", "simplified_1"}, "--contact-shape simplified_1");

@@ -5,6 +5,7 @@
 #include "engine/record/record_writer.h"
 #include "engine/record/row_codec.h"
 #include "engine/record/telemetry_columns.h"
+#include "tests/support/complaint.h"
 #include "tests/support/files.h"
 
 #include <cstdint>
@@ -75,16 +76,6 @@ inline void write_record(const std::filesystem::path &path, double servo_hz,
 
 inline void write_file(const std::filesystem::path &path, const std::string &bytes) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
-
-/// What InputError says; empty when nothing was thrown.
-template <typename Step> std::string complaint_of(Step &&step) {
-    try {
-        step();
-    } catch (const InputError &error) {
-        return error.what();
-    }
-    return "";
 }
 
 } // namespace springdrive::testing

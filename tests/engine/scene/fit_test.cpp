@@ -9,7 +9,7 @@
 namespace springdrive::scene {
 namespace {
 
-constexpr double kRounding = 1e-12; // relative, a few operations in double precision
+constexpr double kFitRounding = 1e-12; // relative, a few operations in double precision
 
 BoundingBox box_between(const Vector3 &lower, const Vector3 &upper) {
     BoundingBox box;
@@ -30,9 +30,9 @@ TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
         const Fit fit = fit_into(workspace, box);
         const Vector3 lower = fit(box.lower);
         const Vector3 upper = fit(box.upper);
-        EXPECT_LT((0.5 * (lower + upper) - workspace.centre_m).norm(), kRounding);
+        EXPECT_LT((0.5 * (lower + upper) - workspace.centre_m).norm(), kFitRounding);
         const Vector3 share = (upper - lower).cwiseQuotient(workspace.size_m);
-        EXPECT_NEAR(share.maxCoeff(), 0.6, kRounding);
+        EXPECT_NEAR(share.maxCoeff(), 0.6, kFitRounding);
         EXPECT_TRUE(lies_within(workspace, box_between(lower, upper)));
     }
 }
@@ -40,8 +40,8 @@ TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
 TEST(Fit, AFlatSceneIsScaledByWhatItSpans) {
     const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
     const Fit fit = fit_into(workspace, box_between(Vector3(0, 5, 0), Vector3(3, 5, 0.5)));
-    EXPECT_NEAR(fit.scale, 0.06, kRounding); // 0.6 × 0.3 / 3
-    EXPECT_NEAR(fit(Vector3(0, 5, 0)).y(), 0.0, kRounding);
+    EXPECT_NEAR(fit.scale, 0.06, kFitRounding); // 0.6 × 0.3 / 3
+    EXPECT_NEAR(fit(Vector3(0, 5, 0)).y(), 0.0, kFitRounding);
 }
 
 TEST(Fit, RefusesAPointAndTheBoundless) {

@@ -6,8 +6,9 @@
 namespace springdrive::model_selection {
 namespace {
 
+using Kind = ContactShape::Kind;
+
 TEST(Model, EveryNameReadsBack) {
-    using Kind = ContactShape::Kind;
     for (const ContactShape shape :
          {ContactShape{Kind::primitives, 1}, ContactShape{Kind::flat, 1},
           ContactShape{Kind::given, 1}, ContactShape{Kind::simplified, 2},

@@ -4,9 +4,11 @@
 #include "engine/lab/limits/failure_lines/failure_lines.h"
 
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -86,6 +88,33 @@ TEST(FailureLines, AreOfEveryMethodOfTheDesign) {
           "proxy", "servo", "motor"}) {
         EXPECT_EQ(methods.count(method), 1U) << method;
     }
+}
+
+/// As the program prints it: every row once, each found within what its method allows.
+TEST(FailureLines, TheTableHoldsEveryRowAndWhatWasPredicted) {
+    std::vector<double> shares;
+    const std::vector<FailureLine> lines =
+        failure_lines(testing::firm(), [&shares](double share) { shares.push_back(share); });
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    ASSERT_FALSE(shares.empty());
+    EXPECT_NEAR(shares.back(), 1.0, 1e-9);
+    std::set<std::string> rows;
+    std::size_t of_loops = 0;
+    for (const FailureLine &line : lines) {
+        SCOPED_TRACE(line.method + ": " + line.fails + ", " + line.setting);
+        EXPECT_TRUE(rows.insert(line.method + line.fails + line.setting).second);
+        of_loops += line.method.starts_with("drift") || line.method == "current-drive wall" ||
+                            line.fails == "α above"
+                        ? 1
+                        : 0;
+        if (line.predicted && line.measured) {
+            EXPECT_NEAR(*line.measured, *line.predicted, 0.02 * std::abs(*line.predicted));
+        } else {
+            EXPECT_FALSE(line.predicted); // what is predicted is found
+        }
+    }
+    EXPECT_EQ(lines.size(), tried_lines(testing::firm()).size() + of_loops);
+    EXPECT_EQ(of_loops, 10U);
 }
 
 TEST(FailureLines, AreWrittenAsMarkdown) {

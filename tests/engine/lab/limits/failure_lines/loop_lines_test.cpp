@@ -1,9 +1,10 @@
 // Covers engine/lab/limits/failure_lines/loop_lines.cpp: each line of DESIGN section 6 that a loop
 // can cross, from both sides, predicted and tried.
-#include "engine/lab/limits/stability_limits.h"
+#include "engine/lab/limits/failure_lines/loop_lines.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
+#include "engine/lab/limits/stability_limits.h"
 #include "tests/support/devices.h"
 #include "tests/support/stability_cases.h"
 
@@ -12,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
+#include <string>
 #include <string_view>
 
 namespace springdrive::limits {
@@ -236,6 +239,74 @@ TEST(LoopLines, ADelayedWallFailsEarlier) {
         const double truth = 1e-2 / (which.period_s * (0.5 + delay)) / squared_lever_m2(which);
         const StabilityLimit limit = only_limit(which, "wall-stiffness", 1.0, 1e6);
         EXPECT_NEAR(limit.predicted, truth, 2e-3 * truth) << delay;
+    }
+}
+
+/// What the table says of a line is where both verdicts turn, at the tuning that the row names.
+void expect_row(const FailureLine &line, const std::string &fails,
+                const loops::StabilityCase &which, std::string_view name,
+                bool stable_below = true) {
+    SCOPED_TRACE(fails);
+    EXPECT_EQ(line.fails, fails);
+    ASSERT_TRUE(line.predicted && line.measured);
+    expect_crossing(which, name, *line.predicted, stable_below);
+    EXPECT_NEAR(*line.measured, *line.predicted, 0.02 * *line.predicted);
+}
+
+TEST(LoopLines, RowsOfDriftCompensationAreWhereVerdictsTurn) {
+    int steps = 0;
+    loops::StabilityCase asked = testing::firm();
+    asked.tuning.K_P_V_per_rad *= 0.5; // each row has a tuning of its own
+    const std::vector<FailureLine> lines = drift_lines(asked, [&steps] { ++steps; });
+    EXPECT_EQ(steps, kDriftSteps);
+    ASSERT_EQ(lines.size(), 7U);
+    expect_row(lines[0], "K_P above", testing::firm(), "kp");
+    expect_row(lines[1], "K_D above", testing::firm(), "kd");
+    expect_row(lines[2], "dR below", testing::firm(), "dR", false);
+    expect_row(lines[3], "T above", testing::firm(), "T");
+    expect_row(lines[4], "d above", testing::firm(), "d");
+    loops::StabilityCase filtered = testing::firm();
+    filtered.tuning.K_P_V_per_rad = 20.0;
+    filtered.tuning.K_D_Vs_per_rad = 0.03;
+    filtered.delay_periods = 1.0;
+    expect_row(lines[5], "λ below", filtered, "lambda", false);
+    // A count of 2π/(4 · 500 · gear) has K_P of it at once, and K_D of it over a period, filtered.
+    const control::Tuning tuning;
+    const double count_rad = asked.device.rad_per_count();
+    const double share = -std::expm1(-tuning.lambda_rad_per_s * 1e-3);
+    const double truth_mV =
+        1e3 * count_rad * (tuning.K_P_V_per_rad + 1e3 * share * tuning.K_D_Vs_per_rad);
+    EXPECT_NEAR(lines[6].predicted.value(), truth_mV, 1e-12 * truth_mV);
+    EXPECT_NEAR(lines[6].measured.value(), truth_mV, 1e-12 * truth_mV);
+}
+
+TEST(LoopLines, RowOfAlphaIsWhereVerdictsTurn) {
+    loops::StabilityCase three = testing::firm();
+    three.freedom = loops::Freedom::three_motors;
+    three.tuning.K_P_V_per_rad = 20.0;
+    const std::vector<FailureLine> lines = alpha_lines(testing::firm());
+    ASSERT_EQ(lines.size(), 1U);
+    expect_row(lines[0], "α above", three, "alpha");
+}
+
+TEST(LoopLines, RowsOfTheWallAreWhereVerdictsTurnAndFallWithTheDelay) {
+    const std::vector<FailureLine> lines = wall_lines(testing::firm());
+    ASSERT_EQ(lines.size(), 2U);
+    loops::StabilityCase wall = testing::firm();
+    wall.drive = device::AmplifierKind::current_drive;
+    wall.hands = {loops::no_hand()};
+    wall.rotor = device::RotorLoad{1e-4, 1e-3, 0.0};
+    wall.wall = {1.0, 0.0};
+    for (const FailureLine &line : lines) {
+        expect_row(line, "K above", wall, "wall-stiffness");
+        // Passivity's K (T/2 + dT + 1/ω) < b, ω the amplifier's bandwidth: a mass that nobody holds
+        // needs no more, and no less but for the terms of second order in its frequency.
+        const double late_s =
+            1e-3 * (0.5 + wall.delay_periods) +
+            1.0 / (2.0 * std::numbers::pi * wall.device.amplifier.current_bandwidth_hz);
+        const double truth = 1e-3 / late_s / squared_lever_m2(wall);
+        EXPECT_NEAR(*line.predicted, truth, 0.05 * truth);
+        wall.delay_periods += 1.0;
     }
 }
 
