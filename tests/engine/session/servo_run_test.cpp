@@ -65,12 +65,12 @@ TEST(ServoRun, StopsOnlyWhatHasLetGo) {
 }
 
 TEST(ServoRun, BeginsAnewOnAnotherDevice) {
-    Rig rig;
+    simulated::SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
+    Rig rig; // whose end is the last that the other device hears of
     rig.run.emergency_stop();
     rig.run.reset_safety();
     rig.run.advance(0.1);
     rig.run.stop();
-    simulated::SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
     rig.run.renew(other);
     rig.run.advance(0.05);
     EXPECT_EQ(rig.run.latest().tick, 49U);
