@@ -89,7 +89,7 @@ void SceneMeshes::draw_translucent(const Vector3 &forward) const {
     });
     glEnable(GL_CULL_FACE);
     for (const Item *item : sorted) {
-        for (const GLenum hidden_side : {GL_FRONT, GL_BACK}) {
+        for (const GLenum hidden_side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
             glCullFace(hidden_side);
             draw(*item);
         }

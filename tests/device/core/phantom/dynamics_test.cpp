@@ -141,7 +141,7 @@ TEST_P(Dynamics, MassMatrixIsThatOfTheBodiesInSpace) {
 }
 
 TEST_P(Dynamics, GravityIsTheWeightOfTheBodiesInSpace) {
-    const auto weight_J = [this](const Vector3 &q) {
+    const auto weight_J = [](const Vector3 &q) {
         double sum = 0.0;
         for (std::size_t body = 0; body < kBodies; ++body) {
             sum += kGravity_m_per_s2 * bodies(GetParam())[body].mass_kg *

@@ -102,7 +102,8 @@ TEST(RepeatedTriangles, LeavesOneOfEachAndNoSideUnfelt) {
             materials.push_back(static_cast<std::uint16_t>(random() % 4 == 0 ? 1 : 0));
         }
         const std::vector<MeshTriangle> before = mesh_of(triples);
-        const RepeatOutcome outcome = after_dropping(before, materials, 1 + round % 3);
+        const RepeatOutcome outcome =
+            after_dropping(before, materials, static_cast<unsigned>(1 + round % 3));
 
         // By brute force: of each winding the material of its first triangle.
         Felt expected;

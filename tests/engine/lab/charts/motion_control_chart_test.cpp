@@ -59,10 +59,10 @@ TEST(MotionControlChart, GlobalAlphaIsSofterThanOnTheFlyAndThatThanTheInverse) {
 TEST(MotionControlChart, RefusesATuningWithoutStaticStiffness) {
     ChartSetting without = testing::quick_setting();
     without.tuning.K_P_V_per_rad = 0.0;
-    EXPECT_THROW(motion_direction_chart(without, [](double) {}), InputError);
+    EXPECT_THROW((void)motion_direction_chart(without, [](double) {}), InputError);
     without = testing::quick_setting();
     without.tuning.eta = 1.0;
-    EXPECT_THROW(motion_stiffness_chart(without, [](double) {}), InputError);
+    EXPECT_THROW((void)motion_stiffness_chart(without, [](double) {}), InputError);
 }
 
 } // namespace
