@@ -127,6 +127,17 @@ TriedLine late_answers(const loops::StabilityCase &which) {
             [=](double periods) { return dies_out(delayed(static_cast<int>(periods)), 0); }};
 }
 
+/// Whether the servo runs on after so many reads in a row in which its device fails so.
+bool outlives(const loops::StabilityCase &which, void (FailingDevice::*fails)(int), double reads) {
+    constexpr int kTicks = 30; // more than reads are tried, and a few to see it
+    ServoRig rig({which, 0.0});
+    (rig.device.*fails)(static_cast<int>(reads));
+    for (int i = 0; i < kTicks; ++i) {
+        static_cast<void>(rig.tick());
+    }
+    return !rig.has_tripped();
+}
+
 /// A device that is gone stops the servo at once.
 TriedLine lost_device(const loops::StabilityCase &which) {
     return {{kServoMethod,
@@ -139,14 +150,7 @@ TriedLine lost_device(const loops::StabilityCase &which) {
             0.0,
             10.0,
             true,
-            [=](double lost) {
-                ServoRig rig({which, 0.0});
-                rig.device.stay_lost(static_cast<int>(lost));
-                for (int i = 0; i < 20; ++i) {
-                    static_cast<void>(rig.tick());
-                }
-                return !rig.has_tripped();
-            }};
+            [=](double lost) { return outlives(which, &FailingDevice::stay_lost, lost); }};
 }
 
 /// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
@@ -162,14 +166,7 @@ TriedLine missing_answers(const loops::StabilityCase &which) {
             0.0,
             3.0 * budget,
             true,
-            [=](double missing) {
-                ServoRig rig({which, 0.0});
-                rig.device.stay_silent(static_cast<int>(missing));
-                for (int i = 0; i < 30; ++i) {
-                    static_cast<void>(rig.tick());
-                }
-                return !rig.has_tripped();
-            }};
+            [=](double missing) { return outlives(which, &FailingDevice::stay_silent, missing); }};
 }
 
 /// The tick that sees it commands braking before it ends.
