@@ -41,8 +41,8 @@ double error_deg(loops::PlanarContact contact, control::MotionMap map, double fr
 
 Figure direction_over_frequency_figure(const FigureSetting &setting,
                                        const FigureProgress &progress) {
-    constexpr int kPointsPerDecade = 30;
-    constexpr int kRows = 3 * kPointsPerDecade; // 1 Hz to 1 kHz
+    constexpr int kRowsPerDecade = 30;
+    constexpr int kRows = 3 * kRowsPerDecade; // 1 Hz to 1 kHz
     const loops::PlanarContact contact = contact_in(setting);
     Figure figure;
     figure.csv = "freq_hz,inverse_deg";
@@ -51,7 +51,7 @@ Figure direction_over_frequency_figure(const FigureSetting &setting,
     }
     figure.csv += "\n";
     for (int i = 0; i <= kRows; ++i) {
-        const double f_hz = std::pow(10.0, static_cast<double>(i) / kPointsPerDecade);
+        const double f_hz = std::pow(10.0, static_cast<double>(i) / kRowsPerDecade);
         figure.csv += csv_line(
             {f_hz, error_deg(contact, control::MotionMap::inverse, f_hz, kFilters_rad_per_s[0]),
              error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[0]),

@@ -13,8 +13,6 @@ namespace springdrive::contact {
 
 namespace {
 
-using Box = Eigen::AlignedBox3d;
-
 /// From this depth on runs are halved in number, three times for each node, which ends well within
 /// the 16 levels that remain: 8^10 boxes are all that can be numbered.
 constexpr int kHalvingDepth = kDeepestBoxNode - 16;
@@ -80,7 +78,7 @@ struct TopNode {
 
 class Builder {
 public:
-    Builder(std::span<const Box> boxes, unsigned threads)
+    Builder(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads)
         : threads_(threads), boxes_(boxes.size()),
           most_in_part_(std::max(kLeastPart, static_cast<std::uint32_t>(boxes.size() / kParts))) {
         for_each_chunk([&](std::size_t i) {

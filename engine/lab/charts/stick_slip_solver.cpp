@@ -23,7 +23,7 @@ struct SlidingPlant {
     StickSlipModes modes{};
 };
 
-int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *given) {
+int call_sliding_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *given) {
     const auto &plant = *static_cast<const SlidingPlant *>(given);
     const rig::PlantState now = cvode::view<rig::PlantState>(y);
     rig::PlantState rate = plant.equations.position_rates(now);
@@ -126,7 +126,7 @@ struct StickSlipSolver::Parts {
 };
 
 StickSlipSolver::StickSlipSolver(CvodeMethod method, double relative_tolerance)
-    : parts_(new Parts{{method, relative_tolerance, call_rates}}) {
+    : parts_(new Parts{{method, relative_tolerance, call_sliding_rates}}) {
     std::array<int, kJoints> falling{-1, -1, -1};
     cvode::check(CVodeRootInit(parts_->session.get(), kJoints, call_roots), "CVodeRootInit");
     cvode::check(CVodeSetRootDirection(parts_->session.get(), falling.data()),

@@ -110,21 +110,21 @@ double motors_push_N(const loops::StabilityCase &which,
 /// One impact on a wall that is `lower_m` farther down than where the approach usually ends.
 Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double lower_m) {
     constexpr double kApproach_s = 0.1; // until hand and tip move as one
-    constexpr double kLongest_s = 1.0;
+    constexpr double kLongestApproach_s = 1.0;
     constexpr double kSoonest_s = 0.001;
     constexpr double kWatched_s = 0.01;
     const Vector3 start_m = device::tip_position_m(which.device.geometry, which.q_rad);
-    const Vector3 end_m = start_m - speed_m_per_s * kLongest_s * Vector3::UnitY();
+    const Vector3 end_m = start_m - speed_m_per_s * kLongestApproach_s * Vector3::UnitY();
     const double height_m = start_m.y() - speed_m_per_s * kApproach_s - lower_m;
     simulated::SimulatedPhantom phantom(
-        which.device, options_of(which, {{0.0, start_m}, {kLongest_s, end_m}}), start_m);
+        which.device, options_of(which, {{0.0, start_m}, {kLongestApproach_s, end_m}}), start_m);
     WallServo servo(which, phantom.description(), height_m);
     servo.rest_at(phantom.truth().theta_rad);
     device::Measurement state = phantom.advance(device::DeviceCommand::braking());
     const simulated::SimulatedPhantom::Truth &now = phantom.truth();
     double last_m = now.tip_m.y();
     double idle_N = 0.0; // what the motors push in free space, by the filter's lag
-    while (now.tip_m.y() >= height_m && now.time_s < kLongest_s) {
+    while (now.tip_m.y() >= height_m && now.time_s < kLongestApproach_s) {
         last_m = now.tip_m.y();
         idle_N = motors_push_N(which, phantom);
         state = phantom.advance(servo.command(state.counts));

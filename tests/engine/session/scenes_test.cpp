@@ -71,7 +71,8 @@ TEST(Scenes, OneThatFailsLeavesThePresentOne) {
 TEST(Scenes, OneThatNobodyWantsAnyMoreIsNotLoadedToItsEnd) {
     scene::LoadProgress progress;
     progress.give_up();
-    EXPECT_THROW(load_scene(file_of("organic"), testing::phantom_1_0().workspace, progress),
+    EXPECT_THROW(static_cast<void>(
+                     load_scene(file_of("organic"), testing::phantom_1_0().workspace, progress)),
                  NotWanted);
 }
 

@@ -196,7 +196,7 @@ TriedLine volts_off(const loops::StabilityCase &which) {
 
 /// A tip that a new scene puts inside a block is free until it has come out.
 TriedLine new_scene(const loops::StabilityCase &which) {
-    constexpr double kHalf_m = 0.1;
+    constexpr double kHalfBlock_m = 0.1;
     constexpr double kDeepest_m = 0.05;
     return {{"proxy",
              "scene switched in contact, inside deeper than",
@@ -213,8 +213,8 @@ TriedLine new_scene(const loops::StabilityCase &which) {
                 rig.press(2.0);
                 const Vector3 top_m = rig.last.tip_m + Vector3(0.0, depth_mm / kMilli, 0.0);
                 const contact::HapticSurface block(
-                    solid_box(top_m - Vector3(kHalf_m, 2.0 * kHalf_m, kHalf_m),
-                              top_m + Vector3(kHalf_m, 0.0, kHalf_m)));
+                    solid_box(top_m - Vector3(kHalfBlock_m, 2.0 * kHalfBlock_m, kHalfBlock_m),
+                              top_m + Vector3(kHalfBlock_m, 0.0, kHalfBlock_m)));
                 rig.inputs.surface = &block;
                 ++rig.inputs.scene_id;
                 for (int i = 0; i < 300; ++i) {

@@ -66,12 +66,12 @@ TEST(ProxyOnShapes, IsTheNearestPointOfASphere) {
     }
 }
 
-/// Boxes and their triangles, of one material.
-struct Boxes {
+/// BoxShapes and their triangles, of one material.
+struct BoxShapes {
     TriangleSoup soup;
     std::vector<AnalyticShape> shapes;
 
-    explicit Boxes(const SurfaceMaterial &material) { soup.materials = {material}; }
+    explicit BoxShapes(const SurfaceMaterial &material) { soup.materials = {material}; }
 
     void add(const Vector3 &lower_m, const Vector3 &upper_m) {
         Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
@@ -88,7 +88,7 @@ struct Boxes {
 };
 
 /// How often contact was made while proxies on boxes and on their triangles did the same.
-int touches_alike(const Boxes &boxes, std::uint64_t seed) {
+int touches_alike(const BoxShapes &boxes, std::uint64_t seed) {
     TriangleSoup none;
     none.materials = boxes.soup.materials;
     const HapticSurface exact(none, boxes.shapes);
@@ -116,20 +116,20 @@ int touches_alike(const Boxes &boxes, std::uint64_t seed) {
 }
 
 TEST(ProxyOnShapes, DoesOnABoxWhatItDoesOnOneOfTriangles) {
-    Boxes boxes({"smooth", 0.25});
+    BoxShapes boxes({"smooth", 0.25});
     boxes.add({-0.02, -0.01, -0.015}, {0.02, 0.01, 0.015});
     EXPECT_GT(touches_alike(boxes, 2), 1000);
 }
 
 TEST(ProxyOnShapes, DoesWithFrictionWhatItDoesOnTriangles) {
-    Boxes boxes({"rough", 0.25, 0.5, 0.3});
+    BoxShapes boxes({"rough", 0.25, 0.5, 0.3});
     // No edges: one on triangles also hops over such as are hardly higher than where it is held.
     boxes.add({-0.1, -0.02, -0.1}, {0.1, 0.005, 0.1});
     EXPECT_GT(touches_alike(boxes, 5), 1000);
 }
 
 TEST(ProxyOnShapes, DoesBetweenBoxesWhatItDoesOnTriangles) {
-    Boxes boxes({"smooth", 0.25}); // a gap of 4 mm, and steps on its far side
+    BoxShapes boxes({"smooth", 0.25}); // a gap of 4 mm, and steps on its far side
     boxes.add({-0.025, -0.01, -0.02}, {-0.002, 0.01, 0.02});
     boxes.add({0.002, -0.01, -0.02}, {0.025, 0.005, 0.02});
     EXPECT_GT(touches_alike(boxes, 6), 1000);

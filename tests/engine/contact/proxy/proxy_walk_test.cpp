@@ -127,13 +127,13 @@ INSTANTIATE_TEST_SUITE_P(
                                                          0.02, 0.015, 0.01))))));
 
 TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
-    constexpr double kRadius_m = 0.04;
-    const TriangleSoup soup = testing::icosphere(3, kRadius_m);
+    constexpr double kSphereRadius_m = 0.04;
+    const TriangleSoup soup = testing::icosphere(3, kSphereRadius_m);
     const HapticSurface mesh(soup);
     // Sagitta of the largest triangle: two faces' distances to one tip differ by less.
     const Vector3 edge =
         soup.vertices_m[soup.triangles[0][0]] - soup.vertices_m[soup.triangles[0][1]];
-    const double sagitta_m = edge.squaredNorm() / kRadius_m;
+    const double sagitta_m = edge.squaredNorm() / kSphereRadius_m;
     Wanderer wanderer(2, {0.0, 0.045, 0.0}, 0.041, 0.5e-3);
     Proxy proxy;
     proxy.reset({0.0, 0.045, 0.0});
