@@ -31,14 +31,14 @@ void write_contents(std::ostream &out, record::RecordReader &record) {
     while (record.next()) {
     }
     const record::RecordEnding &ending = record.ending();
-    print(out, "%s: %s, %g Hz, %s\n", record.path().c_str(), header.started_utc.c_str(),
-          header.servo_hz, ending.text().c_str());
-    print(out, "device   %s, %s\n", header.device_name.c_str(), header.device_file.c_str());
-    print(out, "scene    %s, %llu triangles, sha256 %s\n", header.scene_file.c_str(),
-          static_cast<unsigned long long>(header.scene_triangles), header.scene_sha256.c_str());
-    print(out, "software %s, row of %u bytes\n", header.software.c_str(), header.row_bytes);
+    print(out, "{}: {}, {:g} Hz, {}\n", record.path().string(), header.started_utc, header.servo_hz,
+          ending.text());
+    print(out, "device   {}, {}\n", header.device_name, header.device_file);
+    print(out, "scene    {}, {} triangles, sha256 {}\n", header.scene_file, header.scene_triangles,
+          header.scene_sha256);
+    print(out, "software {}, row of {} bytes\n", header.software, header.row_bytes);
     for (const record::RecordColumn &column : header.columns) {
-        print(out, "  %-32s %s\n", column.name.c_str(), column.unit.c_str());
+        print(out, "  {:<32} {}\n", column.name, column.unit);
     }
 }
 
@@ -88,9 +88,8 @@ void run(const TypedExport &typed) {
     } else {
         summary = record::export_mat(record, typed.selection, typed.mat);
     }
-    print(std::cerr, "springdrive: %llu rows of %zu columns, from %s\n",
-          static_cast<unsigned long long>(summary.rows), summary.columns,
-          summary.ending.text().c_str());
+    print(std::cerr, "springdrive: {} rows of {} columns, from {}\n", summary.rows, summary.columns,
+          summary.ending.text());
 }
 
 } // namespace

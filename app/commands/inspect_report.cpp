@@ -92,20 +92,20 @@ void write_head(std::ostream &out, const InspectReport &report) {
     const scene::Scene &scene = *report.scene;
     out << report.name;
     if (report.file_bytes > 0) {
-        print(out, ": %.1f kB", 1e-3 * static_cast<double>(report.file_bytes));
+        print(out, ": {:.1f} kB", 1e-3 * static_cast<double>(report.file_bytes));
     }
-    print(out, ", loaded in %.3f s\n", report.load_s);
+    print(out, ", loaded in {:.3f} s\n", report.load_s);
     if (scene.in_metres) {
         out << "units     metres of the device's frame, as they stand\n";
     } else {
-        print(out, "units     fitted to the workspace: one is %.6g m\n", scene.metres_per_unit);
+        print(out, "units     fitted to the workspace: one is {:.6g} m\n", scene.metres_per_unit);
     }
     const Vector3 size_mm = 1e3 * (scene.upper_m - scene.lower_m);
     const Vector3 lower_mm = 1e3 * scene.lower_m;
     const Vector3 upper_mm = 1e3 * scene.upper_m;
-    print(out, "box       %.2f × %.2f × %.2f mm, ", size_mm.x(), size_mm.y(), size_mm.z());
-    print(out, "from (%.2f, %.2f, %.2f) ", lower_mm.x(), lower_mm.y(), lower_mm.z());
-    print(out, "to (%.2f, %.2f, %.2f) mm\n", upper_mm.x(), upper_mm.y(), upper_mm.z());
+    print(out, "box       {:.2f} × {:.2f} × {:.2f} mm, ", size_mm.x(), size_mm.y(), size_mm.z());
+    print(out, "from ({:.2f}, {:.2f}, {:.2f}) ", lower_mm.x(), lower_mm.y(), lower_mm.z());
+    print(out, "to ({:.2f}, {:.2f}, {:.2f}) mm\n", upper_mm.x(), upper_mm.y(), upper_mm.z());
 }
 
 void write_nodes(std::ostream &out, const InspectReport &report) {
@@ -114,10 +114,10 @@ void write_nodes(std::ostream &out, const InspectReport &report) {
     const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
     for (std::size_t i = 0; i < facets.size(); ++i) {
         const contact::SurfaceMaterial &material = report.surface->materials()[i];
-        print(out, "%12zu%11zu%11zu%7.3g", facets[i].triangles, facets[i].one_sided,
+        print(out, "{:>12}{:>11}{:>11}{:>7.3g}", facets[i].triangles, facets[i].one_sided,
               facets[i].two_sided, material.eta);
-        print(out, "%17.3g%9.3g", material.static_friction, material.dynamic_friction);
-        print(out, "  %-11s%s\n", name_of(material.sides), material.name.c_str());
+        print(out, "{:>17.3g}{:>9.3g}", material.static_friction, material.dynamic_friction);
+        print(out, "  {:<11}{}\n", name_of(material.sides), material.name);
     }
 }
 
@@ -170,13 +170,14 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
     write_nodes(out, report);
     out << '\n';
     for (const Finding &finding : kFindings) {
-        print(out, "%12zu  %-20s%s\n", surface.report().*finding.count, finding.label,
+        print(out, "{:>12}  {:<20}{}\n", surface.report().*finding.count, finding.label,
               finding.meaning);
     }
-    print(out, "%12zu  %-20s%s\n", surface.shapes().size(), "shapes",
+    print(out, "{:>12}  {:<20}{}\n", surface.shapes().size(), "shapes",
           "touched exactly as they are, without triangles");
-    print(out, "\nprepared in %.3f s; takes %.2f MB, %.0f bytes a triangle\n", report.preparation_s,
-          1e-6 * static_cast<double>(surface.bytes()), bytes_per_triangle(surface));
+    print(out, "\nprepared in {:.3f} s; takes {:.2f} MB, {:.0f} bytes a triangle\n",
+          report.preparation_s, 1e-6 * static_cast<double>(surface.bytes()),
+          bytes_per_triangle(surface));
     for (const std::string &remark : remarks_of(report)) {
         out << "remark: " << remark << '\n';
     }

@@ -27,12 +27,12 @@ void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
                 const scene::ModelTolerance &tolerance) {
     for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
         const model_selection::Candidate &candidate = axis.candidates[i];
-        print(out, "%-11s%-21s%9.0f", i == 0 ? axis.name.c_str() : "", candidate.name.c_str(),
+        print(out, "{:<11}{:<21}{:>9.0f}", i == 0 ? axis.name : "", candidate.name,
               candidate.cost.least_ns);
-        print(out, "%10.3f%11.2f  ", candidate.error.force_N,
+        print(out, "{:>10.3f}{:>11.2f}  ", candidate.error.force_N,
               candidate.error.direction_rad * kDegreesPerRadian);
-        print(out, "%s%s\n", model_selection::verdict(candidate.error, tolerance).c_str(),
-              further(axis, i, tolerance).c_str());
+        print(out, "{}{}\n", model_selection::verdict(candidate.error, tolerance),
+              further(axis, i, tolerance));
     }
 }
 
@@ -40,15 +40,15 @@ void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
 
 void write_model_table(std::ostream &out, const model_selection::ModelChoice &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
-    print(out, "\nmodel: force to %.3g N, direction to %.3g°, below %.3g Hz\n", tolerance.force_N,
-          tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);
+    print(out, "\nmodel: force to {:.3g} N, direction to {:.3g}°, below {:.3g} Hz\n",
+          tolerance.force_N, tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);
     out << "           candidate             cost [ns] force [N] direction [°]\n";
     for (const model_selection::ModelAxis &axis : choice.axes) {
         write_axis(out, axis, tolerance);
     }
-    print(out, "chosen: %.3f N and %.2f° off the fullest, ", choice.error.force_N,
+    print(out, "chosen: {:.3f} N and {:.2f}° off the fullest, ", choice.error.force_N,
           choice.error.direction_rad * kDegreesPerRadian);
-    print(out, "at %.2f µs a tick instead of %.2f µs\n", 1e-3 * choice.cost_ns,
+    print(out, "at {:.2f} µs a tick instead of {:.2f} µs\n", 1e-3 * choice.cost_ns,
           1e-3 * choice.fullest_cost_ns);
     for (const std::string &remark : choice.remarks) {
         out << "remark: " << remark << '\n';

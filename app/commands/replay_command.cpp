@@ -33,9 +33,9 @@ bool asks_for_a_tuning(const TuningOptions &typed) {
 
 void write_row(std::ostream &out, const servo::ServoSample &sample,
                const record::ReplayedTick &replayed) {
-    print(out, "%llu,%.17g", static_cast<unsigned long long>(sample.tick), sample.time_s);
+    print(out, "{},{:.17g}", sample.tick, sample.time_s);
     for (const Vector3 &e_W_V : {sample.command.e_W_V, replayed.command.e_W_V}) {
-        print(out, ",%.17g,%.17g,%.17g", e_W_V[0], e_W_V[1], e_W_V[2]);
+        print(out, ",{:.17g},{:.17g},{:.17g}", e_W_V[0], e_W_V[1], e_W_V[2]);
     }
     out << '\n';
 }
@@ -57,17 +57,15 @@ void replay_all(record::RecordReader &record, record::Replay &replay, std::ostre
 }
 
 void report(std::ostream &out, const record::RecordReader &record, const record::Replay &replay) {
-    print(out, "%s: %s\n", record.path().c_str(), record.ending().text().c_str());
-    print(out, "replayed %llu ticks, %llu more for the filter's memory only\n",
-          static_cast<unsigned long long>(replay.replayed()),
-          static_cast<unsigned long long>(replay.skipped()));
+    print(out, "{}: {}\n", record.path().string(), record.ending().text());
+    print(out, "replayed {} ticks, {} more for the filter's memory only\n", replay.replayed(),
+          replay.skipped());
     for (const record::ReplayedQuantity &quantity : replay.quantities()) {
         if (quantity.differing == 0) {
-            print(out, "  %-22s equal to the last bit\n", quantity.name);
+            print(out, "  {:<22} equal to the last bit\n", quantity.name);
         } else {
-            print(out, "  %-22s differs in %llu ticks, first in %llu, by at most %.3g\n",
-                  quantity.name, static_cast<unsigned long long>(quantity.differing),
-                  static_cast<unsigned long long>(quantity.first_tick), quantity.greatest);
+            print(out, "  {:<22} differs in {} ticks, first in {}, by at most {:.3g}\n",
+                  quantity.name, quantity.differing, quantity.first_tick, quantity.greatest);
         }
     }
 }

@@ -30,18 +30,18 @@ std::string who(const loops::StabilityCase &which, const loops::LoopMember &memb
 void write_setting(std::ostream &out, const StabilityReport &report) {
     const loops::StabilityCase &which = report.which;
     const control::Tuning &tuning = which.tuning;
-    print(out, "%s, servo %.6g Hz, delay %g, ", which.device.name.c_str(), 1.0 / which.period_s,
+    print(out, "{}, servo {:.6g} Hz, delay {:g}, ", which.device.name, 1.0 / which.period_s,
           which.delay_periods);
     if (which.drive == device::AmplifierKind::current_drive) {
-        print(out, "current drive: wall K %.4g N/m, B %.4g N·s/m, λ %.4g rad/s\n",
+        print(out, "current drive: wall K {:.4g} N/m, B {:.4g} N·s/m, λ {:.4g} rad/s\n",
               which.wall.stiffness_N_per_m, which.wall.damping_Ns_per_m, tuning.lambda_rad_per_s);
     } else {
-        print(out, "spring drive: dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, ",
+        print(out, "spring drive: dR {:.4g} Ω, K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, ",
               which.dR_Ohm(which.device.motor[0]), tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad);
-        print(out, "λ %.4g rad/s, η %.3g, %s\n", tuning.lambda_rad_per_s, tuning.eta,
+        print(out, "λ {:.4g} rad/s, η {:.3g}, {}\n", tuning.lambda_rad_per_s, tuning.eta,
               tuning.map == control::MotionMap::transpose ? "transpose (23)" : "inverse (18)");
     }
-    print(out, "hands: %zu, ", which.hands.size());
+    print(out, "hands: {}, ", which.hands.size());
     out << (which.rotor ? "one motor with an inertia of its own"
             : which.freedom == loops::Freedom::three_motors
                 ? "the whole linkage, its tip held at a point"
@@ -50,14 +50,14 @@ void write_setting(std::ostream &out, const StabilityReport &report) {
 }
 
 void write_verdict(std::ostream &out, const StabilityReport &report) {
-    print(out, "predicted  %-8s  largest eigenvalue %.6f (%s)\n",
+    print(out, "predicted  {:<8}  largest eigenvalue {:.6f} ({})\n",
           report.worst.is_stable() ? "stable" : "UNSTABLE", report.worst.eigenvalue,
-          who(report.which, report.worst.member).c_str());
-    print(out, "simulated  %-8s  let go 1 mm aside, with encoder counts and supply limits\n",
+          who(report.which, report.worst.member));
+    print(out, "simulated  {:<8}  let go 1 mm aside, with encoder counts and supply limits\n",
           report.stable_simulated ? "stable" : "UNSTABLE");
     if (report.which.drive == device::AmplifierKind::current_drive) {
         print(out,
-              "2b/(T(1 + 2d) + 2/ω)  %.4g N/m at the tip: Colgate and Schenkel's line for a "
+              "2b/(T(1 + 2d) + 2/ω)  {:.4g} N/m at the tip: Colgate and Schenkel's line for a "
               "heavy device without hand and B,\n",
               passive_wall_N_per_m(report.which));
         out << "           d periods late, behind this amplifier's bandwidth ω; of the motor with "
@@ -71,9 +71,9 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
 void write_found(std::ostream &out, const limits::StabilityLimit &limit,
                  const std::optional<double> &found) {
     if (found) {
-        print(out, "%11.5g", *found);
+        print(out, "{:>11.5g}", *found);
         if (limit.predicted != 0.0) {
-            print(out, " %6.3f", *found / limit.predicted);
+            print(out, " {:>6.3f}", *found / limit.predicted);
         } else {
             out << "      –";
         }
@@ -84,8 +84,8 @@ void write_found(std::ostream &out, const limits::StabilityLimit &limit,
 
 void write_limits(std::ostream &out, const StabilityReport &report) {
     const loops::StabilityParameter &varied = *report.varied;
-    print(out, "\n%s from %.5g to %.5g %s: ", std::string(varied.symbol).c_str(), report.range.from,
-          report.range.to, std::string(varied.unit).c_str());
+    print(out, "\n{} from {:.5g} to {:.5g} {}: ", varied.symbol, report.range.from, report.range.to,
+          varied.unit);
     if (report.stable_throughout) {
         out << "no limit within it, predicted "
             << (*report.stable_throughout ? "stable" : "unstable") << " throughout\n";
@@ -95,7 +95,7 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
     out << "  stable    predicted      no effects   ratio   counts, supply   + friction  "
            "limited by\n";
     for (const limits::StabilityLimit &limit : report.limits) {
-        print(out, "  %-6s  %11.6g", limit.stable_below ? "up to" : "from", limit.predicted);
+        print(out, "  {:<6}  {:>11.6g}", limit.stable_below ? "up to" : "from", limit.predicted);
         write_found(out, limit, limit.simulated_linear);
         write_found(out, limit, limit.simulated);
         write_found(out, limit, limit.simulated_all);

@@ -34,18 +34,18 @@ void write_head(std::ostream &out, const device::DeviceDescription &device,
     const control::Tuning &tuning = drive.tuning;
     const control::Coupling levels =
         control::coupling(motor, tuning, drive.period_s, drive.delay_periods);
-    print(out, "%s, first motor: R %.4g Ω, L %.4g mH, k_T %.4g mN·m/A\n", device.name.c_str(),
+    print(out, "{}, first motor: R {:.4g} Ω, L {:.4g} mH, k_T {:.4g} mN·m/A\n", device.name,
           motor.resistance_Ohm, 1e3 * motor.inductance_H, 1e3 * motor.torque_constant_Nm_per_A);
-    print(out, "dR %.4g Ω, K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s, ", drive.dR_Ohm(),
-          tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s);
-    print(out, "servo %.5g Hz, delay %g\n\n", 1.0 / drive.period_s, drive.delay_periods);
-    print(out, "K_DC = k_T K_P/dR (13)  %.4g N·m/rad\n", levels.K_DC_Nm_per_rad);
-    print(out, "K_HF = k_T²/L     (14)  %.4g N·m/rad\n", levels.K_HF_Nm_per_rad);
-    print(out, "corners                 dR/L %.4g Hz, λ %.4g Hz, R/L %.4g Hz\n",
+    print(out, "dR {:.4g} Ω, K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s, ",
+          drive.dR_Ohm(), tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s);
+    print(out, "servo {:.5g} Hz, delay {:g}\n\n", 1.0 / drive.period_s, drive.delay_periods);
+    print(out, "K_DC = k_T K_P/dR (13)  {:.4g} N·m/rad\n", levels.K_DC_Nm_per_rad);
+    print(out, "K_HF = k_T²/L     (14)  {:.4g} N·m/rad\n", levels.K_HF_Nm_per_rad);
+    print(out, "corners                 dR/L {:.4g} Hz, λ {:.4g} Hz, R/L {:.4g} Hz\n",
           hz(drive.dR_Ohm() / motor.inductance_H), hz(tuning.lambda_rad_per_s),
           hz(motor.resistance_Ohm / motor.inductance_H));
     const loops::SampledLoop worst = worst_joint(device, drive);
-    print(out, "rigid contact, no hand  %s: largest eigenvalue %.6f\n\n",
+    print(out, "rigid contact, no hand  {}: largest eigenvalue {:.6f}\n\n",
           loops::is_stable(worst) ? "stable" : "UNSTABLE", loops::largest_eigenvalue(worst));
 }
 
@@ -58,10 +58,10 @@ void write_stiffness_report(std::ostream &out, const device::DeviceDescription &
     out << "  frequency      (12)               sampled            measured\n"
            "         Hz   N·m/rad      deg   N·m/rad      deg   N·m/rad      deg\n";
     for (const loops::StiffnessPoint &point : points) {
-        print(out, "%11.5g", point.frequency_hz);
+        print(out, "{:>11.5g}", point.frequency_hz);
         for (const std::complex<double> &stiffness :
              {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
-            print(out, "%10.5f %8.2f", std::abs(stiffness), loops::phase_deg(stiffness));
+            print(out, "{:>10.5f} {:>8.2f}", std::abs(stiffness), loops::phase_deg(stiffness));
         }
         out << '\n';
     }

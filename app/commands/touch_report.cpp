@@ -51,16 +51,16 @@ void print_times(std::ostream &out, const char *what, std::size_t steps, const r
     const std::optional<rig::UpdateTimes> least =
         rig::update_times(run, touching, &rig::TouchStep::least_ns);
     if (!first || !least) {
-        print(out, "%-12s%10zu steps\n", what, steps);
+        print(out, "{:<12}{:>10} steps\n", what, steps);
         return;
     }
     const auto row = [&](const rig::UpdateTimes &times) {
-        print(out, "%10.0f%10.0f%10.0f%10.0f\n", times.median_ns, times.p99_ns, times.p99_9_ns,
-              times.max_ns);
+        print(out, "{:>10.0f}{:>10.0f}{:>10.0f}{:>10.0f}\n", times.median_ns, times.p99_ns,
+              times.p99_9_ns, times.max_ns);
     };
-    print(out, "%-12s%10zu steps", what, steps);
+    print(out, "{:<12}{:>10} steps", what, steps);
     row(*first);
-    print(out, "%-28s", "  best of all repeats");
+    print(out, "{:<28}", "  best of all repeats");
     row(*least);
 }
 
@@ -68,9 +68,9 @@ void print_steps(std::ostream &out, const char *what, const std::vector<std::siz
     if (steps.empty()) {
         return;
     }
-    print(out, "%s: steps", what);
+    print(out, "{}: steps", what);
     for (std::size_t i = 0; i < std::min(steps.size(), kNamedSteps); ++i) {
-        print(out, " %zu", steps[i]);
+        print(out, " {}", steps[i]);
     }
     out << (steps.size() > kNamedSteps ? " ...\n" : "\n");
 }
@@ -81,11 +81,11 @@ void write_touch_csv(std::ostream &out, const TouchReport &report) {
     out << "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns\n";
     for (std::size_t i = 0; i < report.run.steps.size(); ++i) {
         const rig::TouchStep &step = report.run.steps[i];
-        print(out, "%.9g", static_cast<double>(i) / report.servo_hz);
+        print(out, "{:.9g}", static_cast<double>(i) / report.servo_hz);
         for (const Vector3 &vector : {step.tip_m, step.proxy_m, step.normal}) {
-            print(out, ",%.17g,%.17g,%.17g", vector.x(), vector.y(), vector.z());
+            print(out, ",{:.17g},{:.17g},{:.17g}", vector.x(), vector.y(), vector.z());
         }
-        print(out, ",%d,%.0f\n", step.constraints, step.first_ns);
+        print(out, ",{},{:.0f}\n", step.constraints, step.first_ns);
     }
 }
 
@@ -143,45 +143,46 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     const rig::TouchFindings &found = report.findings;
     const rig::TouchRun &run = report.run;
     const std::size_t in_contact = steps_in_contact(run);
-    print(out, "%s: %zu of %zu triangles, %zu shapes; prepared in %.3f s, %.1f MB\n",
-          report.surface.c_str(), report.mesh.triangles_kept, report.mesh.triangles_given,
-          report.shapes, report.preparation_s, 1e-6 * static_cast<double>(report.bytes));
-    print(out, "path %s", report.path.c_str());
+    print(out, "{}: {} of {} triangles, {} shapes; prepared in {:.3f} s, {:.1f} MB\n",
+          report.surface, report.mesh.triangles_kept, report.mesh.triangles_given, report.shapes,
+          report.preparation_s, 1e-6 * static_cast<double>(report.bytes));
+    print(out, "path {}", report.path);
     if (report.how) {
-        print(out, " at %.4g m/s, %.4g mm deep, seed %llu", report.how->speed_m_per_s,
-              1e3 * report.how->depth_m, static_cast<unsigned long long>(report.how->seed));
+        print(out, " at {:.4g} m/s, {:.4g} mm deep, seed {}", report.how->speed_m_per_s,
+              1e3 * report.how->depth_m, report.how->seed);
     }
-    print(out, "; servo %.5g Hz, proxy radius %.4g mm\n\n", report.servo_hz, 1e3 * report.radius_m);
+    print(out, "; servo {:.5g} Hz, proxy radius {:.4g} mm\n\n", report.servo_hz,
+          1e3 * report.radius_m);
     out << "update, ns                      median       p99     p99.9       max\n";
     print_times(out, "in contact", in_contact, run, true);
     print_times(out, "free", run.steps.size() - in_contact, run, false);
-    print(out, "\npop-throughs           %8zu   of %zu steps\n", found.pop_throughs.size(),
+    print(out, "\npop-throughs           {:>8}   of {} steps\n", found.pop_throughs.size(),
           run.steps.size());
-    print(out, "stuck                  %8zu   of %zu that looked so", found.stuck.size(),
+    print(out, "stuck                  {:>8}   of {} that looked so", found.stuck.size(),
           found.suspicious);
     if (found.suspicious_unchecked > 0) {
-        print(out, ", %zu of which were not checked", found.suspicious_unchecked);
+        print(out, ", {} of which were not checked", found.suspicious_unchecked);
     }
     out << '\n';
-    print(out, "unsettled              %8zu", found.unsettled.size());
+    print(out, "unsettled              {:>8}", found.unsettled.size());
     if (found.unsettled_lag_m.step) {
-        print(out, "   which lag up to %.3f µm", 1e6 * found.unsettled_lag_m.value);
+        print(out, "   which lag up to {:.3f} µm", 1e6 * found.unsettled_lag_m.value);
     }
     out << '\n';
-    print(out, "largest lag, µm        %8.3f   of %zu steps checked\n", 1e6 * found.lag_m.value,
+    print(out, "largest lag, µm        {:>8.3f}   of {} steps checked\n", 1e6 * found.lag_m.value,
           found.checked);
-    print(out, "direction off, °       %8.3f\n",
+    print(out, "direction off, °       {:>8.3f}\n",
           kDegreesPerRadian * found.direction_error_rad.value);
     if (report.sphere_error_rad) {
-        print(out, "direction off sphere, °%8.3f\n",
+        print(out, "direction off sphere, °{:>8.3f}\n",
               kDegreesPerRadian * report.sphere_error_rad->value);
     }
     if (found.with_friction > 0) {
-        print(out, "%zu steps touch with friction, which may hold them: not checked for lag\n",
+        print(out, "{} steps touch with friction, which may hold them: not checked for lag\n",
               found.with_friction);
     }
     if (found.given_up > 0) {
-        print(out, "%zu checks did not come to an end\n", found.given_up);
+        print(out, "{} checks did not come to an end\n", found.given_up);
     }
     print_steps(out, "pop-throughs", found.pop_throughs);
     print_steps(out, "stuck", found.stuck);

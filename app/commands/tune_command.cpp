@@ -9,10 +9,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <string>
 
 namespace springdrive::app {
@@ -48,30 +49,28 @@ limits::AutoTuneRequest request_of(const TypedTune &typed) {
 }
 
 std::string description_of(const TypedTune &typed, const limits::AutoTuned &found) {
-    std::ostringstream text;
-    text.precision(4);
-    text << "the stiffest for " << typed.servo_hz << " Hz and a delay of " << typed.delay_periods
-         << " with dR " << typed.dR_Ohm << " Ω and a margin of " << typed.margin << ": K_DC "
-         << found.margins.K_DC_Nm_per_rad << " N·m/rad at the motor";
-    return text.str();
+    return fmt::format("the stiffest for {:.4g} Hz and a delay of {:.4g} with dR {:.4g} Ω and a "
+                       "margin of {:.4g}: K_DC {:.4g} N·m/rad at the motor",
+                       typed.servo_hz, typed.delay_periods, typed.dR_Ohm, typed.margin,
+                       found.margins.K_DC_Nm_per_rad);
 }
 
 void tell(std::ostream &out, const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
-    print(out, "K_P %.4g V/rad, K_D %.4g V·s/rad, λ %.4g rad/s: K_DC %.4g N·m/rad\n",
+    print(out, "K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s: K_DC {:.4g} N·m/rad\n",
           found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
           margins.K_DC_Nm_per_rad);
-    print(out, "stable on %zu loops: every hand, configuration and η\n", found.loops);
-    print(out, "margins: K_P and K_D × %.3g (then it fails with %s at η %.2g)", margins.gain,
-          loops::hand_text(margins.worst_hand).c_str(), margins.worst_eta);
-    print(out, ", %d more whole periods of delay, dR down to %.3g Ω\n", margins.more_delay_periods,
-          margins.least_dR_Ohm);
+    print(out, "stable on {} loops: every hand, configuration and η\n", found.loops);
+    print(out, "margins: K_P and K_D × {:.3g} (then it fails with {} at η {:.2g})", margins.gain,
+          loops::hand_text(margins.worst_hand), margins.worst_eta);
+    print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
+          margins.more_delay_periods, margins.least_dR_Ohm);
     if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
         out << "K_P is at the end of its range: the loops would bear more\n";
     }
     if (found.taken_back > 0.0) {
         print(out,
-              "K_P is %.0f %% lower than the loops would bear: encoder counts kept them "
+              "K_P is {:.0f} % lower than the loops would bear: encoder counts kept them "
               "rattling\n",
               100.0 * found.taken_back);
     }

@@ -19,7 +19,8 @@ constexpr double kMega = 1e-6;
 void print_durations(std::ostream &out, const char *name,
                      const servo::DurationHistogram &durations) {
     if (durations.count() > 0) {
-        print(out, "servo: %s median %.1f µs, 99 %% %.1f µs, 99.9 %% %.1f µs, longest %.1f µs\n",
+        print(out,
+              "servo: {} median {:.1f} µs, 99 % {:.1f} µs, 99.9 % {:.1f} µs, longest {:.1f} µs\n",
               name, kMicro * durations.quantile_s(0.5), kMicro * durations.quantile_s(0.99),
               kMicro * durations.quantile_s(0.999), kMicro * durations.longest_s());
     }
@@ -37,21 +38,18 @@ nlohmann::json json_of(const servo::DurationHistogram &durations) {
 /// One that keeps its own time misses deadlines; a world that waits stands still instead.
 void print_time(std::ostream &out, const Session &session) {
     const ServoRun &servo = session.servo();
-    print(out, "servo: %llu ticks at %g Hz%s",
-          static_cast<unsigned long long>(servo.statistics().ticks()), servo.rate_hz(),
+    print(out, "servo: {} ticks at {:g} Hz{}", servo.statistics().ticks(), servo.rate_hz(),
           servo.is_in_lockstep() ? " in lockstep" : "");
     if (session.device().device().clock() == device::DeviceClock::own) {
-        print(out, ", %llu deadlines missed",
-              static_cast<unsigned long long>(servo.statistics().missed_deadlines()));
+        print(out, ", {} deadlines missed", servo.statistics().missed_deadlines());
     }
     print(out, "\n");
     const StoodStill &still = servo.stood_still();
     if (still.times > 0) {
         print(out,
-              "world: stood still %llu times for %.1f ms in all, at most %.1f ms in a row, while "
+              "world: stood still {} times for {:.1f} ms in all, at most {:.1f} ms in a row, while "
               "this computer was busy\n",
-              static_cast<unsigned long long>(still.times), kMilli * still.seconds,
-              kMilli * still.longest_s);
+              still.times, kMilli * still.seconds, kMilli * still.longest_s);
     }
 }
 
@@ -68,7 +66,7 @@ void write_session_report(std::ostream &out, const Session &session) {
     print_durations(out, "compute", servo.compute());
     const servo::SafetyStatus &safety = session.latest().safety;
     if (safety.state == servo::SafetyState::tripped) {
-        print(out, "safety: stopped, %s\n", servo::description(safety).c_str());
+        print(out, "safety: stopped, {}\n", servo::description(safety));
     }
     if (!session.recording().parts().empty()) {
         const record::RecorderStatus record = session.recording().status();
@@ -76,10 +74,8 @@ void write_session_report(std::ostream &out, const Session &session) {
         for (const std::filesystem::path &part : session.recording().parts()) {
             files += part.string() + ", ";
         }
-        print(out, "record: %s%llu ticks, %.1f MB, %llu lost\n", files.c_str(),
-              static_cast<unsigned long long>(record.rows),
-              kMega * static_cast<double>(record.bytes),
-              static_cast<unsigned long long>(record.lost));
+        print(out, "record: {}{} ticks, {:.1f} MB, {} lost\n", files, record.rows,
+              kMega * static_cast<double>(record.bytes), record.lost);
     }
 }
 

@@ -55,12 +55,12 @@ bool beats_spring(const DriveComparison &all, const Drive &drive, const Quality 
 
 void write_gains(std::ostream &out, const DriveComparison &all, const Drive &drive) {
     if (drive.wall == nullptr) {
-        print(out, ",%.6g,%.6g,,,%.6g", all.tuning.K_P_V_per_rad, all.tuning.K_D_Vs_per_rad,
+        print(out, ",{:.6g},{:.6g},,,{:.6g}", all.tuning.K_P_V_per_rad, all.tuning.K_D_Vs_per_rad,
               all.tuning.lambda_rad_per_s);
         return;
     }
     const TunedWall &tuned = all.*drive.wall;
-    print(out, ",,,%.6g,%.6g,%.6g", tuned.wall.stiffness_N_per_m, tuned.wall.damping_Ns_per_m,
+    print(out, ",,,{:.6g},{:.6g},{:.6g}", tuned.wall.stiffness_N_per_m, tuned.wall.damping_Ns_per_m,
           tuned.lambda_rad_per_s);
 }
 
@@ -78,11 +78,11 @@ void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> 
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "%.6g,%.6g,%.6g,\"%s\"", one.setting.servo_hz, one.setting.delay_periods,
-                  one.setting.dR_Ohm, drive.name);
+            print(out, "{:.6g},{:.6g},{:.6g},\"{}\"", one.setting.servo_hz,
+                  one.setting.delay_periods, one.setting.dR_Ohm, drive.name);
             write_gains(out, one, drive);
             for (const Quality &quality : kQualities) {
-                print(out, ",%.6g", (one.*drive.quality).*quality.value);
+                print(out, ",{:.6g}", (one.*drive.quality).*quality.value);
             }
             out << '\n';
         }
@@ -98,7 +98,7 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
            "bounds rate-hardness.\n\n"
            "| servo | drive ";
     for (const Quality &quality : kQualities) {
-        print(out, "| %s ", quality.label);
+        print(out, "| {} ", quality.label);
     }
     out << "|\n| --- | --- ";
     for (std::size_t i = 0; i < kQualities.size(); ++i) {
@@ -110,10 +110,10 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "| %.5g Hz, d %g, dR %.3g Ω | %s ", one.setting.servo_hz,
+            print(out, "| {:.5g} Hz, d {:g}, dR {:.3g} Ω | {} ", one.setting.servo_hz,
                   one.setting.delay_periods, one.setting.dR_Ohm, drive.name);
             for (const Quality &quality : kQualities) {
-                print(out, "| %.3g%s ", quality.in_table * ((one.*drive.quality).*quality.value),
+                print(out, "| {:.3g}{} ", quality.in_table * ((one.*drive.quality).*quality.value),
                       beats_spring(one, drive, quality) ? " +" : "");
             }
             out << "|\n";
@@ -121,13 +121,13 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
     }
     out << "\nHow often the spring drive is the better one:\n";
     for (const Quality &quality : kQualities) {
-        print(out, "  %-14s", quality.label);
+        print(out, "  {:<14}", quality.label);
         for (const Drive &drive : {kDrives[1], kDrives[2]}) {
             std::size_t better = 0;
             for (const DriveComparison &one : all) {
                 better += one.spring_is_stable && !beats_spring(one, drive, quality) ? 1 : 0;
             }
-            print(out, "  %zu of %zu (%s)", better, all.size(), drive.name);
+            print(out, "  {} of {} ({})", better, all.size(), drive.name);
         }
         out << '\n';
     }
