@@ -1,11 +1,11 @@
 #include "app/plot.h"
 
 #include "app/panels/look.h"
+#include "base/print.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace springdrive::app {
@@ -79,7 +79,7 @@ void draw_axes(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
         const double value = frame.top * i / kDivisions;
         const float y = frame.y(value);
         list.AddLine({frame.lower.x, y}, {frame.upper.x, y}, packed(kFaintInk, 0.22F));
-        std::snprintf(text.data(), text.size(), "%g", value);
+        print(text, "{:g}", value);
         const float width = ImGui::CalcTextSize(text.data()).x;
         list.AddText({frame.lower.x - width - 0.4F * font, y - 0.5F * font}, packed(kFaintInk),
                      text.data());
@@ -88,7 +88,11 @@ void draw_axes(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
     for (int back_s = 0; back_s <= plot.span_s; back_s += step_s) {
         const float x = frame.x(frame.last_s - back_s);
         list.AddLine({x, frame.upper.y}, {x, frame.lower.y}, packed(kFaintInk, 0.12F));
-        std::snprintf(text.data(), text.size(), back_s == 0 ? "now" : "\u2212%d s", back_s);
+        if (back_s == 0) {
+            print(text, "now");
+        } else {
+            print(text, "\u2212{} s", back_s);
+        }
         const float width = ImGui::CalcTextSize(text.data()).x;
         list.AddText({x - (back_s == 0 ? width : 0.5F * width), frame.lower.y + 0.15F * font},
                      packed(kFaintInk), text.data());

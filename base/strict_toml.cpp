@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 
+#include <fmt/core.h>
 #include <toml++/toml.h>
 
 #include <cmath>
@@ -28,17 +29,13 @@ struct StrictTomlTable::Contents {
 
 namespace {
 
-std::string plain(double value) {
-    std::ostringstream out;
-    out << value;
-    return out.str();
-}
+std::string plain(double value) { return fmt::format("{:g}", value); }
 
 std::string allowed(NumberRange range) {
     if (range.lowest == NumberRange{}.lowest && range.highest == NumberRange{}.highest) {
         return "a finite number";
     }
-    return "a number from " + plain(range.lowest) + " to " + plain(range.highest);
+    return fmt::format("a number from {:g} to {:g}", range.lowest, range.highest);
 }
 
 /// The value of a TOML integer or float, NaN for anything else.

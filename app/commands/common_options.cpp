@@ -2,10 +2,13 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
+#include "base/print.h"
 #include "device/core/motor/winding_guard.h"
 #include "engine/control/tuning_file.h"
 
 #include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -14,7 +17,6 @@
 #include <fstream>
 #include <iostream>
 #include <set>
-#include <sstream>
 #include <system_error>
 #include <unistd.h>
 
@@ -146,9 +148,10 @@ void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz
     const std::optional<control::TuningMargins> margins =
         control::read_whole_tuning_file(tuning_file).margins;
     if (margins && (servo_hz < margins->servo_hz || delay_periods > margins->delay_periods)) {
-        std::cerr << "springdrive: remark: " << tuning_file.string() << " was found for "
-                  << margins->servo_hz << " Hz and a delay of " << margins->delay_periods
-                  << "; on a slower or later servo its margins do not hold\n";
+        print(std::cerr,
+              "springdrive: remark: {} was found for {:g} Hz and a delay of {:g}; on a slower or "
+              "later servo its margins do not hold\n",
+              tuning_file.string(), margins->servo_hz, margins->delay_periods);
     }
 }
 
@@ -156,12 +159,10 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
     for (std::size_t j = 0; j < device.motor.size(); ++j) {
         const device::MotorParameters &motor = device.motor[j];
         if (device::residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
-            std::ostringstream message;
-            message << "dR is " << tuning.dR_Ohm << " Ω; on motor " << j + 1 << " of "
-                    << device.name << " it must be from "
-                    << device::kLeastResidualShare * motor.resistance_Ohm << " to its R, "
-                    << motor.resistance_Ohm << " Ω";
-            throw InputError(message.str());
+            throw InputError(fmt::format(
+                "dR is {:g} Ω; on motor {} of {} it must be from {:g} to its R, {:g} Ω",
+                tuning.dR_Ohm, j + 1, device.name,
+                device::kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm));
         }
     }
 }
@@ -172,17 +173,18 @@ double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tunin
         least_Ohm = std::max(least_Ohm, device::least_cold_residual_Ohm(motor, device.amplifier));
     }
     if (least_Ohm > tuning.dR_Ohm) {
-        std::cerr << "springdrive: remark: the servo holds dR at " << least_Ohm << " Ω, not at "
-                  << tuning.dR_Ohm << " Ω, until it knows the windings to be warm\n";
+        print(std::cerr,
+              "springdrive: remark: the servo holds dR at {:g} Ω, not at {:g} Ω, until it knows "
+              "the windings to be warm\n",
+              least_Ohm, tuning.dR_Ohm);
     }
     return least_Ohm;
 }
 
 void check_range(const std::string &what, double value, double lowest, double highest) {
     if (!(value >= lowest && value <= highest)) { // a NaN too
-        std::ostringstream message;
-        message << what << " is " << value << "; it must be from " << lowest << " to " << highest;
-        throw InputError(message.str());
+        throw InputError(
+            fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, lowest, highest));
     }
 }
 

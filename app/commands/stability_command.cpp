@@ -10,6 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <fmt/core.h>
+
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -117,8 +120,7 @@ MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &
     const auto varies = [&](std::string_view start) {
         return x.parameter->name.starts_with(start) || y.parameter->name.starts_with(start);
     };
-    std::ostringstream text;
-    text << which.device.name;
+    std::string text = which.device.name;
     const bool spring = which.drive == device::AmplifierKind::spring_drive;
     std::vector<std::string_view> told =
         spring ? std::vector<std::string_view>{"T", "d", "dR", "kp", "kd", "lambda", "eta"}
@@ -132,12 +134,12 @@ MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &
     for (const std::string_view name : told) {
         const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
         if (&parameter != x.parameter && &parameter != y.parameter) {
-            text << ", " << parameter.symbol << ' ' << parameter.get(which);
-            text << (parameter.unit == "–" ? "" : " ")
-                 << (parameter.unit == "–" ? "" : parameter.unit);
+            fmt::format_to(std::back_inserter(text), ", {} {:g}", parameter.symbol,
+                           parameter.get(which));
+            text += parameter.unit == "–" ? "" : " " + std::string(parameter.unit);
         }
     }
-    return {text.str(), loop_text(which, varies("alpha"), varies("hand"))};
+    return {text, loop_text(which, varies("alpha"), varies("hand"))};
 }
 
 void draw_map(const TypedStability &typed) {

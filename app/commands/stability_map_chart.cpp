@@ -5,10 +5,12 @@
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
+#include <iterator>
 
 namespace springdrive::app {
 
@@ -52,20 +54,18 @@ std::string instead_of_a_line(const std::string &line, std::size_t stable, std::
 
 std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
                               const std::vector<limits::MapCell> &cells) {
-    std::ostringstream csv;
-    csv.precision(9);
-    csv << x.parameter->name << ',' << y.parameter->name
-        << ",largest_eigenvalue,stable_simulated,remaining_m_per_s\n";
+    std::string csv = fmt::format("{},{},largest_eigenvalue,stable_simulated,remaining_m_per_s\n",
+                                  x.parameter->name, y.parameter->name);
     const std::size_t columns = x.values().size();
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const limits::MapCell &cell = cells[i];
-        csv << cell.x << ',' << cell.y << ',' << cell.eigenvalue << ',' << cell.stable << ','
-            << cell.remaining_m_per_s << '\n';
+        fmt::format_to(std::back_inserter(csv), "{:.9g},{:.9g},{:.9g},{:d},{:.9g}\n", cell.x,
+                       cell.y, cell.eigenvalue, cell.stable, cell.remaining_m_per_s);
         if ((i + 1) % columns == 0) {
-            csv << '\n'; // as gnuplot wants the rows of a grid
+            csv += '\n'; // as gnuplot wants the rows of a grid
         }
     }
-    return csv.str();
+    return csv;
 }
 
 void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,

@@ -7,9 +7,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string_view>
 
 namespace springdrive::app {
@@ -160,11 +161,10 @@ void check_parameter_range(const std::string &option, const loops::StabilityPara
         check(option + ", from or to", parameter, value);
     }
     if (!(from < to)) {
-        std::ostringstream message;
-        message << option << ": " << parameter.name << " from " << from << " to " << to
-                << ": the first must be below the second, both from " << parameter.lowest << " to "
-                << parameter.highest;
-        throw InputError(message.str());
+        throw InputError(
+            fmt::format("{}: {} from {:g} to {:g}: the first must be below the second, "
+                        "both from {:g} to {:g}",
+                        option, parameter.name, from, to, parameter.lowest, parameter.highest));
     }
 }
 

@@ -1,8 +1,8 @@
 #include "app/figures/figure_text.h"
 
-#include <array>
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace springdrive::app {
@@ -21,12 +21,7 @@ void ChartMarks::add(std::string_view name, std::string_view text) {
 }
 
 std::string number_text(double number, int digits) {
-    if (std::isnan(number)) {
-        return {};
-    }
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%.*g", digits, number);
-    return text.data();
+    return std::isnan(number) ? "" : fmt::format("{:.{}g}", number, digits);
 }
 
 std::string csv_line(std::initializer_list<double> cells) {

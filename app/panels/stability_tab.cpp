@@ -2,10 +2,10 @@
 
 #include "app/panels/look.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace springdrive::app {
@@ -14,12 +14,6 @@ namespace {
 
 constexpr double kLeastMargin = 1.0;
 constexpr double kGreatestMargin = 3.0;
-
-std::string short_number(double number) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.3g", number);
-    return digits.data();
-}
 
 /// Under the mouse: what a reader may ask about the item before.
 void explain(const std::string &text) {
@@ -50,8 +44,8 @@ void show_room(const char *symbol, const StabilityRoom &room, const char *unit, 
         std::max(*room.limit, room.now) / std::max(1e-12, std::min(*room.limit, room.now));
     const ImVec4 ink = !stable ? kDanger : factor < 1.15 ? kWarning : kInk;
     ImGui::TextColored(ink, "%s %.3g", upwards == stable ? "×" : "÷", factor);
-    explain("from where it is now, " + short_number(room.now) + " " + unit +
-            "\nfails first beyond: " + room.who);
+    explain(fmt::format("from where it is now, {:.3g} {}\nfails first beyond: {}", room.now, unit,
+                        room.who));
 }
 
 void show_verdict(const StabilityOutlook &outlook) {
@@ -68,11 +62,11 @@ void show_verdict(const StabilityOutlook &outlook) {
         ImGui::Text("grows e-fold in %.1f ms", 1000.0 / rate);
         ImGui::TextColored(kFaintInk, "fastest: %s", who.c_str());
     }
-    std::array<char, 32> eigenvalue{};
-    std::snprintf(eigenvalue.data(), eigenvalue.size(), "%.5f", outlook.worst.eigenvalue);
-    explain("by the largest eigenvalue of the sampled loop, " + std::string(eigenvalue.data()) +
-            ", in contact,\neach motor by itself, with no hand and with five hands from light "
-            "to firm;\na motion dies out, or grows, by e = 2.7 in this time");
+    explain(
+        fmt::format("by the largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
+                    "each motor by itself, with no hand and with five hands from light to firm;\n"
+                    "a motion dies out, or grows, by e = 2.7 in this time",
+                    outlook.worst.eigenvalue));
 }
 
 void show_outlook(const StabilityOutlook &outlook) {

@@ -3,6 +3,7 @@
 #include "app/asset_folder.h"
 #include "app/panels/look.h"
 #include "base/input_error.h"
+#include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/parameters.h"
@@ -12,21 +13,20 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace springdrive::app {
 
 namespace {
 
 /// A number with its unit, laid out as `label   value unit`.
-void show(const char *label, const char *format, double value, const char *unit,
+void show(const char *label, CheckedFormat<double> format, double value, const char *unit,
           const char *explanation) {
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%s", label);
     const bool hovered = ImGui::IsItemHovered();
     ImGui::TableNextColumn();
     std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), format, value); // NOLINT: literals at every call
+    print(digits, format, value);
     ImGui::Text("%s %s", digits.data(), unit);
     if (hovered || ImGui::IsItemHovered()) {
         ImGui::SetTooltip("%s", explanation);
@@ -158,18 +158,20 @@ void show_consequences(const session::Session &session) {
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
         return;
     }
-    show("K_L = K_HF", "%.2f", c.K_L_Nm_per_rad, "N·m/rad", "inductive stiffness k_T²/L (4), (14)");
-    show("K_DC", "%.3f", c.K_DC_Nm_per_rad, "N·m/rad", "static stiffness k_T K_P/dR (13)");
-    show("B_dR", "%.2e", c.B_dR_Nms_per_rad, "N·m·s/rad", "residual series damper k_T²/dR (8)");
-    show("lag τ", "%.2f", 1000.0 * c.loop_lag_s, "ms",
+    show("K_L = K_HF", "{:.2f}", c.K_L_Nm_per_rad, "N·m/rad",
+         "inductive stiffness k_T²/L (4), (14)");
+    show("K_DC", "{:.3f}", c.K_DC_Nm_per_rad, "N·m/rad", "static stiffness k_T K_P/dR (13)");
+    show("B_dR", "{:.2e}", c.B_dR_Nms_per_rad, "N·m·s/rad", "residual series damper k_T²/dR (8)");
+    show("lag τ", "{:.2f}", 1000.0 * c.loop_lag_s, "ms",
          "of the velocity loop: T (a/(1 − a) + 1 + d), a = exp(−λT)");
-    show("added", "%.1e", c.added_inertia_kg_m2, "kg·m²",
+    show("added", "{:.1e}", c.added_inertia_kg_m2, "kg·m²",
          "inertia added to each rotor in free space: k_T² τ/dR");
-    show("at the tip", "%.0f", added_mass_g, "g",
+    show("at the tip", "{:.0f}", added_mass_g, "g",
          "the same as a mass at the tip, a mean over directions, at this configuration");
-    show("tip stiffness", "%.2f", 1e-3 * stiffness, "N/mm",
+    show("tip stiffness", "{:.2f}", 1e-3 * stiffness, "N/mm",
          "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
-    show("α in force", "%.0f", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
+    show("α in force", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²",
+         "α of (23) at this configuration");
     ImGui::EndTable();
     if (tuning.dR_Ohm > session.servo().inputs().tuning.dR_Ohm) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",

@@ -4,11 +4,12 @@
 #include "base/strict_toml.h"
 #include "device/core/phantom/kinematics.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 namespace springdrive::device {
 
@@ -59,11 +60,10 @@ LinkBody read_body(StrictTomlTable table, About about) {
     const double least_kg_m2 =
         about == About::joint ? body.mass_kg * body.centre_m * body.centre_m : 0.0;
     if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < least_kg_m2) {
-        std::ostringstream problem;
-        problem << "is too small for a mass that far from the joint; its first two numbers must be "
-                   "at least mass_kg times centre_m squared, "
-                << least_kg_m2;
-        table.refuse("inertia_kg_m2", problem.str());
+        table.refuse("inertia_kg_m2",
+                     fmt::format("is too small for a mass that far from the joint; its first two "
+                                 "numbers must be at least mass_kg times centre_m squared, {:g}",
+                                 least_kg_m2));
     }
     table.refuse_unknown_keys();
     return body;

@@ -1,7 +1,8 @@
 #include "engine/control/parameters.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <sstream>
 
 namespace springdrive::control {
 
@@ -31,10 +32,8 @@ bool is_valid(const Tuning &tuning) noexcept {
 std::string what_is_wrong_with(const Tuning &tuning) {
     for (const Parameter &parameter : kParameters) {
         if (!lies_in_range(parameter, tuning)) {
-            std::ostringstream message;
-            message << parameter.name << " is " << tuning.*parameter.value << "; it must be from "
-                    << parameter.lowest << " to " << parameter.highest;
-            return message.str();
+            return fmt::format("{} is {:g}; it must be from {:g} to {:g}", parameter.name,
+                               tuning.*parameter.value, parameter.lowest, parameter.highest);
         }
     }
     return {};

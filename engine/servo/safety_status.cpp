@@ -3,9 +3,10 @@
 #include "base/degrees.h"
 #include "device/core/haptic_device.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <utility>
 
 namespace springdrive::servo {
@@ -21,11 +22,9 @@ struct Wording {
 };
 
 std::string crossed(const SafetyStatus &status, const Wording &wording) {
-    std::array<char, 128> text{};
-    std::snprintf(text.data(), text.size(), "%s %.*f%s, limit %.*f%s", wording.what,
-                  wording.decimals, wording.shown_per_si * status.measured, wording.unit,
-                  wording.decimals, wording.shown_per_si * status.limit, wording.unit);
-    return text.data();
+    return fmt::format("{} {:.{}f}{}, limit {:.{}f}{}", wording.what,
+                       wording.shown_per_si * status.measured, wording.decimals, wording.unit,
+                       wording.shown_per_si * status.limit, wording.decimals, wording.unit);
 }
 
 /// Of a board's faults, by their bits.

@@ -3,11 +3,12 @@
 #include "base/input_error.h"
 #include "engine/servo/deadlines.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <future>
-#include <sstream>
 #include <utility>
 
 namespace springdrive::servo {
@@ -71,10 +72,8 @@ void sleep_until(std::chrono::steady_clock::time_point deadline) {
 
 double servo_period_s(double servo_hz) {
     if (!(servo_hz >= kSlowest_hz && servo_hz <= kFastest_hz)) {
-        std::ostringstream message;
-        message << "the servo rate is " << servo_hz << " Hz; it must be from " << kSlowest_hz
-                << " to " << kFastest_hz << " Hz";
-        throw InputError(message.str());
+        throw InputError(fmt::format("the servo rate is {:g} Hz; it must be from {:g} to {:g} Hz",
+                                     servo_hz, kSlowest_hz, kFastest_hz));
     }
     return 1.0 / servo_hz;
 }

@@ -5,12 +5,12 @@
 #include "engine/lab/charts/integrator_plants.h"
 #include "engine/lab/charts/stick_slip_solver.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstddef>
-#include <iomanip>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -43,11 +43,7 @@ rig::PlantState state_at(const ContactPress &press) {
     return start;
 }
 
-std::string step_text(double step_s) {
-    std::ostringstream text;
-    text << std::setprecision(4) << step_s * 1e6 << " µs";
-    return text.str();
-}
+std::string step_text(double step_s) { return fmt::format("{:.4g} µs", step_s * 1e6); }
 
 std::string tolerance_text(double tolerance) {
     return "1e" + std::to_string(std::lround(std::log10(tolerance)));

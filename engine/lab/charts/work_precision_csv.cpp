@@ -1,8 +1,8 @@
 #include "engine/lab/charts/work_precision_csv.h"
 
-#include <array>
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 
 namespace springdrive::charts {
 
@@ -20,12 +20,7 @@ std::string cell(const std::string &text) {
 }
 
 std::string cell(double number) {
-    if (!std::isfinite(number)) {
-        return {};
-    }
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%.6g", number);
-    return text.data();
+    return std::isfinite(number) ? fmt::format("{:.6g}", number) : "";
 }
 
 } // namespace

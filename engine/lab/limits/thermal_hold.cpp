@@ -8,10 +8,11 @@
 #include "engine/lab/limits/held_motor.h"
 #include "engine/lab/rig/configuration.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 namespace springdrive::limits {
 
@@ -128,13 +129,11 @@ void HeldDevice::check_currents() const {
         const double bearable_A =
             std::min(motor.peak_current_A, motor.supply_V / motors_[j].resistance_Ohm());
         if (!(current_A <= bearable_A)) {
-            std::ostringstream message;
-            message.precision(3);
-            message << "a hold of " << options_.force_N << " N needs " << current_A
-                    << " A of motor " << j + 1 << ", whose peak current and supply allow "
-                    << bearable_A << " A; hold at most "
-                    << options_.force_N * bearable_A / current_A << " N";
-            throw InputError(message.str());
+            throw InputError(fmt::format(
+                "a hold of {:.3g} N needs {:.3g} A of motor {}, whose peak current and supply "
+                "allow {:.3g} A; hold at most {:.3g} N",
+                options_.force_N, current_A, j + 1, bearable_A,
+                options_.force_N * bearable_A / current_A));
         }
     }
 }
@@ -168,10 +167,8 @@ ThermalRow HeldDevice::row() const {
 
 [[noreturn]] void refuse(const char *what, double value, const char *unit, const char *range,
                          double lowest, const char *range_end, double highest) {
-    std::ostringstream message;
-    message << "thermal hold: " << what << " is " << value << unit << "; it must be " << range
-            << lowest << range_end << highest << unit;
-    throw InputError(message.str());
+    throw InputError(fmt::format("thermal hold: {} is {:g}{}; it must be {}{:g}{}{:g}{}", what,
+                                 value, unit, range, lowest, range_end, highest, unit));
 }
 
 void check_range(const char *what, double value, double lowest, double highest, const char *unit) {

@@ -1,11 +1,11 @@
 // The outputs of thermal_hold.h.
 #include "base/degrees.h"
+#include "base/print.h"
 #include "engine/lab/limits/thermal_hold.h"
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
+#include <ostream>
 #include <string>
 
 namespace springdrive::limits {
@@ -60,11 +60,10 @@ Rows thinned(const Rows &rows) {
 }
 
 void cell(std::ostream &out, double value, int width, int decimals) {
-    out << std::setw(width);
     if (std::isnan(value)) {
-        out << "";
+        print(out, "{:{}}", "", width);
     } else {
-        out << std::setprecision(decimals) << value;
+        print(out, "{:>{}.{}f}", value, width, decimals);
     }
 }
 
@@ -95,17 +94,14 @@ void write_hold(std::ostream &out, const Rows &hold) {
     const Vector3 share = last.K_DC_Nm_per_rad.cwiseQuotient(first.K_DC_Nm_per_rad);
     Eigen::Index softest = 0;
     const double left = share.minCoeff(&softest);
-    out << "K_DC of motor " << softest + 1 << " fell to ";
-    cell(out, 100.0 * left, 0, 0);
-    out << " % of what it was, the force from ";
-    cell(out, first.tip_force_N, 0, 2);
-    out << " N to ";
-    cell(out, last.tip_force_N, 0, 2);
-    out << " N.\n";
+    print(
+        out,
+        "K_DC of motor {} fell to {:.0f} % of what it was, the force from {:.2f} N to {:.2f} N.\n",
+        softest + 1, 100.0 * left, first.tip_force_N, last.tip_force_N);
     if (last.tripped) {
-        out << "At ";
-        cell(out, last.time_s, 0, 1);
-        out << " s the safety monitor trips: a winding may be hotter than it can bear.\n";
+        print(out,
+              "At {:.1f} s the safety monitor trips: a winding may be hotter than it can bear.\n",
+              last.time_s);
     }
 }
 
@@ -119,23 +115,15 @@ void write_verdict(std::ostream &out, const Rows &cool) {
     }
     Eigen::Index worst = 0;
     const double worst_Ohm = least_unlimited.minCoeff(&worst);
-    out << "Without a limit on R̂, dR of motor " << worst + 1 << " comes down to ";
-    cell(out, worst_Ohm, 0, 3);
+    print(out, "Without a limit on R̂, dR of motor {} comes down to {:.3f} Ω", worst + 1, worst_Ohm);
     const auto over_cancelled = std::find_if(cool.begin(), cool.end(), [](const ThermalRow &row) {
         return !std::isnan(row.growth_time_s);
     });
     if (over_cancelled != cool.end()) {
-        out << " Ω: over-cancelled from ";
-        cell(out, over_cancelled->time_s, 0, 0);
-        out << " s on, until its current grows e-fold in ";
-        cell(out, 1e3 * cool.back().growth_time_s, 0, 1);
-        out << " ms";
-    } else {
-        out << " Ω";
+        print(out, ": over-cancelled from {:.0f} s on, until its current grows e-fold in {:.1f} ms",
+              over_cancelled->time_s, 1e3 * cool.back().growth_time_s);
     }
-    out << ".\nWith it no dR comes below ";
-    cell(out, least.minCoeff(), 0, 3);
-    out << " Ω.\n";
+    print(out, ".\nWith it no dR comes below {:.3f} Ω.\n", least.minCoeff());
 }
 
 void write_cool(std::ostream &out, const Rows &cool) {
@@ -157,30 +145,25 @@ void write_cool(std::ostream &out, const Rows &cool) {
 } // namespace
 
 void write_thermal_csv(std::ostream &out, const std::vector<ThermalRow> &rows) {
-    std::ostringstream text;
-    text.precision(9);
-    text << "time_s,phase";
-    for_each_column({}, [&text](const std::string &column, double) { text << ',' << column; });
+    out << "time_s,phase";
+    for_each_column({}, [&out](const std::string &column, double) { out << ',' << column; });
     for (const ThermalRow &row : rows) {
-        text << '\n' << row.time_s << ',' << name(row.phase);
-        for_each_column(row, [&text](const std::string &, double value) {
-            text << ',';
+        print(out, "\n{:.9g},{}", row.time_s, name(row.phase));
+        for_each_column(row, [&out](const std::string &, double value) {
+            out << ',';
             if (!std::isnan(value)) {
-                text << value;
+                print(out, "{:.9g}", value);
             }
         });
     }
-    out << text.str() << '\n';
+    out << '\n';
 }
 
 void write_thermal_table(std::ostream &out, const std::vector<ThermalRow> &rows) {
-    std::ostringstream text;
-    text << std::fixed;
-    write_hold(text, of_phase(rows, ThermalPhase::hold));
+    write_hold(out, of_phase(rows, ThermalPhase::hold));
     if (const Rows cool = of_phase(rows, ThermalPhase::cool); !cool.empty()) {
-        write_cool(text, cool);
+        write_cool(out, cool);
     }
-    out << text.str();
 }
 
 } // namespace springdrive::limits

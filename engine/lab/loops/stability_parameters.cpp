@@ -1,9 +1,10 @@
 #include "engine/lab/loops/stability_parameters.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 namespace springdrive::loops {
 
@@ -124,18 +125,15 @@ std::string names_of_stability_parameters() {
 }
 
 std::string what_is_wrong_with(const StabilityParameter &parameter, double value) {
-    std::ostringstream message;
     const bool in_range = value >= parameter.lowest && value <= parameter.highest;
     const bool zero_dR = parameter.name == "dR" && value == 0.0;
-    if (!in_range || zero_dR) {
-        message << parameter.name << " is " << value << "; it must be from " << parameter.lowest
-                << " to " << parameter.highest;
-        if (parameter.unit != "–") {
-            message << ' ' << parameter.unit;
-        }
-        message << (zero_dR ? ", and not 0" : "");
+    if (in_range && !zero_dR) {
+        return {};
     }
-    return message.str();
+    const bool has_unit = parameter.unit != "–";
+    return fmt::format("{} is {:g}; it must be from {:g} to {:g}{}{}{}", parameter.name, value,
+                       parameter.lowest, parameter.highest, has_unit ? " " : "",
+                       has_unit ? parameter.unit : "", zero_dR ? ", and not 0" : "");
 }
 
 } // namespace springdrive::loops

@@ -1,5 +1,6 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 
+#include "base/print.h"
 #include "device/core/split_delay.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <ostream>
 
 namespace springdrive::loops {
 
@@ -181,18 +183,16 @@ std::vector<StiffnessPoint> stiffness_sweep(const SpringDrive &drive, const Swee
 double phase_deg(const std::complex<double> &stiffness) { return std::arg(stiffness) * 180.0 / pi; }
 
 void write_stiffness_csv(std::ostream &out, const std::vector<StiffnessPoint> &points) {
-    const std::streamsize digits = out.precision(9);
     out << "freq_hz,analytic_mag,analytic_phase_deg,sampled_mag,sampled_phase_deg,measured_mag,"
            "measured_phase_deg\n";
     for (const StiffnessPoint &point : points) {
-        out << point.frequency_hz;
+        print(out, "{:.9g}", point.frequency_hz);
         for (const Complex &stiffness :
              {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
-            out << ',' << std::abs(stiffness) << ',' << phase_deg(stiffness);
+            print(out, ",{:.9g},{:.9g}", std::abs(stiffness), phase_deg(stiffness));
         }
         out << '\n';
     }
-    out.precision(digits);
 }
 
 } // namespace springdrive::loops

@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <ios>
-#include <sstream>
 #include <system_error>
 
 namespace springdrive::model_selection {

@@ -3,10 +3,12 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
-#include <sstream>
 
 namespace springdrive::model_selection {
 
@@ -58,20 +60,19 @@ std::string verdict(const ModelError &error, const scene::ModelTolerance &tolera
     if (meets(error, tolerance)) {
         return "meets";
     }
-    std::ostringstream text;
-    text.precision(2);
     if (!std::isfinite(error.force_N)) {
         return "runs away";
     }
+    std::string text;
     if (error.force_N > tolerance.force_N) {
-        text << "force " << error.force_N << " N > " << tolerance.force_N << " N";
+        text = fmt::format("force {:.2g} N > {:.2g} N", error.force_N, tolerance.force_N);
     }
     if (error.direction_rad > tolerance.direction_rad) {
-        text << (text.str().empty() ? "" : ", ") << "direction "
-             << error.direction_rad * kDegreesPerRadian << "° > "
-             << tolerance.direction_rad * kDegreesPerRadian << "°";
+        fmt::format_to(std::back_inserter(text), "{}direction {:.2g}° > {:.2g}°",
+                       text.empty() ? "" : ", ", error.direction_rad * kDegreesPerRadian,
+                       tolerance.direction_rad * kDegreesPerRadian);
     }
-    return text.str();
+    return text;
 }
 
 } // namespace springdrive::model_selection

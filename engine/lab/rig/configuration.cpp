@@ -4,9 +4,10 @@
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <optional>
-#include <sstream>
 
 namespace springdrive::rig {
 
@@ -31,12 +32,10 @@ void check_configuration(const device::DeviceDescription &device, const Vector3 
           limits.greatest_q3_minus_q2_rad}}};
     for (const LimitedAngle &angle : angles) {
         if (!(angle.rad >= angle.lowest_rad && angle.rad <= angle.highest_rad)) { // a NaN too
-            std::ostringstream message;
-            message << angle.name << " is " << kDegreesPerRadian * angle.rad << "°; " << device.name
-                    << " allows " << kDegreesPerRadian * angle.lowest_rad << "° to "
-                    << kDegreesPerRadian * angle.highest_rad
-                    << "° (joint_limits of its device file)";
-            throw InputError(message.str());
+            throw InputError(fmt::format(
+                "{} is {:g}°; {} allows {:g}° to {:g}° (joint_limits of its device file)",
+                angle.name, kDegreesPerRadian * angle.rad, device.name,
+                kDegreesPerRadian * angle.lowest_rad, kDegreesPerRadian * angle.highest_rad));
         }
     }
     constexpr double kSameAngle_rad = 1e-6;

@@ -1,8 +1,9 @@
 #include "engine/lab/limits/failure_lines/failure_line.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace springdrive::limits {
 
@@ -67,9 +68,7 @@ FailureLine measured(const TriedLine &tried) {
 }
 
 std::string with_unit(double value, const char *unit) {
-    std::ostringstream out;
-    out << value << ' ' << unit;
-    return out.str();
+    return fmt::format("{:g} {}", value, unit);
 }
 
 } // namespace springdrive::limits

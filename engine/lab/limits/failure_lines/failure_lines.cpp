@@ -1,5 +1,6 @@
 #include "engine/lab/limits/failure_lines/failure_lines.h"
 
+#include "base/print.h"
 #include "engine/lab/limits/failure_lines/cancellation_lines.h"
 #include "engine/lab/limits/failure_lines/closest_point_lines.h"
 #include "engine/lab/limits/failure_lines/direction_line.h"
@@ -11,10 +12,12 @@
 #include "engine/lab/limits/failure_lines/proxy_lines.h"
 #include "engine/lab/limits/failure_lines/servo_lines.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstdint>
 #include <iterator>
-#include <sstream>
+#include <ostream>
 
 namespace springdrive::limits {
 
@@ -76,14 +79,7 @@ loops::StabilityCase common(const loops::StabilityCase &which) {
 }
 
 std::string number(const std::optional<double> &value) {
-    std::ostringstream digits;
-    digits.precision(4);
-    if (value) {
-        digits << *value;
-    } else {
-        digits << "–";
-    }
-    return digits.str();
+    return value ? fmt::format("{:.4g}", *value) : "–";
 }
 
 } // namespace
@@ -131,9 +127,9 @@ void write_failure_lines(std::ostream &out, const std::vector<FailureLine> &line
     out << "| method | fails | setting | predicted | measured | as it is |\n"
            "| --- | --- | --- | ---: | ---: | ---: |\n";
     for (const FailureLine &line : lines) {
-        out << "| " << line.method << " | " << line.fails << " (" << line.unit << ") | "
-            << line.setting << " | " << number(line.predicted) << " | " << number(line.measured)
-            << " | " << number(line.measured_as_it_is) << " |\n";
+        print(out, "| {} | {} ({}) | {} | {} | {} | {} |\n", line.method, line.fails, line.unit,
+              line.setting, number(line.predicted), number(line.measured),
+              number(line.measured_as_it_is));
     }
 }
 
