@@ -92,6 +92,8 @@ TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
                {"workspace.centre_m", "joint_limits"});
     expect_all(complaint("centre_m = -0.0239", "centre_m = -0.239"),
                {"inertia.upper_arm.inertia_kg_m2", "at least", "0.0134748"}); // 0.2359 · 0.239²
+    expect_all(complaint("centre_m = -0.0433", "centre_m = -0.433"),
+               {"inertia.crank.inertia_kg_m2", "at least", "0.0357354"}); // 0.1906 · 0.433²
     expect_all(complaint("[limits]", "[limit]"), {"limits", "missing"});
     expect_all(complaint("mass_kg = 0.0166", "mass_kg = -0.0166"),
                {"inertia.forearm.mass_kg", "-0.0166", "from"});

@@ -3,12 +3,14 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "device/simulated/plant_setup.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -103,6 +105,29 @@ TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
         ASSERT_LE(device.stored_energy_J(), initial_J * (1.0 + 1e-12)) << "period " << k;
     }
     EXPECT_NEAR(device.stored_energy_J(), initial_J, 1e-9 * initial_J);
+}
+
+TEST(LinkageStep, SaysTheWayOfJointsAndTipInOneStepAndInSmallerOnes) {
+    // What a tip behind a compliant structure is pulled along by. The faster motion is taken in
+    // smaller steps, as above.
+    device::DeviceDescription description = testing::phantom_premium_1_5();
+    description.inertia.tip_load_kg = 0.5;
+    SimulationOptions options = free_running(0.0);
+    options.effects = PlantEffects::none();
+    const LinkagePlant plant = plant_parts(description, options).linkage;
+    constexpr double kStep_s = 1e-3;
+    for (const double rate_rad_per_s : {3.0, 300.0}) {
+        const LinkageState before{Vector3(0.1, 0.2, 0.1),
+                                  rate_rad_per_s * Vector3(0.6, 0.64, -0.48)};
+        std::array<FrictionMode, 3> modes{};
+        const LinkageMotion motion = linkage_step(plant, before, {}, kStep_s, modes);
+        EXPECT_GT(motion.after.rate_rad_per_s.norm(), 0.1 * rate_rad_per_s);
+        const Vector3 way_m = device::tip_position_m(plant.geometry, motion.after.q_rad) -
+                              device::tip_position_m(plant.geometry, before.q_rad);
+        EXPECT_LT((kStep_s * motion.mean_tip_velocity_m_per_s - way_m).norm(), 1e-12);
+        const Vector3 turned_rad = motion.after.q_rad - before.q_rad;
+        EXPECT_LT((kStep_s * motion.mean_rate_rad_per_s - turned_rad).norm(), 1e-12);
+    }
 }
 
 TEST(Lossless, FreeRunningKeepsItsEnergy) {
