@@ -268,6 +268,56 @@ TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
     }
 }
 
+TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
+    // What is left of the way after a time t: e^(−t/50 ms), but for dR, which may move R̂ i no
+    // faster than a change may.
+    FirmRig rig;
+    rig.run(kStartUp_s + 0.8);
+    const control::Tuning from = rig.tick().tuning;
+    ASSERT_EQ(from, firm_tuning());
+    control::Tuning to = from;
+    for (const control::Parameter &parameter : control::kParameters) {
+        to.*parameter.value += 0.1 * (parameter.highest - to.*parameter.value);
+    }
+    to.dR_Ohm = from.dR_Ohm;
+    rig.inputs.tuning = to;
+    for (int tick = 1; tick <= 100; ++tick) {
+        const ServoSample now = rig.tick();
+        const double left = std::exp(-tick * kPeriod_s / 0.05);
+        for (const control::Parameter &parameter : control::kParameters) {
+            const double way = to.*parameter.value - from.*parameter.value;
+            EXPECT_NEAR(now.tuning.*parameter.value, to.*parameter.value - left * way,
+                        1e-9 * std::abs(to.*parameter.value))
+                << parameter.name << " after " << tick << " ms";
+        }
+    }
+    rig.run(1.0);
+    EXPECT_EQ(rig.tick().tuning, to); // and it gets there
+}
+
+TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
+    FirmRig rig;
+    rig.run(kStartUp_s + 0.8);
+    const double peak_A = rig.device.description().motor[0].peak_current_A;
+    double dR_Ohm = 2.0;
+    for (const double servo_hz : {4000.0, 2000.0}) {
+        rig.loop.set_period(1.0 / servo_hz);
+        double before_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
+        rig.inputs.tuning.dR_Ohm = dR_Ohm;
+        double fastest_V_per_s = 0.0;
+        for (int tick = 0; tick < 200; ++tick) {
+            const ServoSample now = rig.tick();
+            ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
+            const double moved_Ohm = now.command.cancelled_resistance_Ohm[0] - before_Ohm;
+            fastest_V_per_s = std::max(fastest_V_per_s, std::abs(moved_Ohm) * peak_A * servo_hz);
+            before_Ohm += moved_Ohm;
+        }
+        // A step of 1 Ω and more wants more than it may, at either rate.
+        EXPECT_NEAR(fastest_V_per_s, kGreatestChange_V_per_s, 1e-6) << servo_hz;
+        dR_Ohm = 0.3;
+    }
+}
+
 /// Sealed, and then something else in one word: also a surface that is nowhere.
 std::vector<ServoInputs> torn_from(const ServoInputs &whole) {
     const ServoInputs good = sealed(whole);

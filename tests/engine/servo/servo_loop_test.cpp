@@ -328,7 +328,7 @@ TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
 TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
     // From one tuning to another by a click, while the hand presses: the rendered force never
     // leaves the span of the two settled forces by more than what the hand's own spring stores on
-    // the way, here well below a newton. Without the glide the same change makes peaks of 10 N.
+    // the way, here well below a newton.
     const auto tuning = [](const char *name) {
         return control::read_tuning_file(testing::assets() / "tunings" /
                                          (std::string(name) + ".toml"));
