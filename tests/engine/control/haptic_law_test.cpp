@@ -212,6 +212,20 @@ TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
     }
 }
 
+TEST_F(HapticLawTest, RHatIsOfEachMotorsOwnResistance) {
+    const double cold_Ohm = device.motor[0].resistance_Ohm;
+    const Vector3 resistance_Ohm = cold_Ohm * Vector3(1.0, 1.2, 0.9);
+    for (std::size_t j = 0; j < device.motor.size(); ++j) {
+        device.motor[j].resistance_Ohm = resistance_Ohm[static_cast<Eigen::Index>(j)];
+    }
+    Tuning tuning;
+    tuning.dR_Ohm = 0.5;
+    const device::DeviceCommand command =
+        HapticLaw(device)(any_configuration(), contact::Contact{}, tuning, kGlobalAlpha).command;
+    const Vector3 residual_Ohm = resistance_Ohm - command.cancelled_resistance_Ohm;
+    EXPECT_LT((residual_Ohm.array() - 0.5).abs().maxCoeff(), 1e-12) << residual_Ohm.transpose();
+}
+
 TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
     for (int run = 0; run < 200; ++run) {
         const Configuration now = any_configuration();
