@@ -140,6 +140,49 @@ TEST(TelemetryColumns, StandForTheMemberOfTheirName) {
     EXPECT_EQ(value_of(sample, "trip_cause"), static_cast<double>(servo::TripCause::voltage));
 }
 
+/// Those that could stand for each other unnoticed: of one type and unit, side by side.
+TEST(TelemetryColumns, OfOneUnitStandForTheMemberOfTheirNameToo) {
+    servo::ServoSample sample;
+    const std::map<std::string, double *> members{
+        {"time_s", &sample.time_s},
+        {"measured_s", &sample.measured_s},
+        {"since_last_s", &sample.since_last_s},
+        {"clock_s", &sample.clock_s},
+        {"lateness_s", &sample.lateness_s},
+        {"period_s", &sample.period_s},
+        {"read_s", &sample.read_s},
+        {"compute_s", &sample.compute_s},
+        {"write_s", &sample.write_s},
+        {"rendered_error_rad", &sample.rendered_error_rad},
+        {"inverse_error_rad", &sample.inverse_error_rad},
+        {"transpose_error_rad", &sample.transpose_error_rad},
+        {"global_alpha_rad2_per_m2", &sample.global_alpha_rad2_per_m2},
+        {"alpha_in_force_rad2_per_m2", &sample.alpha_rad2_per_m2},
+        {"alpha_bound_rad2_per_m2", &sample.alpha_bound_rad2_per_m2},
+        {"trip_measured", &sample.safety.measured},
+        {"trip_limit", &sample.safety.limit},
+        {"winding_least2_C", &sample.winding[1].least_C},
+        {"winding_greatest2_C", &sample.winding[1].greatest_C},
+        {"theta2_rad", &sample.theta_rad[1]},
+        {"theta_Sd2_rad", &sample.theta_Sd_rad[1]},
+        {"carried2_V", &sample.carried_V[1]},
+        {"e_W2_V", &sample.command.e_W_V[1]},
+    };
+    double value = 0.0;
+    for (const auto &[name, member] : members) {
+        *member = ++value;
+    }
+    sample.missed_deadlines = 101;
+    sample.missed_in_a_row = 102;
+    sample.missed_periods = 103;
+    for (const auto &[name, member] : members) {
+        EXPECT_EQ(value_of(sample, name), *member) << name;
+    }
+    EXPECT_EQ(value_of(sample, "missed_deadlines"), 101.0);
+    EXPECT_EQ(value_of(sample, "missed_in_a_row"), 102.0);
+    EXPECT_EQ(value_of(sample, "missed_periods"), 103.0);
+}
+
 TEST(TelemetryColumns, CanBeWrittenThrough) {
     servo::ServoSample sample;
     for_each_column(sample, [](std::string_view name, std::string_view, auto &value) {
