@@ -1,4 +1,5 @@
-// Covers app/commands/typed_session.cpp: what it refuses, from outside.
+// Covers app/commands/typed_session.cpp: what it refuses and remarks upon, from outside.
+#include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
@@ -8,6 +9,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -47,6 +50,31 @@ TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
                     testing::assets() / "scenes/stepped_block.gltf"},
                    "cannot be touched as 'primitives'");
     EXPECT_TRUE(is_empty());
+}
+
+/// A tuning file says for which rate and delay it was found: slower or later is remarked upon, as
+/// fast or faster and as early or earlier is not.
+TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsRemarkedUpon) {
+    const std::filesystem::path folder = testing::fresh_folder("margins");
+    control::TuningFile file;
+    file.margins = control::TuningMargins{1000.0, 1.0, 1.5, 2, 0.25, 0.5, "firm", 0.75};
+    std::ostringstream text;
+    control::write_tuning_file(text, file);
+    const std::filesystem::path tuning = folder / "found.toml";
+    std::ofstream(tuning) << text.str();
+    const auto remark = [&](const char *servo_hz, const char *delay) {
+        const testing::Ending ending =
+            testing::run_program({"record", folder / (std::string(servo_hz) + "_" + delay + ".rec"),
+                                  "--lockstep", "--seconds", "0.01", "--tuning-file", tuning,
+                                  "--servo-hz", servo_hz, "--delay", delay});
+        EXPECT_EQ(ending.exit_status, 0) << ending.error;
+        return ending.error.find("was found for 1000 Hz and a delay of 1") != std::string::npos;
+    };
+    EXPECT_FALSE(remark("1000", "1"));
+    EXPECT_FALSE(remark("2000", "0.5"));
+    EXPECT_TRUE(remark("999", "1"));
+    EXPECT_TRUE(remark("1000", "1.25"));
+    std::filesystem::remove_all(folder);
 }
 
 } // namespace
