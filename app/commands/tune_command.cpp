@@ -55,7 +55,27 @@ std::string description_of(const TypedTune &typed, const limits::AutoTuned &foun
                        found.margins.K_DC_Nm_per_rad);
 }
 
-void tell(std::ostream &out, const limits::AutoTuned &found) {
+void run(const TypedTune &typed) {
+    const limits::AutoTuneRequest request = request_of(typed);
+    check_writable(typed.out);
+    limits::AutoTuned found;
+    {
+        ProgressLine line;
+        found = limits::auto_tune(request, [&line](double share) {
+            line.show("tuning", share);
+            return true;
+        });
+    }
+    write_tuned(typed.out.empty() ? std::cerr : std::cout, found);
+    write_output(typed.out.empty() ? "-" : typed.out, [&](std::ostream &out) {
+        control::write_tuning_file(out,
+                                   {found.tuning, description_of(typed, found), found.margins});
+    });
+}
+
+} // namespace
+
+void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
     print(out, "K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s: K_DC {:.4g} N·m/rad\n",
           found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
@@ -75,26 +95,6 @@ void tell(std::ostream &out, const limits::AutoTuned &found) {
               100.0 * found.taken_back);
     }
 }
-
-void run(const TypedTune &typed) {
-    const limits::AutoTuneRequest request = request_of(typed);
-    check_writable(typed.out);
-    limits::AutoTuned found;
-    {
-        ProgressLine line;
-        found = limits::auto_tune(request, [&line](double share) {
-            line.show("tuning", share);
-            return true;
-        });
-    }
-    tell(typed.out.empty() ? std::cerr : std::cout, found);
-    write_output(typed.out.empty() ? "-" : typed.out, [&](std::ostream &out) {
-        control::write_tuning_file(out,
-                                   {found.tuning, description_of(typed, found), found.margins});
-    });
-}
-
-} // namespace
 
 void add_tune_command(CLI::App &app) {
     CLI::App &tune = *app.add_subcommand(

@@ -1,7 +1,9 @@
 // Covers app/commands/tune_command.cpp, from outside, and how it looks whether it could write.
 #include "app/commands/common_options.h"
+#include "app/commands/tune_command.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
@@ -12,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -58,6 +61,21 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
         << "what people want to know is apart";
     EXPECT_EQ(to_standard_output.error.substr(0, 4), "K_P ") << to_standard_output.error;
     std::filesystem::remove_all(folder);
+}
+
+TEST(TuneCommand, SaysByHowManyPerCentCountsHeldItBack) {
+    limits::AutoTuned found;
+    const auto said = [&found] {
+        std::ostringstream text;
+        write_tuned(text, found);
+        return text.str();
+    };
+    EXPECT_EQ(said().find(" %"), std::string::npos) << said();
+    found.taken_back = 0.07;
+    EXPECT_NE(said().find("K_P is 7 % lower"), std::string::npos) << said();
+    EXPECT_EQ(said().find("end of its range"), std::string::npos) << said();
+    found.tuning.K_P_V_per_rad = limits::AutoTuneRequest{}.greatest_K_P_V_per_rad;
+    EXPECT_NE(said().find("end of its range"), std::string::npos) << said();
 }
 
 TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
