@@ -105,6 +105,18 @@ TEST(ModelRun, ASimplifiedMeshIsFartherOffTheFewerItsTriangles) {
     EXPECT_GT(last_N, 0.1);
 }
 
+TEST(ModelRun, StartsAtRestInFreeSpace) {
+    const contact::TriangleSoup mesh = testing::ball(2);
+    const contact::HapticSurface surface(mesh);
+    ModelSetting setting = testing::feeling(surface, testing::box_of(mesh));
+    setting.path = simulated::HandPath({setting.path.points().front()});
+    const ModelRun run = run_model(setting, {}, surface);
+    ASSERT_FALSE(run.configurations.empty());
+    EXPECT_EQ(run.configurations.front().theta_rate_rad_per_s, Vector3(Vector3::Zero()));
+    EXPECT_FALSE(run.contacts.front().touching);
+    EXPECT_EQ(run.contacts.front().x0_m, run.configurations.front().tip_m);
+}
+
 TEST(ModelRun, ASpherePrimitiveIsAsFarOffAsItsMeshIsCoarse) {
     // The sagitta of its facets is 1/4 as large with each division, and the force follows it, down
     // to where an encoder's count or a joint's sticking decides: 0.02 N.
