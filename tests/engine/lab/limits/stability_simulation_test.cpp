@@ -176,6 +176,25 @@ TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
               which.device.motor[2].supply_V / which.device.motor[2].torque_constant_Nm_per_A);
 }
 
+/// A nudge of a hundredth of a newton is less than the joints hold, 0.04 N, and far from the
+/// supply. So friction alone keeps it where it is, and limits alone change nothing.
+TEST(StabilitySimulation, EachEffectIsTheOneAskedFor) {
+    loops::StabilityCase which = testing::firm();
+    const loops::LoopMember member{2, loops::no_hand()};
+    for (const loops::Freedom freedom : {loops::Freedom::one_motor, loops::Freedom::three_motors}) {
+        which.freedom = freedom;
+        const auto after_a_nudge = [&](const SimulationEffects &effects) {
+            return simulated(which, member, {effects, 1e-6, 0.02, 0.0});
+        };
+        const Trial plain = after_a_nudge(SimulationEffects::none());
+        const Trial limited = after_a_nudge({.saturation = true});
+        const Trial sticky = after_a_nudge({.friction = true});
+        EXPECT_GT(plain.last_rate_rad_per_s, 0.0);
+        EXPECT_EQ(limited.last_rate_rad_per_s, plain.last_rate_rad_per_s);
+        EXPECT_EQ(sticky.last_rate_rad_per_s, 0.0);
+    }
+}
+
 TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};

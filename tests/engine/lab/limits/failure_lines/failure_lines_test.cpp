@@ -117,6 +117,21 @@ TEST(FailureLines, TheTableHoldsEveryRowAndWhatWasPredicted) {
     EXPECT_EQ(of_loops, 10U);
 }
 
+TEST(FailureLines, TheTableIsForTheHandAskedFor) {
+    loops::StabilityCase gripped = testing::firm();
+    gripped.hands = {loops::hand_of_firmness(1.0)};
+    const std::vector<FailureLine> lines = failure_lines(gripped, [](double) {});
+    const auto row = std::ranges::find(lines, "K_P above", &FailureLine::fails);
+    ASSERT_NE(row, lines.end());
+    ASSERT_TRUE(row->predicted);
+    const auto at = [&row](const loops::StabilityCase &which, double share) {
+        return testing::with(which, testing::named("kp"), share * *row->predicted);
+    };
+    EXPECT_TRUE(loops::is_stable(at(gripped, 0.99)));
+    EXPECT_FALSE(loops::is_stable(at(gripped, 1.01)));
+    EXPECT_FALSE(loops::is_stable(at(testing::firm(), 0.99))); // some other hand bears less
+}
+
 TEST(FailureLines, AreWrittenAsMarkdown) {
     std::ostringstream out;
     write_failure_lines(out, {{"servo", "a tick later than", "ms", "1 kHz", 51.0, 51.00001, {}}});
