@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <iostream>
+#include <optional>
+#include <unistd.h>
 #include <utility>
 
 namespace springdrive::app {
@@ -31,7 +33,10 @@ void LoadLines::print_each_period() {
 
 scene::Scene load_scene_with_lines(const std::string &name, const device::Workspace &workspace) {
     scene::LoadProgress progress;
-    const LoadLines lines(std::filesystem::path(name).filename().string(), progress, std::cerr);
+    std::optional<LoadLines> lines;
+    if (isatty(STDERR_FILENO) != 0) {
+        lines.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
+    }
     return rig::touch_scene(name, workspace, &progress);
 }
 

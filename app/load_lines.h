@@ -37,7 +37,7 @@ private:
     std::thread thread_;
 };
 
-/// `touch_scene`, with such lines on standard error.
+/// `touch_scene`, with such lines on standard error where that is a terminal.
 [[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
                                                  const device::Workspace &workspace);
 

@@ -91,12 +91,10 @@ TEST(ServoRun, GoesOnAfterAPauseWhateverWasThrown) {
         throw std::runtime_error("no");
     }),
                  std::runtime_error);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (run.latest().tick < tick + 20 && std::chrono::steady_clock::now() < end) {
+    while (run.latest().tick < tick + 20) { // or CTest's patience ends
         run.advance(0.0);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_GE(run.latest().tick, tick + 20);
 }
 
 servo::ServoSample sample_of_tick(std::uint64_t tick) {

@@ -38,16 +38,17 @@ inline void run(session::Session &session, double seconds) {
     }
 }
 
-/// In frames of a few ticks. False where it takes too long.
+/// In frames of a few ticks. False where it takes too long; what is loaded in the background may
+/// take as long as it does.
 inline bool run_until(session::Session &session, const std::function<bool()> &is_so,
                       double at_most_s) {
     constexpr double kShort_s = 0.004;
-    for (double passed_s = 0.0; passed_s < at_most_s; passed_s += kShort_s) {
-        if (is_so()) {
-            return true;
-        }
+    double passed_s = 0.0;
+    while (!is_so() && passed_s < at_most_s) {
         session.advance(kShort_s);
-        if (!session.servo().is_in_lockstep()) {
+        const bool waits = session.scenes().is_loading();
+        passed_s += waits ? 0.0 : kShort_s;
+        if (waits || !session.servo().is_in_lockstep()) {
             std::this_thread::sleep_for(std::chrono::duration<double>(kShort_s));
         }
     }
