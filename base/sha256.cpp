@@ -1,5 +1,6 @@
 #include "base/sha256.h"
 
+#include "base/assertions.h"
 #include "base/input_error.h"
 #include "base/wanted.h"
 
@@ -13,6 +14,7 @@ namespace springdrive {
 
 struct Sha256::State {
     SHA2_CTX context{};
+    bool is_complete = false; ///< its digits were asked for
 };
 
 Sha256::Sha256() : state_(std::make_unique<State>()) { SHA256Init(&state_->context); }
@@ -20,6 +22,7 @@ Sha256::Sha256() : state_(std::make_unique<State>()) { SHA256Init(&state_->conte
 Sha256::~Sha256() = default;
 
 void Sha256::add(const void *bytes, std::size_t count) {
+    SPRINGDRIVE_ASSERT(!state_->is_complete);
     SHA256Update(&state_->context, static_cast<const std::uint8_t *>(bytes), count);
 }
 
@@ -29,6 +32,8 @@ void Sha256::add(std::string_view text) {
 }
 
 std::string Sha256::hex() {
+    SPRINGDRIVE_ASSERT(!state_->is_complete);
+    state_->is_complete = true;
     std::array<char, SHA256_DIGEST_STRING_LENGTH> digits{};
     SHA256End(&state_->context, digits.data());
     return digits.data();

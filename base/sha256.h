@@ -25,7 +25,7 @@ public:
     void add(std::string_view text);
     void add(const Vector3 &vector) { add(vector.data(), 3 * sizeof(double)); }
 
-    /// 64 digits, lower-case hex, as sha256sum prints it. @pre nothing is added afterwards
+    /// 64 digits, lower-case hex, as sha256sum prints it. @pre asked for once, when all is added
     [[nodiscard]] std::string hex();
 
 private:

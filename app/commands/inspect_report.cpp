@@ -1,6 +1,7 @@
 #include "app/commands/inspect_report.h"
 
 #include "app/commands/model_table.h"
+#include "base/assertions.h"
 #include "base/print.h"
 #include "engine/contact/mesh/mesh_remarks.h"
 #include "engine/lab/model_selection/choice_json.h"
@@ -138,6 +139,7 @@ std::vector<NodeFacets> facets_of_nodes(const scene::Scene &scene,
 }
 
 void write_inspect_json(std::ostream &out, const InspectReport &report) {
+    SPRINGDRIVE_ASSERT(report.scene != nullptr && report.surface != nullptr);
     const scene::Scene &scene = *report.scene;
     const contact::HapticSurface &surface = *report.surface;
     Json json;
@@ -165,6 +167,7 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
 }
 
 void write_inspect_table(std::ostream &out, const InspectReport &report) {
+    SPRINGDRIVE_ASSERT(report.scene != nullptr && report.surface != nullptr);
     const contact::HapticSurface &surface = *report.surface;
     write_head(out, report);
     write_nodes(out, report);

@@ -94,7 +94,7 @@ Vector3 Camera::forward() const {
 }
 
 double Camera::metres_per_pixel(const Vector3 &at_m, double viewport_height_px) const {
-    return 2.0 * half_height_per_depth() * depth_m(at_m) / viewport_height_px;
+    return 2.0 * half_height_per_depth() * std::abs(depth_m(at_m)) / viewport_height_px;
 }
 
 Vector3 Camera::point_at(const PixelPoint &pixel, const PixelSize &viewport,

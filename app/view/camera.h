@@ -50,7 +50,8 @@ public:
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }
     [[nodiscard]] double distance_m() const { return distance_m_; } ///< from eye to target
 
-    /// Size of a pixel in the view plane through `at_m`. @pre `at_m` is in front of the eye
+    /// Size of a pixel in the view plane through `at_m`. Behind the eye, where a hand may be that
+    /// is zoomed past, the same as in front of it.
     [[nodiscard]] double metres_per_pixel(const Vector3 &at_m, double viewport_height_px) const;
 
     /// The point seen at `pixel` that lies in the view plane through `at_m`.

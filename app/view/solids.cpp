@@ -1,6 +1,7 @@
 #include "app/view/solids.h"
 
 #include "app/view/gl_vector.h"
+#include "base/assertions.h"
 
 #include <Eigen/Geometry>
 
@@ -35,6 +36,7 @@ Solid ball(const Vector3 &centre_m, double radius_m, const Colour &colour) {
 
 Solid spindle(Shape shape, const Vector3 &from_m, const Vector3 &to_m, double radius_m,
               const Colour &colour) {
+    SPRINGDRIVE_ASSERT(from_m != to_m);
     return {shape, placed_along(from_m, to_m - from_m, radius_m), linear(colour)};
 }
 

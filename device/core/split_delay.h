@@ -4,6 +4,8 @@
 //   u[k − n − 1]  for the first f T,   then   u[k − n]  for the other (1 − f) T.
 #pragma once
 
+#include "base/assertions.h"
+
 namespace springdrive::device {
 
 struct SplitDelay {
@@ -16,6 +18,7 @@ struct SplitDelay {
 
 /// @pre delay_periods >= 0
 [[nodiscard]] constexpr SplitDelay split_delay(double delay_periods) {
+    SPRINGDRIVE_ASSERT(delay_periods >= 0.0);
     const int whole = static_cast<int>(delay_periods);
     return {whole, delay_periods - whole}; // exact: leading digits go, none is rounded
 }

@@ -1,5 +1,7 @@
 #include "engine/scene/curved_patches.h"
 
+#include "base/assertions.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -26,6 +28,7 @@ Triangle upright(std::size_t cuts, std::size_t i, std::size_t j) {
 
 /// The one across from `upright(cuts, i, j)`, seen from the first corner. @pre i + j + 2 <= cuts
 Triangle turned(std::size_t cuts, std::size_t i, std::size_t j) {
+    SPRINGDRIVE_ASSERT(i + j + 2 <= cuts);
     return {grid_index(cuts, i + 1, j), grid_index(cuts, i + 1, j + 1), grid_index(cuts, i, j + 1)};
 }
 

@@ -1,6 +1,7 @@
 // What a glTF material says about colour, and its textures, decoded when first asked for.
 #pragma once
 
+#include "base/assertions.h"
 #include "engine/scene/scene.h"
 
 #include <array>
@@ -53,6 +54,7 @@ public:
 
     /// Whether one is see-through anywhere. @pre `find_or_load` gave it
     [[nodiscard]] bool has_alpha(int texture) const {
+        SPRINGDRIVE_ASSERT(texture >= 0 && static_cast<std::size_t>(texture) < textures_.size());
         return textures_[static_cast<std::size_t>(texture)].has_alpha;
     }
 

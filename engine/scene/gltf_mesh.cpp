@@ -1,5 +1,6 @@
 #include "engine/scene/gltf_mesh.h"
 
+#include "base/assertions.h"
 #include "base/wanted.h"
 #include "engine/scene/visual_pieces.h"
 
@@ -121,8 +122,10 @@ std::size_t first_node_size(std::span<const PlacedPrimitive> primitives) {
 
 Vector3 world_normal(const PlacedPrimitive &primitive, std::size_t vertex) {
     if (!primitive.normals.empty()) {
+        SPRINGDRIVE_ASSERT(vertex < primitive.normals.size());
         return primitive.normals[vertex];
     }
+    SPRINGDRIVE_ASSERT(vertex < primitive.geometry->normal.count());
     return normal_matrix(*primitive.node) * Vector3(primitive.geometry->normal[vertex].data());
 }
 

@@ -37,7 +37,7 @@ public:
     BoxTree() = default;
 
     /// Builds in `threads` threads, at least one: the same tree for any number of them.
-    /// @pre boxes are finite and not empty [m]; fewer than 2^30 (asserted)
+    /// @pre boxes are finite and not empty [m]; fewer than 2^30
     explicit BoxTree(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads);
 
     /// Items are numbered in the order of the tree: item i is boxes[order()[i]].

@@ -1,11 +1,11 @@
 #include "engine/contact/bvh/box_tree_build.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
 #include "engine/contact/bvh/box_split.h"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <utility>
 
@@ -210,7 +210,10 @@ private:
 } // namespace
 
 BoxTreeLayout lay_out_boxes(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads) {
-    assert(boxes.size() < std::size_t{1} << 30U);
+    SPRINGDRIVE_ASSERT(boxes.size() < std::size_t{1} << 30U);
+    SPRINGDRIVE_ASSERT_AUDIT(std::ranges::all_of(boxes, [](const Eigen::AlignedBox3d &box) {
+        return !box.isEmpty() && box.min().allFinite() && box.max().allFinite();
+    }));
     return boxes.empty() ? BoxTreeLayout{} : Builder(boxes, threads).take();
 }
 

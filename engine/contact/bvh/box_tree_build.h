@@ -17,7 +17,7 @@ struct BoxTreeLayout {
 };
 
 /// In `threads` threads; the same for any number of them.
-/// @pre boxes are finite and not empty [m]; fewer than 2^30 (asserted)
+/// @pre boxes are finite and not empty [m]; fewer than 2^30
 [[nodiscard]] BoxTreeLayout lay_out_boxes(std::span<const Eigen::AlignedBox3d> boxes,
                                           unsigned threads);
 

@@ -1,5 +1,6 @@
 #include "engine/contact/bvh/numbered_box.h"
 
+#include "base/assertions.h"
 #include "base/vector.h"
 
 #include <bit>
@@ -25,6 +26,7 @@ constexpr std::uint32_t kNumberOffset = 0x3F800000U;
 } // namespace
 
 NumberedBox::NumberedBox(const Eigen::AlignedBox3d &box, std::uint32_t number) noexcept {
+    SPRINGDRIVE_ASSERT(number < std::uint32_t{1} << 30U);
     const Vector3 &lower = box.min();
     const Vector3 &upper = box.max();
     bounds_.lower = Float4{rounded_down(lower.x()), rounded_down(lower.y()),

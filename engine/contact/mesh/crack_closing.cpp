@@ -1,5 +1,6 @@
 #include "engine/contact/mesh/crack_closing.h"
 
+#include "base/assertions.h"
 #include "engine/contact/mesh/rim.h"
 #include "engine/contact/mesh/vertex_grid.h"
 
@@ -127,6 +128,7 @@ private:
 
 ClosedCracks close_cracks(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
                           const std::vector<Vector3> &vertices_m, double tolerance_m) {
+    SPRINGDRIVE_ASSERT(tolerance_m > 0.0);
     ClosedCracks closed;
     closed.stands_for.resize(vertices_m.size());
     std::iota(closed.stands_for.begin(), closed.stands_for.end(), 0U);

@@ -1,5 +1,6 @@
 #include "engine/contact/mesh/edge_splitting.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
 #include "engine/contact/mesh/point_tree.h"
 #include "engine/contact/mesh/rim.h"
@@ -131,6 +132,7 @@ private:
 SplitEdges split_edges(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
                        const std::vector<Vector3> &vertices_m, double tolerance_m,
                        unsigned threads) {
+    SPRINGDRIVE_ASSERT(tolerance_m > 0.0);
     const CutFinder finder(triangles, edges, vertices_m, tolerance_m);
     const std::vector<Cut> cuts = find_cuts(finder, edges, threads);
     SplitEdges split;

@@ -1,5 +1,6 @@
 #include "engine/contact/mesh/edge_table.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
 #include "base/wanted.h"
 
@@ -21,6 +22,11 @@ template <typename Visit> void for_each_side(const VertexTriple &vertices, Visit
 EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t vertices,
                      unsigned threads)
     : first_use_(vertices + 1), uses_(3 * triangles.size()) {
+    SPRINGDRIVE_ASSERT(triangles.size() <= kMostTriangles);
+    SPRINGDRIVE_ASSERT_AUDIT(std::ranges::all_of(triangles, [&](const MeshTriangle &triangle) {
+        const auto &[a, b, c] = triangle.vertices;
+        return std::max({a, b, c}) < vertices && a != b && b != c && c != a;
+    }));
     // A counting sort by the lower vertex: each thread counts its share of the triangles, and so
     // learns where its uses go.
     std::vector<std::vector<std::uint32_t>> next_of_chunk(threads);

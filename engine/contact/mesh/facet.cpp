@@ -1,5 +1,7 @@
 #include "engine/contact/mesh/facet.h"
 
+#include "base/assertions.h"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -59,7 +61,10 @@ double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
 Facet::Facet(const FacetSource &source) noexcept
     : normal_(area_vector(source.corners_m).normalized()),
       offset_m_(normal_.dot(source.corners_m[0])), corners_m_(source.corners_m),
-      triangle_(source.triangle), material_(source.material), sides_(source.sides) {}
+      triangle_(source.triangle), material_(source.material), sides_(source.sides) {
+    SPRINGDRIVE_ASSERT(normal_.squaredNorm() > 0.5); // 0 where there is no area
+    SPRINGDRIVE_ASSERT_AUDIT(smallest_height_m(source.corners_m) > kRoundOff_m);
+}
 
 std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
                                 double reach_m) const noexcept {

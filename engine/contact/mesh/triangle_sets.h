@@ -1,6 +1,9 @@
 // Disjoint sets of triangles that know how their members are turned against each other.
 #pragma once
 
+#include "base/assertions.h"
+#include "engine/contact/mesh/mesh_triangle.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -18,6 +21,7 @@ public:
 
     /// @pre at most kMostTriangles
     explicit TriangleSets(std::size_t count) : link_(count) {
+        SPRINGDRIVE_ASSERT(count <= kMostTriangles);
         for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
             link_[triangle] = triangle << 1;
         }

@@ -1,5 +1,7 @@
 #include "engine/contact/mesh/vertex_grid.h"
 
+#include "base/assertions.h"
+
 #include <bit>
 #include <cmath>
 
@@ -7,7 +9,9 @@ namespace springdrive::contact {
 
 VertexGrid::VertexGrid(const std::vector<Vector3> &vertices_m, double reach_m, double cell_m)
     : vertices_m_(vertices_m), reach_m_(reach_m), cells_per_m_(1.0 / cell_m),
-      slots_(std::bit_ceil(2 * vertices_m.size() + 2)), last_slot_(slots_.size() - 1) {}
+      slots_(std::bit_ceil(2 * vertices_m.size() + 2)), last_slot_(slots_.size() - 1) {
+    SPRINGDRIVE_ASSERT(cell_m >= 2.0 * reach_m);
+}
 
 VertexGrid::Home VertexGrid::home_of(std::uint32_t vertex) const {
     const Vector3 &point_m = vertices_m_[vertex];

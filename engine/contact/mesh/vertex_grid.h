@@ -1,6 +1,7 @@
 // Finds vertices near a place.
 #pragma once
 
+#include "base/assertions.h"
 #include "base/vector.h"
 
 #include <array>
@@ -38,6 +39,7 @@ public:
     void insert(std::uint32_t vertex, const Home &home) {
         std::size_t slot = home.address.slot;
         while (slots_[slot].vertex != kNone) {
+            SPRINGDRIVE_ASSERT_AUDIT(slots_[slot].vertex != vertex);
             slot = (slot + 1) & last_slot_;
         }
         slots_[slot] = {home.address.tag, vertex};

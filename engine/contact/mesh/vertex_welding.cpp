@@ -1,5 +1,6 @@
 #include "engine/contact/mesh/vertex_welding.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
 #include "base/wanted.h"
 #include "engine/contact/mesh/vertex_grid.h"
@@ -22,6 +23,7 @@ constexpr std::uint32_t kAhead = 16;
 
 std::vector<std::uint32_t> weld_vertices(const std::vector<Vector3> &vertices_m, double tolerance_m,
                                          unsigned threads) {
+    SPRINGDRIVE_ASSERT(tolerance_m > 0.0 && threads > 0);
     const auto count = static_cast<std::uint32_t>(vertices_m.size());
     VertexGrid grid(vertices_m, tolerance_m, kCellTolerances * tolerance_m);
     std::vector<VertexGrid::Home> homes(count);

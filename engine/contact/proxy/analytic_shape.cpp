@@ -1,5 +1,7 @@
 #include "engine/contact/proxy/analytic_shape.h"
 
+#include "base/assertions.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -17,7 +19,9 @@ constexpr double kLeastSquare_m2 = 1e-280;
     if (length2 > kLeastSquare_m2) {
         return v / std::sqrt(length2);
     }
-    const Vector3 scaled = v / v.cwiseAbs().maxCoeff();
+    const double largest = v.cwiseAbs().maxCoeff();
+    SPRINGDRIVE_ASSERT(largest != 0.0);
+    const Vector3 scaled = v / largest;
     return scaled / scaled.norm();
 }
 
@@ -204,6 +208,8 @@ AnalyticShape::AnalyticShape(const Size &size, const Eigen::Isometry3d &placemen
 }
 
 NearestOnShape AnalyticShape::nearest(const Vector3 &point_m) const noexcept {
+    // What comes of others is not finite either, and the servo's safety monitor trips on it.
+    SPRINGDRIVE_ASSERT_AUDIT(point_m.allFinite());
     const NearestOnShape local = nearest_on(size_, to_own_frame_m(point_m));
     return {centre_m_ + rotation_ * local.point_m, rotation_ * local.normal, local.distance_m};
 }

@@ -1,5 +1,6 @@
 #include "engine/contact/proxy/haptic_surface.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
 #include "base/wanted.h"
 #include "engine/contact/proxy/near_list.h"
@@ -118,6 +119,7 @@ std::optional<ShapeSlide> HapticSurface::slide_over(std::uint32_t obstacle,
     if (obstacle < facets_.size()) {
         return std::nullopt;
     }
+    SPRINGDRIVE_ASSERT(near.covers(from_m, reach_m));
     const ShapeSet own = ShapeSet{1} << (obstacle - facets_.size());
     std::optional<ShapeSlide> slide = slide_over_face(*shape(obstacle), from_m, tip_m, reach_m);
     if (!slide || (near.has_only(own) && near.covers(slide->over_m, reach_m) &&

@@ -67,7 +67,8 @@ public:
 
     /// How a proxy slides that rests in `from_m` over a shape's face, where that face is all that
     /// is in play for sure: other obstacles neither stop it nor lie nearer to the tip. Nothing
-    /// where that takes more than a quick look to tell. RT-safe. @pre `near` covers `from_m`
+    /// where that takes more than a quick look to tell. RT-safe.
+    /// @pre `near` covers `from_m`, with `reach_m` about it
     [[nodiscard]] std::optional<ShapeSlide> slide_over(std::uint32_t obstacle,
                                                        const Neighbourhood &near,
                                                        const Vector3 &from_m, const Vector3 &tip_m,

@@ -1,11 +1,14 @@
 #include "engine/contact/proxy/neighbourhood.h"
 
+#include "base/assertions.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace springdrive::contact {
 
 void Neighbourhood::add(std::uint32_t index, const Facet &facet) noexcept {
+    SPRINGDRIVE_ASSERT(size_ + (facet.sides() == FacetSides::two ? 2 : 1) <= kCapacity);
     add_side(index, 1.0, facet);
     if (facet.sides() == FacetSides::two) {
         add_side(index, -1.0, facet);

@@ -1,6 +1,7 @@
 // The straight pieces that a proxy went along in one tick.
 #pragma once
 
+#include "base/assertions.h"
 #include "base/vector.h"
 
 #include <array>
@@ -20,7 +21,10 @@ public:
     }
 
     /// @pre not full
-    void add(const Vector3 &point_m) noexcept { points_m_[size_++] = point_m; }
+    [[gnu::always_inline]] void add(const Vector3 &point_m) noexcept {
+        SPRINGDRIVE_ASSERT(size_ < kCapacity);
+        points_m_[size_++] = point_m;
+    }
 
     /// Forgets all but the first `count` points.
     void cut(std::size_t count) noexcept { size_ = count; }

@@ -1,5 +1,6 @@
 #include "engine/lab/charts/rendered_touch.h"
 
+#include "base/assertions.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/force_direction.h"
 
@@ -29,6 +30,7 @@ double percentile_99(std::vector<double> values) {
 
 void follow_with_proxy(const contact::HapticSurface &surface, std::span<const rig::PressedTip> tips,
                        std::span<RenderedTouch> touches) {
+    SPRINGDRIVE_ASSERT(!tips.empty() && touches.size() >= tips.size());
     contact::Proxy proxy;
     proxy.reset(tips.front().surface_m + kStartHeight_m * tips.front().normal);
     for (std::size_t i = 0; i < tips.size(); ++i) {
@@ -42,6 +44,7 @@ void follow_with_proxy(const contact::HapticSurface &surface, std::span<const ri
 
 void push_to_closest_point(rig::ClosestPointFinder &mesh, std::span<const rig::PressedTip> tips,
                            std::span<RenderedTouch> touches) {
+    SPRINGDRIVE_ASSERT(touches.size() >= tips.size());
     for (std::size_t i = 0; i < tips.size(); ++i) {
         const rig::ClosestPoint closest = mesh.closest(tips[i].tip_m);
         const Vector3 way_m = closest.point_m - tips[i].tip_m;
@@ -55,6 +58,7 @@ void push_to_closest_point(rig::ClosestPointFinder &mesh, std::span<const rig::P
 
 TouchErrors touch_errors(std::span<const rig::PressedTip> tips,
                          std::span<const RenderedTouch> touches) {
+    SPRINGDRIVE_ASSERT(!tips.empty() && touches.size() >= tips.size());
     TouchErrors errors;
     std::vector<double> depth_m;
     std::vector<double> direction_rad;

@@ -19,7 +19,7 @@ struct RenderedTouch {
 
 /// The proxy, from outside above the first tip to one after the other. The clearance that it keeps
 /// from every surface is not counted.
-/// @pre there is a touch for each tip
+/// @pre there is a touch for each tip, and at least one
 void follow_with_proxy(const contact::HapticSurface &surface, std::span<const rig::PressedTip> tips,
                        std::span<RenderedTouch> touches);
 

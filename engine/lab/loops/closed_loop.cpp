@@ -1,12 +1,11 @@
 #include "engine/lab/loops/closed_loop.h"
 
+#include "base/assertions.h"
 #include "device/core/split_delay.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
-
-#include <cassert>
 
 namespace springdrive::loops {
 
@@ -86,7 +85,7 @@ MatrixXd one_period_map(const MatrixXd &load, const SampledLaw &law) {
     const Index n = law.per_velocity.rows();
     const device::SplitDelay delay = device::split_delay(law.delay_periods);
     const Index held = delay.held();
-    assert(load.cols() == (delay.fraction > 0.0 ? 5 : 4) * n);
+    SPRINGDRIVE_ASSERT(load.cols() == (delay.fraction > 0.0 ? 5 : 4) * n);
     const Blocks blocks(n, first_held + held);
 
     const double a = law.filter_pole;
@@ -119,6 +118,10 @@ MatrixXd one_period_map(const MatrixXd &load, const SampledLaw &law) {
             .setIdentity();
     }
     return map;
+}
+
+bool pulls_on_all_positions(const MatrixXd &per_position, const MatrixXd &stiffness_Nm_per_rad) {
+    return pulled_positions(per_position, stiffness_Nm_per_rad).cols() == per_position.cols();
 }
 
 double largest_eigenvalue(const MatrixXd &map, const SampledLaw &law,

@@ -53,6 +53,10 @@ struct SampledLaw {
 /// @param load  as `sampled_load` gives it for the law's period and delay
 [[nodiscard]] Eigen::MatrixXd one_period_map(const Eigen::MatrixXd &load, const SampledLaw &law);
 
+/// Whether law or load, with its K, pull back on θ in every direction.
+[[nodiscard]] bool pulls_on_all_positions(const Eigen::MatrixXd &per_position,
+                                          const Eigen::MatrixXd &stiffness_Nm_per_rad);
+
 /// The largest |eigenvalue| of that map: by how much the slowest mode shrinks or grows in a period.
 /// In directions in which neither the law nor a spring pulls on θ, the motors may rest anywhere;
 /// their eigenvalues of exactly 1 do not count.

@@ -6,6 +6,7 @@
 // damping and of 10 in stiffness.
 #pragma once
 
+#include "base/assertions.h"
 #include "device/core/hand_parameters.h"
 
 #include <cmath>
@@ -44,6 +45,7 @@ struct Hand {
 
 /// No hand, and `grips` of the family from light to firm, evenly spread. @pre at least two grips
 [[nodiscard]] inline std::vector<Hand> hand_family(int grips = 5) {
+    SPRINGDRIVE_ASSERT(grips >= 2);
     std::vector<Hand> hands{no_hand()};
     for (int i = 0; i < grips; ++i) {
         hands.push_back(hand_of_firmness(static_cast<double>(i) / (grips - 1)));

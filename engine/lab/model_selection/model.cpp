@@ -1,5 +1,7 @@
 #include "engine/lab/model_selection/model.h"
 
+#include "base/assertions.h"
+
 #include <algorithm>
 #include <charconv>
 
@@ -57,6 +59,7 @@ const simulated::PlantModel *plant_model_named(std::string_view name) {
 }
 
 void apply(const Model &model, simulated::SimulationOptions &simulation) {
+    SPRINGDRIVE_ASSERT(simulation.servo_period_s > 0.0);
     simulation.dynamics = model.plant.dynamics;
     simulation.effects = model.plant.effects;
     simulation.planar = model.planar;

@@ -1,5 +1,6 @@
 #include "engine/lab/model_selection/simplified_surface.h"
 
+#include "base/assertions.h"
 #include "base/wanted.h"
 
 #include <meshoptimizer.h>
@@ -52,6 +53,7 @@ std::vector<unsigned> fewer(const std::vector<unsigned> &indices, const WeldedVe
 } // namespace
 
 contact::TriangleSoup simplified(const contact::TriangleSoup &soup, int divisor) {
+    SPRINGDRIVE_ASSERT(divisor >= 1);
     const WeldedVertices vertices(soup);
     std::vector<std::vector<unsigned>> corners_of_material(soup.materials.size());
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {

@@ -1,6 +1,8 @@
 #include "engine/lab/rig/closest_point.h"
 
+#include "base/assertions.h"
 #include "base/parallel.h"
+#include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/nearest.h"
 
 #include <Eigen/Geometry>
@@ -12,6 +14,7 @@
 namespace springdrive::rig {
 
 ClosestPointFinder::ClosestPointFinder(const contact::TriangleSoup &soup) {
+    SPRINGDRIVE_ASSERT(!soup.triangles.empty());
     std::vector<Eigen::AlignedBox3d> boxes;
     boxes.reserve(soup.triangles.size());
     for (const auto &triangle : soup.triangles) {
@@ -26,6 +29,7 @@ ClosestPointFinder::ClosestPointFinder(const contact::TriangleSoup &soup) {
     for (const std::uint32_t item : tree_.take_order()) {
         const auto &[a, b, c] = soup.triangles[item];
         corners_m_.push_back({soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]});
+        SPRINGDRIVE_ASSERT_AUDIT(contact::smallest_height_m(corners_m_.back()) > 0.0);
     }
 }
 

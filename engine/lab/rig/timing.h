@@ -1,6 +1,7 @@
 // Takes the time of a piece of work several times over.
 #pragma once
 
+#include "base/assertions.h"
 #include "engine/lab/rig/work_point.h"
 
 #include <algorithm>
@@ -20,6 +21,7 @@ template <typename Value> inline void keep(const Value &value) noexcept {
 /// two in the middle.
 /// @pre there is at least one
 [[nodiscard]] inline Cost cost_of_times(std::vector<double> times_ns) {
+    SPRINGDRIVE_ASSERT(!times_ns.empty());
     std::ranges::sort(times_ns);
     const std::size_t half = times_ns.size() / 2;
     const double median_ns =
@@ -31,6 +33,7 @@ template <typename Value> inline void keep(const Value &value) noexcept {
 /// so that caches and branch predictors know it, and then `repeats` times against the clock.
 /// @pre `repeats` >= 1 and `per` > 0
 template <typename Work> [[nodiscard]] Cost cost_of(int repeats, double per, const Work &work) {
+    SPRINGDRIVE_ASSERT(repeats >= 1 && per > 0.0);
     work();
     std::vector<double> times_ns;
     for (int i = 0; i < repeats; ++i) {

@@ -1,5 +1,6 @@
 #include "engine/lab/rig/touch_run.h"
 
+#include "base/assertions.h"
 #include "engine/contact/proxy/proxy.h"
 
 #include <algorithm>
@@ -38,6 +39,7 @@ void TouchRun::add(const TouchStep &step, std::span<const Vector3> way_m) {
 
 TouchRun run_touch(const contact::HapticSurface &surface, std::span<const Vector3> tips_m,
                    double radius_m, int repeats) {
+    SPRINGDRIVE_ASSERT(!tips_m.empty() && repeats >= 1);
     TouchRun run;
     run.steps.reserve(tips_m.size());
     for (int repeat = 0; repeat < repeats; ++repeat) {

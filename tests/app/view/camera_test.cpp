@@ -159,6 +159,20 @@ TEST(Camera, MetresPerPixelIsTheProjectionsSlope) {
     }
 }
 
+TEST(Camera, MetresPerPixelBehindTheEyeAreThoseInFrontOfIt) {
+    RandomViews random(9);
+    for (int i = 0; i < 100; ++i) {
+        const Camera camera = random.camera();
+        const double depth_m = random.between(0.1, 2.0) * camera.distance_m();
+        const auto pixel_m = [&](double at_depth_m) {
+            return camera.metres_per_pixel(camera.eye_m() + at_depth_m * camera.forward(),
+                                           kViewport.height_px);
+        };
+        ASSERT_GT(pixel_m(depth_m), 0.0);
+        ASSERT_NEAR(pixel_m(-depth_m), pixel_m(depth_m), 1e-9 * pixel_m(depth_m));
+    }
+}
+
 TEST(Camera, FramingShowsAllCornersInAnyViewport) {
     RandomViews random(8);
     for (int i = 0; i < 2000; ++i) {

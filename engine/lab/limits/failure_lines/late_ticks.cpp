@@ -1,5 +1,7 @@
 #include "engine/lab/limits/failure_lines/late_ticks.h"
 
+#include "base/assertions.h"
+
 #include <Eigen/Eigenvalues>
 
 namespace springdrive::limits {
@@ -55,7 +57,10 @@ private:
 
 double late_ticks_eigenvalue(const loops::StabilityCase &which, const loops::LoopMember &member,
                              int missed) {
+    SPRINGDRIVE_ASSERT(which.delay_periods == 0.0);
     const loops::DrivenLoad load = loops::driven_load(which, member);
+    SPRINGDRIVE_ASSERT_AUDIT(loops::pulls_on_all_positions(
+        loops::sampled_law(which, member).per_position, load.stiffness_Nm_per_rad));
     const double T = which.period_s;
     // What a tick makes of the way since the last one goes with the time since the last one.
     const auto law = [&](int periods) {

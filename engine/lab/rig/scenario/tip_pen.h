@@ -1,6 +1,7 @@
 // Draws the way of a tip that moves at constant speed.
 #pragma once
 
+#include "base/assertions.h"
 #include "base/vector.h"
 
 #include <cstddef>
@@ -14,6 +15,7 @@ class TipPen {
 public:
     /// @pre step_m > 0
     TipPen(double step_m, std::size_t tips) : step_m_(step_m), wanted_(tips) {
+        SPRINGDRIVE_ASSERT(step_m > 0.0);
         tips_m_.reserve(tips);
     }
 
@@ -43,6 +45,7 @@ public:
     /// All that were wanted; where the way was too short, the last stays.
     /// @pre there is at least one
     [[nodiscard]] std::vector<Vector3> take() {
+        SPRINGDRIVE_ASSERT(!tips_m_.empty());
         tips_m_.resize(wanted_, Vector3(tips_m_.back()));
         return std::move(tips_m_);
     }

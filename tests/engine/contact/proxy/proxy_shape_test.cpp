@@ -293,7 +293,9 @@ TEST(ProxyOnShapes, AreSlidOverAtOnceOnlyWhereNothingElseIsInPlay) {
     EXPECT_TRUE(slides({1.0, 0.6, 0.0}, {1.0, 0.55, 0.0}));
     EXPECT_FALSE(slides({1.0, 0.3, 0.0}, {1.0, 0.0, 0.0})); // into the gap
     const Vector3 top_m(0.0, 0.02 + kClearance_m, 0.0);
-    EXPECT_FALSE(surface.slide_over(12, Neighbourhood(), top_m, {0.0, 0.018, 0.0}, kClearance_m));
+    EXPECT_DEATH(static_cast<void>(surface.slide_over(12, Neighbourhood(), top_m, {0.0, 0.018, 0.0},
+                                                      kClearance_m)),
+                 "near.covers");
 }
 
 TEST(ProxyOnShapes, FindsTheCreaseBetweenAShapeAndAMesh) {
