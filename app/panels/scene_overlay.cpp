@@ -17,7 +17,7 @@ void draw_trip_banner(session::Session &session, const Rectangle &view, float sc
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::TextWrapped("Stopped: %s. The motors brake.", servo::description(safety).c_str());
-    if (ImGui::Button("All is clear: reset")) {
+    if (!servo::is_final(safety.cause) && ImGui::Button("All is clear: reset")) {
         session.servo().reset_safety();
     }
     ImGui::End();

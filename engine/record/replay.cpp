@@ -52,6 +52,9 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     }
     has_measured_ = has_measured_ || sample.tick != 0 || sample.since_last_s > 0.0;
     before_ = sample;
+    if (servo::is_final(sample.safety.cause)) {
+        return std::nullopt;
+    }
     if (!follows && sample.tick != 0) {
         ++skipped_;
         return std::nullopt;

@@ -42,8 +42,8 @@ public:
     explicit Replay(const device::DeviceDescription &device,
                     const std::optional<control::Tuning> &tuning = std::nullopt);
 
-    /// The next tick of a record: what the law makes of it, or nothing where the one before is
-    /// missing and the filter's memory with it.
+    /// The next tick of a record: what the law makes of it. Nothing where the one before is missing
+    /// and the filter's memory with it, nor after a failed assertion, when no law is asked.
     std::optional<ReplayedTick> take(const servo::ServoSample &sample);
 
     [[nodiscard]] std::uint64_t replayed() const { return replayed_; }

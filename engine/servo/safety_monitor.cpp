@@ -49,7 +49,7 @@ void SafetyMonitor::set_period(double period_s) noexcept {
 }
 
 void SafetyMonitor::reset() noexcept {
-    if (status_.state == SafetyState::tripped) {
+    if (status_.state == SafetyState::tripped && !is_final(status_.cause)) {
         status_ = {};
         cut_off_s_ = 0.0;
         rest_.reset();
@@ -57,9 +57,16 @@ void SafetyMonitor::reset() noexcept {
     }
 }
 
+device::DeviceCommand SafetyMonitor::fail(const AssertionFailure &failure) noexcept {
+    if (!is_final(status_.cause)) { // the first tells more than what comes of it
+        status_ = {SafetyState::tripped, TripCause::assertion, 0.0, 0.0, 0.0, failure};
+    }
+    return safe_state();
+}
+
 void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcept {
     if (status_.state != SafetyState::tripped) {
-        status_ = {SafetyState::tripped, cause, measured, limit, 0.0};
+        status_ = {SafetyState::tripped, cause, measured, limit, 0.0, {}};
     }
 }
 

@@ -89,8 +89,11 @@ public:
                                const SafetyOrders &orders) noexcept;
 
     /// Leaves a trip and starts anew, unless its cause is still there: then the next `pass` trips
-    /// again. RT-safe.
+    /// again. One by a failed assertion stays: what the servo remembers cannot be trusted. RT-safe.
     void reset() noexcept;
+
+    /// Trips, whatever goes on; returns the safe state. RT-safe.
+    [[nodiscard]] device::DeviceCommand fail(const AssertionFailure &failure) noexcept;
 
     /// Whether what is wanted reaches the motors, at least in part.
     [[nodiscard]] bool lets_pass() const { return servo::lets_pass(status_.state); }

@@ -27,6 +27,16 @@ std::string crossed(const SafetyStatus &status, const Wording &wording) {
                        wording.shown_per_si * status.limit, wording.decimals, wording.unit);
 }
 
+/// A record holds the cause without the place.
+std::string text_of(const AssertionFailure &failure) {
+    std::string text = "a mistake in the program";
+    if (failure.condition != nullptr) {
+        text += ", " + std::string(failure.file) + ":" + std::to_string(failure.line) +
+                " asserts " + failure.condition;
+    }
+    return text + "; start it again";
+}
+
 /// Of a board's faults, by their bits.
 std::string names_of(double bits) {
     constexpr std::array<std::pair<std::uint16_t, const char *>, 6> kNames{{
@@ -85,6 +95,8 @@ std::string description(const SafetyStatus &status) {
         return crossed(status, {"energy given to the hand", " mJ", 1, 1e3});
     case TripCause::voltage:
         return crossed(status, {"lasting e_W", " V", 1});
+    case TripCause::assertion:
+        return text_of(status.failure);
     }
     return "unknown";
 }

@@ -1,6 +1,8 @@
 // What the safety monitor says of itself: its state, why it tripped, and what it held back.
 #pragma once
 
+#include "base/assertions.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -23,7 +25,7 @@ enum class SafetyState : std::uint8_t {
 }
 
 /// In the order in which they are looked for: a fault of the measurement comes before what it makes
-/// of speed, force and energy.
+/// of speed, force and energy. The last is not looked for, it happens; and no reset leaves it.
 enum class TripCause : std::uint8_t {
     none,
     emergency_stop,
@@ -42,14 +44,18 @@ enum class TripCause : std::uint8_t {
     beyond_stops,
     energy,
     voltage,
+    assertion, ///< one failed on the servo's thread
 };
 
 /// Their names in records, by their number.
-inline constexpr std::array<std::string_view, 17> kTripCauseNames{
+inline constexpr std::array<std::string_view, 18> kTripCauseNames{
     "none",       "emergency_stop", "device_lost",      "board_fault",         "stale_measurement",
     "not_finite", "torn_inputs",    "missed_deadlines", "window_silent",       "encoder_jump",
     "current",    "tip_force",      "tip_speed",        "winding_temperature", "beyond_stops",
-    "energy",     "voltage"};
+    "energy",     "voltage",        "assertion"};
+
+/// Whether only a new start of the program leaves it.
+[[nodiscard]] constexpr bool is_final(TripCause cause) { return cause == TripCause::assertion; }
 
 struct SafetyStatus {
     SafetyState state = SafetyState::waiting;
@@ -58,7 +64,8 @@ struct SafetyStatus {
     /// nothing did.
     double measured = 0.0;
     double limit = 0.0;
-    double ramp = 0.0; ///< 0 to 1, share of the command that passes
+    double ramp = 0.0;          ///< 0 to 1, share of the command that passes
+    AssertionFailure failure{}; ///< of TripCause::assertion; not in records, but as a note
 };
 
 /// What was made less of in a tick, so that nothing passed its limit.

@@ -1,5 +1,6 @@
 #include "engine/servo/servo.h"
 
+#include "base/assertions.h"
 #include "base/input_error.h"
 #include "engine/servo/deadlines.h"
 
@@ -108,6 +109,11 @@ std::vector<std::string> Servo::run_on_a_thread() {
     return answer.get();
 }
 
+/// Runs them. False where an assertion failed: the device was told to brake.
+template <typename Ticks> bool Servo::have_completed(const Ticks &ticks) noexcept {
+    return run_guarded(ticks, [this](const AssertionFailure &failure) { loop_.fail(failure); });
+}
+
 void Servo::run() noexcept {
     const Clock::time_point begin = Clock::now();
     const Clock::time_point origin = origin_.value_or(begin);
@@ -117,7 +123,7 @@ void Servo::run() noexcept {
     Deadlines deadlines(servo_hz_);
     WindowPatience patience(loop_.device());
     std::uint32_t waited = 0; // deadlines at which a world waited for its window
-    while (!stopping_.load(std::memory_order_relaxed)) {
+    const auto tick = [&] {
         const std::int64_t due_ns = deadlines.next_ns();
         sleep_until(begin + std::chrono::nanoseconds(due_ns));
         const Clock::time_point start = Clock::now();
@@ -126,7 +132,7 @@ void Servo::run() noexcept {
         if (patience.is_over(inputs, seconds(start - begin))) {
             waited += 1 + deadlines.missed();
             deadlines.end(nanoseconds(Clock::now() - begin));
-            continue;
+            return;
         }
         const device::Measurement measured = loop_.read();
         const Clock::time_point answered = Clock::now();
@@ -148,12 +154,28 @@ void Servo::run() noexcept {
         waited = 0;
         hand_over(sample);
         deadlines.end(nanoseconds(Clock::now() - begin));
+    };
+    const auto until_stopped = [&] {
+        while (!stopping_.load(std::memory_order_relaxed)) {
+            tick();
+        }
+    };
+    if (!have_completed(until_stopped)) {
+        deadlines.end(nanoseconds(Clock::now() - begin)); // of the tick that was left
+        // From here on they brake. If even that fails the thread ends, after it has braked again.
+        static_cast<void>(have_completed(until_stopped));
     }
 }
 
 void Servo::advance(int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-        hand_over(loop_.tick(inputs_.latest()));
+    int done = 0;
+    const auto the_others = [&] {
+        for (; done < ticks; ++done) {
+            hand_over(loop_.tick(inputs_.latest()));
+        }
+    };
+    if (!have_completed(the_others)) {
+        static_cast<void>(have_completed(the_others)); // which brake
     }
 }
 

@@ -10,6 +10,11 @@
 // A device that keeps the servo's clock, a simulated one, is a world that waits: while the host
 // does not let the servo run, or the window is silent, its time stands still, and nothing of it
 // was missed. Deadlines missed are counted all the same.
+//
+// An assertion that fails in a tick does not end the program: the device hears the safe state
+// first, the tick is left, and all ticks after it measure and brake, whatever is asked of them.
+// What failed stands in their samples. Only a new start leaves that: no button can know that a
+// program which was wrong about its own state is right again.
 #pragma once
 
 #include "base/latest_value.h"
@@ -54,6 +59,7 @@ public:
     std::vector<std::string> start(const ServoThread &how = {});
 
     /// Runs `ticks` ticks now, on the calling thread, without a clock. Not while started.
+    /// Guarded against failed assertions as those of the thread are.
     void advance(int ticks);
 
     /// Ends the thread if there is one, and sends the safe state. Harmless twice.
@@ -83,10 +89,14 @@ public:
 
     [[nodiscard]] double period_s() const { return loop_.period_s(); }
 
+    /// Whether no thread of its own ticks.
+    [[nodiscard]] bool is_at_rest() const { return !thread_.joinable(); }
+
 private:
     using Clock = std::chrono::steady_clock;
 
     void run() noexcept;
+    template <typename Ticks> [[nodiscard]] bool have_completed(const Ticks &ticks) noexcept;
     std::vector<std::string> run_on_a_thread();
     void hand_over(const ServoSample &sample) noexcept;
 

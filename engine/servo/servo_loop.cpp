@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 namespace springdrive::servo {
 
@@ -30,6 +31,13 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// A device's clock may leap; no count of periods does more than this.
 constexpr double kMostMissedPeriods = 1e6;
 
+/// A failed assertion leaves a tick without destructors, see `run_guarded`: there must be none.
+static_assert(std::is_trivially_destructible_v<ServoSample> &&
+              std::is_trivially_destructible_v<Observation> &&
+              std::is_trivially_destructible_v<LimitedCommand> &&
+              std::is_trivially_destructible_v<control::LawOutcome> &&
+              std::is_trivially_destructible_v<contact::Proxy>);
+
 /// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
 double greatest_dR_step_Ohm(const device::DeviceDescription &device, double period_s) {
     double peak_A = 0.0;
@@ -51,6 +59,12 @@ ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
 void ServoLoop::stop() noexcept {
     command_ = device::DeviceCommand::braking();
     device_.write(command_);
+}
+
+void ServoLoop::fail(const AssertionFailure &failure) noexcept {
+    command_ = safety_.fail(failure);
+    device_.write(command_);
+    tick_ = tick_begun_; // nobody has its sample: the next one, which brakes, takes its place
 }
 
 void ServoLoop::set_period(double period_s) {
@@ -319,8 +333,29 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     return sample;
 }
 
+/// A tick after an assertion has failed, with as little as a window needs to show the device.
+ServoSample ServoLoop::brake(const device::Measurement &measured, const ServoInputs &inputs,
+                             const TickTiming &timing) noexcept {
+    if (is_whole(inputs)) {
+        scene_id_ = inputs.scene_id; // nothing of any scene is in use
+    }
+    ServoSample sample = begin_sample(measured, timing);
+    sample.scene_id = scene_id_;
+    sample.counts = measured.counts;
+    sample.current_A = measured.current_A;
+    note_motion(law_.configuration(law_.theta_rad(measured.counts), Vector3::Zero()), sample);
+    sample.contact.x0_m = sample.x_Sd_m = sample.tip_m;
+    sample.theta_Sd_rad = sample.theta_rad;
+    sample.rendered_error_rad = sample.inverse_error_rad = sample.transpose_error_rad = kNone;
+    finish(measured, sample);
+    return sample;
+}
+
 ServoSample ServoLoop::update(const device::Measurement &measured, const ServoInputs &inputs,
                               const TickTiming &timing) noexcept {
+    if (is_final(safety_.status().cause)) {
+        return brake(measured, inputs, timing);
+    }
     stops_now_ = false;
     if (!device::has_news(measured.arrival) || measured.health == device::DeviceHealth::lost) {
         return hold(measured, inputs, timing);

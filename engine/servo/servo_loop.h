@@ -33,7 +33,10 @@ public:
     ServoLoop(device::HapticDevice &device, double period_s);
 
     // A tick in three parts, each RT-safe.
-    [[nodiscard]] device::Measurement read() noexcept { return device_.read(); }
+    [[nodiscard]] device::Measurement read() noexcept {
+        tick_begun_ = tick_;
+        return device_.read();
+    }
 
     /// From the measurement to the command that answers it. All that it found is in the sample
     /// returned. Inputs that are not as they were `sealed` are not looked at, and stop the device.
@@ -49,6 +52,11 @@ public:
         write();
         return sample;
     }
+
+    /// An assertion failed in one of these: commands the safe state at once, whatever was going on.
+    /// From then on ticks measure and brake; law, surface and orders are not looked at any more.
+    /// Whoever runs the loop has to see to it, see `run_guarded`; else the program ends. RT-safe.
+    void fail(const AssertionFailure &failure) noexcept;
 
     /// T from the next tick on, of loop and device; all that is remembered stays. Not on the
     /// servo's thread.
@@ -83,6 +91,8 @@ private:
                                            const TickTiming &timing) const noexcept;
     [[nodiscard]] ServoSample hold(const device::Measurement &measured, const ServoInputs &inputs,
                                    const TickTiming &timing) noexcept;
+    [[nodiscard]] ServoSample brake(const device::Measurement &measured, const ServoInputs &inputs,
+                                    const TickTiming &timing) noexcept;
     void finish(const device::Measurement &measured, ServoSample &sample) noexcept;
     void approach(const control::Tuning &wanted) noexcept;
     [[nodiscard]] bool in_force(const Before &before) const noexcept;
@@ -134,6 +144,7 @@ private:
     std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device that keeps the servo's clock
     std::uint32_t held_ticks_ = 0;       ///< since the last measurement that told anything
     std::uint64_t tick_ = 0;
+    std::uint64_t tick_begun_ = 0; ///< which an assertion may leave at any point
 };
 
 } // namespace springdrive::servo

@@ -1,5 +1,7 @@
 #include "engine/session/servo_run.h"
 
+#include "base/assertions.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -95,13 +97,13 @@ void ServoRun::stop() {
 }
 
 bool ServoRun::stop_if_released() {
-    if (servo::lets_pass(latest_.safety.state)) {
+    if (servo::lets_pass(latest_.safety.state) || has_failed()) {
         return false;
     }
     // What came back is a little old: look again where nothing can come after.
     const bool ran = servo_->pause();
     take_in();
-    if (servo::lets_pass(latest_.safety.state)) {
+    if (servo::lets_pass(latest_.safety.state) || has_failed()) {
         if (ran) {
             servo_->resume();
         }
@@ -141,6 +143,7 @@ std::uint64_t ServoRun::set_rate(double servo_hz) {
 }
 
 void ServoRun::renew(device::HapticDevice &device) {
+    SPRINGDRIVE_ASSERT(servo_->is_at_rest() && !has_failed());
     const double servo_hz = rate_hz();
     lost_ = lost_samples();
     device_ = &device;

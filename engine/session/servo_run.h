@@ -62,7 +62,7 @@ public:
     void stop();
 
     /// Stops as `stop` does if the motors have nothing of the command, as after `release` or a
-    /// trip; else tells false, and nothing has changed.
+    /// trip; else, and after a failed assertion, tells false, and nothing has changed.
     [[nodiscard]] bool stop_if_released();
 
     /// Runs `step` while the servo's thread does not run, and all its samples are taken in:
@@ -74,7 +74,8 @@ public:
     std::uint64_t set_rate(double servo_hz);
 
     /// Begins anew on another device, with what was asked before, but to release. Has to be
-    /// started. An emergency stop that was given stays given. @pre stopped
+    /// started. An emergency stop that was given stays given.
+    /// @pre its thread does not run, and no assertion failed on it
     void renew(device::HapticDevice &device);
 
     [[nodiscard]] double rate_hz() const { return servo_->rate_hz(); }
@@ -82,6 +83,8 @@ public:
     [[nodiscard]] bool is_in_lockstep() const { return way_.lockstep; }
     [[nodiscard]] const servo::ServoInputs &inputs() const { return inputs_; }
     [[nodiscard]] const servo::ServoSample &latest() const { return latest_; }
+    /// Whether an assertion failed in a tick: the motors brake for good.
+    [[nodiscard]] bool has_failed() const { return servo::is_final(latest_.safety.cause); }
     [[nodiscard]] const History &history() const { return history_; }
     /// Since the last change of rate or device.
     [[nodiscard]] const servo::ServoStatistics &statistics() const { return statistics_; }

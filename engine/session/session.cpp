@@ -74,6 +74,7 @@ void Session::advance(double frame_s) {
     hand_.follow(latest().time_s);
     scenes_->note_in_use(latest().scene_id);
     note_standstill();
+    note_failed_assertion();
     if (const LoadedScene *const before = scenes_->take_loaded()) {
         show(*before);
     }
@@ -83,6 +84,7 @@ void Session::advance(double frame_s) {
 
 void Session::stop() {
     servo_->stop();
+    note_failed_assertion();
     recording_->stop();
 }
 
@@ -113,6 +115,7 @@ record::RecordHeader Session::header_of_record() const {
 
 void Session::start_recording(const std::filesystem::path &file) {
     recording_->start(file, header_of_record());
+    told_of_failure_ = false; // each record says it
 }
 
 void Session::request_scene(const std::filesystem::path &file) {

@@ -69,7 +69,8 @@ public:
     /// Opens the other device at once. Then lets the force of the present one fade, closes it, and
     /// begins on the other as at a start: it waits for rest in free space. Takes a second or so of
     /// `advance`; until then all goes on. A record goes on in a further file.
-    /// @throw InputError where the other one cannot be opened: then nothing changes
+    /// @throw InputError where the other one cannot be opened, or an assertion failed in a tick:
+    ///        then nothing changes
     void exchange_device(const DeviceChoice &choice);
     [[nodiscard]] bool is_exchanging() const { return next_device_ != nullptr; }
 
@@ -109,6 +110,7 @@ private:
     void prepare_again();
     void begin_on(Prepared next);
     void note_standstill();
+    void note_failed_assertion();
     [[nodiscard]] ModelGround ground(const std::string &device_text,
                                      const device::DeviceDescription &device,
                                      double servo_hz) const;
@@ -125,6 +127,7 @@ private:
     GuidedHand hand_;
     bool has_started_ = false;
     bool told_of_standstill_ = false;
+    bool told_of_failure_ = false; ///< of an assertion
     std::function<void()> on_thread_;
     Remarks remarks_;
 };

@@ -1,4 +1,5 @@
 // The part of `Session` that opens, exchanges and reconnects devices.
+#include "base/assertions.h"
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/scripted_touch.h"
@@ -73,6 +74,10 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
 }
 
 void Session::exchange_device(const DeviceChoice &choice) {
+    if (servo_->has_failed()) { // a new servo would drive its motors
+        throw InputError("another device needs a new start: " +
+                         servo::description(latest().safety));
+    }
     control::Tuning tuning = servo_->inputs().tuning;
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
@@ -89,6 +94,18 @@ void Session::prepare_again() {
     }
 }
 
+void Session::note_failed_assertion() {
+    if (told_of_failure_ || !servo_->has_failed()) {
+        return;
+    }
+    told_of_failure_ = true;
+    next_device_.reset(); // see `exchange_device`
+    const servo::SafetyStatus &safety = latest().safety;
+    recording_->note(dump({{"assertion_failed", safety.failure.condition},
+                           {"file", safety.failure.file},
+                           {"line", safety.failure.line}}));
+}
+
 void Session::go_on_with_exchange() {
     if (next_device_ && servo_->stop_if_released()) {
         const std::unique_ptr<Prepared> next = std::move(next_device_);
@@ -98,6 +115,7 @@ void Session::go_on_with_exchange() {
 
 /// @pre the servo has stopped on the old device
 void Session::begin_on(Prepared next) {
+    SPRINGDRIVE_ASSERT(servo_->servo().is_at_rest());
     const std::filesystem::path part_before = recording_->file();
     recording_->end_part(dump({{"device", "exchanged"}, {"for", next.request.description.name}}));
     device_->close();

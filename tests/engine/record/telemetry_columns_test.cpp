@@ -21,11 +21,13 @@ std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
     return found;
 }
 
-TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndTheNumberOfItsCommand) {
+TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndWhatIsToldOtherwise) {
+    // The number of the command is that of the measurement; what assertion failed is in a note.
     const servo::ServoSample sample;
     auto found = places(sample);
     const auto *const begin = reinterpret_cast<const char *>(&sample);
     found.emplace(reinterpret_cast<const char *>(&sample.command.number), sizeof(std::uint64_t));
+    found.emplace(reinterpret_cast<const char *>(&sample.safety.failure), sizeof(AssertionFailure));
     found.emplace(begin + sizeof sample, 0);
     const char *at = begin;
     for (const auto &[address, bytes] : found) {
@@ -49,7 +51,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
-    [[maybe_unused]] const auto &[state, cause, measured, limit, ramp] = safety;
+    [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
     [[maybe_unused]] const auto &[least, greatest, R_hat_limit, is_limited] = winding[0];

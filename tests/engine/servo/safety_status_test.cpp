@@ -12,7 +12,7 @@ namespace springdrive::servo {
 namespace {
 
 std::string told(TripCause cause, double measured = 0.0, double limit = 0.0) {
-    return description({SafetyState::tripped, cause, measured, limit, 0.0});
+    return description({SafetyState::tripped, cause, measured, limit, 0.0, {}});
 }
 
 TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
@@ -35,7 +35,7 @@ TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
 }
 
 TEST(SafetyStatus, EveryCauseHasANameAndWordsOfItsOwn) {
-    ASSERT_EQ(kTripCauseNames.size(), static_cast<std::size_t>(TripCause::voltage) + 1);
+    ASSERT_EQ(kTripCauseNames.size(), static_cast<std::size_t>(TripCause::assertion) + 1);
     std::set<std::string> names;
     std::set<std::string> words;
     for (std::size_t i = 0; i < kTripCauseNames.size(); ++i) {

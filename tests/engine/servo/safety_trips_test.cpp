@@ -439,7 +439,7 @@ TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
          }},
         {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 0.4; }}};
     device.motor[0].supply_V = 0.25;
-    ASSERT_EQ(causes.size() + 1, kTripCauseNames.size()); // all but `none`
+    ASSERT_EQ(causes.size() + 2, kTripCauseNames.size()); // all but `none` and `assertion`
     for (std::size_t first = 0; first < causes.size(); ++first) {
         monitor = SafetyMonitor(device, kPeriod_s);
         start_up();

@@ -1,5 +1,6 @@
 // Covers engine/servo/servo.cpp: its thread, once started, only computes, sleeps and reads the
 // clock. And the watch that says so (tests/support/real_time_watch.h) sees what would be wrong.
+#include "base/assertions.h"
 #include "device/core/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/scenario/scripted_touch.h"
@@ -141,6 +142,25 @@ TEST_F(RealTimeServo, TheWatchSeesNothingWhereNothingIsDone) {
         EXPECT_EQ(watched().allocations, 0);
         EXPECT_EQ(watched().locks, 0);
         EXPECT_EQ(watched().system_call, kNone);
+    });
+    EXPECT_TRUE(holds);
+}
+
+TEST_F(RealTimeServo, AFailedAssertionMakesItNeitherAllocateNorLockNorCall) {
+    const bool holds = testing::holds_in_a_child([] {
+        Driver driver([] { SPRINGDRIVE_ASSERT(watched().locks < 0); });
+        Servo servo(driver, 1000.0);
+        run_watched(
+            servo, nullptr,
+            [](const ServoSample &sample) {
+                return sample.tick > 40 && sample.safety.cause == TripCause::assertion;
+            },
+            [](bool enough) {
+                EXPECT_TRUE(enough);
+                EXPECT_EQ(watched().allocations, 0);
+                EXPECT_EQ(watched().locks, 0);
+                EXPECT_EQ(watched().system_call, kNone);
+            });
     });
     EXPECT_TRUE(holds);
 }

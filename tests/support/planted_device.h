@@ -1,0 +1,120 @@
+// A simulated device with a mistake in it: an assertion that fails when it is told to, in a chosen
+// part of the servo's tick. It remembers what it heard.
+#pragma once
+
+#include "base/assertions.h"
+#include "device/core/forwarding_device.h"
+#include "device/simulated/simulated_phantom.h"
+#include "tests/support/devices.h"
+
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::testing {
+
+inline const Vector3 kPlantedStart_m(0.0, 0.02, 0.0);
+
+/// Where in a tick.
+enum class Plant : std::uint8_t {
+    in_read,
+    in_update, ///< while the law's answer is being found
+    in_write,  ///< once the answer is known, before the device has it
+};
+
+[[nodiscard]] inline std::string name_of(Plant plant) {
+    return plant == Plant::in_read ? "InRead" : plant == Plant::in_update ? "InUpdate" : "InWrite";
+}
+
+struct PlantedLine {
+    const char *condition;
+    int line;
+};
+
+class PlantedDevice final : public device::ForwardingDevice {
+public:
+    PlantedDevice(Plant plant, std::vector<simulated::HandPath::Point> hand)
+        : device::ForwardingDevice(simulated_with(std::move(hand))), plant_(plant) {
+        heard_.reserve(1U << 17U);
+    }
+
+    /// Fails so many times from now on. Any thread.
+    void arm(int times = 1) { to_come_.store(times); }
+    void refuse_to_brake() { refuses_ = true; }
+    void report(std::uint16_t faults) { faults_.bits = faults; }
+
+    // Once the servo has stopped, but for `failures`.
+    [[nodiscard]] const std::vector<device::DeviceCommand> &heard() const { return heard_; }
+    [[nodiscard]] std::size_t heard_when_it_failed() const { return heard_when_it_failed_; }
+    [[nodiscard]] int failures() const { return failures_.load(); }
+    [[nodiscard]] PlantedLine line() const {
+        return plant_ == Plant::in_read     ? kInRead
+               : plant_ == Plant::in_update ? kInUpdate
+                                            : kInWrite;
+    }
+
+    [[nodiscard]] device::Measurement read() noexcept override {
+        is_reading_ = false;
+        SPRINGDRIVE_ASSERT(!fails(Plant::in_read));
+        device::Measurement measured = device::ForwardingDevice::read();
+        measured.faults = faults_;
+        is_reading_ = true; // from here to `write` the answer is being found
+        return measured;
+    }
+    static constexpr PlantedLine kInRead{"!fails(Plant::in_read)", __LINE__ - 6};
+
+    /// Asked for at the start of a thread, too.
+    [[nodiscard]] device::DeviceClock clock() const override {
+        SPRINGDRIVE_ASSERT(!is_reading_ || !fails(Plant::in_update));
+        return device::ForwardingDevice::clock();
+    }
+    static constexpr PlantedLine kInUpdate{"!is_reading_ || !fails(Plant::in_update)",
+                                           __LINE__ - 4};
+
+    void write(const device::DeviceCommand &command) noexcept override {
+        is_reading_ = false;
+        const bool brakes = command.mode != device::CommandMode::drive;
+        SPRINGDRIVE_ASSERT(brakes || !fails(Plant::in_write));
+        heard_.push_back(command);
+        if (refuses_ && brakes) {
+            std::fputs("told to brake\n", stderr);
+        }
+        SPRINGDRIVE_ASSERT(!refuses_ || !brakes);
+        device::ForwardingDevice::write(command);
+    }
+    static constexpr PlantedLine kInWrite{"brakes || !fails(Plant::in_write)", __LINE__ - 8};
+
+private:
+    static std::unique_ptr<device::HapticDevice>
+    simulated_with(std::vector<simulated::HandPath::Point> hand) {
+        simulated::SimulationOptions options;
+        options.path.emplace(std::move(hand));
+        return std::make_unique<simulated::SimulatedPhantom>(phantom_1_0(), options,
+                                                             kPlantedStart_m);
+    }
+
+    [[nodiscard]] bool fails(Plant here) const noexcept {
+        if (here != plant_ || to_come_.load() == 0) {
+            return false;
+        }
+        to_come_.fetch_sub(1);
+        if (failures_.fetch_add(1) == 0) {
+            heard_when_it_failed_ = heard_.size();
+        }
+        return true;
+    }
+
+    Plant plant_;
+    std::vector<device::DeviceCommand> heard_;
+    bool is_reading_ = false;
+    bool refuses_ = false;
+    device::BoardFaults faults_;
+    mutable std::atomic<int> to_come_{0};
+    mutable std::atomic<int> failures_{0};
+    mutable std::size_t heard_when_it_failed_ = 0;
+};
+
+} // namespace springdrive::testing
