@@ -68,8 +68,8 @@ std::string ask_for_processor(int cpu) {
 }
 
 void touch_stack() {
-    std::array<volatile char, kStackTouched>
-        pages; // NOLINT(cppcoreguidelines-pro-type-member-init)
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written to below
+    std::array<volatile char, kStackTouched> pages;
     for (std::size_t i = 0; i < pages.size(); i += 1024) {
         pages[i] = 0;
     }

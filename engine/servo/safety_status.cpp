@@ -15,9 +15,9 @@ namespace {
 
 /// What was measured against its limit, for people.
 struct Wording {
-    const char *what;
-    const char *unit;
-    int decimals;
+    const char *what = nullptr;
+    const char *unit = nullptr;
+    int decimals = 0;
     double shown_per_si = 1.0;
 };
 
@@ -29,12 +29,10 @@ std::string crossed(const SafetyStatus &status, const Wording &wording) {
 
 /// A record holds the cause without the place.
 std::string text_of(const AssertionFailure &failure) {
-    std::string text = "a mistake in the program";
-    if (failure.condition != nullptr) {
-        text += ", " + std::string(failure.file) + ":" + std::to_string(failure.line) +
-                " asserts " + failure.condition;
-    }
-    return text + "; start it again";
+    return failure.condition == nullptr
+               ? "a mistake in the program; start it again"
+               : fmt::format("a mistake in the program, {}:{} asserts {}; start it again",
+                             failure.file, failure.line, failure.condition);
 }
 
 /// Of a board's faults, by their bits.
