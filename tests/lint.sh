@@ -1,7 +1,9 @@
 # shellcheck shell=bash
-# What clang and its tools say of the sources, for tests/run to source; `lint GROUPS
-# [REV]` and `compile_each_alone GROUPS` are its two commands, with the packages that a whole build
-# needs.
+# What clang and its tools say of the sources, for tests/run to source:
+#   check_format              clang-format over all
+#   lint GROUPS [REV]         that, and clang-tidy over what changed
+#   compile_each_alone GROUPS clang over all
+# GROUPS are the packages that a whole build needs.
 
 # Files of our own that git knows, or would if they were added.
 own_files() {
@@ -64,6 +66,11 @@ tidy() {
     mkdir -p "${mark%/*}" && touch "$mark"
 }
 
+check_format() {
+    (cd "$project" && own_files | xargs clang-format --dry-run --Werror) ||
+        die "not as clang-format would have it; clang-format -i FILE mends it"
+}
+
 lint() {
     local -r groups=$1
     local revision=${2-}
@@ -71,7 +78,7 @@ lint() {
         git -C "$project" rev-parse --verify --quiet main || echo all)
     prepare lint generated/app/view/embedded_shaders.h "$groups lint" --lint "${@:2}"
     cd "$project" || return
-    own_files | xargs clang-format --dry-run --Werror || die "tests/run --lint: see clang-format -i"
+    check_format
     local -a units
     mapfile -t units < <(changed_sources "$revision" | units_with)
     say "clang-tidy over ${#units[@]} groups of files"

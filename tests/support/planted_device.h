@@ -37,7 +37,8 @@ struct PlantedLine {
 class PlantedDevice final : public device::ForwardingDevice {
 public:
     PlantedDevice(Plant plant, std::vector<simulated::HandPath::Point> hand)
-        : device::ForwardingDevice(simulated_with(std::move(hand))), plant_(plant) {
+        : device::ForwardingDevice(simulated_with(simulated::HandPath(std::move(hand)))),
+          plant_(plant) {
         heard_.reserve(1U << 17U);
     }
 
@@ -88,10 +89,9 @@ public:
     static constexpr PlantedLine kInWrite{"brakes || !fails(Plant::in_write)", __LINE__ - 8};
 
 private:
-    static std::unique_ptr<device::HapticDevice>
-    simulated_with(std::vector<simulated::HandPath::Point> hand) {
+    static std::unique_ptr<device::HapticDevice> simulated_with(const simulated::HandPath &hand) {
         simulated::SimulationOptions options;
-        options.path.emplace(std::move(hand));
+        options.path = hand;
         return std::make_unique<simulated::SimulatedPhantom>(phantom_1_0(), options,
                                                              kPlantedStart_m);
     }
