@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -58,25 +59,25 @@ public:
     }
 
     [[nodiscard]] device::Measurement read() noexcept override {
-        is_reading_ = false;
+        answering_ = std::thread::id();
         SPRINGDRIVE_ASSERT(!fails(Plant::in_read));
         device::Measurement measured = device::ForwardingDevice::read();
         measured.faults = faults_;
-        is_reading_ = true; // from here to `write` the answer is being found
+        answering_ = std::this_thread::get_id(); // until `write`
         return measured;
     }
     static constexpr PlantedLine kInRead{"!fails(Plant::in_read)", __LINE__ - 6};
 
-    /// Asked for at the start of a thread, too.
+    /// Asked for by the window's thread, too.
     [[nodiscard]] device::DeviceClock clock() const override {
-        SPRINGDRIVE_ASSERT(!is_reading_ || !fails(Plant::in_update));
+        SPRINGDRIVE_ASSERT(!is_answering() || !fails(Plant::in_update));
         return device::ForwardingDevice::clock();
     }
-    static constexpr PlantedLine kInUpdate{"!is_reading_ || !fails(Plant::in_update)",
+    static constexpr PlantedLine kInUpdate{"!is_answering() || !fails(Plant::in_update)",
                                            __LINE__ - 4};
 
     void write(const device::DeviceCommand &command) noexcept override {
-        is_reading_ = false;
+        answering_ = std::thread::id();
         const bool brakes = command.mode != device::CommandMode::drive;
         SPRINGDRIVE_ASSERT(brakes || !fails(Plant::in_write));
         heard_.push_back(command);
@@ -96,6 +97,11 @@ private:
                                                              kPlantedStart_m);
     }
 
+    /// Whether the calling thread is between `read` and `write`, where it finds its answer.
+    [[nodiscard]] bool is_answering() const noexcept {
+        return answering_.load() == std::this_thread::get_id();
+    }
+
     [[nodiscard]] bool fails(Plant here) const noexcept {
         if (here != plant_ || to_come_.load() == 0) {
             return false;
@@ -109,7 +115,7 @@ private:
 
     Plant plant_;
     std::vector<device::DeviceCommand> heard_;
-    bool is_reading_ = false;
+    std::atomic<std::thread::id> answering_{};
     bool refuses_ = false;
     device::BoardFaults faults_;
     mutable std::atomic<int> to_come_{0};
