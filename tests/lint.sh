@@ -42,8 +42,8 @@ units_with() {
 }
 
 # What clang-tidy found nothing in it is not asked about again: same text, same checks. A group of
-# files is one main file to it, so the analyser is told to look at what that includes, too; tests, of
-# which it has nothing to say but that it takes half the time, it does not see.
+# files is one main file to it, so the analyser is told to look at what that includes, too; it is kept
+# to what ships, for the time it takes.
 tidy() {
     local -r unit=$1
     local command text mark

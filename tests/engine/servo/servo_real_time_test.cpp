@@ -60,6 +60,12 @@ template <typename IsEnough, typename Check>
     testing::end_this_child();
 }
 
+void expect_nothing_seen() {
+    EXPECT_EQ(watched().allocations, 0);
+    EXPECT_EQ(watched().locks, 0);
+    EXPECT_EQ(watched().system_call, kNone);
+}
+
 class RealTimeServo : public ::testing::Test {
 protected:
     void SetUp() override {
@@ -88,9 +94,7 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
             },
             [](bool enough) {
                 EXPECT_TRUE(enough);
-                EXPECT_EQ(watched().allocations, 0);
-                EXPECT_EQ(watched().locks, 0);
-                EXPECT_EQ(watched().system_call, kNone);
+                expect_nothing_seen();
             });
     });
     EXPECT_TRUE(holds);
@@ -138,11 +142,7 @@ template <typename Check> bool holds_for(const Deed &deed, Check &&check) {
 }
 
 TEST_F(RealTimeServo, TheWatchSeesNothingWhereNothingIsDone) {
-    const bool holds = holds_for({"nothing", [] {}}, [] {
-        EXPECT_EQ(watched().allocations, 0);
-        EXPECT_EQ(watched().locks, 0);
-        EXPECT_EQ(watched().system_call, kNone);
-    });
+    const bool holds = holds_for({"nothing", [] {}}, [] { expect_nothing_seen(); });
     EXPECT_TRUE(holds);
 }
 
@@ -157,9 +157,7 @@ TEST_F(RealTimeServo, AFailedAssertionMakesItNeitherAllocateNorLockNorCall) {
             },
             [](bool enough) {
                 EXPECT_TRUE(enough);
-                EXPECT_EQ(watched().allocations, 0);
-                EXPECT_EQ(watched().locks, 0);
-                EXPECT_EQ(watched().system_call, kNone);
+                expect_nothing_seen();
             });
     });
     EXPECT_TRUE(holds);

@@ -114,11 +114,12 @@ TriedLine hot_in_the_end(const device::DeviceDescription &device) {
 }
 
 /// What is left of K_DC (13) when e_W has stood at the motor for a time: the current (11) falls as
-/// R rises, and with it the heat. Winding and housing by Runge and Kutta's rule.
+/// R rises, and with it the heat. Winding and housing by Runge and Kutta's rule, from where R is
+/// stated.
 /// @param ripple  R at the commutator's angle over R, 1 without ripple
 double stiffness_left(const device::MotorParameters &motor, double current_A, double dR_Ohm,
                       double ripple, double time_s) {
-    constexpr int kSteps = 200; // of 0.3 s: 10⁻⁸ of what the winding settles by in its 12 s
+    constexpr int kSteps = 200; // 0.3 s each in a minute, against the winding's 12 s: 10⁻⁸
     const device::ThermalParameters &t = motor.thermal;
     const auto warmed_Ohm = [&](const Eigen::Vector2d &rise_K) {
         return ripple * motor.resistance_Ohm * motor.resistance_rise_per_K * rise_K[0];
