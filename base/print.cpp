@@ -1,11 +1,27 @@
 #include "base/print.h"
 
+#include <cmath>
 #include <ostream>
 
 namespace springdrive {
 
 void print_checked(std::ostream &out, fmt::string_view format, fmt::format_args values) {
     out << fmt::vformat(format, values);
+}
+
+std::string csv_cell(std::string_view text) {
+    if (text.find_first_of(",\"\n\r") == std::string_view::npos) {
+        return std::string(text);
+    }
+    std::string quoted = "\"";
+    for (const char c : text) {
+        quoted += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return quoted + '"';
+}
+
+std::string csv_cell(double number) {
+    return std::isfinite(number) ? fmt::format("{}", number) : "";
 }
 
 } // namespace springdrive

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <iosfwd>
+#include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace springdrive {
@@ -58,5 +60,11 @@ void print(std::array<char, size> &text, CheckedFormat<std::type_identity_t<Valu
         fmt::vformat_to_n(text.data(), size - 1, format.text(), fmt::make_format_args(values...));
     *written.out = '\0';
 }
+
+/// Text as one cell of a CSV file: in quotes where it needs them.
+[[nodiscard]] std::string csv_cell(std::string_view text);
+
+/// The fewest digits that give the same number again; empty where it is infinite or none.
+[[nodiscard]] std::string csv_cell(double number);
 
 } // namespace springdrive

@@ -36,6 +36,7 @@ struct TypedStability {
     int steps = 40;
     std::filesystem::path out; ///< of a map
     bool table = false;
+    std::string csv;  ///< of the table; empty: Markdown for people
     std::string json; ///< empty: text for people
 };
 
@@ -166,13 +167,20 @@ void draw_map(const TypedStability &typed) {
 }
 
 void write_table(const TypedStability &typed) {
+    check_writable(typed.csv);
     const loops::StabilityCase which = typed.loop.stability_case();
     std::vector<limits::FailureLine> lines;
     {
         ProgressLine line;
         lines = limits::failure_lines(which, [&](double share) { line.show("limits", share); });
     }
-    write_output("-", [&](std::ostream &out) { limits::write_failure_lines(out, lines); });
+    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
+        if (typed.csv.empty()) {
+            limits::write_failure_lines(out, lines);
+        } else {
+            limits::write_failure_lines_csv(out, lines);
+        }
+    });
 }
 
 void run(const TypedStability &typed) {
@@ -228,6 +236,12 @@ void add_stability_command(CLI::App &app) {
     for (const std::string &option : StabilityOptions::options_of_drive_and_servo()) {
         table->excludes(stability.get_option(option)); // each row has its own
     }
+    stability
+        .add_option(
+            "--csv", typed->csv,
+            "write the table as CSV, with all digits, to a file, or to standard output with -")
+        ->type_name("FILE|-")
+        ->needs(table);
     stability
         .add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
         ->type_name("FILE|-")

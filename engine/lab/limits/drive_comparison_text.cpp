@@ -55,12 +55,12 @@ bool beats_spring(const DriveComparison &all, const Drive &drive, const Quality 
 
 void write_gains(std::ostream &out, const DriveComparison &all, const Drive &drive) {
     if (drive.wall == nullptr) {
-        print(out, ",{:.6g},{:.6g},,,{:.6g}", all.tuning.K_P_V_per_rad, all.tuning.K_D_Vs_per_rad,
+        print(out, ",{},{},,,{}", all.tuning.K_P_V_per_rad, all.tuning.K_D_Vs_per_rad,
               all.tuning.lambda_rad_per_s);
         return;
     }
     const TunedWall &tuned = all.*drive.wall;
-    print(out, ",,,{:.6g},{:.6g},{:.6g}", tuned.wall.stiffness_N_per_m, tuned.wall.damping_Ns_per_m,
+    print(out, ",,,{},{},{}", tuned.wall.stiffness_N_per_m, tuned.wall.damping_Ns_per_m,
           tuned.lambda_rad_per_s);
 }
 
@@ -78,11 +78,11 @@ void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> 
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "{:.6g},{:.6g},{:.6g},\"{}\"", one.setting.servo_hz,
-                  one.setting.delay_periods, one.setting.dR_Ohm, drive.name);
+            print(out, "{},{},{},\"{}\"", one.setting.servo_hz, one.setting.delay_periods,
+                  one.setting.dR_Ohm, drive.name);
             write_gains(out, one, drive);
             for (const Quality &quality : kQualities) {
-                print(out, ",{:.6g}", (one.*drive.quality).*quality.value);
+                print(out, ",{}", (one.*drive.quality).*quality.value);
             }
             out << '\n';
         }

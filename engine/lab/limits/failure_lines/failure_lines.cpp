@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <ostream>
@@ -130,6 +131,16 @@ void write_failure_lines(std::ostream &out, const std::vector<FailureLine> &line
         print(out, "| {} | {} ({}) | {} | {} | {} | {} |\n", line.method, line.fails, line.unit,
               line.setting, number(line.predicted), number(line.measured),
               number(line.measured_as_it_is));
+    }
+}
+
+void write_failure_lines_csv(std::ostream &out, const std::vector<FailureLine> &lines) {
+    out << "method,fails,unit,setting,predicted,measured,measured_as_it_is\n";
+    for (const FailureLine &line : lines) {
+        print(out, "{},{},{},{},{},{},{}\n", csv_cell(line.method), csv_cell(line.fails),
+              csv_cell(line.unit), csv_cell(line.setting), csv_cell(line.predicted.value_or(NAN)),
+              csv_cell(line.measured.value_or(NAN)),
+              csv_cell(line.measured_as_it_is.value_or(NAN)));
     }
 }
 

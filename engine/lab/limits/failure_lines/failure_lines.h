@@ -17,7 +17,10 @@ namespace springdrive::limits {
 /// Those that are found by trials, not measured yet: all but the limits of sampled loops.
 [[nodiscard]] std::vector<TriedLine> tried_lines(const loops::StabilityCase &which);
 
-/// As a Markdown table.
+/// As a Markdown table, of four digits.
 void write_failure_lines(std::ostream &out, const std::vector<FailureLine> &lines);
+
+/// The same table as CSV, with all digits.
+void write_failure_lines_csv(std::ostream &out, const std::vector<FailureLine> &lines);
 
 } // namespace springdrive::limits

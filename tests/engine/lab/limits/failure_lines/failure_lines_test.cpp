@@ -132,12 +132,18 @@ TEST(FailureLines, TheTableIsForTheHandAskedFor) {
     EXPECT_FALSE(loops::is_stable(at(testing::firm(), 0.99))); // some other hand bears less
 }
 
-TEST(FailureLines, AreWrittenAsMarkdown) {
+TEST(FailureLines, AreWrittenAsMarkdownAndAsCsv) {
+    const std::vector<FailureLine> lines{
+        {"servo", "a tick later than", "ms", "1 kHz, 2 V", 51.0, 51.00001, {}}};
+    std::ostringstream csv;
+    write_failure_lines_csv(csv, lines);
+    EXPECT_EQ(csv.str(), "method,fails,unit,setting,predicted,measured,measured_as_it_is\n"
+                         "servo,a tick later than,ms,\"1 kHz, 2 V\",51,51.00001,\n");
     std::ostringstream out;
-    write_failure_lines(out, {{"servo", "a tick later than", "ms", "1 kHz", 51.0, 51.00001, {}}});
+    write_failure_lines(out, lines);
     EXPECT_EQ(out.str(), "| method | fails | setting | predicted | measured | as it is |\n"
                          "| --- | --- | --- | ---: | ---: | ---: |\n"
-                         "| servo | a tick later than (ms) | 1 kHz | 51 | 51 | – |\n");
+                         "| servo | a tick later than (ms) | 1 kHz, 2 V | 51 | 51 | – |\n");
 }
 
 } // namespace
