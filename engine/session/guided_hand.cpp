@@ -1,5 +1,6 @@
 #include "engine/session/guided_hand.h"
 
+#include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
 
 namespace springdrive::session {
@@ -12,16 +13,11 @@ Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 
     if (device::joint_angles_rad(geometry, wanted_m)) {
         return wanted_m;
     }
-    double in_reach = 0.0;
-    double out_of_reach = 1.0;
     const Vector3 way_m = wanted_m - centre_m;
-    for (int halving = 0; halving < 20; ++halving) {
-        const double middle = 0.5 * (in_reach + out_of_reach);
-        const bool reached =
-            device::joint_angles_rad(geometry, centre_m + middle * way_m).has_value();
-        (reached ? in_reach : out_of_reach) = middle;
-    }
-    return centre_m + in_reach * way_m;
+    const auto is_in_reach = [&](double share) {
+        return device::joint_angles_rad(geometry, centre_m + share * way_m).has_value();
+    };
+    return centre_m + bisect({0.0, 1.0}, 20, is_in_reach).holds_at * way_m;
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "device/core/motor/amplifier.h"
 
+#include "base/bisection.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -54,15 +56,12 @@ CurrentStep behind_both(const MotorParameters &motor, const DriveState &now, con
 /// When within the step R̂ i + e_W reaches the supply, which it exceeds at its end.
 double time_to_rail_s(const MotorParameters &motor, const DriveState &now, const Source &free,
                       double cancelled_resistance_Ohm, double step_s) {
-    double before_s = 0.0;
-    double after_s = step_s;
-    for (int halving = 0; halving < 40; ++halving) { // to a picosecond of a second
-        const double middle_s = 0.5 * (before_s + after_s);
-        const double current_A = behind(motor, free, now, middle_s).end_at(now.rate_rad_per_s);
+    const auto is_within = [&](double time_s) {
+        const double current_A = behind(motor, free, now, time_s).end_at(now.rate_rad_per_s);
         const double e_A_V = cancelled_resistance_Ohm * current_A + free.voltage_V;
-        (std::abs(e_A_V) > motor.supply_V ? after_s : before_s) = middle_s;
-    }
-    return after_s;
+        return std::abs(e_A_V) <= motor.supply_V;
+    };
+    return bisect({0.0, step_s}, 40, is_within).fails_at; // to a picosecond of a second
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "engine/lab/limits/auto_tune.h"
 
+#include "base/bisection.h"
 #include "base/input_error.h"
 #include "engine/control/coupling.h"
 #include "engine/control/parameters.h"
@@ -142,16 +143,7 @@ private:
         if (holds(greatest_K_P_)) {
             return greatest_K_P_;
         }
-        double stable = 0.0;
-        double unstable = greatest_K_P_;
-        if (!holds(stable)) {
-            return -1.0;
-        }
-        while (unstable - stable > 1e-4 * unstable) {
-            const double middle = 0.5 * (stable + unstable);
-            (holds(middle) ? stable : unstable) = middle;
-        }
-        return stable;
+        return holds(0.0) ? last_that_holds({0.0, greatest_K_P_}, 1e-4, holds) : -1.0;
     }
 
     loops::HeldLoops &loops_;
@@ -207,20 +199,19 @@ bool all_stable(const loops::StabilityCase &which) {
 
 void find_gain_margin(control::TuningMargins &margins, loops::HeldLoops &loops,
                       const control::Tuning &tuning) {
-    double stable = 1.0;
-    double unstable = 100.0;
-    std::size_t worst = loops.first_unstable(scaled(tuning, unstable));
-    if (worst == loops.count()) {
-        margins.gain = unstable;
+    constexpr double kMostGain = 100.0;
+    std::size_t worst = 0;
+    const auto holds = [&](double gain) {
+        const std::size_t failed = loops.first_unstable(scaled(tuning, gain));
+        worst = failed == loops.count() ? worst : failed;
+        return failed == loops.count();
+    };
+    if (holds(kMostGain)) {
+        margins.gain = kMostGain;
         return;
     }
-    while (unstable - stable > 1e-3 * stable) {
-        const double middle = 0.5 * (stable + unstable);
-        const std::size_t failed = loops.first_unstable(scaled(tuning, middle));
-        (failed == loops.count() ? stable : unstable) = middle;
-        worst = failed == loops.count() ? worst : failed;
-    }
-    margins.gain = stable;
+    const auto is_wide = [](const Bracket &gains) { return gains.width() > 1e-3 * gains.holds_at; };
+    margins.gain = bisect({1.0, kMostGain}, is_wide, holds).holds_at;
     margins.worst_hand = loops[worst].hand;
     margins.worst_eta = loops[worst].eta;
 }
@@ -242,13 +233,15 @@ control::TuningMargins margins_of(loops::HeldLoops &loops, const loops::Stabilit
         }
     }
     const double dR_Ohm = which.dR_Ohm(which.device.motor[0]);
-    double unstable = 0.0;
-    margins.least_dR_Ohm = dR_Ohm;
-    while (margins.least_dR_Ohm - unstable > 1e-2 * dR_Ohm) {
-        loops::StabilityCase cooler = which;
-        cooler.net_resistance_Ohm = 0.5 * (margins.least_dR_Ohm + unstable);
-        (all_stable(cooler) ? margins.least_dR_Ohm : unstable) = *cooler.net_resistance_Ohm;
-    }
+    margins.least_dR_Ohm =
+        bisect(
+            {dR_Ohm, 0.0}, [&](const Bracket &now) { return now.width() > 1e-2 * dR_Ohm; },
+            [&](double least_Ohm) {
+                loops::StabilityCase cooler = which;
+                cooler.net_resistance_Ohm = least_Ohm;
+                return all_stable(cooler);
+            })
+            .holds_at;
     return margins;
 }
 

@@ -1,6 +1,6 @@
 #include "engine/lab/limits/simulated_limit.h"
 
-#include "engine/lab/limits/last_stable.h"
+#include "base/bisection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,6 @@ namespace springdrive::limits {
 namespace {
 
 using Holds = std::function<bool(double)>;
-
-/// One value that is stable and one that is not.
-struct Bracket {
-    double stable = 0.0;
-    double unstable = 0.0;
-};
 
 /// Values to try about a prediction: 0 is the prediction, above 0 lies instability.
 class Places {
@@ -176,13 +170,13 @@ double limit_within(const Bracket &bracket, Members &members) {
                 }
                 line = value;
             }
-            return left.stable < left.unstable ? value <= *line : value >= *line;
+            return left.holds_at < left.fails_at ? value <= *line : value >= *line;
         };
-        const double stable = last_stable(left.stable, left.unstable, 1e-3, holds);
-        if (stable == left.stable || members.others_hold(stable)) {
+        const double stable = last_that_holds(left, 1e-3, holds);
+        if (stable == left.holds_at || members.others_hold(stable)) {
             return stable;
         }
-        left.unstable = stable;
+        left.fails_at = stable;
     }
 }
 

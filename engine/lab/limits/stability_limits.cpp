@@ -1,6 +1,6 @@
 #include "engine/lab/limits/stability_limits.h"
 
-#include "engine/lab/limits/last_stable.h"
+#include "base/bisection.h"
 #include "engine/lab/limits/simulated_limit.h"
 
 #include <cmath>
@@ -49,7 +49,7 @@ std::vector<StabilityLimit> predicted_limits(const loops::StabilityCase &which,
             limit.stable_below = before;
             const double stable = before ? values[i - 1] : values[i];
             const double unstable = before ? values[i] : values[i - 1];
-            limit.predicted = last_stable(stable, unstable, 1e-6, holds);
+            limit.predicted = last_that_holds({stable, unstable}, 1e-6, holds);
             const double beyond = limit.predicted + (unstable - stable) * 1e-3;
             limit.worst = loops::worst_member(with(which, parameter, beyond)).member;
             limits.push_back(limit);

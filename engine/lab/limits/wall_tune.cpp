@@ -1,5 +1,6 @@
 #include "engine/lab/limits/wall_tune.h"
 
+#include "base/bisection.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/loops/tip_stiffness.h"
 
@@ -77,11 +78,12 @@ private:
     /// The largest value that holds between one that does and one that may not, to a factor.
     template <typename Holds>
     static double largest(double stable, double unstable, double factor, const Holds &value_holds) {
-        while (unstable > stable * factor) {
-            const double middle = std::sqrt(stable * unstable);
-            (value_holds(middle) ? stable : unstable) = middle;
-        }
-        return stable;
+        return bisect(
+                   {stable, unstable},
+                   [&](const Bracket &now) { return now.fails_at > now.holds_at * factor; },
+                   value_holds,
+                   [](const Bracket &now) { return std::sqrt(now.holds_at * now.fails_at); })
+            .holds_at;
     }
 
     [[nodiscard]] bool rests(const loops::VirtualWall &wall, double lambda_rad_per_s) {

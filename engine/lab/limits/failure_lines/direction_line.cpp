@@ -1,5 +1,6 @@
 #include "engine/lab/limits/failure_lines/direction_line.h"
 
+#include "base/bisection.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
@@ -141,9 +142,10 @@ double measured_deg(const loops::StabilityCase &which, double frequency_hz) {
 
 TriedLine direction_line(const loops::StabilityCase &which) {
     const loops::PlanarContact contact = planar_contact(which);
-    const double predicted_hz = turning_point(kLowest_hz, kHighest_hz, [&](double frequency_hz) {
-        return predicted_deg(contact, frequency_hz) < kPerceptible_deg;
-    });
+    const double predicted_hz =
+        last_that_holds({kLowest_hz, kHighest_hz}, kLineResolution, [&](double frequency_hz) {
+            return predicted_deg(contact, frequency_hz) < kPerceptible_deg;
+        });
     return {
         {"transpose kinematics (23)",
          "directions of force above",

@@ -1,5 +1,7 @@
 #include "engine/lab/limits/failure_lines/failure_line.h"
 
+#include "base/bisection.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,13 +12,15 @@ namespace springdrive::limits {
 namespace {
 
 double last_whole(const TriedLine &tried) {
-    double holds_at = tried.holds_at;
-    double fails_at = tried.fails_at;
-    while (std::abs(fails_at - holds_at) > 1.0) {
-        const double middle = std::trunc(0.5 * (holds_at + fails_at));
-        (tried.holds(middle) ? holds_at : fails_at) = middle;
-    }
-    return holds_at;
+    return bisect(
+               {tried.holds_at, tried.fails_at},
+               [](const Bracket &now) { return now.width() > 1.0; }, tried.holds,
+               [](const Bracket &now) { return std::trunc(now.middle()); })
+        .holds_at;
+}
+
+double last_value(const TriedLine &tried, double fails_at) {
+    return last_that_holds({tried.holds_at, fails_at}, tried.resolution, tried.holds);
 }
 
 /// The first value that fails, from where it should hold on; nothing where none does.
@@ -40,26 +44,12 @@ std::optional<double> measurement(const TriedLine &tried) {
     }
     if (tried.holds(tried.fails_at)) {
         const std::optional<double> fails_at = first_failure(tried);
-        return fails_at ? std::optional(turning_point(tried.holds_at, *fails_at, tried.holds,
-                                                      tried.resolution))
-                        : std::nullopt;
+        return fails_at ? std::optional(last_value(tried, *fails_at)) : std::nullopt;
     }
-    return tried.whole
-               ? last_whole(tried)
-               : turning_point(tried.holds_at, tried.fails_at, tried.holds, tried.resolution);
+    return tried.whole ? last_whole(tried) : last_value(tried, tried.fails_at);
 }
 
 } // namespace
-
-double turning_point(double holds_at, double fails_at, const std::function<bool(double)> &holds,
-                     double resolution) {
-    while (std::abs(fails_at - holds_at) >
-           resolution * std::max(std::abs(holds_at), std::abs(fails_at))) {
-        const double middle = 0.5 * (holds_at + fails_at);
-        (holds(middle) ? holds_at : fails_at) = middle;
-    }
-    return holds_at;
-}
 
 FailureLine measured(const TriedLine &tried) {
     FailureLine line = tried.line;

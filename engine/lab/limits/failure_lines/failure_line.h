@@ -9,6 +9,9 @@
 
 namespace springdrive::limits {
 
+/// To so much of its value a line is looked for, where nothing else is said.
+constexpr double kLineResolution = 1e-6;
+
 /// One row of the table.
 struct FailureLine {
     std::string method;
@@ -29,14 +32,8 @@ struct TriedLine {
     std::function<bool(double)> holds{};
     /// In place of the three above, for what is a value rather than a line.
     std::function<std::optional<double>()> reading{};
-    double resolution = 1e-6; ///< to so much of its value the line is looked for
+    double resolution = kLineResolution; ///< to so much of its value the line is looked for
 };
-
-/// The last value that holds between one that does and one that does not.
-/// @param resolution  of it, as a share of it
-[[nodiscard]] double turning_point(double holds_at, double fails_at,
-                                   const std::function<bool(double)> &holds,
-                                   double resolution = 1e-6);
 
 /// The row, measured. Where even `fails_at` holds, values between are tried as well, by equal
 /// factors where both ends have one sign; nothing is measured where all hold.

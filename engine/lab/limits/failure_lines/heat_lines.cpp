@@ -1,3 +1,4 @@
+#include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/failure_lines/motor_lines.h"
 #include "engine/lab/limits/thermal_hold.h"
@@ -78,11 +79,11 @@ TriedLine hot_after(const device::DeviceDescription &device) {
                   "s",
                   with_unit(kCurrent_A, "A") + ": winding at " +
                       with_unit(motor.thermal.greatest_winding_C, "°C") + " by the upper estimate",
-                  turning_point(0.0, kLongest_s,
-                                [&](double time_s) {
-                                    return warming.winding_C(time_s) <
-                                           motor.thermal.greatest_winding_C;
-                                }),
+                  last_that_holds({0.0, kLongest_s}, kLineResolution,
+                                  [&](double time_s) {
+                                      return warming.winding_C(time_s) <
+                                             motor.thermal.greatest_winding_C;
+                                  }),
                   {},
                   {}};
     tried.reading = [=] { return trips_after_s(device, kCurrent_A, kPeriod_s, kLongest_s); };

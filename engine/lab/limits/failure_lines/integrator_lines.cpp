@@ -1,5 +1,6 @@
 #include "engine/lab/limits/failure_lines/integrator_lines.h"
 
+#include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/limits/failure_lines/contact_mode.h"
@@ -121,8 +122,9 @@ TriedLine semi_implicit_euler(const ContactMode &mode) {
 
 TriedLine runge_kutta(const ContactMode &mode) {
     const std::complex<double> root = mode.eigenvalue();
-    const double h_s = turning_point(0.0, 10.0 / std::abs(root),
-                                     [&](double h) { return runge_kutta_growth(h * root) <= 1.0; });
+    const double h_s =
+        last_that_holds({0.0, 10.0 / std::abs(root)}, kLineResolution,
+                        [&](double h) { return runge_kutta_growth(h * root) <= 1.0; });
     return contact_line("Runge-Kutta 4", h_s, [=](double h) {
         const rig::PlantEquations f = mode.equations();
         return dies_out(mode, [&](const rig::PlantState &y) {

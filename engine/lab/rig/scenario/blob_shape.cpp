@@ -1,5 +1,7 @@
 #include "engine/lab/rig/scenario/blob_shape.h"
 
+#include "base/bisection.h"
+
 #include <algorithm>
 
 namespace springdrive::rig {
@@ -27,16 +29,12 @@ Vector3 BlobShape::outward_normal(const Vector3 &point) const {
 }
 
 double BlobShape::distance(const Vector3 &direction) const {
-    double inside = 0.0;
     double outside = 0.0;
     for (const Blob &blob : blobs) {
         outside = std::max(outside, blob.centre.norm() + blob.radius);
     }
-    for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (inside + outside);
-        (field(middle * direction) > level ? inside : outside) = middle;
-    }
-    return 0.5 * (inside + outside);
+    const auto is_inside = [&](double distance) { return field(distance * direction) > level; };
+    return bisect({0.0, outside}, 60, is_inside).middle();
 }
 
 const BlobShape &organic_shape() {

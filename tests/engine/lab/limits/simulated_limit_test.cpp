@@ -1,7 +1,6 @@
-// Covers engine/lab/limits/simulated_limit.cpp and last_stable.h.
+// Covers engine/lab/limits/simulated_limit.cpp.
 #include "engine/lab/limits/simulated_limit.h"
 
-#include "engine/lab/limits/last_stable.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/stability_cases.h"
 
@@ -17,17 +16,6 @@ namespace {
 StabilityLimit predicted(const loops::StabilityCase &which,
                          const loops::StabilityParameter &parameter) {
     return predicted_limits(which, parameter, {parameter.from, parameter.to}).front();
-}
-
-TEST(LastStable, IsFoundFromEitherSide) {
-    for (const double turns : {-3.3, 0.7, 1e4}) {
-        const auto below = [&](double value) { return value < turns; };
-        const auto above = [&](double value) { return value > turns; };
-        const double tolerance = 1e-6 * (std::abs(turns) + 7.0); // of the larger end
-        EXPECT_NEAR(last_stable(turns - 7.0, turns + 5.0, 1e-6, below), turns, tolerance);
-        EXPECT_NEAR(last_stable(turns + 5.0, turns - 7.0, 1e-6, above), turns, tolerance);
-        EXPECT_TRUE(below(last_stable(turns - 7.0, turns + 5.0, 1e-6, below)));
-    }
 }
 
 TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {

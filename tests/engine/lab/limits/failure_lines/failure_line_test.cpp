@@ -12,19 +12,6 @@ TriedLine tried(double holds_at, double fails_at, const std::function<bool(doubl
     return {{"method", "above", "m", "setting", {}, {}, {}}, holds_at, fails_at, false, holds};
 }
 
-TEST(TurningPoint, IsFoundFromEitherSide) {
-    const auto below = [](double x) { return x < std::sqrt(2.0); };
-    const auto above = [](double x) { return x > std::sqrt(2.0); };
-    for (const double resolution : {1e-3, 1e-6, 1e-9}) {
-        const double up = turning_point(0.0, 100.0, below, resolution);
-        const double down = turning_point(100.0, 0.0, above, resolution);
-        EXPECT_TRUE(below(up));
-        EXPECT_TRUE(above(down));
-        EXPECT_NEAR(up, std::sqrt(2.0), 2.0 * resolution);
-        EXPECT_NEAR(down, std::sqrt(2.0), 2.0 * resolution);
-    }
-}
-
 TEST(MeasuredLine, IsNoneWhereEverythingHolds) {
     EXPECT_EQ(measured(tried(1.0, 1e3, [](double) { return true; })).measured, std::nullopt);
 }

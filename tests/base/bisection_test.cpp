@@ -1,0 +1,69 @@
+// Covers base/bisection.h.
+#include "base/bisection.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace springdrive {
+namespace {
+
+TEST(LastThatHolds, IsFoundFromEitherSide) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> where(-10.0, 10.0);
+    for (int trial = 0; trial < 200; ++trial) {
+        const double line = where(random);
+        const auto below = [&](double value) { return value < line; };
+        const auto above = [&](double value) { return value > line; };
+        for (const double share : {1e-3, 1e-6, 1e-9}) {
+            const double tolerance = share * (std::abs(line) + share * 20.0);
+            const double up = last_that_holds({-20.0, 20.0}, share, below);
+            const double down = last_that_holds({20.0, -20.0}, share, above);
+            EXPECT_TRUE(below(up));
+            EXPECT_TRUE(above(down));
+            EXPECT_NEAR(up, line, 2.0 * tolerance) << line;
+            EXPECT_NEAR(down, line, 2.0 * tolerance) << line;
+        }
+    }
+}
+
+TEST(LastThatHolds, EndsWithABracketThatIsNone) {
+    const auto never = [](double) { return false; };
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(last_that_holds({1.0, none}, 1e-6, never), 1.0);
+    EXPECT_EQ(last_that_holds({1.0, 1.0}, 1e-6, never), 1.0);
+}
+
+TEST(Bisection, HalvesAsOftenAsItIsTold) {
+    int tried = 0;
+    const auto holds = [&](double value) {
+        ++tried;
+        return value < std::sqrt(0.5);
+    };
+    const Bracket bracket = bisect({0.0, 1.0}, 20, holds);
+    EXPECT_EQ(tried, 20);
+    EXPECT_EQ(bracket.width(), std::ldexp(1.0, -20));
+    EXPECT_LT(bracket.holds_at, std::sqrt(0.5));
+    EXPECT_GE(bracket.fails_at, std::sqrt(0.5));
+}
+
+TEST(Bisection, TakesAnotherMiddle) {
+    // By equal factors: from 1 to 2^64 in six steps to a factor of two.
+    int tried = 0;
+    const Bracket bracket = bisect(
+        {1.0, std::ldexp(1.0, 64)},
+        [](const Bracket &now) { return now.fails_at > 2.0 * now.holds_at; },
+        [&](double value) {
+            ++tried;
+            return value <= 1000.0;
+        },
+        [](const Bracket &now) { return std::sqrt(now.holds_at * now.fails_at); });
+    EXPECT_EQ(tried, 6);
+    EXPECT_EQ(bracket.holds_at, 512.0);
+    EXPECT_EQ(bracket.fails_at, 1024.0);
+}
+
+} // namespace
+} // namespace springdrive
