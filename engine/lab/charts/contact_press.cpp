@@ -56,17 +56,6 @@ simulated::SimulationOptions ContactPress::plant_options() const {
     return options;
 }
 
-contact::Contact ContactPress::contact(const Vector3 &tip_m) const {
-    contact::Contact contact;
-    contact.touching = true;
-    contact.x0_m = tip_m - normal.dot(tip_m - start_m) * normal;
-    contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
-    contact.normal = normal;
-    contact.eta = 0.0;
-    contact.active_constraints = 1;
-    return contact;
-}
-
 ContactPress pen_press(const ChartSetting &setting) {
     ContactPress made = press(setting);
     made.hand.greatest_force_N = kNoLimit_N;
@@ -96,18 +85,14 @@ ContactPress sticking_press(const ChartSetting &setting) {
     return made;
 }
 
-PressLaw::PressLaw(const ContactPress &press, const Vector3 &start_theta_rad)
-    : press_(&press), law_(press.device), filter_(start_theta_rad, Vector3::Zero()),
-      pole_(control::velocity_filter_pole(press.tuning.lambda_rad_per_s, press.period_s)) {
-    if (press.tuning.alpha_mode == control::AlphaMode::global) {
-        global_alpha_rad2_per_m2_ = control::global_alpha_bound(press.device);
-    }
-}
-
-device::DeviceCommand PressLaw::operator()(const Vector3 &theta_rad) {
-    const Vector3 rate = filter_.update(theta_rad, pole_, press_->period_s);
-    const control::Configuration now = law_.configuration(theta_rad, rate);
-    return law_(now, press_->contact(now.tip_m), press_->tuning, global_alpha_rad2_per_m2_).command;
+rig::LawRig press_loop(const ContactPress &press, PressedPlant &plant) {
+    rig::LawOptions options;
+    options.device = press.device;
+    options.tuning = press.tuning;
+    options.period_s = press.period_s;
+    options.greatest_turn_rad = kFarAway_rad;
+    return {plant, options, rig::plane(press.start_m, press.normal, rig::Sides::both),
+            rig::FirstCommand::answers};
 }
 
 double PressRecord::greatest_force_N() const {
@@ -120,17 +105,12 @@ double PressRecord::greatest_force_N() const {
 
 PressRecord run_press(const ContactPress &press, const NewPlant &new_plant) {
     const std::unique_ptr<PressedPlant> plant = new_plant();
-    PressSample sample = plant->sample();
-    PressLaw law(press, sample.theta_rad);
+    rig::LawRig loop = press_loop(press, *plant);
     PressRecord record;
     for (int period = 0; period < press.periods; ++period) {
-        // What ran away is not led on.
-        const bool somewhere = sample.theta_rad.norm() < kFarAway_rad; // false for a NaN
-        record.commands.push_back(somewhere ? law(sample.theta_rad)
-                                            : device::DeviceCommand::braking());
-        plant->advance(period, record.commands.back());
-        sample = plant->sample();
-        record.force_N.push_back(sample.force_N);
+        record.commands.push_back(loop.command());
+        loop.tick();
+        record.force_N.push_back(plant->force_N());
     }
     return record;
 }
@@ -148,8 +128,8 @@ rig::Cost press_cost(const ContactPress &press, const PressRecord &record,
     auto next = plants.begin();
     const auto work = [&] {
         for (int round = 0; round < rounds; ++round, ++next) {
-            for (int period = 0; period < press.periods; ++period) {
-                (*next)->advance(period, record.commands[static_cast<std::size_t>(period)]);
+            for (const simulated::PlantCommand &command : record.commands) {
+                (*next)->advance(command);
             }
         }
     };

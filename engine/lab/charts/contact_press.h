@@ -8,9 +8,8 @@
 #pragma once
 
 #include "device/simulated/simulated_phantom.h"
-#include "engine/control/haptic_law.h"
-#include "engine/control/velocity_filter.h"
 #include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/work_point.h"
 
 #include <functional>
@@ -39,8 +38,6 @@ struct ContactPress {
     /// Gravity and viscous friction are the plant's only effects, but for Coulomb friction where
     /// that is on.
     [[nodiscard]] simulated::SimulationOptions plant_options() const;
-
-    [[nodiscard]] contact::Contact contact(const Vector3 &tip_m) const;
 };
 
 /// A pen grip that presses 10 mm deep within 10 ms, in a slanting direction of an unsymmetrical
@@ -57,50 +54,26 @@ struct ContactPress {
 /// still until they stick, and lets go.
 [[nodiscard]] ContactPress sticking_press(const ChartSetting &setting);
 
-/// The servo of a press: one call a tick, from motor angles to the command.
-class PressLaw {
-public:
-    PressLaw(const ContactPress &press, const Vector3 &start_theta_rad);
-
-    [[nodiscard]] device::DeviceCommand operator()(const Vector3 &theta_rad);
-
-private:
-    const ContactPress *press_;
-    control::HapticLaw law_;
-    control::VelocityFilter filter_;
-    double pole_;
-    double global_alpha_rad2_per_m2_ = 0.0;
-};
-
 /// What was commanded and what came of it, a row for each period.
 struct PressRecord {
-    std::vector<device::DeviceCommand> commands;
-    std::vector<Vector3> force_N; ///< at the end of the period, or its mean, as a plant gives it
+    std::vector<simulated::PlantCommand> commands;
+    std::vector<Vector3> force_N;
 
     [[nodiscard]] double greatest_force_N() const;
 };
 
-/// The state of a plant after a period, as law and judge want it.
-struct PressSample {
-    Vector3 theta_rad{Vector3::Zero()};
-    Vector3 force_N{Vector3::Zero()};
-};
-
-/// A plant that somebody's integrator carries on.
-class PressedPlant {
+/// A plant that somebody's integrator carries on. `advance` is what is timed.
+class PressedPlant : public rig::Plant {
 public:
-    PressedPlant() = default;
-    PressedPlant(const PressedPlant &) = delete;
-    PressedPlant &operator=(const PressedPlant &) = delete;
-    virtual ~PressedPlant() = default;
-
-    /// By one servo period, the `period`th. This is what is timed.
-    virtual void advance(int period, const device::DeviceCommand &command) = 0;
-    [[nodiscard]] virtual PressSample sample() const = 0;
+    /// At the end of the last period, or its mean, as the plant gives it.
+    [[nodiscard]] virtual Vector3 force_N() const = 0;
 };
 
 /// Makes one at rest at the start.
 using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
+
+/// The servo of a press, answering to where the plant stands.
+[[nodiscard]] rig::LawRig press_loop(const ContactPress &press, PressedPlant &plant);
 
 /// The whole press in closed loop.
 [[nodiscard]] PressRecord run_press(const ContactPress &press, const NewPlant &new_plant);

@@ -22,15 +22,16 @@ public:
                   const std::vector<simulated::HandTarget> &targets, const rig::PlantState &start)
         : press_(press), targets_(targets), equations_(equations), y_(start) {}
 
-    void advance(int period, const device::DeviceCommand &command) override {
-        const double start_s = period * press_.period_s;
-        equations_.set_inputs({command, start_s, targets_[static_cast<std::size_t>(period)]});
+    void advance(const simulated::PlantCommand &command) override {
+        const double start_s = static_cast<double>(period_) * press_.period_s;
+        equations_.set_inputs({command.spring_drive, start_s, targets_[period_]});
         y_ = integrated(start_s, y_);
+        ++period_;
     }
-    [[nodiscard]] PressSample sample() const override {
-        return {device::motor_from_joint(press_.device.geometry, y_.head<3>()),
-                equations_.tip_force_N(y_)};
+    [[nodiscard]] Vector3 theta_rad() const override {
+        return device::motor_from_joint(press_.device.geometry, y_.head<3>());
     }
+    [[nodiscard]] Vector3 force_N() const override { return equations_.tip_force_N(y_); }
 
 protected:
     [[nodiscard]] virtual rig::PlantState integrated(double start_s, const rig::PlantState &y) = 0;
@@ -42,6 +43,7 @@ private:
     const std::vector<simulated::HandTarget> &targets_;
     rig::PlantEquations equations_;
     rig::PlantState y_;
+    std::size_t period_ = 0;
 };
 
 /// Equal steps by one of the explicit methods.
@@ -135,13 +137,14 @@ public:
         : equations_(equations), geometry_(press.device.geometry),
           device_(press.device, options, press.start_m) {}
 
-    void advance(int, const device::DeviceCommand &command) override { device_.advance(command); }
-    [[nodiscard]] PressSample sample() const override {
+    void advance(const simulated::PlantCommand &command) override { device_.advance(command); }
+    [[nodiscard]] Vector3 theta_rad() const override { return device_.truth().theta_rad; }
+    [[nodiscard]] Vector3 force_N() const override {
         const simulated::SimulatedPhantom::Truth &truth = device_.truth();
         rig::PlantState y;
         y << device::joint_from_motor(geometry_, truth.theta_rad),
             device::joint_from_motor(geometry_, truth.theta_rate_rad_per_s), truth.current_A;
-        return {truth.theta_rad, equations_.tip_force_N(y)};
+        return equations_.tip_force_N(y);
     }
 
 private:

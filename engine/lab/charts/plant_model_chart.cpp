@@ -14,6 +14,7 @@ namespace {
 constexpr std::array<int, 7> kSubSteps{1, 2, 5, 10, 20, 50, 100};
 constexpr int kReferenceSubSteps = 1000;
 
+/// Its encoders are read in whole counts, at the start too.
 class ModelPlant final : public PressedPlant {
 public:
     ModelPlant(const device::DeviceDescription &description,
@@ -26,14 +27,13 @@ public:
         }
     }
 
-    void advance(int, const device::DeviceCommand &command) override {
+    void advance(const simulated::PlantCommand &command) override {
         state_ = device_.advance(command);
     }
-    [[nodiscard]] PressSample sample() const override {
-        const auto &counts = state_.counts;
-        return {rad_per_count_ * Vector3(counts[0], counts[1], counts[2]),
-                device_.truth().hand_force_N};
+    [[nodiscard]] Vector3 theta_rad() const override {
+        return rad_per_count_ * Vector3(state_.counts[0], state_.counts[1], state_.counts[2]);
     }
+    [[nodiscard]] Vector3 force_N() const override { return device_.truth().hand_force_N; }
 
 private:
     simulated::SimulatedPhantom device_;

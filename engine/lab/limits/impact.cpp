@@ -3,8 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
-#include "engine/control/haptic_law.h"
-#include "engine/control/velocity_filter.h"
+#include "engine/lab/rig/law_rig.h"
 
 #include <Eigen/LU>
 
@@ -18,65 +17,15 @@ namespace springdrive::limits {
 
 namespace {
 
-/// A level wall under the tip, and what the servo makes of it.
-class WallServo {
-public:
-    WallServo(const loops::StabilityCase &which, const device::DeviceDescription &device,
-              double height_m)
-        : which_(which), law_(device), global_alpha_(control::global_alpha_bound(which.device)),
-          height_m_(height_m) {}
-
-    void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
-
-    [[nodiscard]] simulated::PlantCommand command(const std::array<std::int32_t, 3> &counts) {
-        const Vector3 theta_rad = law_.theta_rad(counts);
-        const Vector3 rate = filter_.update(
-            theta_rad,
-            control::velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s),
-            which_.period_s);
-        const control::Configuration now = law_.configuration(theta_rad, rate);
-        if (which_.drive == device::AmplifierKind::current_drive) {
-            return {device::DeviceCommand::braking(), current_A(now)};
-        }
-        return {spring(now), Vector3::Zero()};
-    }
-
-private:
-    [[nodiscard]] bool is_below(const control::Configuration &now) const {
-        return now.tip_m.y() < height_m_;
-    }
-
-    [[nodiscard]] device::DeviceCommand spring(const control::Configuration &now) const {
-        contact::Contact contact;
-        contact.x0_m = now.tip_m;
-        if (is_below(now)) {
-            contact.touching = true;
-            contact.x0_m.y() = height_m_;
-            contact.normal = Vector3::UnitY();
-            contact.allowed_motion =
-                Matrix3::Identity() - Vector3::UnitY() * Vector3::UnitY().transpose();
-            contact.eta = 0.0;
-        }
-        return law_(now, contact, which_.tuning, global_alpha_).command;
-    }
-
-    [[nodiscard]] Vector3 current_A(const control::Configuration &now) const {
-        if (is_below(now)) {
-            const double push_N = which_.wall.stiffness_N_per_m * (height_m_ - now.tip_m.y()) -
-                                  which_.wall.damping_Ns_per_m * now.tip_velocity_m_per_s().y();
-            // A wall does not pull.
-            const Vector3 force_N = std::max(0.0, push_N) * Vector3::UnitY();
-            return Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
-        }
-        return Vector3::Zero();
-    }
-
-    const loops::StabilityCase &which_;
-    control::HapticLaw law_;
-    double global_alpha_;
-    double height_m_;
-    control::VelocityFilter filter_;
-};
+rig::LawOptions law_of(const loops::StabilityCase &which) {
+    rig::LawOptions options;
+    options.device = which.device;
+    options.tuning = which.tuning;
+    options.period_s = which.period_s;
+    options.drive = which.drive;
+    options.wall = which.wall;
+    return options;
+}
 
 simulated::SimulationOptions options_of(const loops::StabilityCase &which,
                                         std::vector<simulated::HandPath::Point> path) {
@@ -118,22 +67,24 @@ Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double
     const double height_m = start_m.y() - speed_m_per_s * kApproach_s - lower_m;
     simulated::SimulatedPhantom phantom(
         which.device, options_of(which, {{0.0, start_m}, {kLongestApproach_s, end_m}}), start_m);
-    WallServo servo(which, phantom.description(), height_m);
-    servo.rest_at(phantom.truth().theta_rad);
-    device::Measurement state = phantom.advance(device::DeviceCommand::braking());
+    rig::PhantomPlant plant(phantom);
+    const Vector3 wall_m(start_m.x(), height_m, start_m.z());
+    rig::LawRig loop(plant, law_of(which), rig::plane(wall_m, Vector3::UnitY(), rig::Sides::one),
+                     rig::FirstCommand::brakes);
+    loop.tick();
     const simulated::SimulatedPhantom::Truth &now = phantom.truth();
     double last_m = now.tip_m.y();
     double idle_N = 0.0; // what the motors push in free space, by the filter's lag
     while (now.tip_m.y() >= height_m && now.time_s < kLongestApproach_s) {
         last_m = now.tip_m.y();
         idle_N = motors_push_N(which, phantom);
-        state = phantom.advance(servo.command(state.counts));
+        loop.tick();
     }
     const double speed = (last_m - now.tip_m.y()) / which.period_s;
     const double contact_s = now.time_s - (height_m - now.tip_m.y()) / speed;
     Impact seen;
     do {
-        state = phantom.advance(servo.command(state.counts));
+        loop.tick();
         const double grown_N = motors_push_N(which, phantom) - idle_N;
         const double since_s = now.time_s - contact_s;
         seen.greatest_force_N = std::max(seen.greatest_force_N, grown_N);
@@ -175,16 +126,16 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
     loops::StabilityCase held = which; // a hand that leads firmly, whatever it weighs
     held.hands = {{"leading", 0.0, 30.0, 3000.0}};
     simulated::SimulatedPhantom phantom(which.device, options_of(held, path), start_m);
-    WallServo servo(held, phantom.description(), -HUGE_VAL);
-    servo.rest_at(phantom.truth().theta_rad);
-    device::Measurement state = phantom.advance(device::DeviceCommand::braking());
+    rig::PhantomPlant plant(phantom);
+    rig::LawRig loop(plant, law_of(held), rig::free_space(), rig::FirstCommand::brakes);
+    loop.tick();
     // F = m a + b v + c along the vertical, by the parts of force and motion at 5 Hz.
     double force_in = 0.0;
     double force_square = 0.0;
     double way_in = 0.0;
     double way_square = 0.0;
     while (phantom.truth().time_s < kPeriods / kFrequency_hz - 0.5 * which.period_s) {
-        state = phantom.advance(servo.command(state.counts));
+        loop.tick();
         const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
         if (truth.time_s > 2.0 / kFrequency_hz + 0.5 * which.period_s) {
             // The force is a mean over the last period: that of its middle.

@@ -2,9 +2,8 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/control/haptic_law.h"
-#include "engine/control/velocity_filter.h"
 #include "engine/lab/rig/flicker.h"
+#include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/rotor_simulation.h"
 
 #include <Eigen/Cholesky>
@@ -142,54 +141,16 @@ Trial one_motor_trial(const loops::StabilityCase &which, const loops::LoopMember
     });
 }
 
-/// The whole law, or the wall of a current drive, for a tip that is tied to a point.
-class TiedTip {
-public:
-    TiedTip(const loops::StabilityCase &which, const device::DeviceDescription &device,
-            const Vector3 &point_m)
-        : which_(which), law_(device),
-          global_alpha_(
-              which.tuning.alpha_mode == control::AlphaMode::global
-                  ? control::global_alpha_bound(which.device) // a search over the workspace
-                  : 0.0) {
-        tie_.touching = true;
-        tie_.x0_m = point_m;
-        tie_.allowed_motion.setZero();
-        tie_.eta = 0.0;
-    }
-
-    [[nodiscard]] simulated::PlantCommand command(const Vector3 &theta_rad) {
-        const double pole =
-            control::velocity_filter_pole(which_.tuning.lambda_rad_per_s, which_.period_s);
-        const Vector3 rate = filter_.update(theta_rad, pole, which_.period_s);
-        const control::Configuration now = law_.configuration(theta_rad, rate);
-        if (which_.drive == device::AmplifierKind::current_drive) {
-            return {device::DeviceCommand::braking(), current_A(now)};
-        }
-        device::DeviceCommand command = law_(now, tie_, which_.tuning, global_alpha_).command;
-        for (Eigen::Index j = 0; j < 3; ++j) {
-            const device::MotorParameters &motor = which_.device.motor[static_cast<std::size_t>(j)];
-            command.cancelled_resistance_Ohm[j] = motor.resistance_Ohm - which_.dR_Ohm(motor);
-        }
-        return {command, Vector3::Zero()};
-    }
-
-    void rest_at(const Vector3 &theta_rad) { filter_.reset(theta_rad); }
-
-private:
-    [[nodiscard]] Vector3 current_A(const control::Configuration &now) const {
-        const Vector3 force_N =
-            (1.0 - which_.tuning.eta) * (which_.wall.stiffness_N_per_m * (tie_.x0_m - now.tip_m) -
-                                         which_.wall.damping_Ns_per_m * now.tip_velocity_m_per_s());
-        return Vector3(now.J.transpose() * force_N).cwiseQuotient(law_.k_T());
-    }
-
-    const loops::StabilityCase &which_;
-    control::HapticLaw law_;
-    double global_alpha_;
-    control::VelocityFilter filter_;
-    contact::Contact tie_;
-};
+rig::LawOptions law_of(const loops::StabilityCase &which, const device::DeviceDescription &device) {
+    rig::LawOptions options;
+    options.device = device;
+    options.tuning = which.tuning;
+    options.period_s = which.period_s;
+    options.net_resistance_Ohm = which.net_resistance_Ohm;
+    options.drive = which.drive;
+    options.wall = which.wall;
+    return options;
+}
 
 simulated::SimulationOptions phantom_options(const loops::StabilityCase &which,
                                              const loops::LoopMember &member,
@@ -217,15 +178,14 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
     device::DeviceDescription device = which.device;
     device.amplifier.greatest_cancelled_Ohm = HUGE_VAL; // over-cancelled as far as is asked for
     simulated::SimulatedPhantom phantom(device, phantom_options(which, member, options), rest_m);
-    TiedTip tip(which, phantom.description(), rest_m + aside);
-    Vector3 theta_rad = phantom.truth().theta_rad;
-    tip.rest_at(theta_rad);
+    rig::PhantomPlant plant(phantom);
+    rig::LawRig loop(plant, law_of(which, device), rig::tied_to(rest_m + aside),
+                     rig::FirstCommand::answers);
     const double per_count = phantom.description().rad_per_count();
     const double start_rad = options.start_m / device::motor_jacobian(geometry, which.q_rad).norm();
     const Watch watch = how_to_watch(which, member, options, start_rad);
     return watched(watch, per_count, which.period_s, [&] {
-        const device::Measurement state = phantom.advance(tip.command(theta_rad));
-        theta_rad = per_count * Vector3(state.counts[0], state.counts[1], state.counts[2]);
+        loop.tick();
         const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
         return Motion{truth.theta_rad, truth.theta_rate_rad_per_s.cwiseAbs().maxCoeff()};
     });

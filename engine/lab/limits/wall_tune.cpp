@@ -52,7 +52,7 @@ public:
     /// The largest K with this B and λ, where that is better than all before.
     void look_at(double B_Ns_per_m, double lambda_rad_per_s) {
         const double softest = std::max(kSoftest_N_per_m, 1.01 * best_.wall.stiffness_N_per_m);
-        const auto wall = [&](double K) { return loops::VirtualWall{K, B_Ns_per_m}; };
+        const auto wall = [&](double K) { return control::VirtualWall{K, B_Ns_per_m}; };
         const auto all_hold = [&](double K) {
             return holds(wall(K), lambda_rad_per_s) && rests(wall(K), lambda_rad_per_s);
         };
@@ -86,7 +86,7 @@ private:
             .holds_at;
     }
 
-    [[nodiscard]] bool rests(const loops::VirtualWall &wall, double lambda_rad_per_s) {
+    [[nodiscard]] bool rests(const control::VirtualWall &wall, double lambda_rad_per_s) {
         tried_.wall = wall;
         tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
         TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
@@ -95,7 +95,7 @@ private:
         return is_stable_simulated(tried_, options);
     }
 
-    bool holds(const loops::VirtualWall &wall, double lambda_rad_per_s) {
+    bool holds(const control::VirtualWall &wall, double lambda_rad_per_s) {
         tried_.wall = wall;
         tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
         if (loops::force_of_a_count_N(tried_) > greatest_count_N_) {
@@ -112,7 +112,7 @@ private:
         return true;
     }
 
-    [[nodiscard]] bool is_stable(ReadyLoop &loop, const loops::VirtualWall &wall,
+    [[nodiscard]] bool is_stable(ReadyLoop &loop, const control::VirtualWall &wall,
                                  double lambda_rad_per_s) const {
         loop.which.wall = {margin_ * wall.stiffness_N_per_m, margin_ * wall.damping_Ns_per_m};
         loop.which.tuning.lambda_rad_per_s = lambda_rad_per_s;

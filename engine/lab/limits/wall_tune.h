@@ -9,7 +9,7 @@
 namespace springdrive::limits {
 
 struct TunedWall {
-    loops::VirtualWall wall;
+    control::VirtualWall wall;
     double lambda_rad_per_s = 0.0; ///< of its velocity filter
 };
 

@@ -5,6 +5,7 @@
 #include "device/core/device_file.h"
 #include "device/core/motor/amplifier.h"
 #include "engine/control/tuning.h"
+#include "engine/control/virtual_wall.h"
 #include "engine/lab/loops/closed_loop.h"
 #include "engine/lab/loops/hand_family.h"
 #include "engine/lab/loops/sampled_loop.h"
@@ -16,12 +17,6 @@
 
 namespace springdrive::loops {
 
-/// A virtual wall as force-controlled devices render it: F = −K x − B ẋ_f, at the tip.
-struct VirtualWall {
-    double stiffness_N_per_m = 0.0;
-    double damping_Ns_per_m = 0.0;
-};
-
 /// What may move.
 enum class Freedom : std::uint8_t {
     one_motor,    ///< each motor by itself, the other joints standing still: the paper's 1-DOF
@@ -31,8 +26,8 @@ enum class Freedom : std::uint8_t {
 struct StabilityCase {
     device::DeviceDescription device;
     device::AmplifierKind drive = device::AmplifierKind::spring_drive;
-    control::Tuning tuning; ///< a current drive takes its λ and η only
-    VirtualWall wall;       ///< of a current drive
+    control::Tuning tuning;    ///< a current drive takes its λ and η only
+    control::VirtualWall wall; ///< of a current drive
     double period_s = 1e-3;
     double delay_periods = 0.0;
     Vector3 q_rad{0.0, 20.0 * std::numbers::pi / 180.0, -15.0 * std::numbers::pi / 180.0};

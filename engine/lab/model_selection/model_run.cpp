@@ -1,15 +1,14 @@
 #include "engine/lab/model_selection/model_run.h"
 
 #include "base/wanted.h"
-#include "engine/contact/proxy/proxy.h"
 #include "engine/control/force_direction.h"
-#include "engine/control/haptic_law.h"
-#include "engine/control/velocity_filter.h"
+#include "engine/lab/rig/law_rig.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace springdrive::model_selection {
 
@@ -57,31 +56,28 @@ std::unique_ptr<simulated::SimulatedPhantom> simulated_device(const ModelSetting
 ModelRun run_model(const ModelSetting &setting, const Model &model,
                    const contact::HapticSurface &surface) {
     const std::unique_ptr<simulated::SimulatedPhantom> device = simulated_device(setting, model);
-    const control::HapticLaw law(setting.device);
-    const control::Tuning tuning = with_controller(model.controller, setting.tuning);
-    const double pole = control::velocity_filter_pole(tuning.lambda_rad_per_s, setting.period_s);
-    control::VelocityFilter filter;
-    contact::Proxy proxy;
-    device::DeviceCommand command = device::DeviceCommand::braking();
+    rig::PhantomPlant plant(*device);
+    rig::LawOptions options;
+    options.device = setting.device;
+    options.tuning = with_controller(model.controller, setting.tuning);
+    options.period_s = setting.period_s;
+    options.global_alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
     ModelRun run;
+    std::optional<rig::LawRig> loop; // of the plant's first counts
     const std::size_t ticks = ticks_of(setting);
     for (std::size_t tick = 0; tick < ticks; ++tick) {
         stop_if_given_up();
-        run.commands.push_back(command);
-        const Vector3 theta_rad = law.theta_rad(device->advance(command).counts);
+        run.commands.push_back(loop ? loop->command().spring_drive
+                                    : device::DeviceCommand::braking());
+        if (loop) {
+            loop->tick();
+        } else {
+            plant.advance({device::DeviceCommand::braking(), Vector3::Zero()});
+            loop.emplace(plant, options, rig::surface(surface), rig::FirstCommand::answers);
+        }
         run.force_N.emplace_back(-device->truth().hand_force_N);
-        if (tick == 0) {
-            filter.reset(theta_rad);
-        }
-        const control::Configuration now =
-            law.configuration(theta_rad, filter.update(theta_rad, pole, setting.period_s));
-        if (tick == 0) {
-            proxy.reset(now.tip_m);
-        }
-        const contact::Contact contact = proxy.update(surface, now.tip_m);
-        command = law(now, contact, tuning, setting.global_alpha_rad2_per_m2).command;
-        run.configurations.push_back(now);
-        run.contacts.push_back(contact);
+        run.configurations.push_back(loop->configuration());
+        run.contacts.push_back(loop->contact());
     }
     return run;
 }

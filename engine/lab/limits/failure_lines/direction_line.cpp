@@ -3,15 +3,17 @@
 #include "base/bisection.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/haptic_law.h"
-#include "engine/control/velocity_filter.h"
+#include "engine/control/motion_control.h"
 #include "engine/lab/loops/direction_spectrum.h"
+#include "engine/lab/rig/law_rig.h"
 
 #include <Eigen/LU>
 
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 namespace springdrive::limits {
 
@@ -44,72 +46,44 @@ double predicted_deg(const loops::PlanarContact &contact, double frequency_hz) {
         contact, control::MotionMap::transpose, rate_rad_per_s(frequency_hz))));
 }
 
-/// Motors that are shaken while the law holds the tip at a point.
-class ShakenMotors {
+/// Windings of motors whose rotors stand still, but for one that is shaken.
+class ShakenRotors final : public rig::Plant {
 public:
-    ShakenMotors(const loops::StabilityCase &which, double omega_rad_per_s)
-        : which_(which), law_(which.device),
-          rest_rad_(device::motor_from_joint(which.device.geometry, which.q_rad)),
-          omega_(omega_rad_per_s) {
-        tie_.touching = true;
-        tie_.x0_m = device::tip_position_m(which.device.geometry, which.q_rad);
-        tie_.allowed_motion.setZero();
-        tie_.eta = 0.0;
-    }
+    static constexpr double kAmplitude_rad = 1e-5; ///< so small that J stands still
 
-    /// −τ of all motors per way of one, as a phasor [N·m/rad]. Once what the start left has died
-    /// out, the current's part at ω is weighed by a Hann window, which is deaf to all else.
-    [[nodiscard]] Eigen::Vector3cd stiffness(Eigen::Index shaken) {
-        constexpr double kSettles_s = 0.05;
-        constexpr double kWatched_s = 0.4;
-        filter_.reset(rest_rad_);
-        current_A_.setZero();
-        Eigen::Vector3cd sum = Eigen::Vector3cd::Zero();
-        double weights = 0.0;
-        const double h = which_.period_s / kSubSteps;
-        for (long tick = 0; static_cast<double>(tick) * which_.period_s < kSettles_s + kWatched_s;
-             ++tick) {
-            const double start_s = static_cast<double>(tick) * which_.period_s;
-            const device::DeviceCommand command = command_at(theta_rad(shaken, start_s));
-            for (int sub = 0; sub < kSubSteps; ++sub) {
-                const double before_s = start_s + sub * h;
-                carry_on(command, shaken, before_s, h);
-                const double share = (before_s + h - kSettles_s) / kWatched_s;
-                const double weight =
-                    share > 0.0 ? 1.0 - std::cos(2.0 * std::numbers::pi * share) : 0.0;
-                sum += weight * std::polar(1.0, -omega_ * (before_s + h)) *
-                       current_A_.cast<std::complex<double>>();
-                weights += weight;
-            }
+    /// What the currents are told to at the end of each sub-step.
+    using Watch = std::function<void(double time_s, const Vector3 &current_A)>;
+
+    ShakenRotors(const device::DeviceDescription &device, const Vector3 &rest_rad,
+                 Eigen::Index shaken, double omega_rad_per_s, double period_s, Watch watch)
+        : device_(device), rest_rad_(rest_rad), shaken_(shaken), omega_(omega_rad_per_s),
+          period_s_(period_s), watch_(std::move(watch)) {}
+
+    [[nodiscard]] double time_s() const { return static_cast<double>(periods_) * period_s_; }
+    [[nodiscard]] Vector3 theta_rad() const override { return theta_rad(time_s()); }
+
+    void advance(const simulated::PlantCommand &command) override {
+        constexpr int kSubSteps = 10;
+        const double h = period_s_ / kSubSteps;
+        for (int sub = 0; sub < kSubSteps; ++sub) {
+            const double before_s = time_s() + sub * h;
+            step(command.spring_drive, before_s, h);
+            watch_(before_s + h, current_A_);
         }
-        // A cosine of that amplitude has half of it at ω.
-        return -2.0 / (weights * kAmplitude_rad) *
-               law_.k_T().cast<std::complex<double>>().cwiseProduct(sum);
+        ++periods_;
     }
 
 private:
-    static constexpr int kSubSteps = 10;
-    static constexpr double kAmplitude_rad = 1e-5; ///< so small that J stands still
-
-    [[nodiscard]] Vector3 theta_rad(Eigen::Index shaken, double time_s) const {
+    [[nodiscard]] Vector3 theta_rad(double time_s) const {
         Vector3 theta = rest_rad_;
-        theta[shaken] += kAmplitude_rad * std::cos(omega_ * time_s);
+        theta[shaken_] += kAmplitude_rad * std::cos(omega_ * time_s);
         return theta;
     }
 
-    [[nodiscard]] device::DeviceCommand command_at(const Vector3 &theta) {
-        const control::Tuning tuning;
-        const double pole = control::velocity_filter_pole(tuning.lambda_rad_per_s, which_.period_s);
-        const control::Configuration now =
-            law_.configuration(theta, filter_.update(theta, pole, which_.period_s));
-        return law_(now, tie_, tuning, 0.0).command;
-    }
-
-    void carry_on(const device::DeviceCommand &command, Eigen::Index shaken, double before_s,
-                  double h) {
-        const Vector3 rate = (theta_rad(shaken, before_s + h) - theta_rad(shaken, before_s)) / h;
+    void step(const device::DeviceCommand &command, double before_s, double h) {
+        const Vector3 rate = (theta_rad(before_s + h) - theta_rad(before_s)) / h;
         for (Eigen::Index j = 0; j < 3; ++j) {
-            const device::MotorParameters &motor = which_.device.motor[static_cast<std::size_t>(j)];
+            const device::MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
             const device::DriveState now{motor.resistance_Ohm, current_A_[j], rate[j], true};
             current_A_[j] = device::spring_drive_step(motor, now, command.e_W_V[j],
                                                       command.cancelled_resistance_Ohm[j], h)
@@ -117,20 +91,53 @@ private:
         }
     }
 
-    const loops::StabilityCase &which_;
-    control::HapticLaw law_;
+    const device::DeviceDescription &device_;
     Vector3 rest_rad_;
+    Eigen::Index shaken_;
     double omega_;
-    control::VelocityFilter filter_;
-    contact::Contact tie_;
+    double period_s_;
+    Watch watch_;
+    long periods_ = 0;
     Vector3 current_A_{Vector3::Zero()};
 };
 
+/// −τ of all motors per way of the one that is shaken while the law holds the tip at a point, as a
+/// phasor [N·m/rad]. Once what the start left has died out, the current's part at ω is weighed by a
+/// Hann window, which suppresses all other frequencies.
+Eigen::Vector3cd motor_stiffness(const loops::StabilityCase &which, Eigen::Index shaken,
+                                 double omega_rad_per_s) {
+    constexpr double kSettles_s = 0.05;
+    constexpr double kWatched_s = 0.4;
+    Eigen::Vector3cd sum = Eigen::Vector3cd::Zero();
+    double weights = 0.0;
+    const auto correlate = [&](double time_s, const Vector3 &current_A) {
+        const double share = (time_s - kSettles_s) / kWatched_s;
+        const double weight = share > 0.0 ? 1.0 - std::cos(2.0 * std::numbers::pi * share) : 0.0;
+        sum += weight * std::polar(1.0, -omega_rad_per_s * time_s) *
+               current_A.cast<std::complex<double>>();
+        weights += weight;
+    };
+    rig::LawOptions law;
+    law.device = which.device;
+    law.period_s = which.period_s;
+    law.rests_at_rad = device::motor_from_joint(which.device.geometry, which.q_rad);
+    ShakenRotors rotors(which.device, *law.rests_at_rad, shaken, omega_rad_per_s, which.period_s,
+                        correlate);
+    rig::LawRig loop(rotors, law,
+                     rig::tied_to(device::tip_position_m(which.device.geometry, which.q_rad)),
+                     rig::FirstCommand::answers);
+    while (rotors.time_s() < kSettles_s + kWatched_s) {
+        loop.tick();
+    }
+    // A cosine of that amplitude has half of it at ω.
+    return -2.0 / (weights * ShakenRotors::kAmplitude_rad) *
+           control::torque_constants(which.device).cast<std::complex<double>>().cwiseProduct(sum);
+}
+
 double measured_deg(const loops::StabilityCase &which, double frequency_hz) {
-    ShakenMotors motors(which, rate_rad_per_s(frequency_hz));
     Eigen::Matrix2cd per_motor;
     for (Eigen::Index j = 0; j < 2; ++j) {
-        per_motor.col(j) = motors.stiffness(j + 1).tail<2>();
+        per_motor.col(j) = motor_stiffness(which, j + 1, rate_rad_per_s(frequency_hz)).tail<2>();
     }
     const Eigen::Matrix2cd J_inverse =
         loops::Matrix2(loops::planar_jacobian(which.device.geometry, which.q_rad).inverse())

@@ -35,14 +35,14 @@ double turned_in_hold_rad(const NewPlant &new_plant) {
     const int from = period_at(0.75 * press.release_s);
     const int until = period_at(press.release_s);
     const std::unique_ptr<PressedPlant> plant = new_plant();
-    PressLaw law(press, plant->sample().theta_rad);
+    rig::LawRig loop = press_loop(press, *plant);
     Vector3 least = Vector3::Zero();
     Vector3 greatest = Vector3::Zero();
     for (int period = 0; period < until; ++period) {
-        const Vector3 theta_rad = plant->sample().theta_rad;
+        const Vector3 theta_rad = plant->theta_rad();
         least = period <= from ? theta_rad : Vector3(least.cwiseMin(theta_rad));
         greatest = period <= from ? theta_rad : Vector3(greatest.cwiseMax(theta_rad));
-        plant->advance(period, law(theta_rad));
+        loop.tick();
     }
     return (greatest - least).maxCoeff();
 }

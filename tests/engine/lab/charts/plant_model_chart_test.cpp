@@ -68,8 +68,8 @@ TEST(ModelPlant, ReadsItsEncodersInWholeCounts) {
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         const std::unique_ptr<PressedPlant> plant = model_plant(press, model, false, 10)();
         for (int period = 0; period < press.periods; ++period) {
-            plant->advance(period, device::DeviceCommand::braking());
-            for (const double theta_rad : plant->sample().theta_rad) {
+            plant->advance({device::DeviceCommand::braking(), Vector3::Zero()});
+            for (const double theta_rad : plant->theta_rad()) {
                 const double counts = theta_rad * counts_per_rad;
                 ASSERT_NEAR(counts, std::round(counts), 1e-9);
             }
