@@ -91,31 +91,22 @@ std::unique_ptr<RecordedTouch> play(const std::string &name) {
     Place place = place_named(device, name);
     auto touch = std::make_unique<RecordedTouch>(
         RecordedTouch{device, std::move(place.surface), std::move(place.path), {}, {}});
-    ServoRig rig = touch->rig();
+    const std::unique_ptr<rig::ServoRig> rig = touch->rig();
     for (std::size_t i = 0; i < RecordedTouch::kTicks; ++i) {
-        touch->states.push_back(rig.loop.read());
-        touch->samples.push_back(rig.loop.update(touch->states.back(), rig.sealed_inputs));
-        rig.loop.write();
+        touch->samples.push_back(rig->tick());
+        touch->states.push_back(rig->measured());
     }
     check(*touch, name);
     return touch;
 }
 
-simulated::SimulationOptions following(const simulated::HandPath &path) {
-    simulated::SimulationOptions options;
-    options.path = path;
-    return options;
-}
-
 } // namespace
 
-ServoRig::ServoRig(const device::DeviceDescription &description, const simulated::HandPath &path,
-                   const contact::HapticSurface &surface)
-    : device(description, following(path), path.points().front().position_m),
-      loop(device, kServoPeriod_s) {
-    servo::ServoInputs inputs;
-    inputs.surface = &surface;
-    sealed_inputs = servo::sealed(inputs);
+std::unique_ptr<rig::ServoRig> RecordedTouch::rig() const {
+    simulated::SimulationOptions options;
+    options.path = path;
+    return std::make_unique<rig::ServoRig>(description, options, path.points().front().position_m,
+                                           &surface);
 }
 
 const RecordedTouch &recorded_touch(const std::string &name) {

@@ -3,27 +3,15 @@
 #pragma once
 
 #include "device/simulated/hand_path.h"
-#include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace springdrive::bench {
-
-/// A servo in lockstep on a device that a hand leads along a path.
-struct ServoRig {
-    ServoRig(const device::DeviceDescription &description, const simulated::HandPath &path,
-             const contact::HapticSurface &surface);
-
-    servo::ServoSample tick() { return loop.tick(sealed_inputs); }
-
-    simulated::SimulatedPhantom device;
-    servo::ServoLoop loop;
-    servo::ServoInputs sealed_inputs;
-};
 
 struct RecordedTouch {
     /// Until the gains are up and the hand is where it was sent to; not worth measuring.
@@ -37,7 +25,8 @@ struct RecordedTouch {
     std::vector<device::Measurement> states;
     std::vector<servo::ServoSample> samples;
 
-    [[nodiscard]] ServoRig rig() const { return {description, path, surface}; }
+    /// Before its first tick; made anew, it goes the same way.
+    [[nodiscard]] std::unique_ptr<rig::ServoRig> rig() const;
 };
 
 /// Played when it is first asked for: "free", "plate", "organic", "sphere shape", or as

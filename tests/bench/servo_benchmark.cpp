@@ -18,11 +18,11 @@ using namespace springdrive::bench;
 
 /// The servo and the device that it drives, closed loop.
 void tick_and_device(benchmark::State &state, const RecordedTouch &touch) {
-    std::unique_ptr<ServoRig> rig;
+    std::unique_ptr<rig::ServoRig> rig;
     over_ticks(
         state, RecordedTouch::kTicks,
         [&] {
-            rig = std::make_unique<ServoRig>(touch.description, touch.path, touch.surface);
+            rig = touch.rig();
             for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
                 rig->tick();
             }
@@ -31,42 +31,33 @@ void tick_and_device(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 /// The servo alone: what the device measured is known.
-template <typename Inputs>
-void update_with(benchmark::State &state, const RecordedTouch &touch, const Inputs &inputs_at) {
-    std::unique_ptr<ServoRig> rig;
+/// @param inputs  in turn, twenty ticks each
+template <std::size_t count>
+void update_with(benchmark::State &state, const RecordedTouch &touch,
+                 const std::array<servo::ServoInputs, count> &inputs) {
+    std::unique_ptr<rig::ServoRig> rig;
     over_ticks(
         state, RecordedTouch::kTicks,
         [&] {
-            rig = std::make_unique<ServoRig>(touch.description, touch.path, touch.surface);
+            rig = touch.rig();
             for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
-                rig->loop.update(touch.states[i], rig->sealed_inputs);
+                rig->loop().update(touch.states[i], inputs[0]);
             }
         },
         [&](std::size_t tick) {
-            return rig->loop.update(touch.states[tick], inputs_at(*rig, tick));
+            return rig->loop().update(touch.states[tick], inputs[tick / 20 % count]);
         });
 }
 
 void tick(benchmark::State &state, const RecordedTouch &touch) {
-    update_with(state, touch,
-                [](const ServoRig &rig, std::size_t /*tick*/) -> const servo::ServoInputs & {
-                    return rig.sealed_inputs;
-                });
+    update_with<1>(state, touch, {servo::sealed(touch.rig()->inputs)});
 }
 
 /// A slider that never rests: each tick the law is asked twice, before the change and after it.
 void tick_while_tuning(benchmark::State &state, const RecordedTouch &touch) {
-    std::array<servo::ServoInputs, 2> inputs;
-    inputs[0].surface = &touch.surface;
-    inputs[1] = inputs[0];
-    inputs[1].tuning.K_P_V_per_rad = 5.9;
-    for (servo::ServoInputs &sheet : inputs) {
-        sheet = servo::sealed(sheet);
-    }
-    update_with(state, touch,
-                [&](const ServoRig & /*rig*/, std::size_t tick) -> const servo::ServoInputs & {
-                    return inputs[tick / 20 % inputs.size()];
-                });
+    servo::ServoInputs inputs = touch.rig()->inputs;
+    inputs.tuning.K_P_V_per_rad = 5.9;
+    update_with<2>(state, touch, {servo::sealed(touch.rig()->inputs), servo::sealed(inputs)});
 }
 
 } // namespace

@@ -36,16 +36,16 @@ std::vector<control::Configuration> configurations(const control::HapticLaw &law
 }
 
 void step_device(benchmark::State &state, const RecordedTouch &touch) {
-    std::unique_ptr<ServoRig> rig;
+    std::unique_ptr<rig::ServoRig> rig;
     over_ticks(
         state, RecordedTouch::kTicks,
         [&] {
-            rig = std::make_unique<ServoRig>(touch.description, touch.path, touch.surface);
+            rig = touch.rig();
             for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
                 rig->tick();
             }
         },
-        [&](std::size_t tick) { return rig->device.advance(touch.samples[tick - 1].command); });
+        [&](std::size_t tick) { return rig->phantom().advance(touch.samples[tick - 1].command); });
 }
 
 void step_inputs(benchmark::State &state, const RecordedTouch &touch) {

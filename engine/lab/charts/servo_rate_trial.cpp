@@ -1,7 +1,6 @@
 #include "engine/lab/charts/servo_rate_trial.h"
 
 #include "base/input_error.h"
-#include "device/simulated/simulated_phantom.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/direction_spectrum.h"
 #include "engine/lab/loops/sampled_loop.h"
@@ -9,8 +8,8 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/lab/rig/scenario/scripted_touch.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "engine/lab/rig/timing.h"
-#include "engine/servo/servo_loop.h"
 
 #include <cmath>
 #include <complex>
@@ -31,42 +30,15 @@ Vector3 middle_angles_rad(const device::DeviceDescription &device) {
         .value_or(Vector3::Zero());
 }
 
-/// A servo in lockstep with a simulated device, on a sphere.
-struct TouchedSphere {
-    explicit TouchedSphere(const ChartSetting &setting)
-        : surface(rig::icosphere(5, rig::kTestSphereRadius_m)),
-          start_m(rig::start_above(setting.device, -corner_m(), corner_m())) {
-        options.path =
-            rig::scripted_touch(setting.device, surface, -corner_m(), corner_m(), start_m);
-        servo::ServoInputs inputs;
-        inputs.tuning = setting.tuning;
-        inputs.surface = &surface;
-        inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
-        sealed_inputs = servo::sealed(inputs);
-    }
-
-    static Vector3 corner_m() { return Vector3::Constant(rig::kTestSphereRadius_m); }
-
-    contact::HapticSurface surface;
-    Vector3 start_m;
-    simulated::SimulationOptions options;
-    servo::ServoInputs sealed_inputs;
-};
-
-/// What the servo measured, tick by tick.
-std::vector<device::Measurement> recorded_states(const ChartSetting &setting,
-                                                 const TouchedSphere &sphere) {
-    simulated::SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
-    servo::ServoLoop loop(device, kPeriod_s);
+/// What the servo measures, tick by tick.
+std::vector<device::Measurement> recorded_states(rig::ServoRig &rig) {
     std::vector<device::Measurement> states;
     for (std::size_t i = 0; i < kTicks; ++i) {
-        states.push_back(loop.read());
-        const servo::ServoSample sample = loop.update(states.back(), sphere.sealed_inputs);
-        loop.write();
-        if (sample.safety.state == servo::SafetyState::tripped) {
+        if (rig.tick(); rig.has_tripped()) {
             throw InputError("the safety monitor stops the servo while it is timed: " +
-                             servo::description(sample.safety) + "; choose another tuning");
+                             servo::description(rig.last.safety) + "; choose another tuning");
         }
+        states.push_back(rig.measured());
     }
     return states;
 }
@@ -114,13 +86,20 @@ bool is_stable_on_all_motors(const device::DeviceDescription &device, const cont
 }
 
 rig::Cost cost_of_servo_tick(const ChartSetting &setting) {
-    const TouchedSphere sphere(setting);
-    const std::vector<device::Measurement> states = recorded_states(setting, sphere);
-    simulated::SimulatedPhantom device(setting.device, sphere.options, sphere.start_m);
+    const Vector3 corner_m = Vector3::Constant(rig::kTestSphereRadius_m);
+    const Vector3 start_m = rig::start_above(setting.device, -corner_m, corner_m);
+    const contact::HapticSurface surface(rig::icosphere(5, rig::kTestSphereRadius_m));
+    simulated::SimulationOptions options;
+    options.path = rig::scripted_touch(setting.device, surface, -corner_m, corner_m, start_m);
+    rig::ServoRig rig(setting.device, options, start_m, &surface);
+    rig.inputs.tuning = setting.tuning;
+    rig.inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
+    const std::vector<device::Measurement> states = recorded_states(rig);
+    const servo::ServoInputs inputs = servo::sealed(rig.inputs);
     return rig::cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
-        servo::ServoLoop loop(device, kPeriod_s);
+        servo::ServoLoop loop(rig.phantom(), kPeriod_s);
         for (const device::Measurement &state : states) {
-            rig::keep(loop.update(state, sphere.sealed_inputs));
+            rig::keep(loop.update(state, inputs));
         }
     });
 }

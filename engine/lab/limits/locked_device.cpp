@@ -1,11 +1,10 @@
 #include "engine/lab/limits/locked_device.h"
 
 #include "base/input_error.h"
-#include "device/simulated/simulated_phantom.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/rig/configuration.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -74,46 +73,27 @@ device::DeviceDescription without_edge(device::DeviceDescription device) {
     return device;
 }
 
-/// The simulated device in its vice, and the servo that it answers to.
-class LockedRig {
-public:
-    LockedRig(const device::DeviceDescription &device, const simulated::SimulationOptions &options,
-              const Vector3 &start_m, const contact::HapticSurface &plate,
-              const control::Tuning &tuning, double alpha)
-        : device_(without_edge(device), options, start_m), loop_(device_, options.servo_period_s) {
-        inputs_.surface = &plate;
-        inputs_.tuning = tuning;
-        inputs_.tuning.alpha_mode = control::AlphaMode::global;
-        inputs_.global_alpha_rad2_per_m2 = alpha;
-    }
-
-    /// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
-    [[nodiscard]] Vector3 run(double until_s) {
-        Vector3 sum = Vector3::Zero();
-        int ticks = 0;
-        while (device_.truth().time_s < until_s - 0.5 * loop_.period_s()) {
-            const servo::ServoSample sample = loop_.tick(servo::sealed(inputs_));
-            if (sample.safety.state == servo::SafetyState::tripped) {
-                throw InputError("locked device: the safety monitor tripped (" +
-                                 servo::description(sample.safety) +
-                                 "); choose a softer tuning or another configuration");
-            }
-            const bool measures = device_.truth().time_s > kMeasureFrom_s;
-            if (measures && (sample.held_back.force || sample.held_back.voltage)) {
-                throw InputError("locked device: the servo held the force back to keep within its "
-                                 "limits; choose a softer tuning or another configuration");
-            }
-            sum -= device_.truth().hand_force_N;
-            ++ticks;
+/// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
+Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
+    Vector3 sum = Vector3::Zero();
+    int ticks = 0;
+    while (rig.truth().time_s < until_s - 0.5 * rig.loop().period_s()) {
+        const servo::ServoSample &sample = rig.tick();
+        if (rig.has_tripped()) {
+            throw InputError("locked device: the safety monitor tripped (" +
+                             servo::description(sample.safety) +
+                             "); choose a softer tuning or another configuration");
         }
-        return sum / std::max(1, ticks);
+        const bool measures = rig.truth().time_s > kMeasureFrom_s;
+        if (measures && (sample.held_back.force || sample.held_back.voltage)) {
+            throw InputError("locked device: the servo held the force back to keep within its "
+                             "limits; choose a softer tuning or another configuration");
+        }
+        sum -= rig.truth().hand_force_N;
+        ++ticks;
     }
-
-private:
-    simulated::SimulatedPhantom device_;
-    servo::ServoLoop loop_;
-    servo::ServoInputs inputs_;
-};
+    return sum / std::max(1, ticks);
+}
 
 const loops::Matrix2 &stiffness_under(const loops::PlanarStiffness &stiffness,
                                       control::MotionMap map) {
@@ -137,14 +117,16 @@ LockedForce press_locked_device(const device::DeviceDescription &device,
 
     const contact::HapticSurface surface(
         plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
-    control::Tuning tuning = options.tuning;
-    tuning.map = map;
-    LockedRig rig(device, simulation_options(options, outside_m, inside_m), outside_m, surface,
-                  tuning, stiffness.alpha_rad2_per_m2);
-    static_cast<void>(rig.run(kZeroFrom_s));
-    const Vector3 zero_N = rig.run(kPressFrom_s);
-    static_cast<void>(rig.run(kMeasureFrom_s));
-    const Vector3 reading_N = rig.run(kMeasureUntil_s);
+    rig::ServoRig rig(without_edge(device), simulation_options(options, outside_m, inside_m),
+                      outside_m, &surface);
+    rig.inputs.tuning = options.tuning;
+    rig.inputs.tuning.map = map;
+    rig.inputs.tuning.alpha_mode = control::AlphaMode::global;
+    rig.inputs.global_alpha_rad2_per_m2 = stiffness.alpha_rad2_per_m2;
+    static_cast<void>(mean_force_N(rig, kZeroFrom_s));
+    const Vector3 zero_N = mean_force_N(rig, kPressFrom_s);
+    static_cast<void>(mean_force_N(rig, kMeasureFrom_s));
+    const Vector3 reading_N = mean_force_N(rig, kMeasureUntil_s);
 
     LockedForce force;
     force.measured_N = plane.transpose() * (reading_N - zero_N);

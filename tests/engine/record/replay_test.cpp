@@ -2,9 +2,8 @@
 // other bit is found.
 #include "engine/record/replay.h"
 
-#include "device/simulated/simulated_phantom.h"
 #include "engine/control/parameters.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 
@@ -28,12 +27,10 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
                                                                  {1.5, Vector3(0.0, -0.004, 0.0)},
                                                                  {2.5, Vector3(0.02, -0.006, 0.01)},
                                                                  {2.8, kStart_m}});
-    simulated::SimulatedPhantom device(testing::phantom_1_0(), options, kStart_m);
     const contact::HapticSurface plate(
         testing::box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06)));
-    servo::ServoLoop loop(device, period_s);
-    servo::ServoInputs inputs;
-    inputs.surface = &plate;
+    rig::ServoRig rig(testing::phantom_1_0(), options, kStart_m, &plate);
+    servo::ServoInputs &inputs = rig.inputs;
     inputs.scene_id = 1;
     inputs.global_alpha_rad2_per_m2 = 3000.0;
     std::vector<servo::ServoSample> samples;
@@ -53,7 +50,7 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
         }
         inputs.emergency_stop = tick == ticks * 3 / 4;
         inputs.reset_count = tick > ticks * 3 / 4 + 10 ? 1 : 0;
-        samples.push_back(loop.tick(servo::sealed(inputs)));
+        samples.push_back(rig.tick());
     }
     return samples;
 }

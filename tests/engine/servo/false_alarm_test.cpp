@@ -1,6 +1,6 @@
 // Covers what the safety monitor must not do: hands that press, tap and slide as people do must
 // never trip it, whatever the tuning, the rate and the surface.
-#include "tests/support/fault_rig.h"
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -56,14 +56,14 @@ struct Extremes {
 };
 
 /// A run whose path ends with the last of its points.
-void run(testing::FaultRig &rig, double until_s, Extremes &seen) {
+void run(testing::FaultTrial &rig, double until_s, Extremes &seen) {
     bool touched = false;
     for (int tick = 0; tick < rig.ticks_in(until_s) && !rig.has_tripped(); ++tick) {
-        const ServoSample sample = rig.tick();
+        const ServoSample sample = rig.step();
         touched |= sample.contact.touching;
         seen.energy_J = std::max(seen.energy_J, sample.generated_energy_J);
     }
-    EXPECT_FALSE(rig.has_tripped()) << description(rig.last().safety);
+    EXPECT_FALSE(rig.has_tripped()) << description(rig.last.safety);
     seen.force_N = std::max(seen.force_N, rig.greatest_force_N());
     seen.touched += touched ? 1 : 0;
     ++seen.runs;
@@ -88,7 +88,7 @@ TEST_P(FalseAlarm, NoneWhereHandsPressAndTap) {
                         taps_and_presses(what, speed_m_per_s, hand.depth_m);
                     options.hand = hand.parameters;
                     const double until_s = options.path->points().back().time_s + 0.05;
-                    testing::FaultRig rig(what, options, testing::HandOf::options);
+                    testing::FaultTrial rig(what, options, testing::HandOf::options);
                     Extremes seen;
                     SCOPED_TRACE(what.tuning_name + ", η " + std::to_string(eta) + ", " +
                                  hand.name + " hand at " + std::to_string(speed_m_per_s) + " m/s");

@@ -1,8 +1,8 @@
 // Covers the safety monitor's answer to faults of what is rendered: amplifiers that give more than
 // was asked for, or the opposite; windings that sag below R̂; counts that come late, so that a
 // contact makes energy. What is held to in every tick of every fault is said in
-// tests/support/fault_rig.h: the true force too is above its limit in one tick at the most.
-#include "tests/support/fault_rig.h"
+// tests/support/fault_trial.h: the true force too is above its limit in one tick at the most.
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -20,24 +20,24 @@ TEST(FaultInjection, TipForce) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(41);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         // The device's own limit, or one that was lowered while nobody felt it.
         const double limit_N = i % 2 == 0 ? 8.5 : testing::uniform(random, 6.0, 8.0);
         rig.inputs.limits.tip_force_N = limit_N;
         rig.run_to_fault();
-        const double force_N = rig.last().tip_force_N.norm();
+        const double force_N = rig.last.tip_force_N.norm();
         EXPECT_GT(force_N, 0.2);
         // An amplifier that gives too much.
         const double gain = limit_N / force_N * testing::log_uniform(random, 1.1, 2.0);
-        rig.commit(testing::FaultKind::amplifier_gain, Vector3::Constant(gain));
+        rig.commit(rig::FaultKind::amplifier_gain, Vector3::Constant(gain));
         rig.run_to_trip(0.05);
         // Where one tick brings it beyond both limits, the winding's is named.
-        rig.expect_tripped_by(rig.last().safety.cause == TripCause::current ? TripCause::current
-                                                                            : TripCause::tip_force);
+        rig.expect_tripped_by(rig.last.safety.cause == TripCause::current ? TripCause::current
+                                                                          : TripCause::tip_force);
         rig.expect_latched();
         rig.expect_reset_waits();
-        rig.device.mend();
+        rig.device().mend();
         rig.inputs.limits = unlowered();
         rig.expect_recovery();
     }
@@ -50,44 +50,44 @@ TEST(FaultInjection, Energy) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::running_on_plate);
         what.firm = what.firm && what.tuning_name != "soft"; // it would hold a soft spring's double
         what.target_m.y() = -testing::uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
-        testing::FaultRig rig(what);
+        testing::FaultTrial rig(what);
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.inputs.limits.generated_energy_J =
             0.03 * testing::uniform(random, 0.1, what.firm ? 0.3 : 1.0);
         // Wires swapped: what should push out pulls in.
-        rig.commit(testing::FaultKind::amplifier_gain,
+        rig.commit(rig::FaultKind::amplifier_gain,
                    -Vector3::Ones() * testing::uniform(random, 1.0, 1.4));
         rig.run_to_trip(1.0);
         rig.expect_tripped_by(TripCause::energy);
         rig.expect_latched();
         rig.expect_reset_waits();
-        rig.device.mend();
+        rig.device().mend();
         rig.expect_recovery();
     }
 }
 
 /// One of the faults that may show in several ways, or in none.
-testing::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
+rig::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
     switch (std::uniform_int_distribution<int>(0, 4)(random)) {
     case 0: // R falls to R̂, or below it
-        return {testing::FaultKind::sagging_winding,
+        return {rig::FaultKind::sagging_winding,
                 Vector3::Constant(what.tuning.dR_Ohm + testing::uniform(random, -0.1, 0.4))};
     case 1:
-        return {testing::FaultKind::sagging_winding,
+        return {rig::FaultKind::sagging_winding,
                 Vector3::Unit(static_cast<int>(random() % 3)) *
                     (what.tuning.dR_Ohm + testing::uniform(random, 0.0, 0.4))};
     case 2:
-        return {testing::FaultKind::late_counts,
+        return {rig::FaultKind::late_counts,
                 Vector3::Constant(
                     std::floor(what.servo_hz * testing::log_uniform(random, 0.002, 0.04)))};
     case 3: {
         Vector3 gain = Vector3::Ones();
         gain[static_cast<int>(random() % 3)] = -1.0;
-        return {testing::FaultKind::amplifier_gain, gain};
+        return {rig::FaultKind::amplifier_gain, gain};
     }
     default:
-        return {testing::FaultKind::amplifier_gain,
+        return {rig::FaultKind::amplifier_gain,
                 Vector3::Constant(testing::log_uniform(random, 1.2, 10.0))};
     }
 }
@@ -100,17 +100,17 @@ TEST(FaultInjection, WhicheverCauseIsFirst) {
     std::array<int, testing::kTripCauses> by_cause{};
     double greatest_N = 0.0;
     for (int i = 0; i < kAny && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        const testing::Fault fault = some_fault(random, rig.what);
+        const rig::Fault fault = some_fault(random, rig.what);
         SCOPED_TRACE("fault " + std::to_string(static_cast<int>(fault.kind)) + " of " +
                      std::to_string(fault.size.maxCoeff()));
         rig.commit(fault.kind, fault.size);
         rig.run_to_trip(0.6);
         if (rig.has_tripped()) {
             ++tripped;
-            ++by_cause[static_cast<std::size_t>(rig.last().safety.cause)];
+            ++by_cause[static_cast<std::size_t>(rig.last.safety.cause)];
             rig.expect_latched();
         }
         greatest_N = std::max(greatest_N, rig.greatest_force_N());

@@ -1,7 +1,7 @@
 // Covers the safety monitor's answer to faults of what is measured: a device that does not answer,
 // values that are none, encoders that jump, currents beyond the amplifiers. What is held to in
-// every tick of every fault is said in tests/support/fault_rig.h.
-#include "tests/support/fault_rig.h"
+// every tick of every fault is said in tests/support/fault_trial.h.
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -26,15 +26,15 @@ Vector3 some_motors(std::mt19937 &random) {
 }
 
 /// A fault that is there at once, and each time that somebody resets.
-void see_through(testing::FaultRig &rig, testing::FaultKind kind, const Vector3 &size,
+void see_through(testing::FaultTrial &rig, rig::FaultKind kind, const Vector3 &size,
                  TripCause cause) {
     rig.run_to_fault();
     rig.commit(kind, size);
-    rig.tick();
+    rig.step();
     rig.expect_tripped_by(cause);
     rig.expect_latched();
     rig.expect_reset_trips_again(cause, 0.01);
-    rig.device.mend();
+    rig.device().mend();
     rig.expect_latched();
     rig.expect_recovery();
 }
@@ -43,9 +43,9 @@ TEST(FaultInjection, DeviceLost) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(21);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        see_through(rig, testing::FaultKind::silent, Vector3::Zero(), TripCause::device_lost);
+        see_through(rig, rig::FaultKind::lost, Vector3::Zero(), TripCause::device_lost);
     }
 }
 
@@ -54,20 +54,20 @@ TEST(FaultInjection, StaleMeasurements) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(24);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        constexpr std::array<testing::FaultKind, 3> kKinds{
-            testing::FaultKind::absent, testing::FaultKind::corrupt, testing::FaultKind::repeated};
+        constexpr std::array<rig::FaultKind, 3> kKinds{
+            rig::FaultKind::absent, rig::FaultKind::corrupt, rig::FaultKind::repeated};
         rig.run_to_fault();
         rig.force_is_bounded = false; // the hand moves on behind a held e_W
         rig.commit(kKinds[static_cast<std::size_t>(i) % kKinds.size()], Vector3::Zero());
-        const double budget_s = rig.device.description().limits.stale_s;
+        const double budget_s = rig.device().description().limits.stale_s;
         rig.run_to_trip(budget_s + 2.0 / rig.what.servo_hz);
         rig.expect_tripped_by(TripCause::stale_measurement);
         rig.force_is_bounded = true;
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::stale_measurement, 0.01);
-        rig.device.mend();
+        rig.device().mend();
         rig.expect_latched();
         rig.expect_recovery();
     }
@@ -77,13 +77,12 @@ TEST(FaultInjection, BoardFault) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(25);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         // An amplifier's own fault opens the windings, where no brake bounds the hand.
         const double bits =
             static_cast<double>(2 * std::uniform_int_distribution<int>(1, 31)(random));
-        see_through(rig, testing::FaultKind::board, Vector3(bits, 0.0, 0.0),
-                    TripCause::board_fault);
+        see_through(rig, rig::FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
     }
 }
 
@@ -91,11 +90,10 @@ TEST(FaultInjection, NotFinite) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(22);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         see_through(rig,
-                    random() % 2 == 0 ? testing::FaultKind::not_a_number
-                                      : testing::FaultKind::infinite,
+                    random() % 2 == 0 ? rig::FaultKind::not_a_number : rig::FaultKind::infinite,
                     some_motors(random), TripCause::not_finite);
     }
 }
@@ -104,29 +102,29 @@ TEST(FaultInjection, CurrentReading) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(23);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        const double peak_A = rig.device.description().motor[0].peak_current_A;
+        const double peak_A = rig.device().description().motor[0].peak_current_A;
         const double read_A = peak_A * (1.0 + testing::log_uniform(random, 1e-4, 0.5));
-        see_through(rig, testing::FaultKind::current_reading, read_A * some_motors(random),
+        see_through(rig, rig::FaultKind::current_reading, read_A * some_motors(random),
                     TripCause::current);
         EXPECT_DOUBLE_EQ(rig.inputs.limits.current_A, unlowered().current_A);
     }
 }
 
 /// Counts that move the tip by so much, the motors as in `signs`.
-Vector3 jump_counts(const testing::FaultRig &rig, const Vector3 &signs, double way_m) {
-    const device::DeviceDescription &device = rig.device.description();
-    const testing::TipAt now(device.geometry, rig.device.truth().theta_rad);
+Vector3 jump_counts(const testing::FaultTrial &rig, const Vector3 &signs, double way_m) {
+    const device::DeviceDescription &device = rig.device().description();
+    const testing::TipAt now(device.geometry, rig.truth().theta_rad);
     const double tip_m_per_count =
         (now.J * signs).norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
     return (signs * (way_m / tip_m_per_count)).array().round();
 }
 
 /// Further than a tip at twice its greatest speed comes in a tick, and five counts.
-double surely_a_jump_m(const testing::FaultRig &rig) {
-    const device::DeviceDescription &device = rig.device.description();
-    const testing::TipAt now(device.geometry, rig.device.truth().theta_rad);
+double surely_a_jump_m(const testing::FaultTrial &rig) {
+    const device::DeviceDescription &device = rig.device().description();
+    const testing::TipAt now(device.geometry, rig.truth().theta_rad);
     return 2.0 * device.limits.tip_speed_m_per_s / rig.what.servo_hz +
            5.0 * now.J.norm() * 2.0 * std::numbers::pi / device.encoder_counts_per_turn;
 }
@@ -135,21 +133,21 @@ TEST(FaultInjection, EncoderJump) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(24);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         const double way_m = testing::log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
         const bool flickers = i % 2 == 0;
-        rig.commit(flickers ? testing::FaultKind::count_flicker : testing::FaultKind::count_step,
+        rig.commit(flickers ? rig::FaultKind::count_flicker : rig::FaultKind::count_step,
                    jump_counts(rig, some_motors(random), way_m));
-        rig.tick();
+        rig.step();
         rig.expect_tripped_by(TripCause::encoder_jump);
-        EXPECT_NEAR(rig.last().safety.measured, way_m, 0.5 * way_m);
+        EXPECT_NEAR(rig.last.safety.measured, way_m, 0.5 * way_m);
         rig.expect_latched();
         if (flickers) { // one that is off for good looks like any other place, once accepted
             rig.expect_reset_trips_again(TripCause::none, 0.01); // as a jump or as a speed
         }
-        rig.device.mend();
+        rig.device().mend();
         rig.expect_latched();
         rig.expect_recovery();
     }

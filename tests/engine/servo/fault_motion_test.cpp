@@ -1,9 +1,9 @@
 // Covers the safety monitor's answer to what moves or warms too much: a hand that yanks, joints or
 // encoders beyond the stops, a hot motor, a lasting wish for more voltage. What is held to in every
-// tick of every fault is said in tests/support/fault_rig.h.
+// tick of every fault is said in tests/support/fault_trial.h.
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
-#include "tests/support/fault_rig.h"
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(FaultInjection, TipSpeed) {
         const double speed = std::min(limit * testing::uniform(random, 2.0, 3.0), 3.0);
         const Vector3 end_m(0.07, testing::uniform(random, 0.02, 0.05),
                             testing::uniform(random, -0.03, 0.03));
-        testing::FaultRig rig(what, yanking(what, end_m, speed));
+        testing::FaultTrial rig(what, yanking(what, end_m, speed));
         SCOPED_TRACE(rig.what.description() + ", then at " + std::to_string(speed) + " m/s");
         rig.run_to_fault();
         if (limit < device_limit) {
@@ -59,16 +59,16 @@ TEST(FaultInjection, TipSpeed) {
         const double late_s = 6.0 / what.tuning.lambda_rad_per_s + 2.0 / what.servo_hz;
         int above = 0;
         for (int tick = 0; tick < rig.ticks_in(0.5) && !rig.has_tripped(); ++tick) {
-            rig.tick();
-            above = rig.device.truth().tip_velocity_m_per_s.norm() > 1.03 * limit ? above + 1 : 0;
+            rig.step();
+            above = rig.truth().tip_velocity_m_per_s.norm() > 1.03 * limit ? above + 1 : 0;
             EXPECT_LE(above / what.servo_hz, late_s);
         }
         rig.expect_tripped_by(TripCause::tip_speed);
-        EXPECT_GT(rig.device.truth().tip_velocity_m_per_s.norm(), 0.8 * limit); // no false alarm
+        EXPECT_GT(rig.truth().tip_velocity_m_per_s.norm(), 0.8 * limit); // no false alarm
         rig.expect_latched();
         rig.inputs.limits = unlowered();
         for (int tick = 0; tick < rig.ticks_in(0.7); ++tick) { // until the hand is there
-            rig.tick();
+            rig.step();
         }
         rig.expect_recovery();
     }
@@ -123,7 +123,7 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
         const Vector3 q_rad = angles_near(random, device.joint_limits, stop);
         what.start_m = device::tip_position_m(device.geometry, q_rad);
         what.target_m = what.start_m;
-        testing::FaultRig rig(what);
+        testing::FaultTrial rig(what);
         SCOPED_TRACE(rig.what.description() + ", stop " + std::to_string(stop));
         if (i % 2 == 0) {
             rig.inputs.limits.beyond_stops_rad = testing::uniform(random, 0.002, 0.05);
@@ -134,12 +134,12 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
         const double counts_per_tick = rate_rad_per_s / what.servo_hz *
                                        device.geometry.transmission_ratio[joint] *
                                        device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
-        rig.commit(testing::FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
+        rig.commit(rig::FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
         rig.run_to_trip(3.0);
         rig.expect_tripped_by(TripCause::beyond_stops);
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::beyond_stops, 0.01);
-        rig.device.mend();
+        rig.device().mend();
         rig.expect_latched();
         rig.expect_recovery();
     }
@@ -149,7 +149,7 @@ TEST(FaultInjection, WindingTemperature) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(33);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         // As if the motor were so much hotter: what is left to the limit is used up soon.
@@ -157,7 +157,7 @@ TEST(FaultInjection, WindingTemperature) {
             rig.judge.upper_winding_C() + testing::uniform(random, -0.05, 0.05);
         rig.run_to_trip(2.0);
         rig.expect_tripped_by(TripCause::winding_temperature);
-        EXPECT_LT(rig.device.truth().winding_C.maxCoeff(), rig.last().safety.limit);
+        EXPECT_LT(rig.truth().winding_C.maxCoeff(), rig.last.safety.limit);
         rig.inputs.limits.winding_C -= 0.5; // it cools while it brakes
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::winding_temperature, 0.01);
@@ -171,12 +171,12 @@ TEST(FaultInjection, VoltageThatLasts) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(34);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::running_on_plate));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         // Lowered, it glides there in up to a second.
         rig.inputs.limits.voltage_V =
-            testing::uniform(random, 0.2, 0.8) * rig.last().command.e_W_V.cwiseAbs().maxCoeff();
+            testing::uniform(random, 0.2, 0.8) * rig.last.command.e_W_V.cwiseAbs().maxCoeff();
         rig.run_to_trip(2.0);
         rig.expect_tripped_by(TripCause::voltage);
         rig.expect_latched();

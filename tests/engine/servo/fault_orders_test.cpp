@@ -1,8 +1,8 @@
 // Covers the safety monitor's answer to faults of those who use the servo: the emergency stop, torn
 // inputs, missed deadlines and a window that falls silent. What is held to in every tick of every
-// fault is said in tests/support/fault_rig.h.
+// fault is said in tests/support/fault_trial.h.
 #include "engine/control/parameters.h"
-#include "tests/support/fault_rig.h"
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -16,11 +16,11 @@ TEST(FaultInjection, EmergencyStop) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(11);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.inputs.emergency_stop = true;
-        rig.tick();
+        rig.step();
         rig.expect_tripped_by(TripCause::emergency_stop);
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::emergency_stop, 0.01);
@@ -69,11 +69,11 @@ TEST(FaultInjection, TornInputs) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(12);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.tear = [&](ServoInputs &inputs) { tear_at(i % 22, inputs); };
-        rig.tick();
+        rig.step();
         rig.expect_tripped_by(TripCause::torn_inputs);
         rig.expect_latched();
         // A reset that arrives torn is none; the first that arrives whole counts.
@@ -88,7 +88,7 @@ TEST(FaultInjection, MissedDeadlines) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(13);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.force_is_bounded = false; // the servo is not there to bound it
@@ -97,13 +97,13 @@ TEST(FaultInjection, MissedDeadlines) {
         rig.timing = [&] {
             const auto missed =
                 static_cast<std::uint32_t>(testing::uniform(random, 1.0, most + 1.0));
-            rig.device.pass_by(static_cast<int>(missed));
+            rig.device().pass_by(static_cast<int>(missed));
             in_a_row += missed;
             return TickTiming{missed, in_a_row};
         };
         rig.run_to_trip(0.1);
         rig.expect_tripped_by(TripCause::missed_deadlines);
-        EXPECT_NEAR(rig.last().safety.measured, in_a_row / rig.what.servo_hz, 1e-9);
+        EXPECT_NEAR(rig.last.safety.measured, in_a_row / rig.what.servo_hz, 1e-9);
         rig.force_is_bounded = true;
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::missed_deadlines, 0.01);
@@ -117,7 +117,7 @@ TEST(FaultInjection, WindowSilent) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(14);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultRig rig(testing::random_case(random, i, testing::Place::anywhere));
+        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         const double limit_s = i % 6 == 0 ? 2.0 : testing::log_uniform(random, 0.05, 1.0);
         rig.inputs.limits.window_silence_s = limit_s;

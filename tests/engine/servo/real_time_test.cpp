@@ -3,7 +3,7 @@
 #include "device/simulated/plant_model.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/scripted_touch.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "engine/session/scene_loader.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
@@ -31,24 +31,22 @@ std::unique_ptr<session::LoadedScene> scene_named(const std::string &name,
                                description.workspace, progress);
 }
 
-/// Every scene of the project, touched by the scripted hand, with every map and source of α.
-struct Rig {
-    Rig(const std::string &scene_name, control::MotionMap map, control::AlphaMode alpha_mode)
-        : description(testing::phantom_1_0()), scene(scene_named(scene_name, description)),
-          device(description, options(), start()), loop(device, 1e-3) {
-        inputs.surface = &scene->surface;
-        inputs.tuning.map = map;
-        inputs.tuning.alpha_mode = alpha_mode;
-        inputs.global_alpha_rad2_per_m2 = 3000.0;
+/// A scene of the project, touched by the scripted hand.
+class TouchedScene {
+public:
+    TouchedScene(const std::string &scene_name, control::MotionMap map,
+                 control::AlphaMode alpha_mode)
+        : scene_(scene_named(scene_name, description_)),
+          closed_loop(description_, options(), start_m(), &scene_->surface) {
+        closed_loop.inputs.tuning.map = map;
+        closed_loop.inputs.tuning.alpha_mode = alpha_mode;
+        closed_loop.inputs.global_alpha_rad2_per_m2 = 3000.0;
     }
 
-    [[nodiscard]] Vector3 start() const {
-        return rig::start_above(description, scene->scene.lower_m, scene->scene.upper_m);
-    }
     [[nodiscard]] simulated::SimulationOptions options() const {
         simulated::SimulationOptions simulation;
-        simulation.path = rig::scripted_touch(description, scene->surface, scene->scene.lower_m,
-                                              scene->scene.upper_m, start());
+        simulation.path = rig::scripted_touch(description_, scene_->surface, scene_->scene.lower_m,
+                                              scene_->scene.upper_m, start_m());
         return simulation;
     }
 
@@ -56,32 +54,36 @@ struct Rig {
     int run(int ticks) {
         int touching = 0;
         for (int i = 0; i < ticks; ++i) {
-            inputs.emergency_stop = i == ticks - 200;
-            inputs.reset_count = i > ticks - 100 ? 1U : 0U;
-            const ServoSample sample = loop.tick(sealed(inputs));
-            touching += sample.contact.touching ? 1 : 0;
+            closed_loop.inputs.emergency_stop = i == ticks - 200;
+            closed_loop.inputs.reset_count = i > ticks - 100 ? 1U : 0U;
+            touching += closed_loop.tick().contact.touching ? 1 : 0;
         }
         return touching;
     }
 
-    device::DeviceDescription description;
-    std::unique_ptr<session::LoadedScene> scene;
-    simulated::SimulatedPhantom device;
-    ServoLoop loop;
-    ServoInputs inputs;
+private:
+    [[nodiscard]] Vector3 start_m() const {
+        return rig::start_above(description_, scene_->scene.lower_m, scene_->scene.upper_m);
+    }
+
+    device::DeviceDescription description_ = testing::phantom_1_0();
+    std::unique_ptr<session::LoadedScene> scene_;
+
+public:
+    rig::ServoRig closed_loop;
 };
 
 constexpr int kTicks = 3000; // of which 1200 before the hand sets off
 
-template <typename Check> void for_every_rig(Check &&check) {
+template <typename Check> void for_every_scene(Check &&check) {
     for (const char *scene : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
         for (const control::MotionMap map :
              {control::MotionMap::inverse, control::MotionMap::transpose}) {
             for (const control::AlphaMode mode :
                  {control::AlphaMode::on_the_fly, control::AlphaMode::global,
                   control::AlphaMode::by_hand}) {
-                Rig rig(scene, map, mode);
-                check(rig, scene);
+                TouchedScene touched(scene, map, mode);
+                check(touched, scene);
             }
         }
     }
@@ -100,22 +102,22 @@ template <typename Work> void expect_quiet(Work &&work) {
 }
 
 TEST(RealTime, ATickAllocatesAndLocksNothing) {
-    for_every_rig([](Rig &rig, const char *scene) {
+    for_every_scene([](TouchedScene &touched, const char *scene) {
         SCOPED_TRACE(scene);
         int touching = 0;
-        expect_quiet([&] { touching = rig.run(kTicks); });
+        expect_quiet([&] { touching = touched.run(kTicks); });
         EXPECT_GT(touching, 500);
     });
 }
 
 TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
-    Rig rig("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
+    TouchedScene touched("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
-        simulated::SimulationOptions options = rig.options();
+        simulated::SimulationOptions options = touched.options();
         options.dynamics = model.dynamics;
         options.effects = model.effects;
-        rig.device.simulate_as(options);
-        expect_quiet([&] { rig.run(300); });
+        touched.closed_loop.phantom().simulate_as(options);
+        expect_quiet([&] { touched.run(300); });
     }
 }
 
@@ -145,13 +147,13 @@ TEST(RealTime, AProxyOnShapesAndWithFrictionAllocatesAndLocksNothing) {
 }
 
 /// In a child where any system call but read, write and exit means death.
-int exit_status_without_system_calls(Rig &rig, bool call_one) {
+int exit_status_without_system_calls(TouchedScene &touched, bool call_one) {
     const pid_t child = fork();
     if (child == 0) {
         if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_STRICT) != 0) {
             _exit(77);
         }
-        rig.run(kTicks);
+        touched.run(kTicks);
         if (call_one) {
             syscall(SYS_getpid);
         }
@@ -163,14 +165,14 @@ int exit_status_without_system_calls(Rig &rig, bool call_one) {
 }
 
 TEST(RealTime, ATickMakesNoSystemCall) {
-    Rig witness("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
+    TouchedScene witness("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
     const int killed = exit_status_without_system_calls(witness, true);
     if (killed == 77) {
         GTEST_SKIP() << "this kernel has no seccomp";
     }
     ASSERT_EQ(killed, -SIGKILL); // the watch is awake
-    for_every_rig([](Rig &rig, const char *scene) {
-        EXPECT_EQ(exit_status_without_system_calls(rig, false), 0) << scene;
+    for_every_scene([](TouchedScene &touched, const char *scene) {
+        EXPECT_EQ(exit_status_without_system_calls(touched, false), 0) << scene;
     });
 }
 

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -84,7 +85,7 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
     FirmRig rig;
     first(rig.inputs);
     rig.run(kStartUp_s + 0.8);
-    const control::HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device().description());
     ServoSample before = rig.tick();
     EXPECT_TRUE(before.contact.touching);
     EXPECT_EQ(before.safety.state, SafetyState::running) << change.name;
@@ -175,7 +176,7 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
     FirmRig rig;
     rig.inputs.global_alpha_rad2_per_m2 = 2500.0;
     rig.run(kStartUp_s + 0.8);
-    const control::HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device().description());
     ServoSample before = rig.tick();
     double most_V = 0.0;
     for (int tick = 0; tick < 600; ++tick) {
@@ -205,7 +206,7 @@ TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
     rig.inputs.tuning.K_P_V_per_rad = 20.0;
     rig.inputs.tuning.alpha_rad2_per_m2 = 20'000.0;
     rig.run(kStartUp_s + 0.8);
-    const control::HapticLaw law(rig.device.description());
+    const control::HapticLaw law(rig.device().description());
     ServoSample before = rig.tick();
     rig.inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
     Vector3 law_V = Vector3::Zero();
@@ -231,7 +232,7 @@ TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
         ASSERT_GT(before.command.e_W_V.cwiseAbs().maxCoeff(), 0.5);
         rig.inputs.surface = next;
         ++rig.inputs.scene_id;
-        const control::HapticLaw law(rig.device.description());
+        const control::HapticLaw law(rig.device().description());
         const ServoSample first = rig.tick();
         EXPECT_FALSE(first.contact.touching);
         EXPECT_LE((first.command.e_W_V - before.command.e_W_V).cwiseAbs().maxCoeff(),
@@ -256,7 +257,7 @@ TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
     double before_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
-    const double peak_A = rig.device.description().motor[0].peak_current_A;
+    const double peak_A = rig.device().description().motor[0].peak_current_A;
     for (const double dR_Ohm : {2.0, 0.3}) {
         rig.inputs.tuning.dR_Ohm = dR_Ohm;
         for (int tick = 0; tick < 900; ++tick) {
@@ -298,10 +299,10 @@ TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
 TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
-    const double peak_A = rig.device.description().motor[0].peak_current_A;
+    const double peak_A = rig.device().description().motor[0].peak_current_A;
     double dR_Ohm = 2.0;
     for (const double servo_hz : {4000.0, 2000.0}) {
-        rig.loop.set_period(1.0 / servo_hz);
+        rig.loop().set_period(1.0 / servo_hz);
         double before_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
         rig.inputs.tuning.dR_Ohm = dR_Ohm;
         double fastest_V_per_s = 0.0;
@@ -339,7 +340,7 @@ TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
         ASSERT_TRUE(before.contact.touching);
         const ServoInputs torn = torn_from(rig.inputs)[which];
         for (int tick = 0; tick < 3; ++tick) {
-            const ServoSample sample = rig.loop.tick(torn);
+            const ServoSample sample = rig.loop().tick(torn);
             EXPECT_EQ(sample.safety.state, SafetyState::tripped);
             EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
             EXPECT_EQ(sample.command.e_W_V, Vector3::Zero());
@@ -358,7 +359,7 @@ TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
 TEST(ServoLoopChanges, TornInputsAtTheVeryFirstTickAreNotUsedEither) {
     for (const ServoInputs &torn : torn_from({})) {
         Rig rig(firm_contact());
-        const ServoSample sample = rig.loop.tick(torn);
+        const ServoSample sample = rig.loop().tick(torn);
         EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
         EXPECT_EQ(sample.scene_id, 0U);
         EXPECT_EQ(sample.tuning.K_P_V_per_rad, control::Tuning{}.K_P_V_per_rad);
@@ -409,7 +410,7 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     FirmRig punctual;
     punctual.run(kStartUp_s + 0.8);
     for (const std::uint32_t missed : {1U, 99U, 2000U}) {
-        const ServoSample late = rig.loop.tick(sealed(rig.inputs), {missed, missed});
+        const ServoSample late = rig.loop().tick(sealed(rig.inputs), {missed, missed});
         const ServoSample sample = punctual.tick();
         EXPECT_EQ(late.missed_deadlines, missed); // counted all the same
         EXPECT_EQ(late.missed_periods, 0U);
@@ -419,59 +420,27 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     }
 }
 
-/// Says what it is told to say of how its measurements come.
-class Unsteady final : public device::ForwardingDevice {
-public:
-    using device::ForwardingDevice::ForwardingDevice;
+/// Pressed on the plate when its device begins to fail.
+struct FailingRig : Rig {
+    FailingRig() : Rig(firm_contact(), testing::plate()) { run(2.0); }
 
-    [[nodiscard]] device::Measurement read() noexcept override {
-        device::Measurement measured = device::ForwardingDevice::read();
-        if (!device::has_news(arrival)) {
-            const std::uint64_t number =
-                arrival == device::Arrival::repeated ? last_.number : measured.number;
-            measured = last_;
-            measured.number = number;
-        }
-        measured.arrival = arrival;
-        measured.faults = faults;
-        last_ = measured;
-        return measured;
+    void fail(rig::FaultKind kind, double size = 0.0) {
+        device().commit({kind, Vector3(size, 0.0, 0.0)});
     }
-
-    device::Arrival arrival = device::Arrival::fresh;
-    device::BoardFaults faults;
-
-private:
-    device::Measurement last_;
-};
-
-struct UnsteadyRig {
-    UnsteadyRig()
-        : phantom(testing::phantom_1_0(), firm_contact(), kStart_m), device(phantom),
-          loop(device, kPeriod_s), surface(plate()) {
-        inputs.surface = &surface;
-        for (int i = 0; i < 2000; ++i) {
-            last = loop.tick(sealed(inputs));
-        }
-    }
-    ServoSample tick() { return last = loop.tick(sealed(inputs)); }
-
-    simulated::SimulatedPhantom phantom;
-    Unsteady device;
-    ServoLoop loop;
-    contact::HapticSurface surface;
-    ServoInputs inputs;
-    ServoSample last;
 };
 
 TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBudget) {
-    for (const device::Arrival arrival :
-         {device::Arrival::repeated, device::Arrival::corrupt, device::Arrival::absent}) {
-        UnsteadyRig rig;
+    using rig::FaultKind;
+    const std::array<std::pair<FaultKind, device::Arrival>, 3> silences{
+        {{FaultKind::repeated, device::Arrival::repeated},
+         {FaultKind::corrupt, device::Arrival::corrupt},
+         {FaultKind::absent, device::Arrival::absent}}};
+    for (const auto &[fault, arrival] : silences) {
+        FailingRig rig;
         ASSERT_TRUE(rig.last.contact.touching);
         ASSERT_EQ(rig.last.safety.state, SafetyState::running);
         const ServoSample before = rig.last;
-        rig.device.arrival = arrival;
+        rig.fail(fault);
         for (int tick = 0; tick < 5; ++tick) { // 5 ms are borne
             const ServoSample stale = rig.tick();
             EXPECT_EQ(stale.arrival, arrival);
@@ -482,12 +451,12 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
             EXPECT_EQ(stale.theta_rate_rad_per_s, before.theta_rate_rad_per_s);
             EXPECT_EQ(stale.contact.x0_m, before.contact.x0_m);
         }
-        UnsteadyRig mended; // the same, but it is news again in the sixth tick
-        mended.device.arrival = arrival;
+        FailingRig mended; // the same, but it is news again in the sixth tick
+        mended.fail(fault);
         for (int tick = 0; tick < 5; ++tick) {
             mended.tick();
         }
-        mended.device.arrival = device::Arrival::fresh;
+        mended.device().mend();
         const ServoSample fresh = mended.tick();
         EXPECT_EQ(fresh.safety.state, SafetyState::running);
         EXPECT_EQ(fresh.missed_periods, 5U);
@@ -502,8 +471,8 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
 }
 
 TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
-    UnsteadyRig rig;
-    rig.device.arrival = device::Arrival::late;
+    FailingRig rig;
+    rig.fail(rig::FaultKind::late);
     for (int tick = 0; tick < 5; ++tick) {
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.state, SafetyState::running);
@@ -514,37 +483,35 @@ TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
 
 TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) {
     for (int bit = 0; bit < 6; ++bit) {
-        UnsteadyRig rig;
-        rig.device.faults.bits = static_cast<std::uint16_t>(1U << static_cast<unsigned>(bit));
+        FailingRig rig;
+        const auto bits = static_cast<std::uint16_t>(1U << static_cast<unsigned>(bit));
+        rig.fail(rig::FaultKind::board, bits);
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.cause, TripCause::board_fault);
-        EXPECT_EQ(sample.board_faults, rig.device.faults.bits);
-        EXPECT_EQ(sample.command.mode, rig.device.faults.has(device::BoardFaults::kAmplifier)
-                                           ? device::CommandMode::open
-                                           : device::CommandMode::brake);
+        EXPECT_EQ(sample.board_faults, bits);
+        EXPECT_EQ(sample.command.mode,
+                  device::BoardFaults{bits}.has(device::BoardFaults::kAmplifier)
+                      ? device::CommandMode::open
+                      : device::CommandMode::brake);
         EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
-        rig.device.arrival = device::Arrival::absent; // what nobody hears of is not mended
-        rig.device.faults = {};
+        rig.fail(rig::FaultKind::absent); // what nobody hears of is not mended
         EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
-        rig.device.arrival =
-            device::Arrival::fresh; // mended: it brakes again, until somebody resets it
+        rig.device().mend(); // it brakes again, until somebody resets it
         EXPECT_EQ(rig.tick().command.mode, device::CommandMode::brake);
     }
 }
 
 TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
-    simulated::SimulatedPhantom phantom(testing::phantom_1_0(), firm_contact(), kStart_m);
-    Unsteady device(phantom);
-    device.arrival = device::Arrival::absent;
-    ServoLoop loop(device, kPeriod_s);
+    Rig rig(firm_contact());
+    rig.device().commit({rig::FaultKind::absent});
     for (int i = 0; i < 3; ++i) {
-        const ServoSample sample = loop.tick(sealed({}));
+        const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.command.mode, device::CommandMode::brake);
         EXPECT_NE(sample.safety.state, SafetyState::running);
     }
-    device.arrival = device::Arrival::fresh;
-    const ServoSample first = loop.tick(sealed({}));
+    rig.device().mend();
+    const ServoSample first = rig.tick();
     EXPECT_TRUE(first.theta_rate_rad_per_s.isZero(0.0));
     EXPECT_EQ(first.safety.state, SafetyState::waiting);
 }

@@ -51,8 +51,8 @@ Strike strike(double longest_step_s) {
     Strike strike;
     for (int tick = 0; tick < 800; ++tick) {
         rig.tick();
-        strike.tip_m.push_back(rig.device.truth().tip_m);
-        strike.current_A.push_back(rig.device.truth().current_A);
+        strike.tip_m.push_back(rig.truth().tip_m);
+        strike.current_A.push_back(rig.truth().current_A);
     }
     return strike;
 }
@@ -100,11 +100,11 @@ StaticContact press(double eta, bool quantised) {
     for (int i = 0; i < kTicks; ++i) {
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.contact.active_constraints, 1);
-        force -= rig.device.truth().hand_force_N / kTicks;
-        penetration -= rig.device.truth().tip_m.y() / kTicks;
+        force -= rig.truth().hand_force_N / kTicks;
+        penetration -= rig.truth().tip_m.y() / kTicks;
         const control::Coupling c =
-            control::coupling(rig.device.description().motor[0], rig.inputs.tuning, kPeriod_s,
-                              rig.device.delay_periods());
+            control::coupling(rig.device().description().motor[0], rig.inputs.tuning, kPeriod_s,
+                              rig.device().delay_periods());
         predicted += control::tip_stiffness_N_per_m(c, sample.alpha_rad2_per_m2, eta) / kTicks;
     }
     return {force.norm() / penetration, predicted,
@@ -142,7 +142,7 @@ TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
     Vector3 felt = Vector3::Zero();
     for (int i = 0; i < 500; ++i) {
         rendered += rig.tick().tip_force_N / 500;
-        felt -= rig.device.truth().hand_force_N / 500;
+        felt -= rig.truth().hand_force_N / 500;
     }
     EXPECT_GT(felt.norm(), 1.0);
     // At rest what the windings give is what the hand holds; J at the counts, not at the truth.
@@ -158,9 +158,9 @@ double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) 
     double greatest_N = 0.0;
     for (int i = 0; i < 1400; ++i) {
         rig.tick();
-        greatest_N = std::max(greatest_N, rig.device.truth().hand_force_N.norm());
+        greatest_N = std::max(greatest_N, rig.truth().hand_force_N.norm());
     }
-    EXPECT_GT(rig.device.truth().tip_velocity_m_per_s.dot(axis), 0.02); // not vacuous
+    EXPECT_GT(rig.truth().tip_velocity_m_per_s.dot(axis), 0.02); // not vacuous
     return greatest_N;
 }
 
@@ -205,7 +205,7 @@ Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay)
     rig.inputs.tuning = tuning;
     rig.run(kStartUp_s + 1.0);
     // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
-    const device::DeviceDescription &device = rig.device.description();
+    const device::DeviceDescription &device = rig.device().description();
     const device::LinkageMoments moments =
         device::linkage_moments(device.geometry, device.inertia, 0.0);
     double own_kg = 0.0; // of links and rotors along x, mean over the shakes
@@ -217,10 +217,10 @@ Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay)
     for (int i = 0; i < ticks; ++i) {
         const ServoSample sample = rig.tick();
         // Of the mean force, since the path began.
-        const double t = rig.device.truth().time_s - 0.5 * period_s - kStartUp_s;
+        const double t = rig.truth().time_s - 0.5 * period_s - kStartUp_s;
         const double a =
             -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
-        force_acceleration += rig.device.truth().hand_force_N.x() * a;
+        force_acceleration += rig.truth().hand_force_N.x() * a;
         acceleration_squared += a * a;
         const Vector3 q_rad = device::joint_from_motor(device.geometry, sample.theta_rad);
         const Vector3 theta_per_x = device::motor_jacobian(device.geometry, q_rad).inverse().col(0);
@@ -263,7 +263,7 @@ TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
     for (int i = 0; i < 1000; ++i) {
         const ServoSample sample = rig.tick();
         ASSERT_TRUE(sample.contact.touching);
-        mean += rig.device.truth().hand_force_N / 1000;
+        mean += rig.truth().hand_force_N / 1000;
     }
     EXPECT_LT(mean.y(), -1.0);
     EXPECT_LT(std::abs(mean.x()), 0.02);

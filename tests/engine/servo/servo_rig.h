@@ -1,13 +1,11 @@
-// A simulated device, a surface and a servo that is ticked by hand, for the tests of the loop.
+// The rig of the servo loop's tests.
 #pragma once
 
-#include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -18,26 +16,16 @@ inline constexpr double kPeriod_s = 1e-3;
 inline constexpr double kStartUp_s = 1.2;
 inline const Vector3 kStart_m(0.0, 0.02, 0.0);
 
-/// A device, a surface and a servo ticked by hand.
-struct Rig {
+/// The first device from rest at `kStart_m`, with a mesh of its own to touch.
+class Rig : public rig::ServoRig {
+public:
     explicit Rig(const simulated::SimulationOptions &options, contact::TriangleSoup soup = {})
-        : device(phantom_1_0(), options, kStart_m), loop(device, options.servo_period_s),
-          mesh(std::move(soup)) {
-        inputs.surface = &mesh;
+        : ServoRig(phantom_1_0(), options, kStart_m), mesh_(std::move(soup)) {
+        inputs.surface = &mesh_;
     }
 
-    servo::ServoSample tick() { return loop.tick(servo::sealed(inputs)); }
-
-    void run(double seconds) {
-        for (int i = 0; i < static_cast<int>(std::round(seconds / loop.period_s())); ++i) {
-            tick();
-        }
-    }
-
-    simulated::SimulatedPhantom device;
-    servo::ServoLoop loop;
-    contact::HapticSurface mesh;
-    servo::ServoInputs inputs;
+private:
+    contact::HapticSurface mesh_;
 };
 
 /// A plate whose top is at y = 0, wide enough for every slide.

@@ -3,7 +3,7 @@
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
-#include "tests/support/fault_rig.h"
+#include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -57,18 +57,18 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
     what.servo_hz = servo_hz;
     what.firm = true;
     what.start_m = device::tip_position_m(device.geometry, way.from_deg * kRadiansPerDegree);
-    testing::FaultRig rig(what, along(way, device.geometry));
+    testing::FaultTrial rig(what, along(way, device.geometry));
     const double k_T = device.motor[0].torque_constant_Nm_per_A;
     const double N = device.geometry.transmission_ratio[way.joint];
     double before_stop_Nm = 0.0;
     double share = 1.0; // of the wall's own torque, the least
     bool met = false;
     for (int tick = 0; tick < rig.ticks_in(2.6) && !rig.has_tripped(); ++tick) {
-        const ServoSample sample = rig.tick();
-        const Vector3 q = device::joint_from_motor(device.geometry, rig.device.truth().theta_rad);
+        const ServoSample sample = rig.step();
+        const Vector3 q = device::joint_from_motor(device.geometry, rig.truth().theta_rad);
         const double q_rad = way.fold ? q[2] - q[1] : q[way.joint];
         const double to_stop_rad = way.sign * (way.stop_deg * kRadiansPerDegree - q_rad);
-        const double pushed_back_Nm = -way.sign * N * k_T * rig.device.truth().current_A[way.joint];
+        const double pushed_back_Nm = -way.sign * N * k_T * rig.truth().current_A[way.joint];
         const double depth_rad = device.edge.margin_rad - to_stop_rad;
         if (sample.safety.state == SafetyState::running && to_stop_rad > 0.0) {
             before_stop_Nm = std::max(before_stop_Nm, pushed_back_Nm);
@@ -80,7 +80,7 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
             }
         }
     }
-    EXPECT_FALSE(rig.has_tripped()) << description(rig.last().safety);
+    EXPECT_FALSE(rig.has_tripped()) << description(rig.last.safety);
     EXPECT_TRUE(met);
     EXPECT_GT(before_stop_Nm, 0.2);
     EXPECT_GT(share, 0.5); // of a spring alone; the rest is ripple, friction and lag

@@ -4,6 +4,8 @@
 #include "device/core/motor/winding_guard.h"
 #include "device/core/motor/winding_temperature.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -114,11 +116,11 @@ TriedLine guarded(const device::DeviceDescription &device) {
     const double R_hat_Ohm =
         device::WindingGuard(motor, device.amplifier.greatest_cancelled_Ohm, 1.0)
             .greatest_cancelled_Ohm();
-    return {{std::string(kCancellationMethod) + ", guarded",
+    return {{fmt::format("{}, guarded", kCancellationMethod),
              "winding cooler than",
              "°C",
-             "dR 0 asked for, worst angle; the guard counts on air of " +
-                 with_unit(device::kColdestAir_C, "°C") + " or more",
+             fmt::format("dR 0 asked for, worst angle; the guard counts on air of {} or more",
+                         with_unit(device::kColdestAir_C, "°C")),
              device::kReferenceTemperature_C +
                  ((1.0 - device::kLeastResidualShare) * coldest - 1.0) / rise_per_K,
              {},

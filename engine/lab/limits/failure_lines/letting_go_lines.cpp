@@ -2,7 +2,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/limits/failure_lines/servo_rig.h"
+#include "engine/lab/limits/failure_lines/pressed_corner.h"
 
 #include <Eigen/LU>
 
@@ -60,18 +60,18 @@ double speed_per_force(const loops::StabilityCase &which) {
 bool is_borne(const loops::StabilityCase &which, double force_N, double limit_m_per_s) {
     const double K = tip_stiffness_N_per_m(which);
     const double hand_N_per_m = which.hands.front().stiffness_N_per_m;
-    ServoRig rig({which, kHand_N});
-    rig.inputs.limits.tip_speed_m_per_s = limit_m_per_s;
-    rig.press(force_N * (K + hand_N_per_m) / K); // hand and contact are two springs in a row
-    if (rig.has_tripped()) {
+    PressedCorner corner(which, kHand_N);
+    corner.inputs.limits.tip_speed_m_per_s = limit_m_per_s;
+    corner.press(force_N * (K + hand_N_per_m) / K); // hand and contact are two springs in a row
+    if (corner.has_tripped()) {
         return false;
     }
-    rig.device.let_go();
+    corner.let_go();
     constexpr double kWatched_s = 0.3;
     for (long tick = 0; tick < ticks_in(kWatched_s, which); ++tick) {
-        static_cast<void>(rig.tick());
+        corner.tick();
     }
-    return !rig.has_tripped();
+    return !corner.has_tripped();
 }
 
 TriedLine line_at(const loops::StabilityCase &which, double limit_m_per_s,

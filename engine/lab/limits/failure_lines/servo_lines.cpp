@@ -2,7 +2,7 @@
 
 #include "engine/lab/limits/failure_lines/failing_shapes.h"
 #include "engine/lab/limits/failure_lines/late_ticks.h"
-#include "engine/lab/limits/failure_lines/servo_rig.h"
+#include "engine/lab/limits/failure_lines/pressed_corner.h"
 #include "engine/servo/deadlines.h"
 
 #include <algorithm>
@@ -46,11 +46,11 @@ TriedLine late_tick(const loops::StabilityCase &which) {
         10.0 * period_ms * (limit + 1),
         false,
         [=](double late_ms) {
-            ServoRig rig({which, 0.0});
+            PressedCorner corner(which, 0.0);
             servo::Deadlines deadlines(1.0 / which.period_s);
             deadlines.begin(deadlines.next_ns() + std::llround(1e6 * late_ms));
-            static_cast<void>(rig.tick(static_cast<int>(deadlines.missed())));
-            return !rig.has_tripped();
+            corner.late_tick(static_cast<int>(deadlines.missed()));
+            return !corner.has_tripped();
         }};
     tried.resolution = 1e-5;
     return tried;
@@ -63,21 +63,21 @@ bool dies_out(const loops::StabilityCase &which, int missed) {
     constexpr double kWatched_s = 3.0;
     constexpr double kEarly_s = 0.2;
     constexpr double kLate_s = 2.5;
-    ServoRig rig({which, 20.0});
-    rig.press(kForce_N);
-    rig.nudge();
+    PressedCorner corner(which);
+    corner.press(kForce_N);
+    corner.nudge();
     double early = 0.0;
     double late = 0.0;
     double time_s = 0.0;
-    while (time_s < kWatched_s && !rig.has_tripped()) {
-        static_cast<void>(rig.tick());
-        static_cast<void>(rig.tick(missed));
-        const double rate = rig.device.truth().theta_rate_rad_per_s.norm();
+    while (time_s < kWatched_s && !corner.has_tripped()) {
+        corner.tick();
+        corner.late_tick(missed);
+        const double rate = corner.truth().theta_rate_rad_per_s.norm();
         early = time_s < kEarly_s ? std::max(early, rate) : early;
         late = time_s > kLate_s ? std::max(late, rate) : late;
         time_s += which.period_s * (2 + missed);
     }
-    return !rig.has_tripped() && late < 0.5 * early;
+    return !corner.has_tripped() && late < 0.5 * early;
 }
 
 /// Jitter at its worst: on time, late, on time, late.
@@ -128,14 +128,14 @@ TriedLine late_answers(const loops::StabilityCase &which) {
 }
 
 /// Whether the servo runs on after so many reads in a row in which its device fails so.
-bool outlives(const loops::StabilityCase &which, void (FailingDevice::*fails)(int), double reads) {
+bool outlives(const loops::StabilityCase &which, rig::FaultKind fault, double reads) {
     constexpr int kTicks = 30; // more than reads are tried, and a few to see it
-    ServoRig rig({which, 0.0});
-    (rig.device.*fails)(static_cast<int>(reads));
+    PressedCorner corner(which, 0.0);
+    corner.device().commit({fault, Vector3::Zero(), static_cast<std::uint64_t>(reads)});
     for (int i = 0; i < kTicks; ++i) {
-        static_cast<void>(rig.tick());
+        corner.tick();
     }
-    return !rig.has_tripped();
+    return !corner.has_tripped();
 }
 
 /// A device that is gone stops the servo at once.
@@ -150,7 +150,7 @@ TriedLine lost_device(const loops::StabilityCase &which) {
             0.0,
             10.0,
             true,
-            [=](double lost) { return outlives(which, &FailingDevice::stay_lost, lost); }};
+            [=](double lost) { return outlives(which, rig::FaultKind::lost, lost); }};
 }
 
 /// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
@@ -166,7 +166,7 @@ TriedLine missing_answers(const loops::StabilityCase &which) {
             0.0,
             3.0 * budget,
             true,
-            [=](double missing) { return outlives(which, &FailingDevice::stay_silent, missing); }};
+            [=](double missing) { return outlives(which, rig::FaultKind::absent, missing); }};
 }
 
 /// The tick that sees it commands braking before it ends.
@@ -180,12 +180,12 @@ TriedLine volts_off(const loops::StabilityCase &which) {
                   {},
                   {}};
     tried.reading = [=]() -> std::optional<double> {
-        ServoRig rig({which, 20.0});
-        rig.press(2.0);
-        rig.device.stay_lost(1000);
+        PressedCorner corner(which);
+        corner.press(2.0);
+        corner.device().commit({rig::FaultKind::lost});
         for (int ticks = 0; ticks < 100; ++ticks) {
-            static_cast<void>(rig.tick());
-            if (rig.device.heard().e_W_V.isZero(0.0)) {
+            corner.tick();
+            if (corner.device().last_command().e_W_V.isZero(0.0)) {
                 return ticks;
             }
         }
@@ -209,16 +209,16 @@ TriedLine new_scene(const loops::StabilityCase &which) {
             kMilli * kDeepest_m,
             false,
             [=](double depth_mm) {
-                ServoRig rig({which, 20.0});
-                rig.press(2.0);
-                const Vector3 top_m = rig.last.tip_m + Vector3(0.0, depth_mm / kMilli, 0.0);
+                PressedCorner corner(which);
+                corner.press(2.0);
+                const Vector3 top_m = corner.last.tip_m + Vector3(0.0, depth_mm / kMilli, 0.0);
                 const contact::HapticSurface block(
                     solid_box(top_m - Vector3(kHalfBlock_m, 2.0 * kHalfBlock_m, kHalfBlock_m),
                               top_m + Vector3(kHalfBlock_m, 0.0, kHalfBlock_m)));
-                rig.inputs.surface = &block;
-                ++rig.inputs.scene_id;
+                corner.inputs.surface = &block;
+                ++corner.inputs.scene_id;
                 for (int i = 0; i < 300; ++i) {
-                    if (rig.tick().contact.touching || rig.has_tripped()) {
+                    if (corner.tick().contact.touching || corner.has_tripped()) {
                         return false;
                     }
                 }
@@ -236,11 +236,11 @@ TriedLine silent_window(const loops::StabilityCase &which) {
                   {},
                   {}};
     tried.reading = [=]() -> std::optional<double> {
-        ServoRig rig({which, 0.0});
-        rig.inputs.heartbeat = 7;
-        static_cast<void>(rig.tick()); // the last beat
+        PressedCorner corner(which, 0.0);
+        corner.inputs.heartbeat = 7;
+        corner.tick(); // the last beat
         for (long ticks = 1; ticks < 100'000; ++ticks) {
-            if (rig.tick(); rig.has_tripped()) {
+            if (corner.tick(); corner.has_tripped()) {
                 return static_cast<double>(ticks - 1) * which.period_s;
             }
         }

@@ -1,8 +1,7 @@
 // Covers device/core/motor/winding_guard.cpp.
 #include "device/core/motor/winding_guard.h"
 
-#include "device/simulated/simulated_phantom.h"
-#include "engine/servo/servo_loop.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -141,17 +140,15 @@ TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
     options.ambient_C = kColdestAir_C;
     options.path.emplace(std::vector<simulated::HandPath::Point>{
         {0.0, Vector3(0, 0.02, 0)}, {1.2, Vector3(0, 0.02, 0)}, {2.1, Vector3(0.03, 0.05, 0.02)}});
-    simulated::SimulatedPhantom device(testing::phantom_1_0(), options, Vector3(0, 0.02, 0));
-    servo::ServoLoop loop(device, kPeriod_s);
-    servo::ServoInputs inputs;
-    inputs.tuning.dR_Ohm = 0.02;
-    const double asked_Ohm = testing::phantom_motor().resistance_Ohm - inputs.tuning.dR_Ohm;
+    rig::ServoRig rig(testing::phantom_1_0(), options, Vector3(0, 0.02, 0));
+    rig.inputs.tuning.dR_Ohm = 0.02;
+    const double asked_Ohm = testing::phantom_motor().resistance_Ohm - rig.inputs.tuning.dR_Ohm;
     int over_cancelled_without = 0;
     for (int tick = 0; tick < 2100; ++tick) {
-        const servo::ServoSample sample = loop.tick(servo::sealed(inputs));
+        const servo::ServoSample &sample = rig.tick();
         ASSERT_NE(sample.safety.state, servo::SafetyState::tripped)
             << servo::description(sample.safety);
-        const Vector3 &R_Ohm = device.truth().resistance_Ohm;
+        const Vector3 &R_Ohm = rig.truth().resistance_Ohm;
         const Vector3 dR_Ohm = R_Ohm - sample.command.cancelled_resistance_Ohm;
         ASSERT_GT(dR_Ohm.minCoeff(), 0.0);
         ASSERT_TRUE(sample.winding[0].is_limited || tick < 1110); // once it has ramped up

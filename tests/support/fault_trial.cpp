@@ -1,4 +1,4 @@
-#include "tests/support/fault_rig.h"
+#include "tests/support/fault_trial.h"
 
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
@@ -33,58 +33,56 @@ bool says_no_numbers(servo::TripCause cause) {
 
 } // namespace
 
-FaultRig::FaultRig(const FaultCase &fault_case, const simulated::SimulationOptions &options,
-                   HandOf hand)
-    : what(fault_case),
-      device(phantom_1_0(), at_rate_with_hand(fault_case, options, hand), fault_case.start_m),
-      judge(device.description(), 1.0 / fault_case.servo_hz),
-      loop_(device, 1.0 / fault_case.servo_hz),
+FaultTrial::FaultTrial(const FaultCase &fault_case, const simulated::SimulationOptions &options,
+                       HandOf hand)
+    : ServoRig(phantom_1_0(), at_rate_with_hand(fault_case, options, hand), fault_case.start_m),
+      what(fault_case), judge(device().description(), 1.0 / fault_case.servo_hz),
       plate_(box_soup(Vector3(-0.1, -0.04, -0.1), Vector3(0.1, 0.0, 0.1))) {
     inputs.tuning = what.tuning;
     inputs.surface = what.on_plate ? &plate_ : nullptr;
     inputs.heartbeat = 1;
 }
 
-int FaultRig::ticks_in(double time_s) const {
+int FaultTrial::ticks_in(double time_s) const {
     return static_cast<int>(std::lround(time_s * what.servo_hz));
 }
 
-servo::ServoSample FaultRig::tick() {
+servo::ServoSample FaultTrial::step() {
     if (ticks_ == static_cast<std::uint64_t>(ticks_in(kHandGoes_s))) {
-        device.set_hand_target(what.target_m);
+        phantom().set_hand_target(what.target_m);
     }
     if (window_lives && ticks_ % static_cast<std::uint64_t>(ticks_in(kHeartbeat_s)) == 0) {
         ++inputs.heartbeat;
     }
     const servo::TickTiming now = timing ? timing() : servo::TickTiming{};
-    const device::Measurement measured = loop_.read();
+    const device::Measurement measured = loop().read();
     servo::ServoInputs arrived = servo::sealed(inputs);
     if (tear) {
         tear(arrived);
     }
     const bool was_tripped = has_tripped();
-    last_ = loop_.update(measured, arrived, now);
-    loop_.write();
-    judge.look(measured, inputs, static_cast<bool>(tear), now, last_);
+    last = loop().update(measured, arrived, now);
+    loop().write();
+    judge.look(measured, inputs, static_cast<bool>(tear), now, last);
     check(measured);
     if (has_tripped() && (!was_tripped || since_reset_ == 0)) {
         check_trip();
     }
     ++ticks_;
     ++since_reset_;
-    return last_;
+    return last;
 }
 
-void FaultRig::check(const device::Measurement &measured) {
-    EXPECT_EQ(last_.tick, ticks_);
-    EXPECT_EQ(device.periods(), ticks_ + 1);
-    EXPECT_EQ(last_.counts, measured.counts);
-    EXPECT_EQ(device.last_command().e_W_V, last_.command.e_W_V);
-    EXPECT_EQ(device.last_command().cancelled_resistance_Ohm,
-              last_.command.cancelled_resistance_Ohm);
-    EXPECT_EQ(device.last_command().mode, last_.command.mode);
-    EXPECT_EQ(device.last_command().number, measured.number);
-    EXPECT_TRUE(last_.command.e_W_V.allFinite());
+void FaultTrial::check(const device::Measurement &measured) {
+    EXPECT_EQ(last.tick, ticks_);
+    EXPECT_EQ(device().periods(), ticks_ + 1);
+    EXPECT_EQ(last.counts, measured.counts);
+    EXPECT_EQ(device().last_command().e_W_V, last.command.e_W_V);
+    EXPECT_EQ(device().last_command().cancelled_resistance_Ohm,
+              last.command.cancelled_resistance_Ohm);
+    EXPECT_EQ(device().last_command().mode, last.command.mode);
+    EXPECT_EQ(device().last_command().number, measured.number);
+    EXPECT_TRUE(last.command.e_W_V.allFinite());
     check_force();
     if (has_tripped()) {
         late_ = 0;
@@ -94,10 +92,10 @@ void FaultRig::check(const device::Measurement &measured) {
         EXPECT_LE(late_, 0) << "no trip in tick " << ticks_ << " by "
                             << servo::kTripCauseNames[static_cast<std::size_t>(judge.first_must())];
     }
-    if (judge.generated_J() != 0.0 && last_.safety.state == servo::SafetyState::running) {
-        EXPECT_NEAR(last_.generated_energy_J, judge.generated_J(), 1e-3 * 0.03);
+    if (judge.generated_J() != 0.0 && last.safety.state == servo::SafetyState::running) {
+        EXPECT_NEAR(last.generated_energy_J, judge.generated_J(), 1e-3 * 0.03);
     }
-    recent_.emplace_back(last_.tip_m, last_.contact.touching);
+    recent_.emplace_back(last.tip_m, last.contact.touching);
     if (recent_.size() > static_cast<std::size_t>(ticks_in(0.1))) {
         recent_.pop_front();
     }
@@ -105,19 +103,18 @@ void FaultRig::check(const device::Measurement &measured) {
 
 /// True forces by true currents, at the end of every tick. Once it has tripped, no more than what a
 /// shorted winding has still to lose, e^(−T R/L) a tick, and what it answers the hand's speed with.
-void FaultRig::check_force() {
-    const device::DeviceDescription &device_of = device.description();
-    const TipAt truth(device_of.geometry, device.truth().theta_rad);
+void FaultTrial::check_force() {
+    const device::DeviceDescription &device_of = device().description();
+    const TipAt tip(device_of.geometry, truth().theta_rad);
     const Vector3 k_T = control::torque_constants(device_of);
-    const double force_N = truth.force_N(k_T.cwiseProduct(device.truth().current_A)).norm();
+    const double force_N = tip.force_N(k_T.cwiseProduct(truth().current_A)).norm();
     const device::MotorParameters &motor = device_of.motor[0];
     const double R_Ohm =
-        (1.0 - motor.commutation_ripple) * motor.resistance_Ohm - device.sag_Ohm().maxCoeff();
+        (1.0 - motor.commutation_ripple) * motor.resistance_Ohm - device().sag_Ohm().maxCoeff();
     const double brake_N =
-        truth.force_N(k_T.cwiseProduct(k_T).cwiseProduct(device.truth().theta_rate_rad_per_s))
-            .norm() /
+        tip.force_N(k_T.cwiseProduct(k_T).cwiseProduct(truth().theta_rate_rad_per_s)).norm() /
         R_Ohm;
-    double bound_N = last_.limits.tip_force_N * (1.0 + kForceRoundOff);
+    double bound_N = last.limits.tip_force_N * (1.0 + kForceRoundOff);
     if (has_tripped()) {
         const double left_N = force_N_ * std::exp(-R_Ohm / (motor.inductance_H * what.servo_hz));
         bound_N = std::max(bound_N, 1.03 * (left_N + std::max(brake_N, brake_N_)));
@@ -132,14 +129,14 @@ void FaultRig::check_force() {
     greatest_force_N_ = std::max(greatest_force_N_, force_N);
 }
 
-void FaultRig::check_braking() const {
-    EXPECT_TRUE(last_.command.e_W_V.isZero(0.0));
-    EXPECT_TRUE(last_.command.cancelled_resistance_Ohm.isZero(0.0));
+void FaultTrial::check_braking() const {
+    EXPECT_TRUE(last.command.e_W_V.isZero(0.0));
+    EXPECT_TRUE(last.command.cancelled_resistance_Ohm.isZero(0.0));
 }
 
 /// The cause is one that can be seen, none that must come first is passed over, its numbers fit.
-void FaultRig::check_trip() const {
-    const servo::SafetyStatus &status = last_.safety;
+void FaultTrial::check_trip() const {
+    const servo::SafetyStatus &status = last.safety;
     const Finding &found = judge.of(status.cause);
     EXPECT_TRUE(found.may) << servo::description(status) << ", but the judge has " << found.measured
                            << " of " << found.limit;
@@ -159,57 +156,57 @@ void FaultRig::check_trip() const {
     }
 }
 
-void FaultRig::run_to_fault() {
+void FaultTrial::run_to_fault() {
     while (ticks_ < what.at_tick && !has_tripped()) {
-        tick();
+        step();
     }
-    EXPECT_FALSE(has_tripped()) << "before any fault: " << servo::description(last_.safety);
+    EXPECT_FALSE(has_tripped()) << "before any fault: " << servo::description(last.safety);
 }
 
-void FaultRig::run_to_trip(double at_most_s) {
+void FaultTrial::run_to_trip(double at_most_s) {
     for (int i = 0; i < ticks_in(at_most_s) && !has_tripped(); ++i) {
-        tick();
+        step();
     }
 }
 
-void FaultRig::expect_tripped_by(servo::TripCause cause) const {
+void FaultTrial::expect_tripped_by(servo::TripCause cause) const {
     EXPECT_TRUE(has_tripped());
-    EXPECT_EQ(servo::kTripCauseNames[static_cast<std::size_t>(last_.safety.cause)],
+    EXPECT_EQ(servo::kTripCauseNames[static_cast<std::size_t>(last.safety.cause)],
               servo::kTripCauseNames[static_cast<std::size_t>(cause)])
-        << servo::description(last_.safety);
+        << servo::description(last.safety);
     EXPECT_LE(most_ticks_late_, 1);
 }
 
-void FaultRig::expect_latched() {
-    const servo::TripCause cause = last_.safety.cause;
+void FaultTrial::expect_latched() {
+    const servo::TripCause cause = last.safety.cause;
     for (int i = 0; i < kLatched_ticks; ++i) {
-        tick();
+        step();
         ASSERT_TRUE(has_tripped());
-        ASSERT_EQ(last_.safety.cause, cause);
+        ASSERT_EQ(last.safety.cause, cause);
     }
 }
 
-void FaultRig::reset() {
+void FaultTrial::reset() {
     ++inputs.reset_count;
     judge.reset();
     since_reset_ = 0;
     recent_.clear();
 }
 
-void FaultRig::expect_reset_trips_again(servo::TripCause cause, double within_s) {
+void FaultTrial::expect_reset_trips_again(servo::TripCause cause, double within_s) {
     reset();
-    tick();
+    step();
     run_to_trip(within_s);
-    expect_tripped_by(cause == servo::TripCause::none ? last_.safety.cause : cause);
+    expect_tripped_by(cause == servo::TripCause::none ? last.safety.cause : cause);
 }
 
-void FaultRig::expect_recovery() {
-    device.set_hand_target(what.start_m);
+void FaultTrial::expect_recovery() {
+    phantom().set_hand_target(what.start_m);
     reset();
     for (int i = 0; i < ticks_in(4.0); ++i) {
-        tick();
-        ASSERT_FALSE(has_tripped()) << servo::description(last_.safety);
-        if (last_.safety.state != servo::SafetyState::waiting) {
+        step();
+        ASSERT_FALSE(has_tripped()) << servo::description(last.safety);
+        if (last.safety.state != servo::SafetyState::waiting) {
             check_rest();
             return;
         }
@@ -218,20 +215,20 @@ void FaultRig::expect_recovery() {
     ADD_FAILURE() << "does not start again";
 }
 
-void FaultRig::expect_reset_waits() {
+void FaultTrial::expect_reset_waits() {
     reset();
     for (int i = 0; i < kLatched_ticks; ++i) {
-        tick();
-        ASSERT_NE(last_.safety.state, servo::SafetyState::starting);
+        step();
+        ASSERT_NE(last.safety.state, servo::SafetyState::starting);
         check_braking();
     }
 }
 
 /// It starts: for a tenth of a second the tip was at one place, and touched nothing.
-void FaultRig::check_rest() const {
+void FaultTrial::check_rest() const {
     EXPECT_GE(since_reset_, static_cast<std::uint64_t>(ticks_in(0.1)));
     for (const auto &[tip_m, touching] : recent_) {
-        EXPECT_LE((tip_m - last_.tip_m).norm(), 2e-3);
+        EXPECT_LE((tip_m - last.tip_m).norm(), 2e-3);
         EXPECT_FALSE(touching);
     }
 }

@@ -10,9 +10,9 @@
 // but for what the hand itself does to shorted windings.
 #pragma once
 
+#include "engine/lab/rig/servo_rig.h"
 #include "tests/support/fault_case.h"
 #include "tests/support/fault_judge.h"
-#include "tests/support/faulty_device.h"
 
 #include <cstdint>
 #include <deque>
@@ -24,12 +24,13 @@ namespace springdrive::testing {
 /// Whose hand holds the tip: that of the case, or that of the simulation's options.
 enum class HandOf : std::uint8_t { fault_case, options };
 
-class FaultRig {
+class FaultTrial : public rig::ServoRig {
 public:
-    explicit FaultRig(const FaultCase &what, const simulated::SimulationOptions &options = {},
-                      HandOf hand = HandOf::fault_case);
+    explicit FaultTrial(const FaultCase &what, const simulated::SimulationOptions &options = {},
+                        HandOf hand = HandOf::fault_case);
 
-    servo::ServoSample tick();
+    /// A tick, judged; the hand goes and the window lives as the case says.
+    servo::ServoSample step();
     /// Until the tick of the fault is the next. Nothing may trip on the way.
     void run_to_fault();
     /// Until it trips, at most for so long.
@@ -46,22 +47,14 @@ public:
     void reset();
 
     /// From the next period on.
-    void commit(FaultKind kind, const Vector3 &size) {
-        device.commit({kind, size}, device.periods());
-    }
+    void commit(rig::FaultKind kind, const Vector3 &size) { device().commit({kind, size}); }
 
-    [[nodiscard]] const servo::ServoSample &last() const { return last_; }
-    [[nodiscard]] bool has_tripped() const {
-        return last_.safety.state == servo::SafetyState::tripped;
-    }
     /// Ticks from the first that must trip to the trip; the command goes out in the next.
     [[nodiscard]] int most_ticks_late() const { return most_ticks_late_; }
     [[nodiscard]] double greatest_force_N() const { return greatest_force_N_; }
     [[nodiscard]] int ticks_in(double time_s) const;
 
     FaultCase what;
-    FaultyDevice device;
-    servo::ServoInputs inputs;
     FaultJudge judge;
     std::function<servo::TickTiming()> timing;      ///< none: never late
     std::function<void(servo::ServoInputs &)> tear; ///< of the sealed inputs, on their way
@@ -75,9 +68,7 @@ private:
     void check_braking() const;
     void check_rest() const;
 
-    servo::ServoLoop loop_;
     contact::HapticSurface plate_;
-    servo::ServoSample last_;
     std::uint64_t ticks_ = 0;
     std::uint64_t since_reset_ = 0;
     int late_ = 0;

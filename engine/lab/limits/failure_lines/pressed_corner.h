@@ -1,0 +1,31 @@
+// A servo on a simulated device, in a corner of three walls, which holds the tip at a point, or in
+// free space off it.
+#pragma once
+
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/lab/loops/stability_case.h"
+#include "engine/lab/rig/servo_rig.h"
+
+namespace springdrive::limits {
+
+class PressedCorner : public rig::ServoRig {
+public:
+    /// The servo runs, and the tip is at rest in free space a little off the corner.
+    /// @param which  device, tuning, period, delay and configuration; hands[0] holds
+    /// @param hand_force_N  the most that it presses with
+    explicit PressedCorner(const loops::StabilityCase &which, double hand_force_N = 20.0);
+
+    /// Until the tip rests in the corner, pressed against all three walls.
+    /// @param force_N  by which the hand's spring is stretched
+    void press(double force_N);
+    /// The hand wants to be a little elsewhere, from the next tick on.
+    void nudge();
+
+private:
+    double hand_N_per_m_;
+    Vector3 corner_m_;
+    Vector3 target_m_;
+    contact::HapticSurface walls_;
+};
+
+} // namespace springdrive::limits

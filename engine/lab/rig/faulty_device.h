@@ -1,0 +1,94 @@
+// A device with a fault: passes everything on to another and, in the periods it is told, commits
+// one fault.
+//
+//   servo ── e_W, R̂ ──► [gain, sag] ──► device
+//   servo ◄─ measurement ◄── [step, flicker, drift, lateness, reading, silence] ◄── device
+//
+// It goes by the servo's clock, so that runs repeat, but does not wait for a servo that is late:
+// numbers go on. What a hand does wrong comes by its path or target; what a window does wrong is
+// no device's.
+#pragma once
+
+#include "device/core/forwarding_device.h"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace springdrive::rig {
+
+enum class FaultKind : std::uint8_t {
+    none,
+    lost,            ///< it is gone: the last known state
+    absent,          ///< it says nothing, and is not known to be lost
+    corrupt,         ///< what it says cannot be trusted
+    repeated,        ///< it says the last once more
+    late,            ///< what it says is true, and comes late
+    board,           ///< its board reports the faults of size[0], as bits
+    not_a_number,    ///< in each current whose size is not zero
+    infinite,        ///< the same, with the sign of the size
+    count_step,      ///< counts off by the size [counts]
+    count_flicker,   ///< the same, in every other period
+    count_drift,     ///< counts that run away by the size in each period [counts]
+    late_counts,     ///< counts of size[0] periods ago
+    current_reading, ///< currents read as the size where it is not zero [A]
+    sagging_winding, ///< R less by the size [Ω]
+    amplifier_gain,  ///< e_W times the size; −1 is a swapped pair of wires
+};
+
+struct Fault {
+    FaultKind kind = FaultKind::none;
+    Vector3 size{Vector3::Zero()};
+    /// How many reads it lasts.
+    std::uint64_t periods = std::numeric_limits<std::uint64_t>::max();
+};
+
+class FaultyDevice final : public device::ForwardingDevice {
+public:
+    using device::ForwardingDevice::ForwardingDevice;
+
+    [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
+    [[nodiscard]] device::Measurement read() noexcept override;
+    void write(const device::DeviceCommand &command) noexcept override { last_command_ = command; }
+
+    /// From the next period on, in place of the fault before.
+    void commit(const Fault &fault) { commit(fault, periods_); }
+    /// From the period of that number on, counted from zero.
+    void commit(const Fault &fault, std::uint64_t from_period) {
+        fault_ = fault;
+        from_ = from_period;
+    }
+    void mend() { fault_ = {}; }
+
+    /// Periods in which the servo does not come: the amplifiers hold the last command.
+    void pass_by(int periods) noexcept;
+
+    /// The device behind this one has been made anew: its numbers go on from the last.
+    void go_on() { number_offset_ = last_number_; }
+
+    /// How much R is less than it should be.
+    [[nodiscard]] Vector3 sag_Ohm() const;
+
+    /// What was last written, before any fault of the amplifiers.
+    [[nodiscard]] const device::DeviceCommand &last_command() const { return last_command_; }
+    /// Read so far.
+    [[nodiscard]] std::uint64_t periods() const { return periods_; }
+
+private:
+    [[nodiscard]] FaultKind present() const;
+    [[nodiscard]] device::Measurement next_truth() noexcept;
+    [[nodiscard]] device::DeviceCommand reaching_the_motors(device::DeviceCommand command) const;
+    [[nodiscard]] device::Measurement as_reported(device::Measurement state) const;
+    [[nodiscard]] double steps(FaultKind kind) const;
+
+    Fault fault_;
+    std::uint64_t from_ = 0;
+    std::uint64_t periods_ = 0;
+    std::uint64_t last_number_ = 0;
+    std::uint64_t number_offset_ = 0;
+    device::DeviceCommand last_command_;
+    device::Measurement answer_;
+    std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
+};
+
+} // namespace springdrive::rig

@@ -1,0 +1,62 @@
+// A whole servo in closed loop with a simulated device, ticked by hand: command limiter and safety
+// monitor included, and a device that fails when it is told to. The control law alone in closed
+// loop is law_rig.h.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/lab/rig/faulty_device.h"
+#include "engine/servo/servo_loop.h"
+
+#include <optional>
+
+namespace springdrive::rig {
+
+class ServoRig {
+public:
+    /// @param simulation  its period is the servo's
+    /// @param surface     must outlive the rig; none for free space
+    /// @throw InputError as `SimulatedPhantom` does
+    ServoRig(const device::DeviceDescription &device,
+             const simulated::SimulationOptions &simulation, const Vector3 &start_tip_m,
+             const contact::HapticSurface *surface = nullptr);
+    ServoRig(const ServoRig &) = delete;
+    ServoRig &operator=(const ServoRig &) = delete;
+
+    // RT-safe, as far as a simulated device is.
+    const servo::ServoSample &tick(const servo::TickTiming &timing = {}) noexcept;
+    /// So many periods in which the servo does not come, and then a tick.
+    const servo::ServoSample &late_tick(int missed) noexcept;
+    /// As many ticks as there are in that time.
+    void run(double seconds) noexcept;
+
+    /// The hand is gone with its mass, wherever the tip is and whatever the currents are.
+    void let_go();
+
+    [[nodiscard]] bool has_tripped() const {
+        return last.safety.state == servo::SafetyState::tripped;
+    }
+    /// What the last tick read.
+    [[nodiscard]] const device::Measurement &measured() const { return measured_; }
+    [[nodiscard]] const simulated::SimulatedPhantom::Truth &truth() const {
+        return phantom_->truth();
+    }
+    [[nodiscard]] simulated::SimulatedPhantom &phantom() { return *phantom_; }
+    [[nodiscard]] FaultyDevice &device() { return device_; }
+    [[nodiscard]] const FaultyDevice &device() const { return device_; }
+    [[nodiscard]] servo::ServoLoop &loop() { return loop_; }
+
+    servo::ServoInputs inputs; ///< of the next tick
+    servo::ServoSample last;
+
+private:
+    device::DeviceDescription description_;
+    simulated::SimulationOptions simulation_;
+    std::optional<simulated::SimulatedPhantom> phantom_; ///< always there; made anew in its place
+    FaultyDevice device_;
+    servo::ServoLoop loop_;
+    device::Measurement measured_;
+};
+
+} // namespace springdrive::rig
