@@ -195,10 +195,7 @@ void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noe
     trip_above(TripCause::stale_measurement, (1.0 - kRoundOff) * stale_s_, limits_.stale_s);
 }
 
-void SafetyMonitor::check_clocks(const Link &link, const SafetyOrders &orders) noexcept {
-    if (!orders.are_whole) {
-        trip(TripCause::torn_inputs);
-    }
+void SafetyMonitor::check_clocks(const Link &link) noexcept {
     trip_above(TripCause::missed_deadlines, (1.0 - kRoundOff) * link.missed_in_a_row * period_s_,
                limits_.late_s);
     trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
@@ -214,7 +211,7 @@ void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation
         !seen.spring_stretch_m.allFinite()) {
         trip(TripCause::not_finite);
     }
-    check_clocks(seen.link, orders);
+    check_clocks(seen.link);
     check_motion(seen);
 }
 
@@ -291,7 +288,7 @@ device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &in_force,
     watch_link(link, period_s_);
     watch_window(orders, period_s_);
     check_link(link, orders);
-    check_clocks(link, orders);
+    check_clocks(link);
     return lets_pass() ? in_force : safe_state();
 }
 

@@ -68,8 +68,7 @@ struct SafetyOrders {
     SafetyLimits limits = unlowered(); ///< to lower the device's with
     bool emergency_stop = false;
     std::uint32_t heartbeat = 0;
-    bool are_whole = true; ///< false: torn on their way
-    bool release = false;  ///< to let go of the device, at a bounded rate
+    bool release = false; ///< to let go of the device, at a bounded rate
 };
 
 class SafetyMonitor {
@@ -113,7 +112,7 @@ private:
     void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
     void trip_above(TripCause cause, double measured, double limit) noexcept;
     void check_link(const Link &link, const SafetyOrders &orders) noexcept;
-    void check_clocks(const Link &link, const SafetyOrders &orders) noexcept;
+    void check_clocks(const Link &link) noexcept;
     void check(const device::DeviceCommand &wanted, const Observation &seen,
                const SafetyOrders &orders) noexcept;
     [[nodiscard]] device::DeviceCommand safe_state() const noexcept;

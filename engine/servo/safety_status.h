@@ -33,7 +33,7 @@ enum class TripCause : std::uint8_t {
     board_fault,
     stale_measurement,
     not_finite,
-    torn_inputs,
+    torn_inputs, ///< of old records: a hand-over that cannot tear is not looked at any more
     missed_deadlines,
     window_silent,
     encoder_jump,

@@ -52,7 +52,7 @@ public:
     Servo &operator=(const Servo &) = delete;
 
     /// New inputs from the next tick on. One thread at a time.
-    void publish(const ServoInputs &inputs) noexcept { inputs_.publish(sealed(inputs)); }
+    void publish(const ServoInputs &inputs) noexcept { inputs_.publish(inputs); }
 
     /// Runs from now on a thread of its own, with real-time priority where allowed. Returns a
     /// remark for each thing that the system refused.
@@ -105,7 +105,7 @@ private:
     bool has_started_ = false;
     std::optional<Clock::time_point> origin_; ///< of its clock
     ServoLoop loop_;
-    LatestValue<ServoInputs> inputs_{sealed({})};
+    LatestValue<ServoInputs> inputs_;
     SampleRing<ServoSample> samples_;
     SampleRing<ServoSample> record_samples_;
     std::atomic<bool> recording_{false};

@@ -22,15 +22,8 @@ struct ServoInputs {
     bool release = false; ///< to let go of the device: gains fall, and stay down while it is set
     /// A window that lives changes it again and again; zero for whoever runs without one.
     std::uint32_t heartbeat = 0;
-    std::uint32_t checksum = 0; ///< of all above, see `sealed`
 };
 
 // The publisher must keep a surface alive until a ServoSample carries the scene_id of a later one.
-
-/// The inputs with the checksum that tells a whole set from a torn one. RT-safe.
-[[nodiscard]] ServoInputs sealed(ServoInputs inputs) noexcept;
-
-/// Whether the inputs are as they were when they were sealed. RT-safe.
-[[nodiscard]] bool is_whole(const ServoInputs &inputs) noexcept;
 
 } // namespace springdrive::servo

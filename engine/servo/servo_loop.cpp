@@ -2,7 +2,6 @@
 
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/force_direction.h"
-#include "engine/control/parameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,11 +16,6 @@ namespace {
 /// Below this a rendered force has no direction worth telling: it is of the size that single
 /// encoder counts make of the velocity signal.
 constexpr double kLeastForceWithDirection_N = 0.1;
-
-/// A parameter glides to its new value with this time constant, and is there when it is within this
-/// share of its range.
-constexpr double kTuningGlide_s = 0.05;
-constexpr double kTuningArrived = 1e-6;
 
 /// Below this a set-point is where the tip is, and the rest is round-off: at η = 1, say.
 constexpr double kLeastSetPointGap_m = 1e-6;
@@ -38,23 +32,11 @@ static_assert(std::is_trivially_destructible_v<ServoSample> &&
               std::is_trivially_destructible_v<control::LawOutcome> &&
               std::is_trivially_destructible_v<contact::Proxy>);
 
-/// R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
-double greatest_dR_step_Ohm(const device::DeviceDescription &device, double period_s) {
-    double peak_A = 0.0;
-    for (const device::MotorParameters &motor : device.motor) {
-        peak_A = std::max(peak_A, motor.peak_current_A);
-    }
-    return kGreatestChange_V_per_s * period_s / peak_A;
-}
-
 } // namespace
 
 ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
     : device_(device), period_s_(period_s), law_(device.description()),
-      supply_V_(device.description().motor[0].supply_V, device.description().motor[1].supply_V,
-                device.description().motor[2].supply_V),
-      greatest_dR_step_Ohm_(greatest_dR_step_Ohm(device.description(), period_s)),
-      change_over_(period_s), safety_(device.description(), period_s) {}
+      transfer_(device.description(), period_s), safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
     command_ = device::DeviceCommand::braking();
@@ -73,8 +55,7 @@ void ServoLoop::set_period(double period_s) {
     time_base_s_ += static_cast<double>(last_tick - time_base_tick_) * period_s_;
     time_base_tick_ = last_tick;
     period_s_ = period_s;
-    greatest_dR_step_Ohm_ = greatest_dR_step_Ohm(device_.description(), period_s);
-    change_over_.set_period(period_s);
+    transfer_.set_period(period_s);
     safety_.set_period(period_s);
 }
 
@@ -105,39 +86,6 @@ void ServoLoop::take(const ServoInputs &inputs) noexcept {
     }
 }
 
-void ServoLoop::approach(const control::Tuning &wanted) noexcept {
-    if (!has_measured_ || !safety_.lets_pass()) {
-        tuning_ = wanted; // nobody feels it
-        return;
-    }
-    const double share = -std::expm1(-period_s_ / kTuningGlide_s);
-    tuning_.map = wanted.map;
-    tuning_.alpha_mode = wanted.alpha_mode;
-    const double dR_before_Ohm = tuning_.dR_Ohm;
-    for (const control::Parameter &parameter : control::kParameters) {
-        double &value = tuning_.*parameter.value;
-        const double gap = wanted.*parameter.value - value;
-        const bool arrived =
-            std::abs(gap) < kTuningArrived * (parameter.highest - parameter.lowest);
-        value = arrived ? wanted.*parameter.value : value + share * gap;
-    }
-    tuning_.dR_Ohm = std::clamp(tuning_.dR_Ohm, dR_before_Ohm - greatest_dR_step_Ohm_,
-                                dR_before_Ohm + greatest_dR_step_Ohm_);
-}
-
-bool ServoLoop::in_force(const Before &before) const noexcept {
-    return before.tuning == tuning_ &&
-           before.global_alpha_rad2_per_m2 == inputs_.global_alpha_rad2_per_m2;
-}
-
-/// What the filter would say with that cutoff; it remembers only what `update` settles on.
-control::Configuration ServoLoop::configuration(const Vector3 &theta_rad,
-                                                double lambda_rad_per_s) const noexcept {
-    control::VelocityFilter filter = velocity_filter_;
-    const double pole = control::velocity_filter_pole(lambda_rad_per_s, since_last_s_);
-    return law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s_));
-}
-
 contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
     scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_;
     if (!has_measured_ || scene_is_new_) {
@@ -153,45 +101,26 @@ contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
     return proxy_.update(*inputs_.surface, tip_m);
 }
 
-Vector3 ServoLoop::within_supply(const Vector3 &e_W_V) const noexcept {
-    return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
-}
-
-/// What the law would say if nothing had changed; nothing where nothing has, or nobody feels it.
+/// What the law would say if no setting had changed; nothing where none has, or nobody feels it.
+/// @param filter  as it stood before this tick
 std::optional<control::LawOutcome>
-ServoLoop::unchanged_law(const Before &before, const Vector3 &theta_rad,
-                         const contact::Contact &contact) const noexcept {
-    if (in_force(before) || scene_is_new_ || !safety_.lets_pass()) {
+ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
+                         const Vector3 &theta_rad, const contact::Contact &contact) const noexcept {
+    if (!transfer_.has_changed() || scene_is_new_ || !safety_.lets_pass()) {
         return std::nullopt;
     }
-    return law_(configuration(theta_rad, before.tuning.lambda_rad_per_s), contact, before.tuning,
-                before.global_alpha_rad2_per_m2);
-}
-
-/// Lets no change of this tick move e_W at once, as long as anybody feels it.
-void ServoLoop::carry_over(const std::optional<control::LawOutcome> &unchanged,
-                           const Vector3 &e_W_V) noexcept {
-    if (!safety_.lets_pass()) {
-        change_over_.reset();
-        return;
-    }
-    if (scene_is_new_) { // the old one's contact is not known any more: what it last asked for is
-        change_over_.reset();
-        change_over_.change(last_e_W_V_, e_W_V);
-    } else if (unchanged) {
-        // No more than the supply would have given; of what is wanted now, all there is to let in.
-        const Vector3 without_V =
-            within_supply(unchanged->command.e_W_V + change_over_.carried_V());
-        change_over_.reset();
-        change_over_.change(without_V, e_W_V);
-    }
-    change_over_.fade();
+    const LawSettings &before = transfer_.before();
+    const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, since_last_s);
+    return law_(law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s)),
+                contact, before.tuning, before.global_alpha_rad2_per_m2);
 }
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
                                    ServoSample &sample) const noexcept {
     const contact::Contact &contact = sample.contact;
-    const control::LawOutcome found = law_(now, contact, tuning_, inputs_.global_alpha_rad2_per_m2);
+    const LawSettings &active = transfer_.active();
+    const control::LawOutcome found =
+        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2);
     sample.eta = found.eta;
     sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
     sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
@@ -220,13 +149,16 @@ Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const contr
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
-control::Configuration ServoLoop::sense(const device::Measurement &measured,
+control::Configuration ServoLoop::sense(const device::Measurement &measured, double since_last_s,
                                         ServoSample &sample) noexcept {
     const Vector3 theta_rad = law_.theta_rad(measured.counts);
     if (!has_measured_) {
         velocity_filter_.reset(theta_rad);
     }
-    const control::Configuration now = configuration(theta_rad, tuning_.lambda_rad_per_s);
+    const double pole =
+        control::velocity_filter_pole(transfer_.active().tuning.lambda_rad_per_s, since_last_s);
+    const control::Configuration now =
+        law_.configuration(theta_rad, velocity_filter_.update(theta_rad, pole, since_last_s));
     note_motion(now, sample);
     return now;
 }
@@ -238,17 +170,34 @@ void ServoLoop::note_motion(const control::Configuration &now, ServoSample &samp
     sample.tip_force_N = control::static_tip_force(now.J, law_.k_T(), sample.current_A);
 }
 
-/// From what the law wants to what the device gets.
-void ServoLoop::guard(device::DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
-                      ServoSample &sample) noexcept {
-    wanted.e_W_V += sample.carried_V;
-    last_e_W_V_ = within_supply(wanted.e_W_V);
-    command_ = safety_.pass(wanted, seen, orders(inputs_are_whole));
+/// What the monitor judges by.
+Observation ServoLoop::observation(const control::Configuration &now,
+                                   const control::LawOutcome &found,
+                                   const std::optional<control::LawOutcome> &unchanged,
+                                   const Passed &since, const device::Measurement &measured,
+                                   const ServoSample &sample) const noexcept {
+    Observation seen;
+    seen.now = now;
+    seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row};
+    seen.tip_force_N = sample.tip_force_N;
+    seen.current_A = measured.current_A;
+    seen.touching = sample.contact.touching;
+    if (sample.contact.touching) {
+        seen.spring_stretch_m = sample.contact.x0_m - now.tip_m;
+        seen.spring_force_N = spring_force_N(now, transfer_.active().tuning, found.used);
+        seen.spring_force_before_N =
+            unchanged ? spring_force_N(now, transfer_.before().tuning, unchanged->used)
+                      : seen.spring_force_N;
+    }
+    seen.scene_is_new = scene_is_new_;
+    seen.all_finite = sample.contact.x0_m.allFinite();
+    seen.missed_periods = since.missed_periods;
+    return seen;
 }
 
-SafetyOrders ServoLoop::orders(bool inputs_are_whole) const noexcept {
+SafetyOrders ServoLoop::orders() const noexcept {
     return {inputs_.limits, inputs_.emergency_stop || stops_now_, inputs_.heartbeat,
-            inputs_are_whole, inputs_.release};
+            inputs_.release};
 }
 
 /// By the device's clock: numbers where it keeps the servo's, else its own time.
@@ -288,8 +237,8 @@ ServoSample ServoLoop::begin_sample(const device::Measurement &measured,
     sample.supply_V = measured.supply_V;
     sample.missed_deadlines = timing.missed_deadlines;
     sample.missed_in_a_row = timing.missed_in_a_row;
-    sample.tuning = tuning_;
-    sample.global_alpha_rad2_per_m2 = inputs_.global_alpha_rad2_per_m2;
+    sample.tuning = transfer_.active().tuning;
+    sample.global_alpha_rad2_per_m2 = transfer_.active().global_alpha_rad2_per_m2;
     return sample;
 }
 
@@ -308,15 +257,12 @@ void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample)
 /// A tick without news: all stands as it was when there last were some.
 ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInputs &inputs,
                             const TickTiming &timing) noexcept {
-    const bool whole = is_whole(inputs);
-    if (whole) {
-        take_orders(inputs);
-    }
+    take_orders(inputs);
     ServoSample sample = begin_sample(measured, timing);
     sample.scene_id = scene_id_;
     sample.counts = measured_.counts;
     sample.current_A = measured_.current_A;
-    sample.carried_V = change_over_.carried_V();
+    sample.carried_V = transfer_.carried_V();
     if (has_measured_) {
         const control::Configuration then =
             law_.configuration(velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
@@ -328,7 +274,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     const bool waits = device_.clock() == device::DeviceClock::servo;
     const Link link{measured.health, measured.arrival, measured.faults,
                     waits ? skipped_in_a_row_ : timing.missed_in_a_row};
-    command_ = safety_.hold(command_, link, orders(whole));
+    command_ = safety_.hold(command_, link, orders());
     finish(measured, sample);
     return sample;
 }
@@ -336,9 +282,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
 /// A tick after an assertion has failed, with as little as a window needs to show the device.
 ServoSample ServoLoop::brake(const device::Measurement &measured, const ServoInputs &inputs,
                              const TickTiming &timing) noexcept {
-    if (is_whole(inputs)) {
-        scene_id_ = inputs.scene_id; // nothing of any scene is in use
-    }
+    scene_id_ = inputs.scene_id; // nothing of any scene is in use
     ServoSample sample = begin_sample(measured, timing);
     sample.scene_id = scene_id_;
     sample.counts = measured.counts;
@@ -360,47 +304,31 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     if (!device::has_news(measured.arrival) || measured.health == device::DeviceHealth::lost) {
         return hold(measured, inputs, timing);
     }
-    const Before before{tuning_, inputs_.global_alpha_rad2_per_m2};
-    const bool whole = is_whole(inputs);
-    if (whole) {
-        take(inputs);
-    }
-    approach(inputs_.tuning);
+    take(inputs);
+    transfer_.approach({inputs_.tuning, inputs_.global_alpha_rad2_per_m2}, safety_.lets_pass());
 
     const Passed since = passed(measured, timing);
-    since_last_s_ = since.since_last_s;
     ServoSample sample = begin_sample(measured, timing);
     sample.since_last_s = since.since_last_s;
     sample.missed_periods = since.missed_periods;
     sample.counts = measured.counts;
     sample.current_A = measured.current_A;
 
-    Observation seen;
-    seen.now = sense(measured, sample);
-    sample.contact = touch(seen.now.tip_m);
+    const control::VelocityFilter filter_before = velocity_filter_;
+    const control::Configuration now = sense(measured, since.since_last_s, sample);
+    sample.contact = touch(now.tip_m);
     sample.scene_id = scene_id_;
-    const control::LawOutcome found = law(seen.now, sample);
+    const control::LawOutcome found = law(now, sample);
     const std::optional<control::LawOutcome> unchanged =
-        unchanged_law(before, seen.now.theta_rad, sample.contact);
-    carry_over(unchanged, found.command.e_W_V);
-    velocity_filter_ = control::VelocityFilter(seen.now.theta_rad, seen.now.theta_rate_rad_per_s);
-    sample.carried_V = change_over_.carried_V();
+        unchanged_law(filter_before, since.since_last_s, now.theta_rad, sample.contact);
 
-    seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row};
-    seen.tip_force_N = sample.tip_force_N;
-    seen.current_A = measured.current_A;
-    seen.touching = sample.contact.touching;
-    if (sample.contact.touching) {
-        seen.spring_stretch_m = sample.contact.x0_m - seen.now.tip_m;
-        seen.spring_force_N = spring_force_N(seen.now, tuning_, found.used);
-        seen.spring_force_before_N = unchanged
-                                         ? spring_force_N(seen.now, before.tuning, unchanged->used)
-                                         : seen.spring_force_N;
-    }
-    seen.scene_is_new = scene_is_new_;
-    seen.all_finite = sample.contact.x0_m.allFinite();
-    seen.missed_periods = since.missed_periods;
-    guard(found.command, seen, whole, sample);
+    device::DeviceCommand wanted = found.command;
+    wanted.e_W_V = transfer_.transferred_V(
+        found.command.e_W_V, unchanged ? std::optional(unchanged->command.e_W_V) : std::nullopt,
+        scene_is_new_, safety_.lets_pass());
+    sample.carried_V = transfer_.carried_V();
+    command_ =
+        safety_.pass(wanted, observation(now, found, unchanged, since, measured, sample), orders());
 
     measured_ = measured;
     contact_ = sample.contact;

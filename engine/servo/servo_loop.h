@@ -6,7 +6,7 @@
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/servo/change_over.h"
+#include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/safety_monitor.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"
@@ -39,8 +39,8 @@ public:
     }
 
     /// From the measurement to the command that answers it. All that it found is in the sample
-    /// returned. Inputs that are not as they were `sealed` are not looked at, and stop the device.
-    /// Where nothing new was measured the command in force stands, as long as the monitor lets it.
+    /// returned. Where nothing new was measured the command in force stands, as long as the monitor
+    /// lets it.
     ServoSample update(const device::Measurement &measured, const ServoInputs &inputs,
                        const TickTiming &timing = {}) noexcept;
 
@@ -70,12 +70,6 @@ public:
     [[nodiscard]] const device::HapticDevice &device() const { return device_; }
 
 private:
-    /// The tuning that was in force in the last tick.
-    struct Before {
-        control::Tuning tuning;
-        double global_alpha_rad2_per_m2 = 0.0;
-    };
-
     /// How the device's time went on.
     struct Passed {
         double since_last_s = 0.0; ///< between the last two measurements that told anything
@@ -94,48 +88,39 @@ private:
     [[nodiscard]] ServoSample brake(const device::Measurement &measured, const ServoInputs &inputs,
                                     const TickTiming &timing) noexcept;
     void finish(const device::Measurement &measured, ServoSample &sample) noexcept;
-    void approach(const control::Tuning &wanted) noexcept;
-    [[nodiscard]] bool in_force(const Before &before) const noexcept;
     [[nodiscard]] control::Configuration sense(const device::Measurement &measured,
-                                               ServoSample &sample) noexcept;
+                                               double since_last_s, ServoSample &sample) noexcept;
     void note_motion(const control::Configuration &now, ServoSample &sample) const noexcept;
-    [[nodiscard]] control::Configuration configuration(const Vector3 &theta_rad,
-                                                       double lambda_rad_per_s) const noexcept;
     [[nodiscard]] contact::Contact touch(const Vector3 &tip_m) noexcept;
     [[nodiscard]] std::optional<control::LawOutcome>
-    unchanged_law(const Before &before, const Vector3 &theta_rad,
+    unchanged_law(control::VelocityFilter filter, double since_last_s, const Vector3 &theta_rad,
                   const contact::Contact &contact) const noexcept;
-    void carry_over(const std::optional<control::LawOutcome> &unchanged,
-                    const Vector3 &e_W_V) noexcept;
     [[nodiscard]] control::LawOutcome law(const control::Configuration &now,
                                           ServoSample &sample) const noexcept;
     [[nodiscard]] Vector3 spring_force_N(const control::Configuration &now,
                                          const control::Tuning &tuning,
                                          const control::MotorSetPoint &set_point) const noexcept;
-    [[nodiscard]] SafetyOrders orders(bool inputs_are_whole) const noexcept;
-    void guard(device::DeviceCommand wanted, const Observation &seen, bool inputs_are_whole,
-               ServoSample &sample) noexcept;
-    [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
+    [[nodiscard]] Observation observation(const control::Configuration &now,
+                                          const control::LawOutcome &found,
+                                          const std::optional<control::LawOutcome> &unchanged,
+                                          const Passed &since, const device::Measurement &measured,
+                                          const ServoSample &sample) const noexcept;
+    [[nodiscard]] SafetyOrders orders() const noexcept;
 
     device::HapticDevice &device_;
     double period_s_;
-    double since_last_s_ = period_s_;  ///< from the last measurement to this one
     double time_base_s_ = 0.0;         ///< the servo's time when its period was last set,
     std::uint64_t time_base_tick_ = 0; ///< and its tick
     control::HapticLaw law_;
-    Vector3 supply_V_;
-    double greatest_dR_step_Ohm_;
 
-    ServoInputs inputs_;     ///< the last that arrived whole
-    control::Tuning tuning_; ///< in force: on its way to what was last asked for
+    ServoInputs inputs_;        ///< the last, but for what is no valid wish
+    BumplessTransfer transfer_; ///< to what was last asked for
     control::VelocityFilter velocity_filter_;
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;
     bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
-    ChangeOver change_over_;
-    Vector3 last_e_W_V_{Vector3::Zero()}; ///< as wanted in the last tick
     SafetyMonitor safety_;
     device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< in force
     device::Measurement measured_; ///< the last that told anything

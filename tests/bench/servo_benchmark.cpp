@@ -50,14 +50,14 @@ void update_with(benchmark::State &state, const RecordedTouch &touch,
 }
 
 void tick(benchmark::State &state, const RecordedTouch &touch) {
-    update_with<1>(state, touch, {servo::sealed(touch.rig()->inputs)});
+    update_with<1>(state, touch, {touch.rig()->inputs});
 }
 
 /// A slider that never rests: each tick the law is asked twice, before the change and after it.
 void tick_while_tuning(benchmark::State &state, const RecordedTouch &touch) {
     servo::ServoInputs inputs = touch.rig()->inputs;
     inputs.tuning.K_P_V_per_rad = 5.9;
-    update_with<2>(state, touch, {servo::sealed(touch.rig()->inputs), servo::sealed(inputs)});
+    update_with<2>(state, touch, {touch.rig()->inputs, inputs});
 }
 
 } // namespace

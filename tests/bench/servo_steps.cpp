@@ -2,7 +2,7 @@
 // motion_control_benchmark and proxy_benchmark have in detail is here one step.
 #include "base/sample_ring.h"
 #include "engine/control/force_direction.h"
-#include "engine/servo/change_over.h"
+#include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/command_limiter.h"
 #include "tests/bench/over_ticks.h"
 #include "tests/bench/touch_path.h"
@@ -48,13 +48,6 @@ void step_device(benchmark::State &state, const RecordedTouch &touch) {
         [&](std::size_t tick) { return rig->phantom().advance(touch.samples[tick - 1].command); });
 }
 
-void step_inputs(benchmark::State &state, const RecordedTouch &touch) {
-    servo::ServoInputs inputs;
-    inputs.surface = &touch.surface;
-    inputs = servo::sealed(inputs);
-    over_ticks(state, kEnd, nothing, [&](std::size_t /*tick*/) { return servo::is_whole(inputs); });
-}
-
 void step_configuration(benchmark::State &state, const RecordedTouch &touch) {
     const control::HapticLaw law(touch.description);
     control::VelocityFilter filter;
@@ -93,7 +86,7 @@ void step_law(benchmark::State &state, const RecordedTouch &touch) {
 /// What is added to a tick in which a tuning moves: its angles and its law once more, as before.
 void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
     const control::HapticLaw law(touch.description);
-    servo::ChangeOver change(kServoPeriod_s);
+    servo::BumplessTransfer transfer(touch.description, kServoPeriod_s);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
         const servo::ServoSample &sample = touch.samples[tick];
         control::VelocityFilter filter(touch.samples[tick - 1].theta_rad,
@@ -104,9 +97,7 @@ void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
             sample.theta_rad, filter.update(sample.theta_rad, pole, kServoPeriod_s));
         const control::LawOutcome before =
             law(now, sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
-        change.change(before.command.e_W_V, sample.command.e_W_V);
-        change.fade();
-        return change.carried_V();
+        return transfer.transferred_V(sample.command.e_W_V, before.command.e_W_V, false, true);
     });
 }
 
@@ -188,7 +179,6 @@ void step_telemetry(benchmark::State &state, const RecordedTouch &touch) {
 } // namespace
 
 BENCHMARK(at_place<step_device>)->Name("step_device")->Arg(kFree)->Arg(kOrganic);
-BENCHMARK(at_place<step_inputs>)->Name("step_inputs")->Arg(kFree)->Arg(kOrganic);
 BENCHMARK(at_place<step_configuration>)->Name("step_configuration")->Arg(kFree)->Arg(kOrganic);
 BENCHMARK(at_place<step_proxy>)->Name("step_proxy")->DenseRange(kFirstPlace, kLastPlace);
 BENCHMARK(at_place<step_law>)->Name("step_law")->Arg(kFree)->Arg(kOrganic);

@@ -3,7 +3,7 @@
 #include "engine/control/velocity_filter.h"
 #include "engine/record/record_reader.h"
 #include "engine/record/replay.h"
-#include "engine/servo/change_over.h"
+#include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/safety_monitor.h"
 
 #include <algorithm>

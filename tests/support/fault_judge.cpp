@@ -79,11 +79,9 @@ void FaultJudge::look_at_link(const device::Measurement &measured,
     find(servo::TripCause::stale_measurement, stale_s_, limits.stale_s, kRoundOff);
 }
 
-void FaultJudge::look_at_window(const servo::ServoInputs &inputs, bool torn,
-                                const servo::TickTiming &timing,
+void FaultJudge::look_at_window(const servo::ServoInputs &inputs, const servo::TickTiming &timing,
                                 const servo::SafetyLimits &limits) {
     find(servo::TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
-    find(servo::TripCause::torn_inputs, torn ? 1.0 : 0.0, 0.5, 0.0);
     find(servo::TripCause::missed_deadlines, timing.missed_in_a_row * period_s_, limits.late_s,
          kRoundOff);
     const bool silent = inputs.heartbeat == heartbeat_ && inputs.heartbeat != 0;
@@ -234,14 +232,13 @@ FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const device::Device
 }
 
 void FaultJudge::look(const device::Measurement &measured, const servo::ServoInputs &inputs,
-                      bool torn, const servo::TickTiming &timing,
-                      const servo::ServoSample &sample) {
+                      const servo::TickTiming &timing, const servo::ServoSample &sample) {
     findings_ = {};
     const std::uint64_t period = period_ + 1 + timing.missed_deadlines;
     elapsed_s_ = static_cast<double>(period - period_) * period_s_;
     period_ = period;
     const servo::SafetyLimits limits = servo::lowered(servo::limits_of(device_), inputs.limits);
-    look_at_window(inputs, torn, timing, limits);
+    look_at_window(inputs, timing, limits);
     look_at_link(measured, limits);
     if (measured.health == device::DeviceHealth::lost ||
         measured.arrival == device::Arrival::repeated ||

@@ -41,7 +41,7 @@ public:
     FaultJudge(const device::DeviceDescription &device, double period_s);
 
     /// One tick on: what came from the device, and what the servo made of it.
-    void look(const device::Measurement &measured, const servo::ServoInputs &inputs, bool torn,
+    void look(const device::Measurement &measured, const servo::ServoInputs &inputs,
               const servo::TickTiming &timing, const servo::ServoSample &sample);
 
     /// As the monitor is reset in the coming tick, so is what the judge remembers.
@@ -58,8 +58,8 @@ public:
 private:
     void find(servo::TripCause cause, double measured, double limit, double slack);
     void look_at_link(const device::Measurement &measured, const servo::SafetyLimits &limits);
-    void look_at_window(const servo::ServoInputs &inputs, bool torn,
-                        const servo::TickTiming &timing, const servo::SafetyLimits &limits);
+    void look_at_window(const servo::ServoInputs &inputs, const servo::TickTiming &timing,
+                        const servo::SafetyLimits &limits);
     void look_at_currents(const Vector3 &current_A, const servo::ServoSample &sample);
     void look_at_motion(const TipAt &now, const servo::ServoSample &sample, double since_last_s);
     void look_at_stops(const Vector3 &q_rad, double limit_rad);

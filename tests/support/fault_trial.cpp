@@ -28,7 +28,7 @@ simulated::SimulationOptions at_rate_with_hand(const FaultCase &what,
 
 bool says_no_numbers(servo::TripCause cause) {
     return cause == servo::TripCause::emergency_stop || cause == servo::TripCause::device_lost ||
-           cause == servo::TripCause::not_finite || cause == servo::TripCause::torn_inputs;
+           cause == servo::TripCause::not_finite;
 }
 
 } // namespace
@@ -55,16 +55,10 @@ servo::ServoSample FaultTrial::step() {
         ++inputs.heartbeat;
     }
     const servo::TickTiming now = timing ? timing() : servo::TickTiming{};
-    const device::Measurement measured = loop().read();
-    servo::ServoInputs arrived = servo::sealed(inputs);
-    if (tear) {
-        tear(arrived);
-    }
     const bool was_tripped = has_tripped();
-    last = loop().update(measured, arrived, now);
-    loop().write();
-    judge.look(measured, inputs, static_cast<bool>(tear), now, last);
-    check(measured);
+    tick(now);
+    judge.look(measured(), inputs, now, last);
+    check(measured());
     if (has_tripped() && (!was_tripped || since_reset_ == 0)) {
         check_trip();
     }

@@ -56,8 +56,7 @@ public:
 
     FaultCase what;
     FaultJudge judge;
-    std::function<servo::TickTiming()> timing;      ///< none: never late
-    std::function<void(servo::ServoInputs &)> tear; ///< of the sealed inputs, on their way
+    std::function<servo::TickTiming()> timing; ///< none: never late
     bool window_lives = true;
     bool force_is_bounded = true; ///< false where the fault itself leaves no bound
 

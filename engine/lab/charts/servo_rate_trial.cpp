@@ -95,11 +95,10 @@ rig::Cost cost_of_servo_tick(const ChartSetting &setting) {
     rig.inputs.tuning = setting.tuning;
     rig.inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
     const std::vector<device::Measurement> states = recorded_states(rig);
-    const servo::ServoInputs inputs = servo::sealed(rig.inputs);
     return rig::cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
         servo::ServoLoop loop(rig.phantom(), kPeriod_s);
         for (const device::Measurement &state : states) {
-            rig::keep(loop.update(state, inputs));
+            rig::keep(loop.update(state, rig.inputs));
         }
     });
 }

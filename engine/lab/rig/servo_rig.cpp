@@ -18,7 +18,7 @@ ServoRig::ServoRig(const device::DeviceDescription &device,
 
 const servo::ServoSample &ServoRig::tick(const servo::TickTiming &timing) noexcept {
     measured_ = loop_.read();
-    last = loop_.update(measured_, servo::sealed(inputs), timing);
+    last = loop_.update(measured_, inputs, timing);
     loop_.write();
     return last;
 }

@@ -208,9 +208,9 @@ TEST(ServoAssertionDeathTest, IfTheSafeCommandFailsTooTheProgramEnds) {
 TEST(ServoAssertionDeathTest, ALoopThatNobodyGuardsEndsTheProgram) {
     PlantedDevice device(Plant::in_update, Pressed::hand());
     ServoLoop loop(device, 1e-3);
-    static_cast<void>(loop.tick(sealed({})));
+    static_cast<void>(loop.tick({}));
     device.arm();
-    EXPECT_DEATH(static_cast<void>(loop.tick(sealed({}))),
+    EXPECT_DEATH(static_cast<void>(loop.tick({})),
                  "assertion failed: .*, tests/support/planted_device\\.h:");
 }
 

@@ -1,5 +1,4 @@
-// Covers engine/servo/safety_monitor.cpp and servo_inputs.cpp: letting go of a device.
-#include "engine/servo/servo_inputs.h"
+// Covers engine/servo/safety_monitor.cpp: letting go of a device.
 #include "tests/engine/servo/safety_monitor_fixture.h"
 
 #include <gtest/gtest.h>
@@ -15,13 +14,6 @@ SafetyOrders to_release() {
     SafetyOrders orders;
     orders.release = true;
     return orders;
-}
-
-TEST(ServoInputs, AreNotWholeWithAnotherWishToRelease) {
-    ServoInputs inputs = sealed({});
-    inputs.release = true;
-    EXPECT_FALSE(is_whole(inputs));
-    EXPECT_TRUE(is_whole(sealed(inputs)));
 }
 
 TEST_F(SafetyMonitorTest, LetsGoForASecondAsItCameUpAndThenBrakes) {

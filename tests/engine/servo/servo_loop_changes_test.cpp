@@ -1,10 +1,10 @@
-// Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and inputs
-// that arrive torn.
+// Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and
+// measurements that do not come as they should.
 #include "device/core/forwarding_device.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/parameters.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/servo/change_over.h"
+#include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/servo_loop.h"
 #include "tests/engine/servo/servo_rig.h"
 
@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -319,53 +318,6 @@ TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
     }
 }
 
-/// Sealed, and then something else in one word: also a surface that is nowhere.
-std::vector<ServoInputs> torn_from(const ServoInputs &whole) {
-    const ServoInputs good = sealed(whole);
-    std::vector<ServoInputs> torn(5, good);
-    torn[0].surface = std::bit_cast<const contact::HapticSurface *>(std::uintptr_t{0xdeadbeef0});
-    torn[1].tuning.K_P_V_per_rad *= 2.0;
-    torn[2].scene_id += 5;
-    torn[2].surface = std::bit_cast<const contact::HapticSurface *>(std::uintptr_t{0x10});
-    torn[3].checksum ^= 1U;
-    torn[4].reset_count += 1;
-    return torn;
-}
-
-TEST(ServoLoopChanges, TornInputsStopTheDeviceAndAreNotUsed) {
-    for (std::size_t which = 0; which < 5; ++which) {
-        FirmRig rig;
-        rig.run(kStartUp_s + 0.8);
-        const ServoSample before = rig.tick();
-        ASSERT_TRUE(before.contact.touching);
-        const ServoInputs torn = torn_from(rig.inputs)[which];
-        for (int tick = 0; tick < 3; ++tick) {
-            const ServoSample sample = rig.loop().tick(torn);
-            EXPECT_EQ(sample.safety.state, SafetyState::tripped);
-            EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
-            EXPECT_EQ(sample.command.e_W_V, Vector3::Zero());
-            EXPECT_EQ(sample.command.cancelled_resistance_Ohm, Vector3::Zero());
-            EXPECT_EQ(sample.tuning.K_P_V_per_rad, before.tuning.K_P_V_per_rad);
-            EXPECT_EQ(sample.scene_id, before.scene_id);
-            EXPECT_TRUE(sample.contact.touching); // on the surface of the last whole ones
-        }
-        // Whole ones alone mend nothing; a deliberate reset does, torn ones do not reset.
-        EXPECT_EQ(rig.tick().safety.state, SafetyState::tripped);
-        ++rig.inputs.reset_count;
-        EXPECT_EQ(rig.tick().safety.state, SafetyState::waiting);
-    }
-}
-
-TEST(ServoLoopChanges, TornInputsAtTheVeryFirstTickAreNotUsedEither) {
-    for (const ServoInputs &torn : torn_from({})) {
-        Rig rig(firm_contact());
-        const ServoSample sample = rig.loop().tick(torn);
-        EXPECT_EQ(sample.safety.cause, TripCause::torn_inputs);
-        EXPECT_EQ(sample.scene_id, 0U);
-        EXPECT_EQ(sample.tuning.K_P_V_per_rad, control::Tuning{}.K_P_V_per_rad);
-    }
-}
-
 /// By its own clock, as hardware has it: it moves on by as many periods as it is told.
 class AsHardware final : public device::ForwardingDevice {
 public:
@@ -390,7 +342,7 @@ TEST(ServoLoopChanges, MissedDeadlinesOfADeviceThatDoesNotWaitReachSampleAndMoni
     ServoLoop loop(device, kPeriod_s);
     const auto tick = [&](std::uint32_t missed, std::uint32_t in_a_row) {
         device.missed = static_cast<int>(missed);
-        return loop.tick(sealed({}), {missed, in_a_row});
+        return loop.tick({}, {missed, in_a_row});
     };
     for (int i = 0; i < 1200; ++i) {
         static_cast<void>(tick(0, 0));
@@ -410,7 +362,7 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     FirmRig punctual;
     punctual.run(kStartUp_s + 0.8);
     for (const std::uint32_t missed : {1U, 99U, 2000U}) {
-        const ServoSample late = rig.loop().tick(sealed(rig.inputs), {missed, missed});
+        const ServoSample late = rig.tick({missed, missed});
         const ServoSample sample = punctual.tick();
         EXPECT_EQ(late.missed_deadlines, missed); // counted all the same
         EXPECT_EQ(late.missed_periods, 0U);

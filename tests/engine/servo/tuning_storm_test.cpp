@@ -1,5 +1,5 @@
-// Covers the way of inputs to a running servo, and change_over.h: ten thousand random changes a
-// second, from another thread, are neither torn nor felt as blows. See
+// Covers the way of inputs to a running servo, and bumpless_transfer.h: ten thousand random changes
+// a second, from another thread, are neither torn nor felt as blows. See
 // tests/support/tuning_storm.h.
 #include "tests/support/tuning_storm.h"
 

@@ -1,0 +1,78 @@
+#include "engine/servo/bumpless_transfer.h"
+
+#include "engine/control/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::servo {
+
+namespace {
+
+/// A parameter glides to its new value with this time constant, and is there when it is within this
+/// share of its range.
+constexpr double kTuningGlide_s = 0.05;
+constexpr double kTuningArrived = 1e-6;
+
+double greatest_peak_A(const device::DeviceDescription &device) {
+    double peak_A = 0.0;
+    for (const device::MotorParameters &motor : device.motor) {
+        peak_A = std::max(peak_A, motor.peak_current_A);
+    }
+    return peak_A;
+}
+
+} // namespace
+
+BumplessTransfer::BumplessTransfer(const device::DeviceDescription &device, double period_s)
+    : supply_V_(device.motor[0].supply_V, device.motor[1].supply_V, device.motor[2].supply_V),
+      peak_current_A_(greatest_peak_A(device)), period_s_(period_s) {}
+
+void BumplessTransfer::set_period(double period_s) noexcept { period_s_ = period_s; }
+
+void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcept {
+    before_ = active_;
+    active_ = wanted;
+    if (!is_felt) {
+        return;
+    }
+    const double share = -std::expm1(-period_s_ / kTuningGlide_s);
+    for (const control::Parameter &parameter : control::kParameters) {
+        const double value = before_.tuning.*parameter.value;
+        const double gap = wanted.tuning.*parameter.value - value;
+        if (std::abs(gap) >= kTuningArrived * (parameter.highest - parameter.lowest)) {
+            active_.tuning.*parameter.value = value + share * gap;
+        }
+    }
+    // R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
+    const double step_Ohm = kGreatestChange_V_per_s * period_s_ / peak_current_A_;
+    const double dR_before_Ohm = before_.tuning.dR_Ohm;
+    active_.tuning.dR_Ohm =
+        std::clamp(active_.tuning.dR_Ohm, dR_before_Ohm - step_Ohm, dR_before_Ohm + step_Ohm);
+}
+
+Vector3 BumplessTransfer::transferred_V(const Vector3 &e_W_V,
+                                        const std::optional<Vector3> &unchanged_V,
+                                        bool scene_is_new, bool is_felt) noexcept {
+    if (!is_felt) {
+        carried_V_.setZero();
+    } else {
+        if (scene_is_new) {
+            carried_V_ = last_e_W_V_ - e_W_V;
+        } else if (unchanged_V) {
+            // No more than the supply would have given; of what is wanted now, all there is to let
+            // in.
+            carried_V_ = within_supply(*unchanged_V + carried_V_) - e_W_V;
+        }
+        const Vector3 bound_V = Vector3::Constant(kGreatestChange_V_per_s * period_s_);
+        carried_V_ -= carried_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
+    }
+    last_e_W_V_ = within_supply(e_W_V + carried_V_);
+    return e_W_V + carried_V_;
+}
+
+Vector3 BumplessTransfer::within_supply(const Vector3 &e_W_V) const noexcept {
+    return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
+}
+
+} // namespace springdrive::servo
