@@ -4,13 +4,44 @@
 
 #include <fstream>
 #include <iterator>
+#include <system_error>
 #include <unistd.h>
 
 namespace springdrive::testing {
 
+namespace {
+
+/// Of this process. It stays where a test failed, to be looked at.
+class OwnFolder {
+public:
+    OwnFolder()
+        : path(std::filesystem::path(::testing::TempDir()) /
+               ("springdrive_" + std::to_string(process_))) {
+        std::filesystem::remove_all(path);
+        std::filesystem::create_directories(path);
+    }
+    ~OwnFolder() {
+        const bool is_forked = getpid() != process_;
+        if (!is_forked && !::testing::UnitTest::GetInstance()->Failed()) {
+            std::error_code ignored;
+            std::filesystem::remove_all(path, ignored);
+        }
+    }
+    OwnFolder(const OwnFolder &) = delete;
+    OwnFolder &operator=(const OwnFolder &) = delete;
+
+private:
+    pid_t process_ = getpid();
+
+public:
+    const std::filesystem::path path;
+};
+
+} // namespace
+
 std::filesystem::path fresh_folder(const std::string &name) {
-    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) /
-                                         ("springdrive_" + std::to_string(getpid()) + "_" + name);
+    static const OwnFolder own;
+    const std::filesystem::path folder = own.path / name;
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
     return folder;

@@ -3,6 +3,7 @@
 
 #include "base/input_error.h"
 #include "tests/support/devices.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
@@ -26,10 +27,7 @@ std::string complaint(const std::string &from, const std::string &to) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    // Tests run side by side, each in its own process.
-    const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    const std::filesystem::path file =
-        std::filesystem::path(::testing::TempDir()) / ("device_file_" + test + ".toml");
+    const std::filesystem::path file = testing::fresh_folder("device_file") / "bad.toml";
     std::ofstream(file) << text;
     try {
         static_cast<void>(read_device_file(file));
@@ -65,8 +63,7 @@ TEST(DeviceFile, ThreeMotorsMayDiffer) {
     std::string second = motor;
     second.replace(second.find("2.18"), 4, "3.25");
     text.replace(first, last - first, motor + second + motor);
-    const std::filesystem::path file =
-        std::filesystem::path(::testing::TempDir()) / "device_file_three.toml";
+    const std::filesystem::path file = testing::fresh_folder("device_file") / "three.toml";
     std::ofstream(file) << text;
     const DeviceDescription device = read_device_file(file);
     EXPECT_EQ(device.motor[0].resistance_Ohm, 2.18);

@@ -2,6 +2,7 @@
 #include "device/simulated/hand_path.h"
 
 #include "base/input_error.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ namespace springdrive::simulated {
 namespace {
 
 std::filesystem::path written(const std::string &name, const std::string &text) {
-    const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / name;
+    const std::filesystem::path file = testing::fresh_folder("hand_path") / name;
     std::ofstream(file) << text;
     return file;
 }

@@ -5,6 +5,7 @@
 #include "base/input_error.h"
 #include "engine/control/parameters.h"
 #include "tests/support/devices.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,6 @@
 #include <random>
 #include <sstream>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace springdrive::control {
@@ -28,8 +28,7 @@ std::string complaint(const std::string &from, const std::string &to) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    const auto file = std::filesystem::path(::testing::TempDir()) /
-                      ("tuning_file_test_" + std::to_string(getpid()) + ".toml");
+    const auto file = testing::fresh_folder("tuning_file") / "bad.toml";
     std::ofstream(file) << text;
     try {
         static_cast<void>(read_tuning_file(file));
@@ -85,8 +84,7 @@ TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNames) {
 }
 
 TuningFile written_and_read(const TuningFile &file) {
-    const auto path = std::filesystem::path(::testing::TempDir()) /
-                      ("written_tuning_" + std::to_string(getpid()) + ".toml");
+    const auto path = testing::fresh_folder("tuning_file") / "written.toml";
     std::ofstream out(path);
     write_tuning_file(out, file);
     out.close();
@@ -169,8 +167,7 @@ TEST(TuningFile, ReadsWhatDelaysWereCalledBefore) {
     };
     rename("\ndelay_periods = 3.0\n", "\ndelay_samples = 3\n");
     rename("more_delay_periods", "more_delay_samples");
-    const auto path = std::filesystem::path(::testing::TempDir()) /
-                      ("old_margins_" + std::to_string(getpid()) + ".toml");
+    const auto path = testing::fresh_folder("tuning_file") / "old_margins.toml";
     std::ofstream(path) << text;
     const TuningFile read = read_whole_tuning_file(path);
     ASSERT_TRUE(read.margins);
@@ -188,7 +185,7 @@ std::string complaint_about_margins(const std::string &from, const std::string &
     const std::size_t at = text.find(from, text.find("[margins]"));
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    const auto path = std::filesystem::path(::testing::TempDir()) / "bad_margins.toml";
+    const auto path = testing::fresh_folder("tuning_file") / "bad_margins.toml";
     std::ofstream(path) << text;
     try {
         static_cast<void>(read_whole_tuning_file(path));
