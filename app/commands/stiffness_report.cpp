@@ -2,10 +2,8 @@
 
 #include "base/print.h"
 #include "engine/control/coupling.h"
-#include "engine/lab/loops/sampled_loop.h"
+#include "engine/lab/loops/stability_case.h"
 
-#include <algorithm>
-#include <array>
 #include <numbers>
 
 namespace springdrive::app {
@@ -15,17 +13,13 @@ namespace {
 double hz(double rad_per_s) { return rad_per_s / (2.0 * std::numbers::pi); }
 
 /// Of the three joints in rigid contact, the one nearest to instability, or furthest beyond.
-loops::SampledLoop worst_joint(const device::DeviceDescription &device, loops::SpringDrive drive) {
-    drive.tuning.eta = 0.0;
-    std::array<loops::SampledLoop, 3> loops;
-    for (int joint = 0; joint < 3; ++joint) {
-        drive.motor = device.motor[static_cast<std::size_t>(joint)];
-        loops[static_cast<std::size_t>(joint)] = {drive, loops::device_load(device, joint), {}};
-    }
-    return *std::max_element(loops.begin(), loops.end(),
-                             [](const loops::SampledLoop &a, const loops::SampledLoop &b) {
-                                 return loops::largest_eigenvalue(a) < loops::largest_eigenvalue(b);
-                             });
+loops::WorstMember worst_joint(const device::DeviceDescription &device,
+                               const loops::SpringDrive &drive) {
+    loops::StabilityCase each = loops::motors_alone(device, drive.tuning);
+    each.tuning.eta = 0.0;
+    each.period_s = drive.period_s;
+    each.delay_periods = drive.delay_periods;
+    return loops::worst_member(each);
 }
 
 void write_head(std::ostream &out, const device::DeviceDescription &device,
@@ -44,9 +38,9 @@ void write_head(std::ostream &out, const device::DeviceDescription &device,
     print(out, "corners                 dR/L {:.4g} Hz, λ {:.4g} Hz, R/L {:.4g} Hz\n",
           hz(drive.dR_Ohm() / motor.inductance_H), hz(tuning.lambda_rad_per_s),
           hz(motor.resistance_Ohm / motor.inductance_H));
-    const loops::SampledLoop worst = worst_joint(device, drive);
+    const loops::WorstMember worst = worst_joint(device, drive);
     print(out, "rigid contact, no hand  {}: largest eigenvalue {:.6f}\n\n",
-          loops::is_stable(worst) ? "stable" : "UNSTABLE", loops::largest_eigenvalue(worst));
+          worst.is_stable() ? "stable" : "UNSTABLE", worst.eigenvalue);
 }
 
 } // namespace

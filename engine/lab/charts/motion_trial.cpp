@@ -3,7 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/force_direction.h"
-#include "engine/lab/loops/sampled_loop.h"
+#include "engine/lab/loops/stability_case.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -122,16 +122,11 @@ bool is_stable_at(const device::DeviceDescription &device, const control::Tuning
                   const MotionMethod &method, const Vector3 &q_rad) {
     const Vector3 shares =
         mode_shares(device, method, device::motor_jacobian(device.geometry, q_rad));
-    for (std::size_t j = 0; j < device.motor.size(); ++j) {
-        loops::SampledLoop loop;
-        loop.drive.motor = device.motor[j];
-        loop.drive.tuning = tuning;
-        loop.device = loops::device_load(device, static_cast<int>(j));
-        for (const double share : shares) {
-            loop.drive.tuning.eta = 1.0 - (1.0 - tuning.eta) * share;
-            if (!loops::is_stable(loop)) {
-                return false;
-            }
+    loops::StabilityCase each = loops::motors_alone(device, tuning);
+    for (const double share : shares) {
+        each.tuning.eta = 1.0 - (1.0 - tuning.eta) * share;
+        if (!loops::is_stable(each)) {
+            return false;
         }
     }
     return true;

@@ -3,7 +3,7 @@
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/direction_spectrum.h"
-#include "engine/lab/loops/sampled_loop.h"
+#include "engine/lab/loops/stability_case.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/lab/rig/scenario/scripted_touch.h"
@@ -74,15 +74,10 @@ double perceived_direction_error_rad(const device::DeviceDescription &device,
 
 bool is_stable_on_all_motors(const device::DeviceDescription &device, const control::Tuning &tuning,
                              double period_s, double delay_periods) {
-    for (std::size_t j = 0; j < device.motor.size(); ++j) {
-        loops::SampledLoop loop;
-        loop.drive = {device.motor[j], tuning, period_s, delay_periods};
-        loop.device = loops::device_load(device, static_cast<int>(j));
-        if (!loops::is_stable(loop)) {
-            return false;
-        }
-    }
-    return true;
+    loops::StabilityCase each = loops::motors_alone(device, tuning);
+    each.period_s = period_s;
+    each.delay_periods = delay_periods;
+    return loops::is_stable(each);
 }
 
 rig::Cost cost_of_servo_tick(const ChartSetting &setting) {

@@ -27,7 +27,7 @@ struct Place {
     double K_D = 0.0;
     double lambda = 0.0;
 
-    [[nodiscard]] loops::LoopGains gains(double K_P) const {
+    [[nodiscard]] loops::Gains gains(double K_P) const {
         const control::Parameter &of_K_D = parameter(&control::Tuning::K_D_Vs_per_rad);
         const control::Parameter &of_lambda = parameter(&control::Tuning::lambda_rad_per_s);
         return {K_P, of_K_D.lowest + K_D * K_D * (of_K_D.highest - of_K_D.lowest),
@@ -128,8 +128,8 @@ private:
         return eigenvalue;
     }
 
-    [[nodiscard]] loops::LoopGains with_margin(const Place &place, double K_P) const {
-        loops::LoopGains gains = place.gains(K_P);
+    [[nodiscard]] loops::Gains with_margin(const Place &place, double K_P) const {
+        loops::Gains gains = place.gains(K_P);
         gains.K_P_V_per_rad *= margin_;
         gains.K_D_Vs_per_rad *= margin_;
         return gains;
@@ -182,7 +182,7 @@ void search(Search &places, const Progress &progress) {
         });
 }
 
-loops::LoopGains scaled(const control::Tuning &tuning, double factor) {
+loops::Gains scaled(const control::Tuning &tuning, double factor) {
     return {factor * tuning.K_P_V_per_rad, factor * tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
 }
 
@@ -256,7 +256,7 @@ bool rests(loops::StabilityCase which) {
     return which.rotor || is_stable_simulated(which, options);
 }
 
-control::Tuning with_gains(control::Tuning tuning, const loops::LoopGains &gains) {
+control::Tuning with_gains(control::Tuning tuning, const loops::Gains &gains) {
     tuning.K_P_V_per_rad = gains.K_P_V_per_rad;
     tuning.K_D_Vs_per_rad = gains.K_D_Vs_per_rad;
     tuning.lambda_rad_per_s = gains.lambda_rad_per_s;

@@ -34,13 +34,10 @@ rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_
 /// Half a period of the slowest oscillation that command and load make of a motion at low
 /// frequency; zero where they make none.
 double slowest_half_period_s(const loops::DrivenLoad &load, const loops::SampledLaw &law) {
-    const Eigen::VectorXd torque_per_command =
-        -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
-             .cwiseQuotient(load.current_rate_per_current);
-    const Eigen::MatrixXd stiffness =
-        load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
     const Eigen::VectorXd squares =
-        Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(stiffness)).eigenvalues().real();
+        Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(loops::static_stiffness(load, law)))
+            .eigenvalues()
+            .real();
     constexpr double kFree = 1e-9; // of the stiffest: round-off of a direction that nothing holds
     double least = HUGE_VAL;
     for (const double square : squares) {

@@ -28,8 +28,7 @@ std::vector<double> by_ratio(double from, double to, int count) {
 struct ReadyLoop {
     loops::StabilityCase which; ///< its freedom counts
     loops::LoopMember member;
-    Eigen::MatrixXd load;
-    Eigen::MatrixXd stiffness_Nm_per_rad;
+    loops::LinearLoop loop;
 };
 
 class WallSearch {
@@ -41,9 +40,7 @@ public:
             loops::StabilityCase each = which;
             each.freedom = freedom;
             for (const loops::LoopMember &member : loops::members(each)) {
-                const loops::DrivenLoad load = loops::driven_load(each, member);
-                loops_.push_back({each, member, loops::sampled_load(load, each.period_s),
-                                  load.stiffness_Nm_per_rad});
+                loops_.push_back({each, member, loops::linear_loop(each, member)});
             }
         }
         tried_.freedom = loops::Freedom::one_motor;
@@ -116,10 +113,7 @@ private:
                                  double lambda_rad_per_s) const {
         loop.which.wall = {margin_ * wall.stiffness_N_per_m, margin_ * wall.damping_Ns_per_m};
         loop.which.tuning.lambda_rad_per_s = lambda_rad_per_s;
-        const loops::SampledLaw law = loops::sampled_law(loop.which, loop.member);
-        return loops::largest_eigenvalue(loops::one_period_map(loop.load, law), law,
-                                         loop.stiffness_Nm_per_rad) <
-               1.0 - loops::kEigenvalueRoundOff;
+        return loop.loop.is_stable(loops::sampled_law(loop.which, loop.member));
     }
 
     loops::StabilityCase tried_;

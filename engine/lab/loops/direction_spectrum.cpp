@@ -10,35 +10,22 @@
 
 namespace springdrive::loops {
 
-namespace {
-
-/// K_free: what is felt of a motor whose set-point goes with it (16), the lag of its filter.
-std::complex<double> free_stiffness(SpringDrive drive, double omega_rad_per_s) {
-    drive.tuning.K_P_V_per_rad = 0.0;
-    drive.tuning.K_D_Vs_per_rad = -drive.motor.torque_constant_Nm_per_A;
-    return sampled_stiffness(drive, omega_rad_per_s);
-}
-
-} // namespace
-
 Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMap map,
                                  double omega_rad_per_s) {
-    Eigen::Vector2cd held;
-    Eigen::Vector2cd free;
+    DrivenLoad load = DrivenLoad::of(2);
     for (Eigen::Index j = 0; j < 2; ++j) {
         const SpringDrive &drive = contact.drive[static_cast<std::size_t>(j)];
-        held[j] = sampled_stiffness(drive, omega_rad_per_s);
-        free[j] = free_stiffness(drive, omega_rad_per_s);
+        load.put_behind_spring_drive(j, drive.motor, drive.dR_Ohm());
     }
-    if (map == control::MotionMap::inverse) {
-        return held.asDiagonal();
-    }
-    const Matrix2 A = contact.alpha_rad2_per_m2 *
-                      contact.relative_stiffness.cwiseInverse().asDiagonal() *
-                      contact.J.transpose() * contact.J;
-    const Matrix2 rest = Matrix2::Identity() - A;
-    return held.asDiagonal() * A.cast<std::complex<double>>() +
-           free.asDiagonal() * rest.cast<std::complex<double>>();
+    const Matrix2 A = map == control::MotionMap::inverse
+                          ? Matrix2(Matrix2::Identity())
+                          : Matrix2(contact.alpha_rad2_per_m2 *
+                                    contact.relative_stiffness.cwiseInverse().asDiagonal() *
+                                    contact.J.transpose() * contact.J);
+    const SpringDrive &servo = contact.drive[0];
+    const SampledLaw law = drift_compensation(load.torque_Nm_per_A, servo.gains(), A,
+                                              {servo.period_s, servo.delay_periods});
+    return motor_stiffness(load, law, omega_rad_per_s);
 }
 
 Eigen::Matrix2cd tip_stiffness(const PlanarContact &contact, control::MotionMap map,

@@ -2,7 +2,6 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/velocity_filter.h"
 
 #include <algorithm>
 #include <array>
@@ -68,24 +67,16 @@ std::vector<Hand> finely(const std::vector<Hand> &hands, int count) {
 /// One configuration's loops, for one member and all η.
 void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMember &member) {
     which.tuning.eta = 0.0;
-    const DrivenLoad load = driven_load(which, member);
-    HeldLoop loop;
-    loop.load = sampled_load(load, which.period_s, which.delay_periods);
-    loop.k_T = load.torque_Nm_per_A;
-    loop.stiffness_Nm_per_rad = load.stiffness_Nm_per_rad;
-    loop.hand = member.hand.name;
+    const LinearLoop loop = linear_loop(which, member);
     const Eigen::MatrixXd rigid = held_share(which);
     for (const double eta : kEtas) {
-        loop.eta = eta;
-        loop.share = (1.0 - eta) * rigid;
-        loops.push_back(loop);
+        loops.push_back({loop, (1.0 - eta) * rigid, member.hand.name, eta});
     }
 }
 
 } // namespace
 
-HeldLoops::HeldLoops(const StabilityCase &which)
-    : period_s_(which.period_s), delay_periods_(which.delay_periods) {
+HeldLoops::HeldLoops(const StabilityCase &which) : sampling_(which.sampling()) {
     constexpr int kFinelyOfOne = 10;
     constexpr int kFinelyOfThree = 2; // these take twenty times as long
     StabilityCase each = which;
@@ -108,33 +99,25 @@ HeldLoops::HeldLoops(const StabilityCase &which)
     std::iota(order_.begin(), order_.end(), std::size_t{0});
 }
 
-double HeldLoops::largest_eigenvalue(std::size_t index, const LoopGains &gains) const {
-    const HeldLoop &loop = loops_[index];
-    const Eigen::Index n = loop.share.rows();
-    SampledLaw law;
-    law.per_velocity = loop.k_T.asDiagonal() * (Eigen::MatrixXd::Identity(n, n) - loop.share) -
-                       gains.K_D_Vs_per_rad * loop.share;
-    law.per_position = -gains.K_P_V_per_rad * loop.share;
-    law.filter_pole = control::velocity_filter_pole(gains.lambda_rad_per_s, period_s_);
-    law.period_s = period_s_;
-    law.delay_periods = delay_periods_;
-    return loops::largest_eigenvalue(one_period_map(loop.load, law), law,
-                                     loop.stiffness_Nm_per_rad);
+double HeldLoops::largest_eigenvalue(std::size_t index, const Gains &gains) const {
+    const HeldLoop &held = loops_[index];
+    return held.loop.largest_eigenvalue(
+        drift_compensation(held.loop.load().torque_Nm_per_A, gains, held.share, sampling_));
 }
 
-bool HeldLoops::is_stable(std::size_t index, const LoopGains &gains) const {
+bool HeldLoops::is_stable(std::size_t index, const Gains &gains) const {
     // In free space no gain acts: a mass without any friction coasts, and no tuning can help it.
     const double most =
         loops_[index].eta < 1.0 ? 1.0 - kEigenvalueRoundOff : 1.0 + kEigenvalueRoundOff;
     return largest_eigenvalue(index, gains) < most;
 }
 
-bool HeldLoops::are_stable(const std::vector<std::size_t> &some, const LoopGains &gains) const {
+bool HeldLoops::are_stable(const std::vector<std::size_t> &some, const Gains &gains) const {
     return std::all_of(some.begin(), some.end(),
                        [&](std::size_t loop) { return is_stable(loop, gains); });
 }
 
-std::size_t HeldLoops::first_unstable(const LoopGains &gains) {
+std::size_t HeldLoops::first_unstable(const Gains &gains) {
     for (std::size_t i = 0; i < order_.size(); ++i) {
         if (!is_stable(order_[i], gains)) {
             const std::size_t failed = order_[i];

@@ -11,19 +11,10 @@
 
 namespace springdrive::loops {
 
-/// The gains that are tried; dR, servo rate and delay are those that the loops were made for.
-struct LoopGains {
-    double K_P_V_per_rad = 0.0;
-    double K_D_Vs_per_rad = 0.0;
-    double lambda_rad_per_s = 0.0;
-};
-
 /// One loop: what moves, and how much of its motion the law takes for an error.
 struct HeldLoop {
-    Eigen::MatrixXd load;  ///< see `sampled_load`, with its delay
+    LinearLoop loop;
     Eigen::MatrixXd share; ///< see `held_share`, η included
-    Eigen::VectorXd k_T;
-    Eigen::MatrixXd stiffness_Nm_per_rad;
     std::string hand;
     double eta = 0.0;
 };
@@ -34,25 +25,25 @@ public:
     ///        grid of configurations in the workspace, unless it has a rotor of its own.
     explicit HeldLoops(const StabilityCase &which);
 
+    // Of gains that are tried; dR, servo rate and delay are those that the loops were made for.
+
     /// The first that is unstable, or `count()`. Those that failed lately are tried first.
     /// Not thread-safe, as it remembers them.
-    [[nodiscard]] std::size_t first_unstable(const LoopGains &gains);
+    [[nodiscard]] std::size_t first_unstable(const Gains &gains);
 
     /// Whether all of some loops are stable.
-    [[nodiscard]] bool are_stable(const std::vector<std::size_t> &some,
-                                  const LoopGains &gains) const;
+    [[nodiscard]] bool are_stable(const std::vector<std::size_t> &some, const Gains &gains) const;
 
-    [[nodiscard]] bool is_stable(std::size_t loop, const LoopGains &gains) const;
+    [[nodiscard]] bool is_stable(std::size_t loop, const Gains &gains) const;
 
-    /// See closed_loop.h.
-    [[nodiscard]] double largest_eigenvalue(std::size_t loop, const LoopGains &gains) const;
+    /// See linear_loop.h.
+    [[nodiscard]] double largest_eigenvalue(std::size_t loop, const Gains &gains) const;
 
     [[nodiscard]] std::size_t count() const { return loops_.size(); }
     [[nodiscard]] const HeldLoop &operator[](std::size_t loop) const { return loops_[loop]; }
 
 private:
-    double period_s_;
-    double delay_periods_;
+    Sampling sampling_;
     std::vector<HeldLoop> loops_;
     std::vector<std::size_t> order_; ///< to try them in
 };

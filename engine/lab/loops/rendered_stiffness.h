@@ -6,6 +6,7 @@
 
 #include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
+#include "engine/lab/loops/linear_loop.h"
 
 #include <complex>
 
@@ -23,6 +24,9 @@ struct SpringDrive {
     [[nodiscard]] double dR_Ohm() const {
         return device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
     }
+    [[nodiscard]] Gains gains() const {
+        return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
+    }
 };
 
 /// (12) [N·m/rad]: the servo as if it were continuous, T → 0.
@@ -36,6 +40,8 @@ struct SpringDrive {
 ///
 ///   K_θ(jω) = k_T/(jωL + dR) · [ k_T jω + C(e^(jωT)) H(jω) ],   a = e^(−λT)
 ///   C(z) = K_P + K_D (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)),   H(jω) = e^(−jωdT) (1 − e^(−jωT))/(jωT)
+///
+/// It is `motor_stiffness` of one motor.
 [[nodiscard]] std::complex<double> sampled_stiffness(const SpringDrive &drive,
                                                      double omega_rad_per_s);
 

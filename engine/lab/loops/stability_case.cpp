@@ -64,6 +64,16 @@ double bandwidth_rad_per_s(const StabilityCase &which) {
 
 } // namespace
 
+StabilityCase motors_alone(const device::DeviceDescription &device, const control::Tuning &tuning) {
+    StabilityCase which;
+    which.device = device;
+    which.tuning = tuning;
+    which.tuning.map = control::MotionMap::inverse;
+    which.q_rad.setZero();
+    which.hands = {no_hand()};
+    return which;
+}
+
 std::vector<LoopMember> members(const StabilityCase &which) {
     const bool each = which.freedom == Freedom::one_motor && !which.rotor;
     std::vector<LoopMember> all;
@@ -100,7 +110,7 @@ DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member) {
     const std::vector<int> motors = moving(which, member);
     const auto count = static_cast<Eigen::Index>(motors.size());
     const MatrixXd hand_levers = squared_levers(which, member);
-    DrivenLoad load;
+    DrivenLoad load = DrivenLoad::of(count);
     if (which.rotor) {
         load.inertia_kg_m2 = MatrixXd::Constant(1, 1, which.rotor->inertia_kg_m2);
         load.damping_Nms_per_rad = MatrixXd::Constant(1, 1, which.rotor->damping_Nms_per_rad);
@@ -109,27 +119,19 @@ DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member) {
         const Linkage carried = linkage(which);
         load.inertia_kg_m2 = picked(carried.inertia_kg_m2, motors);
         load.damping_Nms_per_rad = picked(carried.damping_Nms_per_rad, motors);
-        load.stiffness_Nm_per_rad = MatrixXd::Zero(count, count);
     }
     load.inertia_kg_m2 += member.hand.mass_kg * hand_levers;
     load.damping_Nms_per_rad += member.hand.damping_Ns_per_m * hand_levers;
     load.stiffness_Nm_per_rad += member.hand.stiffness_N_per_m * hand_levers;
 
-    load.torque_Nm_per_A.resize(count);
-    load.current_rate_per_current.resize(count);
-    load.current_rate_per_velocity.resize(count);
-    load.current_rate_per_command.resize(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const device::MotorParameters &of = motor(which, motors[static_cast<std::size_t>(i)]);
-        const double L = of.inductance_H;
-        const double k_T = of.torque_constant_Nm_per_A;
         load.inertia_kg_m2(i, i) += which.rotor ? 0.0 : of.rotor_inertia_kg_m2;
-        load.torque_Nm_per_A[i] = k_T;
-        const bool spring = which.drive == device::AmplifierKind::spring_drive;
-        const double follows = bandwidth_rad_per_s(which);
-        load.current_rate_per_current[i] = spring ? -which.dR_Ohm(of) / L : -follows;
-        load.current_rate_per_velocity[i] = spring ? -k_T / L : 0.0;
-        load.current_rate_per_command[i] = spring ? 1.0 / L : follows;
+        if (which.drive == device::AmplifierKind::spring_drive) {
+            load.put_behind_spring_drive(i, of, which.dR_Ohm(of));
+        } else {
+            load.put_behind_current_drive(i, of, bandwidth_rad_per_s(which));
+        }
     }
     return load;
 }
@@ -140,31 +142,23 @@ SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member) {
     for (Eigen::Index i = 0; i < k_T.size(); ++i) {
         k_T[i] = motor(which, motors[static_cast<std::size_t>(i)]).torque_constant_Nm_per_A;
     }
-    SampledLaw law;
-    law.filter_pole = control::velocity_filter_pole(which.tuning.lambda_rad_per_s, which.period_s);
-    law.period_s = which.period_s;
-    law.delay_periods = which.delay_periods;
     if (which.drive == device::AmplifierKind::current_drive) {
         const MatrixXd per_metre =
             (1.0 - which.tuning.eta) *
             MatrixXd(k_T.cwiseInverse().asDiagonal() * squared_levers(which, member));
-        law.per_velocity = -which.wall.damping_Ns_per_m * per_metre;
-        law.per_position = -which.wall.stiffness_N_per_m * per_metre;
-        return law;
+        return {-which.wall.damping_Ns_per_m * per_metre, -which.wall.stiffness_N_per_m * per_metre,
+                control::velocity_filter_pole(which.tuning.lambda_rad_per_s, which.period_s),
+                which.period_s, which.delay_periods};
     }
-    const MatrixXd A = held_share(which);
-    const MatrixXd all = MatrixXd::Identity(A.rows(), A.cols());
-    law.per_velocity = k_T.asDiagonal() * (all - A) - which.tuning.K_D_Vs_per_rad * A;
-    law.per_position = -which.tuning.K_P_V_per_rad * A;
-    return law;
+    return drift_compensation(k_T, which.gains(), held_share(which), which.sampling());
+}
+
+LinearLoop linear_loop(const StabilityCase &which, const LoopMember &member) {
+    return {driven_load(which, member), which.sampling()};
 }
 
 double largest_eigenvalue(const StabilityCase &which, const LoopMember &member) {
-    const DrivenLoad load = driven_load(which, member);
-    const SampledLaw law = sampled_law(which, member);
-    return largest_eigenvalue(
-        one_period_map(sampled_load(load, which.period_s, which.delay_periods), law), law,
-        load.stiffness_Nm_per_rad);
+    return linear_loop(which, member).largest_eigenvalue(sampled_law(which, member));
 }
 
 std::vector<WorstMember> ranked_members(const StabilityCase &which) {

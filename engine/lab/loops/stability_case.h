@@ -4,11 +4,11 @@
 
 #include "device/core/device_file.h"
 #include "device/core/motor/amplifier.h"
+#include "device/core/motor/rotor_load.h"
 #include "engine/control/tuning.h"
 #include "engine/control/virtual_wall.h"
-#include "engine/lab/loops/closed_loop.h"
 #include "engine/lab/loops/hand_family.h"
-#include "engine/lab/loops/sampled_loop.h"
+#include "engine/lab/loops/linear_loop.h"
 
 #include <cstdint>
 #include <numbers>
@@ -43,7 +43,16 @@ struct StabilityCase {
     [[nodiscard]] double dR_Ohm(const device::MotorParameters &motor) const {
         return net_resistance_Ohm.value_or(device::residual_resistance_Ohm(motor, tuning.dR_Ohm));
     }
+    [[nodiscard]] Gains gains() const {
+        return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
+    }
+    [[nodiscard]] Sampling sampling() const { return {period_s, delay_periods}; }
 };
+
+/// Each motor of a device by itself, at the zero pose, without a hand and under K_P, K_D and η
+/// alone: a mode of the transpose map with eigenvalue a of α JᵀJ is the loop with η = 1 − a.
+[[nodiscard]] StabilityCase motors_alone(const device::DeviceDescription &device,
+                                         const control::Tuning &tuning);
 
 /// One of the loops that all must be stable.
 struct LoopMember {
@@ -66,7 +75,10 @@ struct LoopMember {
 /// What the servo makes of it: (10), (18) or (23), and (30), or the wall of a current drive.
 [[nodiscard]] SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member);
 
-/// The largest |eigenvalue| of one member's loop, see closed_loop.h.
+/// One member's load, sampled as the case has it, to be tried under laws.
+[[nodiscard]] LinearLoop linear_loop(const StabilityCase &which, const LoopMember &member);
+
+/// The largest |eigenvalue| of one member's loop, see linear_loop.h.
 [[nodiscard]] double largest_eigenvalue(const StabilityCase &which, const LoopMember &member);
 
 /// The member nearest to instability, or farthest beyond.

@@ -4,8 +4,6 @@
 
 #include <Eigen/LU>
 
-#include <cmath>
-
 namespace springdrive::loops {
 
 namespace {
@@ -17,19 +15,6 @@ StabilityCase whole(StabilityCase which) {
     return which;
 }
 
-/// e^(−jωdT) (1 − e^(−jωT))/(jωT), which is 1 at rest.
-Complex hold(double omega, const SampledLaw &law) {
-    const Complex x(0.0, omega * law.period_s);
-    const Complex of_period = std::abs(x) < 1e-8 ? 1.0 : (1.0 - std::exp(-x)) / x;
-    return std::exp(-x * law.delay_periods) * of_period;
-}
-
-/// v(z)/θ(z) at z = e^(jωT).
-Complex filtered_velocity(double omega, const SampledLaw &law) {
-    const Complex back = std::exp(Complex(0.0, -omega * law.period_s));
-    return (1.0 - law.filter_pole) * (1.0 - back) / (law.period_s * (1.0 - law.filter_pole * back));
-}
-
 } // namespace
 
 Complex tip_stiffness(const StabilityCase &which, const Vector3 &direction,
@@ -38,16 +23,7 @@ Complex tip_stiffness(const StabilityCase &which, const Vector3 &direction,
     const LoopMember nobody{0, no_hand()};
     const DrivenLoad load = driven_load(all, nobody);
     const SampledLaw law = sampled_law(all, nobody);
-    const Complex s(0.0, omega_rad_per_s);
-    const Eigen::MatrixXcd command =
-        hold(omega_rad_per_s, law) * (law.per_velocity * filtered_velocity(omega_rad_per_s, law) +
-                                      law.per_position.cast<Complex>());
-    Eigen::MatrixXcd motors(3, 3);
-    for (Eigen::Index i = 0; i < 3; ++i) {
-        Eigen::RowVectorXcd rate = load.current_rate_per_command[i] * command.row(i);
-        rate[i] += load.current_rate_per_velocity[i] * s;
-        motors.row(i) = -load.torque_Nm_per_A[i] / (s - load.current_rate_per_current[i]) * rate;
-    }
+    const Eigen::MatrixXcd motors = motor_stiffness(load, law, omega_rad_per_s);
     const Vector3 n = direction.normalized();
     const Vector3 theta = device::motor_jacobian(which.device.geometry, which.q_rad).inverse() * n;
     return theta.cast<Complex>().dot(motors * theta.cast<Complex>());

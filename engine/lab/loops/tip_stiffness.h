@@ -11,9 +11,9 @@ namespace springdrive::loops {
 /// displacement [N/m]; a spring has phase 0°, a damper +90°. All motors, at the case's
 /// configuration, rigid contact or as its η has it:
 ///
-///   K_x = J⁻ᵀ K_m J⁻¹,   K_m = −T (jω − W_i)⁻¹ [ W_θ̇ jω + W_u H(jω) (V v(jω) + P) ]
+///   K_x = J⁻ᵀ K_m J⁻¹
 ///
-/// with the hold H and the filter v of DESIGN section 4; for η = 0 and one motor that is K_θ there.
+/// with K_m of `motor_stiffness`; for η = 0 and one motor that is K_θ.
 [[nodiscard]] std::complex<double> tip_stiffness(const StabilityCase &which,
                                                  const Vector3 &direction, double omega_rad_per_s);
 

@@ -34,23 +34,23 @@ double speed_per_force(const loops::StabilityCase &which) {
     loops::StabilityCase alone = which;
     alone.hands = {loops::no_hand()};
     const loops::LoopMember member = loops::members(alone).front();
-    const loops::DrivenLoad load = loops::driven_load(alone, member);
     const loops::SampledLaw law = loops::sampled_law(alone, member);
-    const Eigen::MatrixXd map =
-        loops::one_period_map(loops::sampled_load(load, which.period_s), law);
+    const Eigen::MatrixXd map = loops::linear_loop(alone, member).one_period_map(law);
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     const Vector3 pressed_m =
         -Vector3::Constant(1.0 / std::sqrt(3.0)) / tip_stiffness_N_per_m(which);
-    // [θ, its way since the last tick, θ̇, i, θ̇_f], see closed_loop.h
     Eigen::VectorXd state = Eigen::VectorXd::Zero(map.rows());
-    state.head<3>() = J.inverse() * pressed_m;
+    const auto of = [&state](loops::StateBlock::Start block) {
+        return state.segment<3>(3 * block);
+    };
+    of(loops::StateBlock::theta) = J.inverse() * pressed_m;
     const Matrix3 per_position = law.per_position;
-    state.segment<3>(9) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
+    of(loops::StateBlock::current) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
     double greatest = 0.0;
     for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
         state = map * state;
-        greatest = std::max(greatest, Vector3(J * state.segment<3>(6)).norm());
-        if (Vector3(J * state.head<3>()).minCoeff() > 0.0) {
+        greatest = std::max(greatest, Vector3(J * of(loops::StateBlock::rate)).norm());
+        if (Vector3(J * of(loops::StateBlock::theta)).minCoeff() > 0.0) {
             break;
         }
     }

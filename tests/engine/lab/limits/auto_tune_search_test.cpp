@@ -96,9 +96,9 @@ public:
         for (int i = 0; i < kGrid; ++i) {
             const double share = static_cast<double>(i) / (kGrid - 1);
             for (int j = 0; j < kGrid; ++j) {
-                const loops::LoopGains pair{
-                    0.0, 0.1 * share * share,
-                    100.0 * std::pow(50.0, static_cast<double>(j) / (kGrid - 1))};
+                const loops::Gains pair{0.0, 0.1 * share * share,
+                                        100.0 *
+                                            std::pow(50.0, static_cast<double>(j) / (kGrid - 1))};
                 const auto holds = [&](double K_P) {
                     return all_stable({K_P, pair.K_D_Vs_per_rad, pair.lambda_rad_per_s});
                 };
@@ -145,7 +145,7 @@ public:
     }
 
 private:
-    bool all_stable(loops::LoopGains gains) {
+    bool all_stable(loops::Gains gains) {
         gains.K_P_V_per_rad *= margin_;
         gains.K_D_Vs_per_rad *= margin_;
         for (std::size_t i = 0; i < order_.size(); ++i) {

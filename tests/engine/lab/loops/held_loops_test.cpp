@@ -18,7 +18,7 @@
 namespace springdrive::loops {
 namespace {
 
-LoopGains gains_of(const control::Tuning &tuning) {
+Gains gains_of(const control::Tuning &tuning) {
     return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
 }
 
@@ -54,7 +54,7 @@ TEST(HeldLoops, JudgesAsTheCaseDoes) {
         which.tuning.K_P_V_per_rad = draw.by_ratio(1.0, 100.0);
         which.tuning.K_D_Vs_per_rad = draw.even(0.0, 0.05);
         which.tuning.lambda_rad_per_s = draw.by_ratio(100.0, 5000.0);
-        const LoopGains gains = gains_of(which.tuning);
+        const Gains gains = gains_of(which.tuning);
         for (const Freedom freedom : {Freedom::one_motor, Freedom::three_motors}) {
             which.freedom = freedom;
             for (const double eta : {0.0, 0.5, 1.0}) {
@@ -83,7 +83,7 @@ TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
     std::vector<std::size_t> all(loops.count());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (const double K_P : {5.0, 20.0, 25.0, 28.0, 31.0, 60.0, 500.0}) {
-        const LoopGains gains{K_P, 0.01, 1000.0};
+        const Gains gains{K_P, 0.01, 1000.0};
         const std::size_t failed = loops.first_unstable(gains);
         EXPECT_EQ(failed == loops.count(), loops.are_stable(all, gains)) << K_P;
         if (failed != loops.count()) {

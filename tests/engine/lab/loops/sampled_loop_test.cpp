@@ -1,5 +1,6 @@
-// Covers engine/lab/loops/sampled_loop.cpp.
-#include "engine/lab/loops/sampled_loop.h"
+// Covers engine/lab/loops/linear_loop.cpp with one motor, and so what tests/support/sampled_loop.h
+// makes of it.
+#include "tests/support/sampled_loop.h"
 
 #include "tests/support/devices.h"
 

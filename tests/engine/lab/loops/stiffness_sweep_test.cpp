@@ -1,8 +1,8 @@
 // Covers engine/lab/loops/stiffness_sweep.cpp.
 #include "engine/lab/loops/stiffness_sweep.h"
 
-#include "engine/lab/loops/sampled_loop.h"
 #include "tests/support/devices.h"
+#include "tests/support/sampled_loop.h"
 
 #include <gtest/gtest.h>
 

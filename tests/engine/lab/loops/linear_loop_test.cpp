@@ -1,8 +1,8 @@
-// Covers engine/lab/loops/closed_loop.cpp.
-#include "engine/lab/loops/closed_loop.h"
+// Covers engine/lab/loops/linear_loop.cpp.
+#include "engine/lab/loops/linear_loop.h"
 
-#include "engine/lab/loops/sampled_loop.h"
 #include "tests/support/random_loops.h"
+#include "tests/support/sampled_loop.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -218,7 +218,7 @@ SampledLoop random_loop(std::mt19937_64 &random) {
     return loop;
 }
 
-TEST(ClosedLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
+TEST(LinearLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
     std::mt19937_64 random(4);
     for (int i = 0; i < 20; ++i) {
         DrivenLoad load{MatrixXd::Zero(3, 3), MatrixXd::Zero(3, 3), MatrixXd::Zero(3, 3),
@@ -263,7 +263,7 @@ TEST(ClosedLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
 /// A delay a little below or above a whole number is as good as that number. The slope is the same
 /// on both sides, too: a command reaches θ through its rate and the current, so that θ does not
 /// feel at the next sample what changes at the very end of a period.
-TEST(ClosedLoop, DelaysMeetAtWholeNumbersWithoutAStepOrAKink) {
+TEST(LinearLoop, DelaysMeetAtWholeNumbersWithoutAStepOrAKink) {
     std::mt19937_64 random(13);
     for (int i = 0; i < 30; ++i) {
         SampledLoop loop = random_loop(random);

@@ -1,11 +1,14 @@
-// Stability of motors that share a load under a sampled, linear law: DESIGN section 4 for any
-// number of motors, near rest.
+// The loop of motors that share a load under a sampled, linear law: DESIGN section 4 for any number
+// of motors, near rest. Whoever asks whether a loop is stable, or what it renders over frequency,
+// asks here.
 //
 // Between samples the plant is linear and what the servo commands stands still, but for one step
 // where the delay has a fraction, so that its motion over a period is exact; the velocity filter
 // and the held outputs are difference equations. Together they are one matrix that takes the state
 // at one sample to the state at the next, and its eigenvalues decide.
 #pragma once
+
+#include "device/core/motor/motor.h"
 
 #include <Eigen/Core>
 
@@ -21,6 +24,16 @@ struct DrivenLoad {
     Eigen::VectorXd current_rate_per_current;  ///< that of W_i: −dR/L behind a spring drive
     Eigen::VectorXd current_rate_per_velocity; ///< that of W_θ̇: −k_T/L behind a spring drive
     Eigen::VectorXd current_rate_per_command;  ///< that of W_u: 1/L behind a spring drive
+
+    /// Without inertia, damping and stiffness yet; nothing drives it.
+    [[nodiscard]] static DrivenLoad of(Eigen::Index motors);
+
+    /// (11): behind an amplifier that leaves dR of the winding, driven in volts.
+    void put_behind_spring_drive(Eigen::Index motor, const device::MotorParameters &parameters,
+                                 double dR_Ohm);
+    /// Behind an amplifier that makes the current follow, driven in amperes.
+    void put_behind_current_drive(Eigen::Index motor, const device::MotorParameters &parameters,
+                                  double bandwidth_rad_per_s);
 
     [[nodiscard]] Eigen::Index motors() const { return torque_Nm_per_A.size(); }
 };
@@ -42,6 +55,29 @@ struct SampledLaw {
     double filter_pole = 0.0;     ///< a
     double period_s = 1e-3;       ///< T
     double delay_periods = 0.0;   ///< d, not negative
+};
+
+/// K_P and K_D of (10), and λ of its filter.
+struct Gains {
+    double K_P_V_per_rad = 0.0;
+    double K_D_Vs_per_rad = 0.0;
+    double lambda_rad_per_s = 0.0;
+};
+
+/// How a servo samples: T and d.
+struct Sampling {
+    double period_s = 1e-3;
+    double delay_periods = 0.0;
+};
+
+/// (10) under (17), for motors of which the law takes the share A of a motion for an error and
+/// follows the rest: V = k_T (I − A) − K_D A, P = −K_P A.
+[[nodiscard]] SampledLaw drift_compensation(const Eigen::VectorXd &k_T, const Gains &gains,
+                                            const Eigen::MatrixXd &A, const Sampling &sampling);
+
+/// Where the states of the map over one period begin, in blocks of one for each motor.
+struct StateBlock {
+    enum Start : Eigen::Index { theta, moved, rate, current, velocity, first_held };
 };
 
 /// The map over one period, for the states
@@ -66,5 +102,38 @@ struct SampledLaw {
 
 /// What is left of 1 − |λ| by round-off where a mode neither grows nor dies.
 inline constexpr double kEigenvalueRoundOff = 1e-10;
+
+/// A load that is worked out for one sampling, to be tried under law after law.
+class LinearLoop {
+public:
+    LinearLoop(DrivenLoad load, const Sampling &sampling);
+
+    [[nodiscard]] const DrivenLoad &load() const { return load_; }
+
+    // Of a law with that sampling.
+    [[nodiscard]] Eigen::MatrixXd one_period_map(const SampledLaw &law) const;
+    [[nodiscard]] double largest_eigenvalue(const SampledLaw &law) const;
+    /// Whether every motion dies out.
+    [[nodiscard]] bool is_stable(const SampledLaw &law) const {
+        return largest_eigenvalue(law) < 1.0 - kEigenvalueRoundOff;
+    }
+
+private:
+    DrivenLoad load_;
+    Eigen::MatrixXd sampled_load_;
+};
+
+/// −τ/θ of all motors over frequency, while each turns at ω alone [N·m/rad]:
+///
+///   K_m = −T (jω − W_i)⁻¹ [ W_θ̇ jω + W_u H(jω) (V D(e^(jωT)) + P) ]
+///   H(jω) = e^(−jωdT) (1 − e^(−jωT))/(jωT),   D(z) = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹))
+///
+/// Of the load only what drives it enters.
+[[nodiscard]] Eigen::MatrixXcd motor_stiffness(const DrivenLoad &load, const SampledLaw &law,
+                                               double omega_rad_per_s);
+
+/// How a load pulls back on slow motions under a law, whose currents have time to follow: K, and
+/// what the command makes of P [N·m/rad].
+[[nodiscard]] Eigen::MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law);
 
 } // namespace springdrive::loops

@@ -1,17 +1,36 @@
-#include "engine/lab/loops/sampled_loop.h"
+// One motor under the sampled law (10) as scalars, for tests: what sampled_loop_test.cpp proves by
+// simulation, and the loops of a whole device are then held against.
+#pragma once
 
+#include "device/core/device_file.h"
+#include "device/core/motor/rotor_load.h"
 #include "device/core/phantom/dynamics.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/lab/loops/closed_loop.h"
+#include "engine/lab/loops/linear_loop.h"
+#include "engine/lab/loops/rendered_stiffness.h"
+
+#include <Eigen/Core>
 
 namespace springdrive::loops {
 
-namespace {
+/// A motor that moves freely, but for its load and the hand on it:
+///
+///   L di/dt = e_W − dR i − k_T θ̇
+///   (J_m + J_device + J_hand) θ̈ = k_T i − (b_device + b_hand) θ̇ − (k_device + k_hand) θ
+///   e_W[k] = η k_T v[k] − (1 − η)(K_D v[k] + K_P θ[k]),   applied from (k + d) T to (k + d + 1) T
+///
+/// with η of the tuning: (10) under (17). A mode of the transpose map with eigenvalue a of α JᵀJ is
+/// the loop with η = 1 − a.
+struct SampledLoop {
+    SpringDrive drive;
+    device::RotorLoad device; ///< beside the rotor's own inertia
+    device::RotorLoad hand;   ///< none: the device runs free
+};
 
-Eigen::MatrixXd one(double value) { return Eigen::MatrixXd::Constant(1, 1, value); }
+inline Eigen::MatrixXd one(double value) { return Eigen::MatrixXd::Constant(1, 1, value); }
 
 /// Rotor, device and hand behind a spring drive: (11).
-DrivenLoad driven_load(const SampledLoop &loop) {
+inline DrivenLoad driven_load(const SampledLoop &loop) {
     const device::MotorParameters &motor = loop.drive.motor;
     const double L = motor.inductance_H;
     const double k_T = motor.torque_constant_Nm_per_A;
@@ -25,7 +44,7 @@ DrivenLoad driven_load(const SampledLoop &loop) {
 }
 
 /// (10) under (17).
-SampledLaw sampled_law(const SpringDrive &drive) {
+inline SampledLaw sampled_law(const SpringDrive &drive) {
     const control::Tuning &tuning = drive.tuning;
     const double held = 1.0 - tuning.eta;
     return {one(tuning.eta * drive.motor.torque_constant_Nm_per_A - held * tuning.K_D_Vs_per_rad),
@@ -34,9 +53,10 @@ SampledLaw sampled_law(const SpringDrive &drive) {
             drive.delay_periods};
 }
 
-} // namespace
-
-device::RotorLoad device_load(const device::DeviceDescription &device, int joint) {
+/// What the motor of a joint carries of the device while all joints but its own stand still, at the
+/// zero pose: M(0)/N² and the joint's viscous friction. Without the rotor.
+/// @param joint  0, 1 or 2
+inline device::RotorLoad device_load(const device::DeviceDescription &device, int joint) {
     const device::LinkageMoments moments =
         device::linkage_moments(device.geometry, device.inertia, device.inertia.tip_load_kg);
     const double N = device.geometry.transmission_ratio[joint];
@@ -44,18 +64,19 @@ device::RotorLoad device_load(const device::DeviceDescription &device, int joint
             device.friction.viscous_Nms_per_rad / (N * N), 0.0};
 }
 
-Eigen::MatrixXd one_period_map(const SampledLoop &loop) {
+inline Eigen::MatrixXd one_period_map(const SampledLoop &loop) {
     return one_period_map(
         sampled_load(driven_load(loop), loop.drive.period_s, loop.drive.delay_periods),
         sampled_law(loop.drive));
 }
 
-double largest_eigenvalue(const SampledLoop &loop) {
+inline double largest_eigenvalue(const SampledLoop &loop) {
     return largest_eigenvalue(one_period_map(loop), sampled_law(loop.drive),
                               driven_load(loop).stiffness_Nm_per_rad);
 }
 
-bool is_stable(const SampledLoop &loop) {
+/// True where every motion dies out.
+inline bool is_stable(const SampledLoop &loop) {
     return largest_eigenvalue(loop) < 1.0 - kEigenvalueRoundOff;
 }
 

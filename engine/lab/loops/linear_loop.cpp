@@ -1,11 +1,16 @@
-#include "engine/lab/loops/closed_loop.h"
+#include "engine/lab/loops/linear_loop.h"
 
 #include "base/assertions.h"
 #include "device/core/split_delay.h"
+#include "engine/control/velocity_filter.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
+
+#include <cmath>
+#include <complex>
+#include <utility>
 
 namespace springdrive::loops {
 
@@ -14,9 +19,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// Where the states begin, in blocks of one for each motor.
-enum Block : Index { theta, moved, rate, current, velocity, first_held };
+using Complex = std::complex<double>;
 
 /// The rows of one block of states, as a selector.
 class Blocks {
@@ -51,7 +54,62 @@ MatrixXd pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffnes
     return solver.eigenvectors().rightCols(per_position.cols() - free);
 }
 
+/// 1 − e^(−jx) without the cancellation at small x.
+Complex one_minus_turn(double x) {
+    const double half = std::sin(0.5 * x);
+    return {2.0 * half * half, std::sin(x)};
+}
+
+/// H(jω): what holding a sample for T, d periods late, makes of it.
+Complex hold(double omega_rad_per_s, double period_s, double delay_periods) {
+    const double x = omega_rad_per_s * period_s;
+    if (x == 0.0) {
+        return 1.0;
+    }
+    return std::polar(1.0, -x * delay_periods) * one_minus_turn(x) / Complex(0.0, x);
+}
+
+/// D(e^(jωT)): what the velocity filter makes of an angle.
+Complex filtered_rate(double omega_rad_per_s, double pole, double period_s) {
+    const Complex difference = one_minus_turn(omega_rad_per_s * period_s);
+    // 1 − a z⁻¹ = (1 − a) + a (1 − z⁻¹)
+    return (1.0 - pole) * difference / (period_s * (1.0 - pole + pole * difference));
+}
+
 } // namespace
+
+DrivenLoad DrivenLoad::of(Index motors) {
+    const MatrixXd nothing = MatrixXd::Zero(motors, motors);
+    const VectorXd none = VectorXd::Zero(motors);
+    return {nothing, nothing, nothing, none, none, none, none};
+}
+
+void DrivenLoad::put_behind_spring_drive(Index motor, const device::MotorParameters &parameters,
+                                         double dR_Ohm) {
+    const double L = parameters.inductance_H;
+    const double k_T = parameters.torque_constant_Nm_per_A;
+    torque_Nm_per_A[motor] = k_T;
+    current_rate_per_current[motor] = -dR_Ohm / L;
+    current_rate_per_velocity[motor] = -k_T / L;
+    current_rate_per_command[motor] = 1.0 / L;
+}
+
+void DrivenLoad::put_behind_current_drive(Index motor, const device::MotorParameters &parameters,
+                                          double bandwidth_rad_per_s) {
+    torque_Nm_per_A[motor] = parameters.torque_constant_Nm_per_A;
+    current_rate_per_current[motor] = -bandwidth_rad_per_s;
+    current_rate_per_velocity[motor] = 0.0;
+    current_rate_per_command[motor] = bandwidth_rad_per_s;
+}
+
+SampledLaw drift_compensation(const VectorXd &k_T, const Gains &gains, const MatrixXd &A,
+                              const Sampling &sampling) {
+    const MatrixXd all = MatrixXd::Identity(A.rows(), A.cols());
+    return {MatrixXd(k_T.asDiagonal() * (all - A) - gains.K_D_Vs_per_rad * A),
+            MatrixXd(-gains.K_P_V_per_rad * A),
+            control::velocity_filter_pole(gains.lambda_rad_per_s, sampling.period_s),
+            sampling.period_s, sampling.delay_periods};
+}
 
 MatrixXd sampled_load(const DrivenLoad &load, double period_s) {
     const Index n = load.motors();
@@ -82,6 +140,7 @@ MatrixXd sampled_load(const DrivenLoad &load, double period_s, double delay_peri
 }
 
 MatrixXd one_period_map(const MatrixXd &load, const SampledLaw &law) {
+    using enum StateBlock::Start;
     const Index n = law.per_velocity.rows();
     const device::SplitDelay delay = device::split_delay(law.delay_periods);
     const Index held = delay.held();
@@ -136,6 +195,40 @@ double largest_eigenvalue(const MatrixXd &map, const SampledLaw &law,
     onto.topLeftCorner(pulled.cols(), n) = pulled.transpose();
     onto.bottomRightCorner(others, others).setIdentity();
     return MatrixXd(onto * map * onto.transpose()).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+LinearLoop::LinearLoop(DrivenLoad load, const Sampling &sampling)
+    : load_(std::move(load)),
+      sampled_load_(sampled_load(load_, sampling.period_s, sampling.delay_periods)) {}
+
+MatrixXd LinearLoop::one_period_map(const SampledLaw &law) const {
+    return loops::one_period_map(sampled_load_, law);
+}
+
+double LinearLoop::largest_eigenvalue(const SampledLaw &law) const {
+    return loops::largest_eigenvalue(one_period_map(law), law, load_.stiffness_Nm_per_rad);
+}
+
+Eigen::MatrixXcd motor_stiffness(const DrivenLoad &load, const SampledLaw &law,
+                                 double omega_rad_per_s) {
+    const Complex s(0.0, omega_rad_per_s);
+    const Complex D = filtered_rate(omega_rad_per_s, law.filter_pole, law.period_s);
+    const Complex H = hold(omega_rad_per_s, law.period_s, law.delay_periods);
+    Eigen::MatrixXcd stiffness = H * (law.per_velocity * D + law.per_position.cast<Complex>());
+    for (Index i = 0; i < load.motors(); ++i) {
+        Eigen::RowVectorXcd current_rate = load.current_rate_per_command[i] * stiffness.row(i);
+        current_rate[i] += load.current_rate_per_velocity[i] * s;
+        stiffness.row(i) =
+            -load.torque_Nm_per_A[i] / (s - load.current_rate_per_current[i]) * current_rate;
+    }
+    return stiffness;
+}
+
+MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law) {
+    const VectorXd torque_per_command =
+        -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
+             .cwiseQuotient(load.current_rate_per_current);
+    return load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
 }
 
 } // namespace springdrive::loops
