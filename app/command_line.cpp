@@ -1,17 +1,6 @@
 #include "app/command_line.h"
 
-#include "app/commands/baseline_command.h"
-#include "app/commands/chart_command.h"
-#include "app/commands/demo_command.h"
-#include "app/commands/export_command.h"
-#include "app/commands/figures_command.h"
-#include "app/commands/inspect_command.h"
-#include "app/commands/record_command.h"
-#include "app/commands/replay_command.h"
-#include "app/commands/stability_command.h"
-#include "app/commands/stiffness_command.h"
-#include "app/commands/touch_command.h"
-#include "app/commands/tune_command.h"
+#include "app/commands/commands.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/commands/baseline_command.h"
+#include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/progress_line.h"

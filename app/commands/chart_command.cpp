@@ -1,4 +1,4 @@
-#include "app/commands/chart_command.h"
+#include "app/commands/commands.h"
 
 #include "app/asset_folder.h"
 #include "app/commands/common_options.h"

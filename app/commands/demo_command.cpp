@@ -1,4 +1,4 @@
-#include "app/commands/demo_command.h"
+#include "app/commands/commands.h"
 
 #include "app/commands/typed_session.h"
 #include "app/demo.h"

@@ -1,4 +1,4 @@
-#include "app/commands/inspect_command.h"
+#include "app/commands/commands.h"
 
 #include "app/choice_line.h"
 #include "app/commands/common_options.h"

@@ -1,5 +1,5 @@
 // In place of chart_command.cpp where the charts were not built.
-#include "app/commands/chart_command.h"
+#include "app/commands/commands.h"
 
 #include "base/input_error.h"
 

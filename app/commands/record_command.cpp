@@ -1,4 +1,4 @@
-#include "app/commands/record_command.h"
+#include "app/commands/commands.h"
 
 #include "app/commands/typed_session.h"
 #include "app/ending_signal.h"

@@ -1,4 +1,4 @@
-#include "app/commands/touch_command.h"
+#include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/touch_report.h"

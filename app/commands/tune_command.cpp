@@ -1,9 +1,9 @@
-#include "app/commands/tune_command.h"
+#include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/progress_line.h"
+#include "app/commands/tune_report.h"
 #include "base/input_error.h"
-#include "base/print.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/servo/servo.h"
 
@@ -74,27 +74,6 @@ void run(const TypedTune &typed) {
 }
 
 } // namespace
-
-void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
-    const control::TuningMargins &margins = found.margins;
-    print(out, "K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s: K_DC {:.4g} N·m/rad\n",
-          found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
-          margins.K_DC_Nm_per_rad);
-    print(out, "stable on {} loops: every hand, configuration and η\n", found.loops);
-    print(out, "margins: K_P and K_D × {:.3g} (then it fails with {} at η {:.2g})", margins.gain,
-          loops::hand_text(margins.worst_hand), margins.worst_eta);
-    print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
-          margins.more_delay_periods, margins.least_dR_Ohm);
-    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
-        out << "K_P is at the end of its range: the loops would bear more\n";
-    }
-    if (found.taken_back > 0.0) {
-        print(out,
-              "K_P is {:.0f} % lower than the loops would bear: encoder counts kept them "
-              "rattling\n",
-              100.0 * found.taken_back);
-    }
-}
 
 void add_tune_command(CLI::App &app) {
     CLI::App &tune = *app.add_subcommand(

@@ -1,0 +1,36 @@
+// Every subcommand: each adds itself with its options to the command line, and runs when it is what
+// was asked for.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive::app {
+
+/// `demo`: the window.
+void add_demo_command(CLI::App &app);
+/// `record`: a session without a window, recorded at full rate.
+void add_record_command(CLI::App &app);
+/// `replay`: a record through the control law again.
+void add_replay_command(CLI::App &app);
+/// `export`: a record for other programs.
+void add_export_command(CLI::App &app);
+/// `figures`: the paper's figures, measured beside their predictions.
+void add_figures_command(CLI::App &app);
+/// `chart`: speed against accuracy of every method, in one run.
+void add_chart_command(CLI::App &app);
+/// `stiffness`: the coupling K_θ over frequency, or how it softens as the motors warm.
+void add_stiffness_command(CLI::App &app);
+/// `stability`: whether a loop is stable, and where along one or two parameters it ends.
+void add_stability_command(CLI::App &app);
+/// `tune`: the stiffest tuning that every hand finds stable, as a file.
+void add_tune_command(CLI::App &app);
+/// `baseline`: the spring drive against a current drive, each at its stable best.
+void add_baseline_command(CLI::App &app);
+/// `touch`: the proxy over a scene along a path, without window or device.
+void add_touch_command(CLI::App &app);
+/// `inspect`: what a scene holds, what of it can be touched, and which model it gets.
+void add_inspect_command(CLI::App &app);
+
+} // namespace springdrive::app
