@@ -3,7 +3,6 @@
 #include "base/sha256.h"
 #include "device/core/split_delay.h"
 #include "engine/contact/bvh/box_tree_build.h"
-#include "engine/contact/bvh/numbered_box.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/mesh_triangle.h"
@@ -46,7 +45,7 @@ TEST(PreconditionsDeathTest, OfOneNumber) {
 
     const std::uint32_t end = std::uint32_t{1} << 30U;
     EXPECT_EQ(NumberedBox(kUnitBox, end - 1).number(), end - 1);
-    EXPECT_DEATH(NumberedBox(kUnitBox, end), "engine/contact/bvh/numbered_box.cpp:");
+    EXPECT_DEATH(NumberedBox(kUnitBox, end), "engine/contact/bvh/box_tree_build.cpp:");
 
     EXPECT_DEATH(TriangleSets(kMostTriangles + 1), "count <= kMostTriangles");
 }

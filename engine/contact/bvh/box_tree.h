@@ -9,9 +9,8 @@
 
 #include "base/vector.h"
 #include "engine/contact/bvh/box_node.h"
-#include "engine/contact/bvh/box_probes.h"
+#include "engine/contact/bvh/box_search.h"
 #include "engine/contact/bvh/box_tree_build.h"
-#include "engine/contact/bvh/box_waiting.h"
 
 #include <Eigen/Geometry>
 
@@ -84,15 +83,15 @@ double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m
         return 1.0;
     }
     const MotionProbe motion(from_m, to_m, reach_m);
-    WaitingBoxes::Storage storage;
-    WaitingBoxes waiting(storage);
-    WaitingBox next(0.0F, BoxChild::node(0));
+    TraversalStack::Storage storage;
+    TraversalStack pending(storage);
+    PendingBox next(0.0F, BoxChild::node(0));
     double last_fraction = 1.0;
     float limit = 1.0F; // the same, changed by a branch that nodes need not wait for
     do {
         while (!next.child().is_item()) {
             if (budget.nodes_left <= 0) {
-                return std::min(last_fraction, waiting.nearest(next));
+                return std::min(last_fraction, pending.nearest(next));
             }
             --budget.nodes_left;
             const BoxNode &node = layout_.nodes[next.child().index()];
@@ -102,7 +101,7 @@ double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m
             if (hits.empty()) {
                 break;
             }
-            next = waiting.push_all_but_nearest(node, entries, hits);
+            next = pending.push_all_but_nearest(node, entries, hits);
         }
         if (next.child().is_item()) {
             const double left = visit(next.child().index(), last_fraction);
@@ -111,7 +110,7 @@ double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m
                 limit = static_cast<float>(left);
             }
         }
-    } while (waiting.pop(next, limit));
+    } while (pending.pop(next, limit));
     return last_fraction;
 }
 
@@ -123,9 +122,9 @@ bool BoxTree::within(const Vector3 &centre_m, double radius_m, SearchBudget &bud
     }
     const BallProbe ball(centre_m);
     float limit = BallProbe::limit(radius_m * radius_m);
-    WaitingBoxes::Storage storage;
-    WaitingBoxes waiting(storage);
-    WaitingBox next(0.0F, BoxChild::node(0));
+    TraversalStack::Storage storage;
+    TraversalStack pending(storage);
+    PendingBox next(0.0F, BoxChild::node(0));
     do {
         if (budget.nodes_left <= 0) {
             return false;
@@ -138,7 +137,7 @@ bool BoxTree::within(const Vector3 &centre_m, double radius_m, SearchBudget &bud
         const unsigned items = hits & node.items();
         for (LaneSet lanes(hits ^ items); !lanes.empty();) {
             const std::size_t lane = lanes.take();
-            waiting.push(WaitingBox(lane_value(distances, lane), node.children[lane]));
+            pending.push(PendingBox(lane_value(distances, lane), node.children[lane]));
         }
         for (LaneSet lanes(items); !lanes.empty();) {
             const std::size_t lane = lanes.take();
@@ -149,7 +148,7 @@ bool BoxTree::within(const Vector3 &centre_m, double radius_m, SearchBudget &bud
                 limit = std::min(limit, BallProbe::limit(left_m2));
             }
         }
-    } while (waiting.pop(next, limit));
+    } while (pending.pop(next, limit));
     return true;
 }
 

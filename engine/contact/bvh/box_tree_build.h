@@ -1,4 +1,6 @@
-// Builds the nodes of a BoxTree.
+// Builds the nodes of a BoxTree: from the root on, runs of boxes are divided into up to eight, by
+// the surface-area heuristic (a box is searched about as often as its surface is large) with binned
+// centres.
 #pragma once
 
 #include "engine/contact/bvh/box_node.h"
@@ -6,10 +8,40 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace springdrive::contact {
+
+/// A box, or none yet. Lanes x, y, z; what the fourth holds means nothing.
+struct Bounds {
+    Float4 lower = all_lanes(std::numeric_limits<float>::infinity());
+    Float4 upper = all_lanes(-std::numeric_limits<float>::infinity());
+
+    void extend(const Bounds &other) noexcept {
+        lower = smaller(lower, other.lower);
+        upper = larger(upper, other.upper);
+    }
+};
+
+/// A box as the build moves it about: in floats, with its number, in two registers. In the fourth
+/// lane of its lower corner stands its number.
+class NumberedBox {
+public:
+    NumberedBox() = default;
+
+    /// Rounded outwards from double.
+    /// @pre `number` is below 2^30
+    NumberedBox(const Eigen::AlignedBox3d &box, std::uint32_t number) noexcept;
+
+    [[nodiscard]] const Bounds &bounds() const noexcept { return bounds_; }
+    [[nodiscard]] Float4 twice_centre() const noexcept { return bounds_.lower + bounds_.upper; }
+    [[nodiscard]] std::uint32_t number() const noexcept;
+
+private:
+    Bounds bounds_;
+};
 
 struct BoxTreeLayout {
     std::vector<BoxNode> nodes;       ///< the root first; none if there are no boxes

@@ -1,4 +1,4 @@
-// Covers engine/contact/bvh/box_tree.h, box_probes.h and box_waiting.h.
+// Covers engine/contact/bvh/box_tree.h and box_search.h.
 #include "engine/contact/bvh/box_tree.h"
 
 #include "tests/engine/contact/bvh/box_sets.h"

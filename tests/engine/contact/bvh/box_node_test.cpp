@@ -1,5 +1,5 @@
-// Covers engine/contact/bvh/float4.h.
-#include "engine/contact/bvh/float4.h"
+// Covers engine/contact/bvh/box_node.h.
+#include "engine/contact/bvh/box_node.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,8 @@
-// What a search holds against the boxes of a node: a motion or a ball, in floats, arranged so that
-// round-off never loses a box that the exact motion or ball would meet.
+// What a search of a BoxTree is made of: probes, which it holds against the boxes of a node, and
+// the stack of boxes that it has met but not yet looked into.
+//
+// A probe is a motion or a ball, in floats, arranged so that round-off never loses a box that the
+// exact motion or ball would meet.
 //
 // Why that holds: walls are exact floats. Each difference "wall minus centre of the search" starts
 // from a centre moved outwards in double by more than its conversion to float can round, so that
@@ -16,6 +19,8 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 
 namespace springdrive::contact {
 
@@ -150,6 +155,102 @@ private:
     AxisBall x_;
     AxisBall y_;
     AxisBall z_;
+};
+
+/// A child and how far off its box is: a number not below zero, in whatever the search measures.
+/// Both in one word, ordered by the distance: such floats are in the order of their bits.
+class PendingBox {
+public:
+    PendingBox() = default; ///< unset: a search has no time to write a stack that it will not use
+    PendingBox(float distance, BoxChild child) noexcept
+        : word_(std::uint64_t{std::bit_cast<std::uint32_t>(distance)} << 32U | child.code()) {}
+
+    [[nodiscard]] float distance() const noexcept {
+        return std::bit_cast<float>(static_cast<std::uint32_t>(word_ >> 32U));
+    }
+    [[nodiscard]] BoxChild child() const noexcept {
+        return BoxChild::from_code(static_cast<std::uint32_t>(word_));
+    }
+    [[nodiscard]] bool is_nearer_than(PendingBox other) const noexcept {
+        return word_ < other.word_;
+    }
+
+private:
+    std::uint64_t word_;
+};
+
+/// Lanes of a node, taken one after the other.
+class LaneSet {
+public:
+    explicit LaneSet(unsigned bits) noexcept : bits_(bits) {}
+    [[nodiscard]] bool empty() const noexcept { return bits_ == 0; }
+    [[nodiscard]] std::size_t take() noexcept {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(bits_));
+        bits_ &= bits_ - 1;
+        return lane;
+    }
+
+private:
+    unsigned bits_;
+};
+
+/// A stack that cannot overflow: all but one of the boxes of each node above the current
+/// one may wait. Its storage lies apart, so that the compiler keeps the rest in registers.
+class TraversalStack {
+public:
+    using Storage = std::array<PendingBox, (kBoxLanes - 1) * kDeepestBoxNode + kBoxLanes>;
+
+    explicit TraversalStack(Storage &storage) noexcept : bottom_(storage.data()), top_(bottom_) {}
+
+    void push(PendingBox box) noexcept { *top_++ = box; }
+
+    /// Takes boxes off until one is no farther than `limit`. False if there is none.
+    [[nodiscard, gnu::always_inline]] bool pop(PendingBox &box, float limit) noexcept {
+        while (top_ != bottom_) {
+            box = *--top_;
+            if (box.distance() <= limit) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// The distance of the nearest of all that wait, and of `current`.
+    [[nodiscard, gnu::always_inline]] double nearest(PendingBox current) const noexcept {
+        float nearest = current.distance();
+        for (const PendingBox *box = bottom_; box != top_; ++box) {
+            nearest = std::min(nearest, box->distance());
+        }
+        return nearest;
+    }
+
+    /// Pushes those children of a node that `hits` names, at least one, but for the nearest, which
+    /// it returns.
+    [[nodiscard, gnu::always_inline]] PendingBox
+    push_all_but_nearest(const BoxNode &node, const BoxLanes &distances, LaneSet hits) noexcept {
+        const auto take = [&] {
+            const std::size_t lane = hits.take();
+            return PendingBox(lane_value(distances, lane), node.children[lane]);
+        };
+        PendingBox nearest = take();
+        const PendingBox *const first_pushed = top_;
+        while (!hits.empty()) {
+            PendingBox box = take();
+            if (box.is_nearer_than(nearest)) {
+                std::swap(box, nearest);
+            }
+            PendingBox *place = top_++;
+            for (; place != first_pushed && place[-1].is_nearer_than(box); --place) {
+                *place = place[-1];
+            }
+            *place = box;
+        }
+        return nearest;
+    }
+
+private:
+    PendingBox *bottom_;
+    PendingBox *top_;
 };
 
 } // namespace springdrive::contact
