@@ -1,5 +1,10 @@
 // The proxy's problem without the mesh: given a few planes to stay above, which point above all
 // of them is nearest to the tip? A quadratic program in three dimensions, solved exactly.
+//
+// Zilles and Salisbury (see proxy.h) solve the equations of the Lagrange multipliers for the planes
+// that are taken to be active, Ruspini and others hand the program to a general solver. Here every
+// set of up to three planes is tried until the Karush-Kuhn-Tucker conditions hold: all multipliers
+// positive, no plane violated. So which planes are active is part of the answer.
 #pragma once
 
 #include "base/vector.h"

@@ -1,4 +1,11 @@
 // Coulomb's law for a proxy: how much of the way to where it would rest without friction it goes.
+//
+// The force on the tip has to lie in the friction cone about the normal, which at a distance N from
+// the tip is a circle of radius μ N about the point without friction: Zilles and Salisbury (see
+// proxy.h), and W. Harwin and N. Melder, "Improved haptic rendering for multi-finger manipulation
+// using friction cone based god-objects", 2002. There the god-object moves to the nearest point of
+// that circle; here it stops where its own path over the surface enters it, which on a plane is the
+// same, and over an edge or a bend never leaves the surface.
 #pragma once
 
 #include "engine/contact/mesh/surface_material.h"

@@ -4,6 +4,17 @@
 // that it can reach. Every motion is swept against the surface, so whatever the tip does, the
 // proxy's path crosses nothing. Ridges and steps too low to feel do not hold it. Where the material
 // has friction it stays behind, as far as Coulomb's law lets it.
+//
+// God-object: C. Zilles and K. Salisbury, "A constraint-based god-object method for haptic
+// display", 1995. Proxy: D. Ruspini, K. Kolarov and O. Khatib, "The haptic display of complex
+// graphical environments", 1997. What differs here:
+//
+//   - a point moves rather than a sphere, unless it is given a radius; both keep a clearance
+//   - the descent goes on within a tick until no nearer point can be reached, within a budget, so
+//     that the contact of a tick does not depend on how the tick before ended
+//   - force shading is not done by turning the force: the surface itself is curved, see
+//     engine/scene/curved_patches.h, so that no closed path gives or takes energy
+//   - friction goes by the path that the proxy would take without it, see friction.h
 #pragma once
 
 #include "base/vector.h"
