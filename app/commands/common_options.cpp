@@ -5,6 +5,7 @@
 #include "base/print.h"
 #include "device/core/motor/winding_guard.h"
 #include "engine/control/tuning_file.h"
+#include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
 
@@ -65,6 +66,14 @@ int error_of_writing(const std::filesystem::path &output, const std::filesystem:
 void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
     command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
+}
+
+CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
+    return command
+        .add_option("--servo-hz", servo_hz,
+                    fmt::format("servo rate, {:g} to {:g} [{:g}]", servo::kSlowest_hz,
+                                servo::kFastest_hz, servo_hz))
+        ->type_name("HZ");
 }
 
 void TuningOptions::add_to(CLI::App &command, TuningScope scope) {

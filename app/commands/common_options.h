@@ -17,12 +17,16 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+} // namespace CLI
 
 namespace springdrive::app {
 
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
+
+/// `--servo-hz`, whatever `servo_hz` starts as.
+CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz);
 
 /// For CLI::IsMember.
 template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const Names &names) {

@@ -5,6 +5,7 @@
 #include "app/commands/progress_line.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/locked_device.h"
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -59,7 +59,7 @@ FigureSetting setting_of(const TypedFigures &typed) {
         if (!std::isfinite(typed.q_deg[j])) {
             throw InputError("--q: every angle must be a finite number of degrees");
         }
-        setting.q_rad[static_cast<Eigen::Index>(j)] = typed.q_deg[j] * std::numbers::pi / 180.0;
+        setting.q_rad[static_cast<Eigen::Index>(j)] = typed.q_deg[j] * kRadiansPerDegree;
     }
     if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kLargestSpread)) {
         throw InputError("--resistance-spread: must be a share from 0 to " +

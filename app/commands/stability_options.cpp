@@ -1,6 +1,7 @@
 #include "app/commands/stability_options.h"
 
 #include "app/commands/common_options.h"
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/rig/configuration.h"
@@ -10,7 +11,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
 namespace springdrive::app {
@@ -95,7 +95,7 @@ loops::StabilityCase StabilityOptions::stability_case() const {
         if (!std::isfinite(q_deg[j])) {
             throw InputError("--q: every angle must be a finite number of degrees");
         }
-        which.q_rad[static_cast<Eigen::Index>(j)] = q_deg[j] * std::numbers::pi / 180.0;
+        which.q_rad[static_cast<Eigen::Index>(j)] = q_deg[j] * kRadiansPerDegree;
     }
     rig::check_configuration(which.device, which.q_rad);
     if (servo_hz) {

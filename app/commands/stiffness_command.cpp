@@ -127,8 +127,7 @@ void run(const TypedStiffness &typed) {
 
 void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
     typed.of_a_sweep = {
-        stiffness.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
-            ->type_name("HZ"),
+        add_servo_hz_option(stiffness, typed.servo_hz),
         stiffness
             .add_option("--delay", typed.delay_periods,
                         "periods from reading θ to applying e_W, a real number 0 to 8 [0]")

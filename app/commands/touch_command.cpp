@@ -169,8 +169,7 @@ void add_path_options(CLI::App &touch, TypedTouch &typed) {
         .add_option("--steps", typed.steps,
                     "servo ticks, up to 1000000 [20000; of a file all it takes]")
         ->type_name("N");
-    touch.add_option("--servo-hz", typed.servo_hz, "servo rate, 250 to 10000 [1000]")
-        ->type_name("HZ");
+    add_servo_hz_option(touch, typed.servo_hz);
     touch.add_option("--radius", typed.how.radius_m, "of the proxy [0]")->type_name("M");
 }
 

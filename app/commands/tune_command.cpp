@@ -82,8 +82,7 @@ void add_tune_command(CLI::App &app) {
     add_device_file_option(tune, typed->device_file);
     tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), which the search keeps [0.5]")
         ->type_name("Ω");
-    tune.add_option("--servo-hz", typed->servo_hz, "servo rate, 250 to 10000 [1000]")
-        ->type_name("HZ");
+    add_servo_hz_option(tune, typed->servo_hz);
     tune.add_option("--delay", typed->delay_periods,
                     "periods from reading θ to applying e_W, a real number 0 to 8 [0]")
         ->type_name("D");

@@ -68,8 +68,7 @@ void TypedSession::add_to(CLI::App &command) {
     tuning.add_to(command);
     effects.add_to(command);
     model.add_to(command);
-    command.add_option("--servo-hz", options.servo_hz, "servo rate, 250 to 10000 [1000]")
-        ->type_name("HZ");
+    add_servo_hz_option(command, options.servo_hz);
     command
         .add_option("--delay", options.delay_periods,
                     "whole samples from reading θ to applying e_W, simulated [0]")

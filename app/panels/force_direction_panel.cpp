@@ -1,15 +1,9 @@
 #include "app/panels/look.h"
 #include "app/panels/panels.h"
 #include "app/plot.h"
+#include "engine/control/perception.h"
 
 namespace springdrive::app {
-
-namespace {
-
-/// Discrimination threshold of force direction that the paper quotes from its reference [2].
-constexpr double kNoticeable_deg = 25.0;
-
-} // namespace
 
 void draw_force_direction_panel(const session::Session &session, const Rectangle &place) {
     begin_panel("Force direction", place);
@@ -30,7 +24,7 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
          [&history](std::size_t i) { return history[i].other_error_deg; }},
         {transpose ? "transpose, rendered" : "inverse, rendered", kUsedMap,
          [&history](std::size_t i) { return history[i].felt_error_deg; }}};
-    error.levels = {{kNoticeable_deg, "25°: people begin to notice"}};
+    error.levels = {{control::kNoticeable_deg, "25°: people begin to notice"}};
 
     Plot force = error;
     force.title = "force [N]";

@@ -21,9 +21,6 @@ namespace {
 constexpr std::size_t kWindowRing = 16'384;
 constexpr std::size_t kRecordRing = 32'768;
 
-constexpr double kSlowest_hz = 250.0;
-constexpr double kFastest_hz = 10'000.0;
-
 std::int64_t nanoseconds(std::chrono::steady_clock::duration duration) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(duration).count();
 }

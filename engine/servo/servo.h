@@ -32,8 +32,11 @@
 
 namespace springdrive::servo {
 
+inline constexpr double kSlowest_hz = 250.0;
+inline constexpr double kFastest_hz = 10'000.0;
+
 /// T = 1/rate [s].
-/// @throw InputError for a rate that is not finite or not from 250 to 10,000 Hz.
+/// @throw InputError for a rate that is not finite or not within these bounds.
 [[nodiscard]] double servo_period_s(double servo_hz);
 
 /// How the servo's thread is to run.

@@ -2,6 +2,7 @@
 
 #include "base/degrees.h"
 #include "engine/control/force_direction.h"
+#include "engine/control/perception.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,6 @@ namespace {
 
 constexpr double kPlotted_s = 10.0;
 constexpr double kGreatestPlotRate_hz = 1000.0;
-/// What people can tell of a force's direction by hand (the paper, section V).
-constexpr double kFelt_hz = 30.0;
 
 } // namespace
 
@@ -48,7 +47,7 @@ void History::keep(const PlotSample &sample) {
 
 PlotSample History::plotted(const servo::ServoSample &sample) {
     if (sample.contact.touching) {
-        const double pole = std::exp(-2.0 * std::numbers::pi * kFelt_hz / servo_hz_);
+        const double pole = std::exp(-2.0 * std::numbers::pi * control::kPerceived_Hz / servo_hz_);
         felt_force_N_ = pole * felt_force_N_ + (1.0 - pole) * sample.tip_force_N;
     } else {
         felt_force_N_.setZero();

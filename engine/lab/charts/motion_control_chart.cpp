@@ -1,5 +1,6 @@
 #include "engine/lab/charts/motion_control_chart.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -167,7 +167,7 @@ rig::WorkPrecisionChart motion_direction_chart(const ChartSetting &setting,
             const double error_rad =
                 direction_error_99_rad(setting, named.method, places_rad, counts);
             chart.points.push_back({named.name, std::to_string(counts) + " counts/turn", cost,
-                                    error_rad * 180.0 / std::numbers::pi, stable});
+                                    error_rad * kDegreesPerRadian, stable});
         }
         progress(++done / 4.0);
     }

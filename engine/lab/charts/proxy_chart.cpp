@@ -1,10 +1,10 @@
 #include "engine/lab/charts/proxy_chart.h"
 
+#include "base/degrees.h"
 #include "engine/lab/charts/rendered_touch.h"
 #include "engine/lab/charts/touch_trial.h"
 #include "engine/lab/rig/timing.h"
 
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +36,7 @@ rig::WorkPoint trial_point(const ChartSetting &setting, const TouchTrial &trial,
                               [&] { render(touches); });
     const TouchErrors errors = touch_errors(trial.tips, touches);
     point.error =
-        judged == Judged::depth ? errors.depth_m : errors.direction_rad * 180.0 / std::numbers::pi;
+        judged == Judged::depth ? errors.depth_m : errors.direction_rad * kDegreesPerRadian;
     point.stable = !errors.pops_through;
     return point;
 }

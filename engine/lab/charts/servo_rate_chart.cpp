@@ -1,12 +1,12 @@
 #include "engine/lab/charts/servo_rate_chart.h"
 
+#include "base/degrees.h"
 #include "engine/control/parameters.h"
 #include "engine/lab/charts/servo_rate_trial.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 namespace springdrive::charts {
@@ -85,7 +85,7 @@ rig::WorkPrecisionChart servo_rate_direction_chart(const ChartSetting &setting,
             const double error_rad =
                 perceived_direction_error_rad(setting.device, tuning, period_s);
             chart.points.push_back({method, rate_text(rate_Hz), per_millisecond(tick, rate_Hz),
-                                    error_rad * 180.0 / std::numbers::pi,
+                                    error_rad * kDegreesPerRadian,
                                     is_stable_on_all_motors(setting.device, tuning, period_s, 0)});
         }
         progress(++done / 3.0);

@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/perception.h"
 #include "engine/lab/loops/direction_spectrum.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
@@ -69,7 +70,7 @@ double perceived_direction_error_rad(const device::DeviceDescription &device,
         contact.drive[j] = {device.motor[j + 1], tuning, period_s, 0};
     }
     return loops::worst_direction_error_rad(loops::tip_stiffness(
-        contact, control::MotionMap::transpose, 2.0 * std::numbers::pi * kPerceived_Hz));
+        contact, control::MotionMap::transpose, 2.0 * std::numbers::pi * control::kPerceived_Hz));
 }
 
 bool is_stable_on_all_motors(const device::DeviceDescription &device, const control::Tuning &tuning,

@@ -12,15 +12,12 @@ namespace springdrive::charts {
 inline constexpr double kLowestJudged_Hz = 2.0;
 inline constexpr double kHighestJudged_Hz = 100.0;
 
-/// Up to which people perceive a force's direction, by the paper.
-inline constexpr double kPerceived_Hz = 30.0;
-
 /// |K_measured − K(12)|/|K(12)|, root mean square over frequencies of the band evenly spread over
 /// the logarithm. `points` of them, two at least.
 [[nodiscard]] double stiffness_error(const loops::SpringDrive &drive, int points);
 
 /// The largest angle between normal and force over all normals in the plane of the links, base
-/// locked, for a tip that vibrates at `kPerceived_Hz` under the transpose map [rad].
+/// locked, for a tip that vibrates at `control::kPerceived_Hz` under the transpose map [rad].
 [[nodiscard]] double perceived_direction_error_rad(const device::DeviceDescription &device,
                                                    const control::Tuning &tuning, double period_s);
 

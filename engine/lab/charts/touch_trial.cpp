@@ -1,5 +1,6 @@
 #include "engine/lab/charts/touch_trial.h"
 
+#include "base/degrees.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/scene/curved_patches.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace springdrive::charts {
@@ -105,7 +105,7 @@ contact::TriangleSoup bent(const contact::TriangleSoup &soup,
     const auto most =
         static_cast<std::size_t>(std::sqrt(static_cast<double>(scene::gltf::kMostCurvedTriangles) /
                                            static_cast<double>(soup.triangles.size())));
-    const std::size_t cuts = patches.cuts_for(scene::gltf::kSmooth_deg * std::numbers::pi / 180.0,
+    const std::size_t cuts = patches.cuts_for(scene::gltf::kSmooth_deg * kRadiansPerDegree,
                                               std::clamp<std::size_t>(most, 1, kMostCuts));
     scene::SmoothMesh curved = patches.cut(cuts, 0, soup.triangles.size());
     contact::TriangleSoup fine;

@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "engine/control/perception.h"
 #include "engine/lab/limits/impact.h"
 #include "engine/lab/loops/tip_stiffness.h"
 
@@ -26,7 +27,7 @@ DriveQuality quality(loops::StabilityCase which) {
     which.hands = {loops::hand_of_firmness(0.5)};
     DriveQuality found;
     found.K_DC_N_per_m = loops::tip_stiffness(which, Vector3::UnitY(), 0.0).real();
-    found.K_30_N_per_m = stiffness_at(which, 30.0);
+    found.K_30_N_per_m = stiffness_at(which, control::kPerceived_Hz);
     found.K_300_N_per_m = stiffness_at(which, 300.0);
     found.K_HF_N_per_m = loops::inductive_tip_stiffness(which, Vector3::UnitY());
     found.rate_hardness_N_per_m = impact(which).rate_hardness_N_per_m;

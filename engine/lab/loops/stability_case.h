@@ -2,6 +2,7 @@
 // holds it.
 #pragma once
 
+#include "base/degrees.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/motor/rotor_load.h"
@@ -11,7 +12,6 @@
 #include "engine/lab/loops/linear_loop.h"
 
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -30,7 +30,7 @@ struct StabilityCase {
     control::VirtualWall wall; ///< of a current drive
     double period_s = 1e-3;
     double delay_periods = 0.0;
-    Vector3 q_rad{0.0, 20.0 * std::numbers::pi / 180.0, -15.0 * std::numbers::pi / 180.0};
+    Vector3 q_rad{0.0, 20.0 * kRadiansPerDegree, -15.0 * kRadiansPerDegree};
     Freedom freedom = Freedom::one_motor;
     std::vector<Hand> hands = hand_family();
     /// One motor that moves this instead of the device; its own rotor is in it.

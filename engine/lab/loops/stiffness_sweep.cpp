@@ -1,5 +1,6 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 
+#include "base/degrees.h"
 #include "base/print.h"
 #include "device/core/split_delay.h"
 #include "engine/control/motion_control.h"
@@ -180,7 +181,9 @@ std::vector<StiffnessPoint> stiffness_sweep(const SpringDrive &drive, const Swee
     return points;
 }
 
-double phase_deg(const std::complex<double> &stiffness) { return std::arg(stiffness) * 180.0 / pi; }
+double phase_deg(const std::complex<double> &stiffness) {
+    return std::arg(stiffness) * kDegreesPerRadian;
+}
 
 void write_stiffness_csv(std::ostream &out, const std::vector<StiffnessPoint> &points) {
     out << "freq_hz,analytic_mag,analytic_phase_deg,sampled_mag,sampled_phase_deg,measured_mag,"

@@ -1,9 +1,11 @@
 #include "engine/lab/limits/failure_lines/direction_line.h"
 
 #include "base/bisection.h"
+#include "base/degrees.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/perception.h"
 #include "engine/lab/loops/direction_spectrum.h"
 #include "engine/lab/rig/law_rig.h"
 
@@ -19,11 +21,9 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kPerceptible_deg = 25.0; ///< section V of the paper
 constexpr double kLowest_hz = 1.0;
 constexpr double kHighest_hz = 200.0;
 
-double degrees(double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; }
 double rate_rad_per_s(double frequency_hz) { return 2.0 * std::numbers::pi * frequency_hz; }
 
 loops::PlanarContact planar_contact(const loops::StabilityCase &which) {
@@ -42,8 +42,9 @@ loops::PlanarContact planar_contact(const loops::StabilityCase &which) {
 }
 
 double predicted_deg(const loops::PlanarContact &contact, double frequency_hz) {
-    return degrees(loops::worst_direction_error_rad(loops::tip_stiffness(
-        contact, control::MotionMap::transpose, rate_rad_per_s(frequency_hz))));
+    return kDegreesPerRadian *
+           loops::worst_direction_error_rad(loops::tip_stiffness(
+               contact, control::MotionMap::transpose, rate_rad_per_s(frequency_hz)));
 }
 
 /// Windings of motors whose rotors stand still, but for one that is shaken.
@@ -142,7 +143,8 @@ double measured_deg(const loops::StabilityCase &which, double frequency_hz) {
     const Eigen::Matrix2cd J_inverse =
         loops::Matrix2(loops::planar_jacobian(which.device.geometry, which.q_rad).inverse())
             .cast<std::complex<double>>();
-    return degrees(loops::worst_direction_error_rad(J_inverse.transpose() * per_motor * J_inverse));
+    return kDegreesPerRadian *
+           loops::worst_direction_error_rad(J_inverse.transpose() * per_motor * J_inverse);
 }
 
 } // namespace
@@ -151,7 +153,7 @@ TriedLine direction_line(const loops::StabilityCase &which) {
     const loops::PlanarContact contact = planar_contact(which);
     const double predicted_hz =
         last_that_holds({kLowest_hz, kHighest_hz}, kLineResolution, [&](double frequency_hz) {
-            return predicted_deg(contact, frequency_hz) < kPerceptible_deg;
+            return predicted_deg(contact, frequency_hz) < control::kNoticeable_deg;
         });
     return {
         {"transpose kinematics (23)",
@@ -166,7 +168,9 @@ TriedLine direction_line(const loops::StabilityCase &which) {
         kLowest_hz,
         kHighest_hz,
         false,
-        [=](double frequency_hz) { return measured_deg(which, frequency_hz) < kPerceptible_deg; }};
+        [=](double frequency_hz) {
+            return measured_deg(which, frequency_hz) < control::kNoticeable_deg;
+        }};
 }
 
 } // namespace springdrive::limits

@@ -1,3 +1,4 @@
+#include "base/degrees.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace springdrive::limits {
 
@@ -110,7 +110,7 @@ TriedLine too_much_force(const device::DeviceDescription &device, const Vector3 
 
 /// Far out, a push to the side takes more of the base's motor than the force's limit would allow.
 TriedLine too_much_current(const device::DeviceDescription &device) {
-    const Vector3 stretched_rad(0.0, 0.0, 50.0 * std::numbers::pi / 180.0);
+    const Vector3 stretched_rad(0.0, 0.0, 50.0 * kRadiansPerDegree);
     const device::MotorParameters &motor = device.motor[0];
     const double lever_m =
         radius_m(device.geometry, stretched_rad) / device.geometry.transmission_ratio[0];

@@ -1,5 +1,6 @@
 #include "engine/lab/limits/failure_lines/proxy_lines.h"
 
+#include "base/degrees.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/limits/failure_lines/failing_shapes.h"
 #include "engine/lab/limits/failure_lines/pressed_plate.h"
@@ -155,7 +156,7 @@ TriedLine proxy_in_a_pit(const char *fails, int faces) {
             kNarrowest_deg,
             false,
             [=](double opening_deg) {
-                const double opening_rad = opening_deg * std::numbers::pi / 180.0;
+                const double opening_rad = opening_deg * kRadiansPerDegree;
                 const contact::HapticSurface surface(pit(faces, opening_rad));
                 const double along_m = faces == 2 ? 0.01 : 0.0;
                 contact::Proxy proxy;
