@@ -9,8 +9,9 @@ namespace springdrive::contact {
 
 /// In free space x₀ = x, P = I and η = 1, so that (30) needs no case of its own.
 ///
-/// P (DESIGN section 3) is the projector onto the directions in which x₀ may move with the tip:
-/// I on no plane, I − n nᵀ on a face, t tᵀ on an edge, 0 at a vertex and where friction holds it.
+/// P (docs/design.md, "Contact and maps") is the projector onto the directions in which x₀ may move
+/// with the tip: I on no plane, I − n nᵀ on a face, t tᵀ on an edge, 0 at a vertex and where
+/// friction holds it.
 struct Contact {
     bool touching = false;
     Vector3 x0_m{Vector3::Zero()};               ///< x₀: where the proxy rests

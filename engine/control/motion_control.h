@@ -1,8 +1,8 @@
 // From a contact constraint to motor voltages: equations (10), (18), (23), (24), (29), (30).
 //
-// Everything is done in motor coordinates, J = ∂x/∂θ (DESIGN section 2). Motors may differ: with
-// K_q diagonal and k̄ its mean, W = K_q/k̄ below is their stiffness relative to one another, and
-// (23), (24) and (29) become
+// Everything is done in motor coordinates, J = ∂x/∂θ (docs/design.md, "Contact and maps"). Motors
+// may differ: with K_q diagonal and k̄ its mean, W = K_q/k̄ below is their stiffness relative to one
+// another, and (23), (24) and (29) become
 //
 //   θ_Sd = θ + α W⁻¹ Jᵀ (x_Sd − x)         K_x = α k̄ I         α ≤ λ_min(J⁻ᵀ W J⁻¹)
 //
@@ -45,7 +45,8 @@ struct Configuration {
 ///   x_Sd = η x + (1 − η) x₀        ẋ_Sd = η ẋ + (1 − η) P ẋ
 ///
 /// Departs from the paper, which holds x₀ fixed (P = 0): there a frictionless surface would drag
-/// (DESIGN section 3). `eta` is that of surface and tuning together, see `combined_eta`.
+/// (docs/design.md, "Contact and maps"). `eta` is that of surface and tuning together, see
+/// `combined_eta`.
 [[nodiscard]] TipSetPoint contact_set_point(const Vector3 &tip_m,
                                             const Vector3 &tip_velocity_m_per_s,
                                             const contact::Contact &contact, double eta);

@@ -1,4 +1,4 @@
-// First-order filter on the differentiated motor angles, in the sampled form of DESIGN section 4:
+// First-order filter on the differentiated motor angles (docs/design.md, "Sampled forms"):
 //
 //   v[k] = a v[k−1] + (1 − a)(θ[k] − θ[k−1])/T,   a = e^(−λT)
 #pragma once

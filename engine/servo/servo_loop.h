@@ -1,4 +1,4 @@
-// One servo tick: the signal path of DESIGN section 3, from encoder counts to motor voltages.
+// One servo tick, from encoder counts to motor voltages: docs/design.md, "One servo tick".
 // Knows no clock and no thread; `Servo` gives it both.
 #pragma once
 

@@ -24,7 +24,7 @@ struct Finding {
 
 inline constexpr std::size_t kTripCauses = servo::kTripCauseNames.size();
 
-/// Tip and J = ∂x/∂θ at motor angles, by the formulae of DESIGN section 5 written out.
+/// Tip and J = ∂x/∂θ at motor angles: docs/design.md, "Linkage and motors", written out.
 struct TipAt {
     TipAt(const device::PhantomGeometry &geometry, const Vector3 &theta_rad);
 

@@ -1,4 +1,5 @@
-// Kinematics of the PHANTOM's parallel linkage (DESIGN section 5) and its motor-space Jacobian.
+// Kinematics of the PHANTOM's parallel linkage (docs/design.md, "Linkage and motors") and its
+// motor-space Jacobian.
 //
 // All angles zero: upper arm level towards the user, forearm hanging down. q₂ and q₃ are both
 // measured from the base, so the links are square to each other at q₂ = q₃ and aligned, which is
@@ -30,7 +31,7 @@ struct TipPlace {
 };
 [[nodiscard]] TipPlace tip_place(const PhantomGeometry &geometry, const Vector3 &q_rad);
 
-/// J = ∂x/∂θ = (∂x/∂q) N⁻¹ [m/rad], one column per motor: the Jacobian of DESIGN section 2.
+/// J = ∂x/∂θ = (∂x/∂q) N⁻¹ [m/rad], one column per motor: J of docs/design.md, "Symbols".
 [[nodiscard]] Matrix3 motor_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
 
 /// d/dt of `joint_jacobian` [m/(rad·s)] while the joints turn at `q_rate_rad_per_s`.

@@ -46,9 +46,10 @@ struct HeldTip {
 /// So many directions, spread evenly over the sphere.
 [[nodiscard]] std::vector<Vector3> spread_normals(int count);
 
-/// Whether every mode of a method's contact dies out at a configuration, DESIGN section 3: with
-/// a > 0 the eigenvalues of α W⁻¹ JᵀJ, or 1 under the inverse map, each is the loop of one motor
-/// with η = 1 − a. A mode turns several motors; it must be stable on each of them.
+/// Whether every mode of a method's contact dies out at a configuration: with a > 0 the eigenvalues
+/// of α W⁻¹ JᵀJ, or 1 under the inverse map, each is the loop of one motor with η = 1 − a, as in
+/// docs/design.md, "Contact and maps". A mode turns several motors; it must be stable on each of
+/// them.
 [[nodiscard]] bool is_stable_at(const device::DeviceDescription &device,
                                 const control::Tuning &tuning, const MotionMethod &method,
                                 const Vector3 &q_rad);

@@ -9,8 +9,9 @@
 //   e_W = k_T (I − A) v − K_D A v − K_P A θ
 //   −τ/θ = k_T/(jωL + dR) [ k_T jω I − k_T D H (I − A) + (K_P + K_D D) H A ]
 //
-// with D = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)) and H the hold with its delay (DESIGN section 4). This
-// is affine in A, so it is K_θ of the contact on what A takes and K_θ of free space on the rest:
+// with D = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)) and H the hold with its delay, as in
+// docs/design.md, "Sampled forms". This is affine in A, so it is K_θ of the contact on what A takes
+// and K_θ of free space on the rest:
 //
 //   −τ/θ = K_contact A + K_free (I − A)       K_free: K_θ with K_P = 0 and K_D = −k_T
 //

@@ -1,6 +1,6 @@
-// The loop of motors that share a load under a sampled, linear law: DESIGN section 4 for any number
-// of motors, near rest. Whoever asks whether a loop is stable, or what it renders over frequency,
-// asks here.
+// The loop of motors that share a load under a sampled, linear law: docs/design.md, "Sampled forms"
+// for any number of motors, near rest. Whoever asks whether a loop is stable, or what it renders
+// over frequency, asks here.
 //
 // Between samples the plant is linear and what the servo commands stands still, but for one step
 // where the delay has a fraction, so that its motion over a period is exact; the velocity filter

@@ -35,8 +35,8 @@ struct SpringDrive {
 [[nodiscard]] std::complex<double> analytic_stiffness(const SpringDrive &drive,
                                                       double omega_rad_per_s);
 
-/// The same with the servo's period and delay, DESIGN section 4 [N·m/rad]: the part of the torque
-/// at ω, while θ turns at ω alone.
+/// The same with the servo's period and delay [N·m/rad], docs/design.md, "Sampled forms": the part
+/// of the torque at ω, while θ turns at ω alone.
 ///
 ///   K_θ(jω) = k_T/(jωL + dR) · [ k_T jω + C(e^(jωT)) H(jω) ],   a = e^(−λT)
 ///   C(z) = K_P + K_D (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)),   H(jω) = e^(−jωdT) (1 − e^(−jωT))/(jωT)

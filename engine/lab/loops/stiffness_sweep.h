@@ -19,7 +19,7 @@ struct SweepOptions {
 struct StiffnessPoint {
     double frequency_hz = 0.0;                ///< the one that was used, see `sweep_window`
     std::complex<double> analytic_Nm_per_rad; ///< (12)
-    std::complex<double> sampled_Nm_per_rad;  ///< DESIGN section 4
+    std::complex<double> sampled_Nm_per_rad;  ///< docs/design.md, "Sampled forms"
     std::complex<double> measured_Nm_per_rad; ///< −τ/θ like the others, see rendered_stiffness.h
 };
 

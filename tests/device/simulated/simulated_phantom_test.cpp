@@ -61,7 +61,8 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
 }
 
 TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
-    // dR < 0 (DESIGN section 6): the current grows as e^(|dR| t/L) until the rail.
+    // dR < 0 (docs/design.md, "Where methods fail"): the current grows as e^(|dR| t/L) until the
+    // rail.
     SimulationOptions options = held();
     options.effects.amplifier_limits = true;
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);

@@ -87,7 +87,7 @@ PlanarError largest_planar_error(const device::DeviceDescription &device, double
 }
 
 TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
-    // DESIGN section 5, first identity: |q₃ − q₂| exactly, where l₁ = l₂ and N₂ = N₃.
+    // docs/design.md, "Linkage and motors": |q₃ − q₂| exactly, where l₁ = l₂ and N₂ = N₃.
     const device::DeviceDescription device = testing::phantom_1_0();
     const PlanarError paper = largest_planar_error(device, 20.0, -15.0);
     EXPECT_NEAR(paper.inverse_deg, 35.0, 0.1);
@@ -100,7 +100,7 @@ TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
 }
 
 TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
-    // DESIGN section 5, second identity: α = N²/(l²(1 + |sin(q₃ − q₂)|)) for the two joints. The
+    // docs/design.md, "Linkage and motors": α = N²/(l²(1 + |sin(q₃ − q₂)|)) for the two joints. The
     // base joint's own eigenvalue is N₁²/r², so the bound for all three is the lesser of the two.
     const device::DeviceDescription device = testing::phantom_1_0();
     const double l = device.geometry.upper_arm_m;
@@ -160,7 +160,7 @@ TEST(MotionControl, SurfaceAndTuningMultiplyTheirStiffness) {
 
 TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    // q₃ − q₂ = −90°: folded onto each other (DESIGN section 6).
+    // q₃ − q₂ = −90°: folded onto each other (docs/design.md, "Where methods fail").
     const Configuration now =
         at(device, Vector3(0.0, 70.0 * kRadiansPerDegree, 160.0 * kRadiansPerDegree));
     const Vector3 step_m(0.0, 1e-3, 0.0);

@@ -59,7 +59,8 @@ TEST(WindingStep, AgreesWithAnIntegrationForEveryResistance) {
 }
 
 TEST(Motor, DataSheetGivesThePublishedStiffness) {
-    // DESIGN section 5: K_L = 2.30 N·m/rad and R/L = 9160 rad/s, both given to three digits.
+    // docs/design.md, "Linkage and motors": K_L = 2.30 N·m/rad and R/L = 9160 rad/s, both given to
+    // three digits.
     EXPECT_NEAR(inductive_stiffness_Nm_per_rad(testing::phantom_motor()), 2.30, 0.005);
     EXPECT_NEAR(testing::phantom_motor().resistance_Ohm / testing::phantom_motor().inductance_H,
                 9160.0, 5.0);

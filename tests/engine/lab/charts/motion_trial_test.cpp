@@ -25,7 +25,7 @@ MotionMethod by_hand(double alpha_rad2_per_m2) {
 }
 
 TEST(MotionTrial, InverseErrsByQ3MinusQ2AtMostInTheLinksPlane) {
-    // DESIGN section 5: exact for l₁ = l₂ and N₂ = N₃, and small depths.
+    // docs/design.md, "Linkage and motors": exact for l₁ = l₂ and N₂ = N₃, and small depths.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const Vector3 &q_deg : {Vector3(0, 20, -15), Vector3(10, -10, 25), Vector3(-20, 5, 5)}) {
         double largest = 0.0;

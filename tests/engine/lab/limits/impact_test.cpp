@@ -64,7 +64,7 @@ TEST(ApparentMass, OfACurrentDriveIsTheLinkagesOwn) {
     EXPECT_NEAR(apparent_mass_kg(which), truth, 0.03 * truth); // ±10 mm change M by a few per cent
 }
 
-/// k_T² τ/dR of each motor on top, τ the loop's whole lag (DESIGN section 3).
+/// k_T² τ/dR of each motor on top, τ the loop's whole lag (docs/design.md, "Contact and maps").
 TEST(ApparentMass, OfASpringDriveHasTheLagsToo) {
     loops::StabilityCase which = held_firmly();
     which.period_s = 1e-3;

@@ -44,7 +44,7 @@ void set_servo(PlanarContact &contact, double lambda_rad_per_s, double period_s,
     }
 }
 
-/// DESIGN section 3, with the paper's continuous servo.
+/// docs/design.md, "Contact and maps", with the paper's continuous servo.
 Eigen::Matrix2cd continuous_stiffness(const PlanarContact &contact, double omega) {
     const control::Tuning &tuning = contact.drive[0].tuning;
     const device::MotorParameters &motor = contact.drive[0].motor;

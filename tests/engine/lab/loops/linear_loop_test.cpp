@@ -137,7 +137,7 @@ TEST(SampledLoad, OfAWholeDelayIsTheSameToTheLastBit) {
     }
 }
 
-/// The servo as DESIGN section 4 words it, sample by sample.
+/// The servo as docs/design.md, "Sampled forms" words it, sample by sample.
 TEST(OnePeriodMap, IsTheServoSampleBySample) {
     std::mt19937_64 random(2);
     for (const double delay : {0.0, 1.0, 2.0, 5.0, 0.3, 0.999, 1.5, 3.001}) {

@@ -77,7 +77,8 @@ TEST(StiffnessEllipse, TheCircleIsInscribed) {
 }
 
 TEST(StiffnessEllipse, AlphaIsThatOfTheClosedForm) {
-    // DESIGN section 5: α = N²/(l² (1 + |sin(q₃ − q₂)|)) for equal links and ratios.
+    // docs/design.md, "Linkage and motors": α = N²/(l² (1 + |sin(q₃ − q₂)|)) for equal links and
+    // ratios.
     const device::DeviceDescription device = testing::phantom_1_0();
     const double l = device.geometry.forearm_m;
     const double N = device.geometry.transmission_ratio[1];
@@ -120,8 +121,8 @@ TEST(StiffnessEllipse, ForcesFollowFromTorquesOfTheHeldMotors) {
 }
 
 TEST(StiffnessEllipse, TheLargestErrorIsTheAngleBetweenTheLinks) {
-    // DESIGN section 5, by going around: near its maximum the error is flat, and a normal that
-    // misses it by 0.01° errs by the square of that.
+    // docs/design.md, "Linkage and motors", by going around: near its maximum the error is flat,
+    // and a normal that misses it by 0.01° errs by the square of that.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {-60.0, -45.0, -30.0, -15.0, 0.0, 20.0, 50.0}) {
         const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, 20.0 + fold_deg);

@@ -165,7 +165,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, PlantRates,
                          });
 
 TEST(ExplicitEuler, FailsAboveTwiceTheWindingsTimeConstant) {
-    // DESIGN section 6: above 2 L/dR, and with nothing cancelled 2 L/R. The rotors stand still.
+    // docs/design.md, "Where methods fail": above 2 L/dR, and with nothing cancelled 2 L/R. The
+    // rotors stand still.
     device::DeviceDescription device = testing::phantom_1_0();
     for (device::MotorParameters &motor : device.motor) {
         motor.rotor_inertia_kg_m2 = 1e6;

@@ -1,5 +1,5 @@
-// Covers engine/lab/limits/failure_lines/loop_lines.cpp: each line of DESIGN section 6 that a loop
-// can cross, from both sides, predicted and tried.
+// Covers engine/lab/limits/failure_lines/loop_lines.cpp: each line that a loop can cross
+// (docs/design.md, "Where methods fail"), from both sides, predicted and tried.
 #include "engine/lab/limits/failure_lines/loop_lines.h"
 
 #include "device/core/phantom/kinematics.h"
