@@ -61,7 +61,7 @@ TEST(CsvCell, IsQuotedWhereItNeedsTo) {
 TEST(CsvCell, OfANumberGivesTheSameNumberAgain) {
     std::mt19937_64 random(1);
     for (int trial = 0; trial < 1000; ++trial) {
-        const double number = std::bit_cast<double>(random());
+        const auto number = std::bit_cast<double>(random());
         if (std::isfinite(number)) {
             EXPECT_EQ(std::strtod(csv_cell(number).c_str(), nullptr), number);
         }

@@ -114,7 +114,7 @@ TEST(Replay, AnotherCountIsAnotherMotion) {
 
 TEST(Replay, AnotherTuningAsksForOtherVoltages) {
     const std::vector<servo::ServoSample> samples = eventful_run(8, 1e-3);
-    control::Tuning stiffer = control::Tuning{};
+    control::Tuning stiffer;
     stiffer.K_P_V_per_rad = 15.0;
     Replay replay(testing::phantom_1_0(), stiffer);
     for (const servo::ServoSample &sample : samples) {

@@ -189,7 +189,7 @@ TEST(GltfPrimitive, RefusesPositionsThatAreNotFinite) {
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
           -std::numeric_limits<float>::infinity()}) {
         GltfBuilder builder = one_triangle();
-        std::memcpy(&builder.buffer[4 * 4], &bad, sizeof bad); // y of vertex 1
+        std::memcpy(&builder.buffer[std::size_t{4} * 4], &bad, sizeof bad); // y of vertex 1
         expect_failure(builder, "node 0: POSITION of vertex 1 is not finite");
     }
 }

@@ -166,7 +166,7 @@ TEST(SmoothNodes, WhatIsFineEnoughOrTooLargeStaysAsItIs) {
     builder.meshes = {
         R"({"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0}, "indices": 1}]})"};
     builder.nodes.emplace_back(one_triangle().nodes[0]);
-    builder.meshes.push_back(R"({"primitives": [{"attributes": {"POSITION": 0}}]})");
+    builder.meshes.emplace_back(R"({"primitives": [{"attributes": {"POSITION": 0}}]})");
     builder.nodes[1] = R"({"mesh": 1})";
     const Scene scene = load(builder);
     EXPECT_EQ(scene.surface.triangles.size(), 500'002U);

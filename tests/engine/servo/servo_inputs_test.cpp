@@ -175,9 +175,11 @@ TEST(SealedInputs, NoticeAnySingleBitThatIsFlipped) {
 
 TEST(ServoInputs, ArriveWholeHoweverQuicklyTheyAreHandedOver) {
     constexpr std::uint32_t kPublished = 20'000;
+    constexpr std::size_t kSets = 64;
     std::mt19937_64 random(10);
     std::vector<ServoInputs> sets;
-    for (int i = 0; i < 64; ++i) {
+    sets.reserve(kSets);
+    for (std::size_t i = 0; i < kSets; ++i) {
         sets.push_back(any_inputs(random));
     }
     LatestValue<SealedInputs> mailbox;

@@ -72,10 +72,10 @@ std::filesystem::path write_square(const std::filesystem::path &file, std::uint3
 
 class Quitting : public ::testing::Test {
 protected:
-    Quitting() : folder_(testing::fresh_folder("quitting")) {}
-    ~Quitting() override { std::filesystem::remove_all(folder_); }
+    Quitting() : folder(testing::fresh_folder("quitting")) {}
+    ~Quitting() override { std::filesystem::remove_all(folder); }
 
-    std::filesystem::path folder_;
+    std::filesystem::path folder;
 };
 
 /// Half a million triangles take some seconds; this is how long the end of a session may wait for
@@ -83,7 +83,7 @@ protected:
 constexpr double kSoon_s = 3.0;
 
 TEST_F(Quitting, WhileASceneLoadsEndsSoonInEveryStage) {
-    const std::filesystem::path large = write_square(folder_ / "large.glb", 500);
+    const std::filesystem::path large = write_square(folder / "large.glb", 500);
     double longest_s = 0.0;
     for (const char *stage : {"reading", "gathering", "placing", "preparing"}) {
         Clock::time_point start;
@@ -105,7 +105,7 @@ TEST_F(Quitting, WhileASceneLoadsEndsSoonInEveryStage) {
 }
 
 TEST_F(Quitting, AnotherSceneDoesNotWaitForTheLargeOne) {
-    const std::filesystem::path large = write_square(folder_ / "large.glb", 500);
+    const std::filesystem::path large = write_square(folder / "large.glb", 500);
     Session session(testing::scripted());
     session.start();
     session.request_scene(large);
@@ -150,7 +150,7 @@ void poke(Session &session, unsigned which, const std::filesystem::path &folder)
 }
 
 TEST_F(Quitting, AtAnyMomentEndsWhole) {
-    setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
+    setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     std::mt19937 random(11);
     double longest_s = 0.0;
     for (int round = 0; round < 60; ++round) {
@@ -165,7 +165,7 @@ TEST_F(Quitting, AtAnyMomentEndsWhole) {
             }
             for (std::uint_fast32_t i = random() % 6; i > 0; --i) {
                 const auto which = static_cast<unsigned>(random()) % 160;
-                poke(session, which, folder_);
+                poke(session, which, folder);
                 done += " " + std::to_string(which % 8);
                 testing::run(session, 0.1 * static_cast<double>(random() % 4));
             }

@@ -139,7 +139,7 @@ struct Case {
         const KnownPoint local = std::visit(SampleSurface{dice}, size);
         return {placement * local.point_m, placement.linear() * local.normal};
     }
-    bool holds(const Vector3 &point_m) const {
+    [[nodiscard]] bool holds(const Vector3 &point_m) const {
         return std::visit(Holds{placement.inverse() * point_m}, size);
     }
 };
@@ -162,14 +162,14 @@ AnalyticShape::Size random_size(int kind, Dice &dice) {
 
 class AnalyticShapes : public ::testing::TestWithParam<int> {
 protected:
-    Dice dice_;
-    Case random_case() { return {random_size(GetParam(), dice_), dice_.placement()}; }
+    Dice dice;
+    Case random_case() { return {random_size(GetParam(), dice), dice.placement()}; }
 };
 
 TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
     for (int i = 0; i < 2000; ++i) {
         const Case c = random_case();
-        const Vector3 query_m = c.placement.translation() + dice_.within(Vector3::Constant(0.15));
+        const Vector3 query_m = c.placement.translation() + dice.within(Vector3::Constant(0.15));
         const NearestOnShape nearest = c.shape.nearest(query_m);
         EXPECT_NEAR(nearest.normal.norm(), 1.0, 1e-15);
         EXPECT_LT((nearest.point_m + nearest.distance_m * nearest.normal - query_m).norm(),
@@ -187,10 +187,10 @@ TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
 TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
     for (int i = 0; i < 200; ++i) {
         const Case c = random_case();
-        const Vector3 query_m = c.placement.translation() + dice_.within(Vector3::Constant(0.15));
+        const Vector3 query_m = c.placement.translation() + dice.within(Vector3::Constant(0.15));
         const NearestOnShape nearest = c.shape.nearest(query_m);
         for (int j = 0; j < 100; ++j) {
-            const KnownPoint other = c.sample(dice_);
+            const KnownPoint other = c.sample(dice);
             EXPECT_LT(nearest.normal.dot(other.point_m - nearest.point_m), kRounding_m);
             // So none is nearer; this also holds from within, where the plane alone proves nothing.
             EXPECT_GT((other.point_m - query_m).norm(), std::abs(nearest.distance_m) - kRounding_m);
@@ -201,7 +201,7 @@ TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
 TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces) {
     for (int i = 0; i < 2000; ++i) {
         const Case c = random_case();
-        const KnownPoint on = c.sample(dice_);
+        const KnownPoint on = c.sample(dice);
         constexpr double kOff_m = 1e-7;
         const NearestOnShape outside = c.shape.nearest(on.point_m + kOff_m * on.normal);
         EXPECT_NEAR(outside.distance_m, kOff_m, kRounding_m);
@@ -221,12 +221,12 @@ TEST_P(AnalyticShapes, AMotionThatIsPartedFromTheShapeStaysThatFarOff) {
     for (int i = 0; i < 5000; ++i) {
         const Case c = random_case();
         const auto place_m = [&] {
-            return Vector3(c.placement.translation() + dice_.within(Vector3::Constant(0.2)));
+            return Vector3(c.placement.translation() + dice.within(Vector3::Constant(0.2)));
         };
         const Vector3 from_m = place_m();
         const Vector3 to_m =
-            from_m + std::pow(10.0, dice_.between(-5.0, 0.0)) * (place_m() - from_m);
-        const double clear_m = std::pow(10.0, dice_.between(-8.0, -2.0));
+            from_m + std::pow(10.0, dice.between(-5.0, 0.0)) * (place_m() - from_m);
+        const double clear_m = std::pow(10.0, dice.between(-8.0, -2.0));
         const bool is_parted = c.shape.is_parted_from(from_m, to_m, clear_m);
         for (int j = 0; is_parted && j <= 20; ++j) {
             const Vector3 point_m = from_m + j / 20.0 * (to_m - from_m);

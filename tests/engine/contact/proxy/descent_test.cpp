@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -47,7 +48,7 @@ TEST(Descent, NeverEndsFartherFromTheTipThanItBegan) {
     constexpr int kTicks = 600;
     constexpr double kStep_m = 7e-4;
     constexpr double kDeepest_m = 6e-3;
-    constexpr double kReaches_m[] = {kClearance_m, 1e-3};
+    constexpr std::array kReaches_m{kClearance_m, 1e-3};
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         std::mt19937_64 random(seed);
         Eigen::Isometry3d pose(

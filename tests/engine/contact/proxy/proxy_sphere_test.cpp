@@ -89,6 +89,7 @@ TEST(ProxyOnFineSphere, ComesBackTheWayItWent) {
     Proxy proxy;
     proxy.reset(1.2 * tips[0]);
     std::vector<Vector3> there;
+    there.reserve(tips.size());
     for (const Vector3 &tip : tips) {
         there.push_back(proxy.update(surface, tip).x0_m);
     }

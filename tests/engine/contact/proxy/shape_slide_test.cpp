@@ -49,17 +49,17 @@ struct Scene {
 
 class ShapeSlides : public ::testing::TestWithParam<int> {
 protected:
-    std::mt19937_64 random_{20260801};
+    std::mt19937_64 random{20260801};
 
     double between(double low, double high) {
-        return std::uniform_real_distribution(low, high)(random_);
+        return std::uniform_real_distribution(low, high)(random);
     }
 
     /// A shape that stands anyhow.
     void place_shape() {
-        centre_m_ = random_vector(random_, 0.1);
+        centre_m_ = random_vector(random, 0.1);
         Eigen::Isometry3d placement(
-            Eigen::AngleAxisd(between(-3.0, 3.0), random_direction(random_)));
+            Eigen::AngleAxisd(between(-3.0, 3.0), random_direction(random)));
         placement.pretranslate(centre_m_);
         TriangleSoup soup;
         soup.materials = {{"shape", 0.25}};
@@ -75,7 +75,7 @@ protected:
         // From not far outside, so that it is over a face as often as over an edge.
         NearestOnShape under;
         do {
-            under = scene.shape().nearest(centre_m_ + random_vector(random_, 0.035));
+            under = scene.shape().nearest(centre_m_ + random_vector(random, 0.035));
         } while (under.distance_m <= 0.0);
         scene.rest.point_m = under.point_m + reach_m * under.normal;
         const std::optional<Stop> touch =
@@ -83,7 +83,7 @@ protected:
         EXPECT_TRUE(touch);
         scene.rest.held_by.add({touch->normal, touch->offset_m, 0});
         const double step_m = std::pow(10.0, between(-7.0, -1.5));
-        scene.tip_m = scene.rest.point_m + step_m * random_direction(random_) -
+        scene.tip_m = scene.rest.point_m + step_m * random_direction(random) -
                       between(0.0, 5e-3) * under.normal;
         return scene;
     }
@@ -164,7 +164,7 @@ TEST_P(ShapeSlides, LeaveNoPlaceAtHandThatIsNearerToTheTip) {
         const double rest_m = (slide->rest_m - scene.tip_m).norm();
         for (int j = 0; j < 50; ++j) {
             // Any place at hand, lifted until it keeps its distance.
-            const Vector3 place_m = slide->rest_m + random_vector(random_, 1e-5);
+            const Vector3 place_m = slide->rest_m + random_vector(random, 1e-5);
             const NearestOnShape under = scene.shape().nearest(place_m);
             if (under.normal.dot(slide->normal) < 0.5) {
                 continue; // over an edge, on another face

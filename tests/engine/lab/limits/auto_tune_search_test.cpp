@@ -126,7 +126,8 @@ public:
         const TrialOptions electronics = TrialOptions::with(SimulationEffects::electronics());
         which.tuning.K_P_V_per_rad = K_P;
         for (int i = 0; i < kGrid * kGrid; ++i) {
-            const double share = static_cast<double>(i / kGrid) / (kGrid - 1);
+            const int row = i / kGrid;
+            const double share = static_cast<double>(row) / (kGrid - 1);
             which.tuning.K_D_Vs_per_rad = 0.1 * share * share;
             which.tuning.lambda_rad_per_s =
                 100.0 * std::pow(50.0, static_cast<double>(i % kGrid) / (kGrid - 1));

@@ -44,75 +44,75 @@ bool holds(const loops::StabilityCase &which, double gain) {
 class FoundTuning : public ::testing::Test {
 protected:
     static void SetUpTestSuite() {
-        request_ = request_for(1000.0, 1, 0.5);
-        found_ = auto_tune(request_);
+        request = request_for(1000.0, 1, 0.5);
+        found = auto_tune(request);
     }
-    static AutoTuneRequest request_;
-    static AutoTuned found_;
+    static AutoTuneRequest request;
+    static AutoTuned found;
 };
-AutoTuneRequest FoundTuning::request_; // NOLINT(cert-err58-cpp)
-AutoTuned FoundTuning::found_;         // NOLINT(cert-err58-cpp)
+AutoTuneRequest FoundTuning::request; // NOLINT(cert-err58-cpp)
+AutoTuned FoundTuning::found;         // NOLINT(cert-err58-cpp)
 
 TEST_F(FoundTuning, IsATuning) {
-    EXPECT_EQ(what_is_wrong_with(found_.tuning), "");
-    EXPECT_EQ(found_.tuning.eta, 0.0);
-    EXPECT_EQ(found_.tuning.dR_Ohm, 0.5);
-    EXPECT_EQ(found_.tuning.map, request_.which.tuning.map);
-    EXPECT_GT(found_.tuning.K_P_V_per_rad, 0.0);
-    EXPECT_EQ(found_.loops, loops::HeldLoops(request_.which).count());
+    EXPECT_EQ(what_is_wrong_with(found.tuning), "");
+    EXPECT_EQ(found.tuning.eta, 0.0);
+    EXPECT_EQ(found.tuning.dR_Ohm, 0.5);
+    EXPECT_EQ(found.tuning.map, request.which.tuning.map);
+    EXPECT_GT(found.tuning.K_P_V_per_rad, 0.0);
+    EXPECT_EQ(found.loops, loops::HeldLoops(request.which).count());
 }
 
 TEST_F(FoundTuning, HasTheMarginAskedForAndNoMore) {
-    const loops::StabilityCase which = tuned(request_, found_.tuning);
-    EXPECT_GE(found_.margins.gain, request_.margin * (1.0 - 1e-3));
-    EXPECT_TRUE(holds(which, found_.margins.gain));
-    EXPECT_FALSE(holds(which, found_.margins.gain * 1.002));
-    if (found_.taken_back == 0.0 && found_.tuning.K_P_V_per_rad < 20.0) {
-        EXPECT_LT(found_.margins.gain, request_.margin * 1.05);
+    const loops::StabilityCase which = tuned(request, found.tuning);
+    EXPECT_GE(found.margins.gain, request.margin * (1.0 - 1e-3));
+    EXPECT_TRUE(holds(which, found.margins.gain));
+    EXPECT_FALSE(holds(which, found.margins.gain * 1.002));
+    if (found.taken_back == 0.0 && found.tuning.K_P_V_per_rad < 20.0) {
+        EXPECT_LT(found.margins.gain, request.margin * 1.05);
     }
 }
 
 TEST_F(FoundTuning, HasTheDelayMarginSaid) {
-    loops::StabilityCase which = tuned(request_, found_.tuning);
-    which.delay_periods += found_.margins.more_delay_periods;
+    loops::StabilityCase which = tuned(request, found.tuning);
+    which.delay_periods += found.margins.more_delay_periods;
     EXPECT_TRUE(holds(which, 1.0));
     ++which.delay_periods;
     EXPECT_FALSE(holds(which, 1.0));
-    EXPECT_EQ(found_.margins.delay_periods, 1);
-    EXPECT_NEAR(found_.margins.servo_hz, 1000.0, 1e-9);
+    EXPECT_EQ(found.margins.delay_periods, 1);
+    EXPECT_NEAR(found.margins.servo_hz, 1000.0, 1e-9);
 }
 
 TEST_F(FoundTuning, HasTheMarginOfResistanceSaid) {
-    loops::StabilityCase which = tuned(request_, found_.tuning);
-    which.net_resistance_Ohm = found_.margins.least_dR_Ohm;
+    loops::StabilityCase which = tuned(request, found.tuning);
+    which.net_resistance_Ohm = found.margins.least_dR_Ohm;
     EXPECT_TRUE(holds(which, 1.0));
-    which.net_resistance_Ohm = found_.margins.least_dR_Ohm - 0.011 * 0.5;
+    which.net_resistance_Ohm = found.margins.least_dR_Ohm - 0.011 * 0.5;
     EXPECT_FALSE(holds(which, 1.0));
 }
 
 TEST_F(FoundTuning, HasTheStiffnessSaid) {
-    const double k_T = request_.which.device.motor[0].torque_constant_Nm_per_A;
-    EXPECT_DOUBLE_EQ(found_.margins.K_DC_Nm_per_rad,
-                     k_T * found_.tuning.K_P_V_per_rad / 0.5); // (13)
+    const double k_T = request.which.device.motor[0].torque_constant_Nm_per_A;
+    EXPECT_DOUBLE_EQ(found.margins.K_DC_Nm_per_rad,
+                     k_T * found.tuning.K_P_V_per_rad / 0.5); // (13)
 }
 
 TEST_F(FoundTuning, ComesToRestWithCountsInEveryHand) {
-    EXPECT_TRUE(is_stable_simulated(tuned(request_, found_.tuning),
+    EXPECT_TRUE(is_stable_simulated(tuned(request, found.tuning),
                                     TrialOptions::with(SimulationEffects::electronics())));
 }
 
 TEST_F(FoundTuning, IsTheSameEveryTime) {
-    const AutoTuned again = auto_tune(request_);
-    EXPECT_EQ(again.tuning.K_P_V_per_rad, found_.tuning.K_P_V_per_rad);
-    EXPECT_EQ(again.tuning.K_D_Vs_per_rad, found_.tuning.K_D_Vs_per_rad);
-    EXPECT_EQ(again.tuning.lambda_rad_per_s, found_.tuning.lambda_rad_per_s);
+    const AutoTuned again = auto_tune(request);
+    EXPECT_EQ(again.tuning.K_P_V_per_rad, found.tuning.K_P_V_per_rad);
+    EXPECT_EQ(again.tuning.K_D_Vs_per_rad, found.tuning.K_D_Vs_per_rad);
+    EXPECT_EQ(again.tuning.lambda_rad_per_s, found.tuning.lambda_rad_per_s);
 }
 
 TEST_F(FoundTuning, AWiderMarginIsSofter) {
-    AutoTuneRequest careful = request_;
+    AutoTuneRequest careful = request;
     careful.margin = 2.0;
     const AutoTuned softer = auto_tune(careful);
-    EXPECT_LT(softer.margins.K_DC_Nm_per_rad, found_.margins.K_DC_Nm_per_rad);
+    EXPECT_LT(softer.margins.K_DC_Nm_per_rad, found.margins.K_DC_Nm_per_rad);
     EXPECT_GE(softer.margins.gain, 2.0 * (1.0 - 1e-3));
 }
 
