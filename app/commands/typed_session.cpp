@@ -71,7 +71,7 @@ void TypedSession::add_to(CLI::App &command) {
     add_servo_hz_option(command, options.servo_hz);
     command
         .add_option("--delay", options.delay_periods,
-                    "whole samples from reading θ to applying e_W, simulated [0]")
+                    "periods from reading θ to applying e_W, simulated, a real number 0 to 8 [0]")
         ->type_name("D");
     command
         .add_option("--path", options.path,

@@ -18,13 +18,14 @@ TEST(LastThatHolds, IsFoundFromEitherSide) {
         const auto below = [&](double value) { return value < line; };
         const auto above = [&](double value) { return value > line; };
         for (const double share : {1e-3, 1e-6, 1e-9}) {
-            const double tolerance = share * (std::abs(line) + share * 20.0);
+            // The line lies within a bracket w wide, w <= share (|line| + w).
+            const double tolerance = share * std::abs(line) / (1.0 - share);
             const double up = last_that_holds({-20.0, 20.0}, share, below);
             const double down = last_that_holds({20.0, -20.0}, share, above);
             EXPECT_TRUE(below(up));
             EXPECT_TRUE(above(down));
-            EXPECT_NEAR(up, line, 2.0 * tolerance) << line;
-            EXPECT_NEAR(down, line, 2.0 * tolerance) << line;
+            EXPECT_NEAR(up, line, tolerance) << line;
+            EXPECT_NEAR(down, line, tolerance) << line;
         }
     }
 }

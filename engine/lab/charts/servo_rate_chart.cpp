@@ -2,7 +2,10 @@
 
 #include "base/degrees.h"
 #include "engine/control/parameters.h"
+#include "engine/control/perception.h"
 #include "engine/lab/charts/servo_rate_trial.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -70,9 +73,11 @@ rig::WorkPrecisionChart servo_rate_direction_chart(const ChartSetting &setting,
                                                    const ChartProgress &progress) {
     rig::WorkPrecisionChart chart;
     chart.name = "servo_rate_direction";
-    chart.title = "Servo rate: direction of the force at 30 Hz, " + setting.device.name;
+    chart.title = fmt::format("Servo rate: direction of the force at {:g} Hz, {}",
+                              control::kPerceived_Hz, setting.device.name);
     chart.cost_label = kCostLabel;
-    chart.error_label = "largest angle from normal to force at 30 Hz (degrees)";
+    chart.error_label = fmt::format("largest angle from normal to force at {:g} Hz (degrees)",
+                                    control::kPerceived_Hz);
     const rig::Cost tick = cost_of_servo_tick(setting);
     double done = 0.0;
     for (const double factor : {1.0 / 3.0, 1.0, 3.0}) {

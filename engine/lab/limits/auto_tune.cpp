@@ -194,7 +194,7 @@ loops::StabilityCase tuned(const loops::StabilityCase &which, const control::Tun
 
 bool all_stable(const loops::StabilityCase &which) {
     loops::HeldLoops loops(which);
-    return loops.first_unstable(scaled(which.tuning, 1.0)) == loops.count();
+    return loops.first_unstable(loops::gains_of(which.tuning)) == loops.count();
 }
 
 void find_gain_margin(control::TuningMargins &margins, loops::HeldLoops &loops,

@@ -3,6 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
+#include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/rig/law_rig.h"
 
 #include <Eigen/LU>
@@ -16,16 +17,6 @@
 namespace springdrive::limits {
 
 namespace {
-
-rig::LawOptions law_of(const loops::StabilityCase &which) {
-    rig::LawOptions options;
-    options.device = which.device;
-    options.tuning = which.tuning;
-    options.period_s = which.period_s;
-    options.drive = which.drive;
-    options.wall = which.wall;
-    return options;
-}
 
 simulated::SimulationOptions options_of(const loops::StabilityCase &which,
                                         std::vector<simulated::HandPath::Point> path) {

@@ -3,7 +3,6 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/flicker.h"
-#include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/rotor_simulation.h"
 
 #include <Eigen/Cholesky>
@@ -138,17 +137,6 @@ Trial one_motor_trial(const loops::StabilityCase &which, const loops::LoopMember
     });
 }
 
-rig::LawOptions law_of(const loops::StabilityCase &which, const device::DeviceDescription &device) {
-    rig::LawOptions options;
-    options.device = device;
-    options.tuning = which.tuning;
-    options.period_s = which.period_s;
-    options.net_resistance_Ohm = which.net_resistance_Ohm;
-    options.drive = which.drive;
-    options.wall = which.wall;
-    return options;
-}
-
 simulated::SimulationOptions phantom_options(const loops::StabilityCase &which,
                                              const loops::LoopMember &member,
                                              const TrialOptions &options) {
@@ -176,7 +164,7 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
     device.amplifier.greatest_cancelled_Ohm = HUGE_VAL; // over-cancelled as far as is asked for
     simulated::SimulatedPhantom phantom(device, phantom_options(which, member, options), rest_m);
     rig::PhantomPlant plant(phantom);
-    rig::LawRig loop(plant, law_of(which, device), rig::tied_to(rest_m + aside),
+    rig::LawRig loop(plant, law_of(which), rig::tied_to(rest_m + aside),
                      rig::FirstCommand::answers);
     const double per_count = phantom.description().rad_per_count();
     const double start_rad = options.start_m / device::motor_jacobian(geometry, which.q_rad).norm();
@@ -189,6 +177,17 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
 }
 
 } // namespace
+
+rig::LawOptions law_of(const loops::StabilityCase &which) {
+    rig::LawOptions options;
+    options.device = which.device;
+    options.tuning = which.tuning;
+    options.period_s = which.period_s;
+    options.net_resistance_Ohm = which.net_resistance_Ohm;
+    options.drive = which.drive;
+    options.wall = which.wall;
+    return options;
+}
 
 Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                 const TrialOptions &options) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
+#include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/ringdown.h"
 
 namespace springdrive::limits {
@@ -37,6 +38,9 @@ struct TrialOptions {
         return {effects, 1e-3, 3.0, 10.0};
     }
 };
+
+/// The law of a case, or the wall of its current drive, to be run in a rig.
+[[nodiscard]] rig::LawOptions law_of(const loops::StabilityCase &which);
 
 /// What came of it.
 struct Trial {

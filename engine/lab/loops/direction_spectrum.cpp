@@ -23,7 +23,7 @@ Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMa
                                     contact.relative_stiffness.cwiseInverse().asDiagonal() *
                                     contact.J.transpose() * contact.J);
     const SpringDrive &servo = contact.drive[0];
-    const SampledLaw law = drift_compensation(load.torque_Nm_per_A, servo.gains(), A,
+    const SampledLaw law = drift_compensation(load.torque_Nm_per_A, gains_of(servo.tuning), A,
                                               {servo.period_s, servo.delay_periods});
     return motor_stiffness(load, law, omega_rad_per_s);
 }

@@ -76,7 +76,7 @@ void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMemb
 
 } // namespace
 
-HeldLoops::HeldLoops(const StabilityCase &which) : sampling_(which.sampling()) {
+HeldLoops::HeldLoops(const StabilityCase &which) {
     constexpr int kFinelyOfOne = 10;
     constexpr int kFinelyOfThree = 2; // these take twenty times as long
     StabilityCase each = which;
@@ -101,8 +101,8 @@ HeldLoops::HeldLoops(const StabilityCase &which) : sampling_(which.sampling()) {
 
 double HeldLoops::largest_eigenvalue(std::size_t index, const Gains &gains) const {
     const HeldLoop &held = loops_[index];
-    return held.loop.largest_eigenvalue(
-        drift_compensation(held.loop.load().torque_Nm_per_A, gains, held.share, sampling_));
+    return held.loop.largest_eigenvalue(drift_compensation(held.loop.load().torque_Nm_per_A, gains,
+                                                           held.share, held.loop.sampling()));
 }
 
 bool HeldLoops::is_stable(std::size_t index, const Gains &gains) const {

@@ -43,7 +43,6 @@ public:
     [[nodiscard]] const HeldLoop &operator[](std::size_t loop) const { return loops_[loop]; }
 
 private:
-    Sampling sampling_;
     std::vector<HeldLoop> loops_;
     std::vector<std::size_t> order_; ///< to try them in
 };

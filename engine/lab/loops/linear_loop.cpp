@@ -198,10 +198,12 @@ double largest_eigenvalue(const MatrixXd &map, const SampledLaw &law,
 }
 
 LinearLoop::LinearLoop(DrivenLoad load, const Sampling &sampling)
-    : load_(std::move(load)),
+    : load_(std::move(load)), sampling_(sampling),
       sampled_load_(sampled_load(load_, sampling.period_s, sampling.delay_periods)) {}
 
 MatrixXd LinearLoop::one_period_map(const SampledLaw &law) const {
+    SPRINGDRIVE_ASSERT(law.period_s == sampling_.period_s &&
+                       law.delay_periods == sampling_.delay_periods);
     return loops::one_period_map(sampled_load_, law);
 }
 

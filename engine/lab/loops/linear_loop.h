@@ -9,6 +9,7 @@
 #pragma once
 
 #include "device/core/motor/motor.h"
+#include "engine/control/tuning.h"
 
 #include <Eigen/Core>
 
@@ -64,6 +65,10 @@ struct Gains {
     double lambda_rad_per_s = 0.0;
 };
 
+[[nodiscard]] inline Gains gains_of(const control::Tuning &tuning) {
+    return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
+}
+
 /// How a servo samples: T and d.
 struct Sampling {
     double period_s = 1e-3;
@@ -86,7 +91,9 @@ struct StateBlock {
 ///
 /// each for all motors. The difference stands in the place of θ[k−1], the same states in other
 /// coordinates: so position alone, where nothing pulls it back, can be left out exactly.
-/// @param load  as `sampled_load` gives it for the law's period and delay
+/// @param load  as `sampled_load` gives it for the law's delay, and for the time until the next
+/// sample:
+///              the law's period, which is the time since the last one, unless a servo comes late
 [[nodiscard]] Eigen::MatrixXd one_period_map(const Eigen::MatrixXd &load, const SampledLaw &law);
 
 /// Whether law or load, with its K, pull back on θ in every direction.
@@ -109,8 +116,9 @@ public:
     LinearLoop(DrivenLoad load, const Sampling &sampling);
 
     [[nodiscard]] const DrivenLoad &load() const { return load_; }
+    [[nodiscard]] const Sampling &sampling() const { return sampling_; }
 
-    // Of a law with that sampling.
+    // Of a law with that sampling, which is asserted.
     [[nodiscard]] Eigen::MatrixXd one_period_map(const SampledLaw &law) const;
     [[nodiscard]] double largest_eigenvalue(const SampledLaw &law) const;
     /// Whether every motion dies out.
@@ -120,6 +128,7 @@ public:
 
 private:
     DrivenLoad load_;
+    Sampling sampling_;
     Eigen::MatrixXd sampled_load_;
 };
 

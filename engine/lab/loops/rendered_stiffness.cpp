@@ -29,8 +29,8 @@ std::complex<double> sampled_stiffness(const SpringDrive &drive, double omega_ra
     DrivenLoad load = DrivenLoad::of(1);
     load.put_behind_spring_drive(0, drive.motor, drive.dR_Ohm());
     const SampledLaw law =
-        drift_compensation(load.torque_Nm_per_A, drive.gains(), Eigen::MatrixXd::Identity(1, 1),
-                           {drive.period_s, drive.delay_periods});
+        drift_compensation(load.torque_Nm_per_A, gains_of(drive.tuning),
+                           Eigen::MatrixXd::Identity(1, 1), {drive.period_s, drive.delay_periods});
     return motor_stiffness(load, law, omega_rad_per_s)(0, 0);
 }
 

@@ -24,9 +24,6 @@ struct SpringDrive {
     [[nodiscard]] double dR_Ohm() const {
         return device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
     }
-    [[nodiscard]] Gains gains() const {
-        return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
-    }
 };
 
 /// (12) [N·m/rad]: the servo as if it were continuous, T → 0.

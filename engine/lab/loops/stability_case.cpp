@@ -150,7 +150,7 @@ SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member) {
                 control::velocity_filter_pole(which.tuning.lambda_rad_per_s, which.period_s),
                 which.period_s, which.delay_periods};
     }
-    return drift_compensation(k_T, which.gains(), held_share(which), which.sampling());
+    return drift_compensation(k_T, gains_of(which.tuning), held_share(which), which.sampling());
 }
 
 LinearLoop linear_loop(const StabilityCase &which, const LoopMember &member) {

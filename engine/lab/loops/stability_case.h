@@ -43,9 +43,6 @@ struct StabilityCase {
     [[nodiscard]] double dR_Ohm(const device::MotorParameters &motor) const {
         return net_resistance_Ohm.value_or(device::residual_resistance_Ohm(motor, tuning.dR_Ohm));
     }
-    [[nodiscard]] Gains gains() const {
-        return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
-    }
     [[nodiscard]] Sampling sampling() const { return {period_s, delay_periods}; }
 };
 

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 
 namespace springdrive::model_selection {
 
@@ -62,22 +61,21 @@ ModelRun run_model(const ModelSetting &setting, const Model &model,
     options.tuning = with_controller(model.controller, setting.tuning);
     options.period_s = setting.period_s;
     options.global_alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
+    plant.advance({device::DeviceCommand::braking(), Vector3::Zero()});
+    rig::LawRig loop(plant, options, rig::surface(surface), rig::FirstCommand::answers);
     ModelRun run;
-    std::optional<rig::LawRig> loop; // of the plant's first counts
-    const std::size_t ticks = ticks_of(setting);
-    for (std::size_t tick = 0; tick < ticks; ++tick) {
-        stop_if_given_up();
-        run.commands.push_back(loop ? loop->command().spring_drive
-                                    : device::DeviceCommand::braking());
-        if (loop) {
-            loop->tick();
-        } else {
-            plant.advance({device::DeviceCommand::braking(), Vector3::Zero()});
-            loop.emplace(plant, options, rig::surface(surface), rig::FirstCommand::answers);
-        }
+    const auto note = [&](const device::DeviceCommand &command) {
+        run.commands.push_back(command);
         run.force_N.emplace_back(-device->truth().hand_force_N);
-        run.configurations.push_back(loop->configuration());
-        run.contacts.push_back(loop->contact());
+        run.configurations.push_back(loop.configuration());
+        run.contacts.push_back(loop.contact());
+    };
+    note(device::DeviceCommand::braking());
+    while (run.commands.size() < ticks_of(setting)) {
+        stop_if_given_up();
+        const device::DeviceCommand command = loop.command().spring_drive;
+        loop.tick();
+        note(command);
     }
     return run;
 }

@@ -51,7 +51,7 @@ public:
     servo::ServoSample last;
 
 private:
-    device::DeviceDescription description_;
+    device::DeviceDescription description_; ///< as given: the phantom's own may count finer
     simulated::SimulationOptions simulation_;
     std::optional<simulated::SimulatedPhantom> phantom_; ///< always there; made anew in its place
     FaultyDevice device_;

@@ -11,6 +11,8 @@
 
 #include <Eigen/LU>
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -159,9 +161,11 @@ TriedLine direction_line(const loops::StabilityCase &which) {
         {"transpose kinematics (23)",
          "directions of force above",
          "Hz",
-         "vibration turned by 25° from the worst normal, tuning firm, 1 kHz; λ is " +
+         fmt::format(
+             "vibration turned by {:g}° from the worst normal, tuning firm, 1 kHz; λ is {}",
+             control::kNoticeable_deg,
              with_unit(std::round(control::Tuning{}.lambda_rad_per_s / (2.0 * std::numbers::pi)),
-                       "Hz"),
+                       "Hz")),
          predicted_hz,
          {},
          {}},
