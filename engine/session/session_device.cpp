@@ -2,7 +2,7 @@
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session_parts.h"
 
 #include <nlohmann/json.hpp>
@@ -66,8 +66,9 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
         simulation.path = simulated::HandPath::read_csv(options_.path);
         request.start_tip_m = simulation.path->points().front().position_m;
     } else if (options_.plays_script) {
-        simulation.path = rig::scripted_touch(request.description, scene.surface, lower_m, upper_m,
-                                              request.start_tip_m);
+        simulation.path = rig::scripted_touch_scenario({request.description, tuning},
+                                                       rig::placed(scene.surface, lower_m, upper_m))
+                              .simulation.path;
     }
     factory::OpenDevice device = factory::open_device(request);
     return {choice, text, std::move(request), std::move(device)};

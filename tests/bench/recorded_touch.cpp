@@ -1,6 +1,6 @@
 #include "tests/bench/recorded_touch.h"
 
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
 #include "tests/bench/touch_path.h"
@@ -17,56 +17,55 @@ namespace {
 
 constexpr double kHeightWhenFree_m = 0.02;
 
-/// Of a touch: what is touched, and how the hand goes.
-struct Place {
-    contact::HapticSurface surface;
-    simulated::HandPath path;
-};
-
-Place in_scene(const device::DeviceDescription &device, const std::string &name, double depth_m) {
+rig::Scenario in_scene(const rig::ScenarioSetting &setting, const std::string &name,
+                       double depth_m) {
     const scene::Scene scene = rig::touch_scene(
-        (testing::assets() / "scenes" / (name + ".gltf")).string(), device.workspace);
-    contact::HapticSurface surface = rig::haptic_surface_of(scene);
+        (testing::assets() / "scenes" / (name + ".gltf")).string(), setting.device.workspace);
     rig::ScriptedTouch how;
     how.depth_m = depth_m;
-    simulated::HandPath path =
-        rig::scripted_touch(device, surface, scene.lower_m, scene.upper_m,
-                            rig::start_above(device, scene.lower_m, scene.upper_m), how);
-    return {std::move(surface), std::move(path)};
+    return rig::scripted_touch_scenario(
+        setting,
+        {std::make_shared<contact::HapticSurface>(rig::haptic_surface_of(scene)), scene.lower_m,
+         scene.upper_m},
+        how);
 }
 
 /// From above onto the top, then along a figure that comes by everywhere in reach.
-Place on_sphere(const device::DeviceDescription &device, contact::HapticSurface surface) {
+rig::Scenario on_sphere(const rig::ScenarioSetting &setting, contact::HapticSurface surface) {
     const Vector3 corner_m = Vector3::Constant(rig::kTestSphereRadius_m);
-    const Vector3 start_m = rig::start_above(device, -corner_m, corner_m);
     const rig::ScriptedTouch how;
-    std::vector<simulated::HandPath::Point> points{{0.0, start_m}, {how.wait_s, start_m}};
+    rig::Scenario scenario = rig::scripted_touch_scenario(
+        setting,
+        {std::make_shared<contact::HapticSurface>(std::move(surface)), -corner_m, corner_m}, how);
+    std::vector<simulated::HandPath::Point> points{{0.0, scenario.start_m},
+                                                   {how.wait_s, scenario.start_m}};
     double time_s = how.wait_s + how.approach_s;
     for (const Vector3 &tip_m :
          pressed_tips_m(Relief::smooth, lissajous_directions(RecordedTouch::kTicks))) {
         points.push_back({time_s, tip_m});
         time_s += kServoPeriod_s;
     }
-    return {std::move(surface), simulated::HandPath(std::move(points))};
+    scenario.simulation.path = simulated::HandPath(std::move(points));
+    return scenario;
 }
 
-Place place_named(const device::DeviceDescription &device, const std::string &name) {
+rig::Scenario scenario_named(const rig::ScenarioSetting &setting, const std::string &name) {
     if (name == "free") {
-        return in_scene(device, "plate", -kHeightWhenFree_m);
+        return in_scene(setting, "plate", -kHeightWhenFree_m);
     }
     if (std::optional<contact::TriangleSoup> soup = rig::test_surface_named(name)) {
-        return on_sphere(device, contact::HapticSurface(std::move(*soup)));
+        return on_sphere(setting, contact::HapticSurface(std::move(*soup)));
     }
     if (name == "sphere shape") {
         contact::TriangleSoup material_only;
         material_only.materials = {{"sphere", 0.0}};
-        return on_sphere(device,
+        return on_sphere(setting,
                          contact::HapticSurface(
                              std::move(material_only),
                              {contact::AnalyticShape(contact::Sphere{rig::kTestSphereRadius_m},
                                                      Eigen::Isometry3d::Identity(), 0)}));
     }
-    return in_scene(device, name, rig::ScriptedTouch{}.depth_m);
+    return in_scene(setting, name, rig::ScriptedTouch{}.depth_m);
 }
 
 void check(const RecordedTouch &touch, const std::string &name) {
@@ -87,10 +86,8 @@ void check(const RecordedTouch &touch, const std::string &name) {
 }
 
 std::unique_ptr<RecordedTouch> play(const std::string &name) {
-    const device::DeviceDescription device = testing::phantom_1_0();
-    Place place = place_named(device, name);
     auto touch = std::make_unique<RecordedTouch>(
-        RecordedTouch{device, std::move(place.surface), std::move(place.path), {}, {}});
+        RecordedTouch{scenario_named({testing::phantom_1_0(), {}}, name), {}, {}});
     const std::unique_ptr<rig::ServoRig> rig = touch->rig();
     for (std::size_t i = 0; i < RecordedTouch::kTicks; ++i) {
         touch->samples.push_back(rig->tick());
@@ -103,10 +100,7 @@ std::unique_ptr<RecordedTouch> play(const std::string &name) {
 } // namespace
 
 std::unique_ptr<rig::ServoRig> RecordedTouch::rig() const {
-    simulated::SimulationOptions options;
-    options.path = path;
-    return std::make_unique<rig::ServoRig>(description, options, path.points().front().position_m,
-                                           &surface);
+    return std::make_unique<rig::ServoRig>(scenario);
 }
 
 const RecordedTouch &recorded_touch(const std::string &name) {

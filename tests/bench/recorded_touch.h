@@ -2,8 +2,6 @@
 // costs can be measured on the states that it has to deal with.
 #pragma once
 
-#include "device/simulated/hand_path.h"
-#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/servo_rig.h"
 
 #include <cstddef>
@@ -18,9 +16,7 @@ struct RecordedTouch {
     static constexpr std::size_t kBefore = 2500;
     static constexpr std::size_t kTicks = 8000; ///< with those before
 
-    device::DeviceDescription description;
-    contact::HapticSurface surface;
-    simulated::HandPath path;
+    rig::Scenario scenario;
     // One for each tick.
     std::vector<device::Measurement> states;
     std::vector<servo::ServoSample> samples;

@@ -49,7 +49,7 @@ void step_device(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 void step_configuration(benchmark::State &state, const RecordedTouch &touch) {
-    const control::HapticLaw law(touch.description);
+    const control::HapticLaw law(touch.scenario.device);
     control::VelocityFilter filter;
     over_ticks(
         state, kEnd, [&] { filter.reset(touch.samples[RecordedTouch::kBefore - 1].theta_rad); },
@@ -68,14 +68,16 @@ void step_proxy(benchmark::State &state, const RecordedTouch &touch) {
         [&] {
             proxy.reset(touch.samples.front().tip_m);
             for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
-                proxy.update(touch.surface, touch.samples[i].tip_m);
+                proxy.update(*touch.scenario.surface, touch.samples[i].tip_m);
             }
         },
-        [&](std::size_t tick) { return proxy.update(touch.surface, touch.samples[tick].tip_m); });
+        [&](std::size_t tick) {
+            return proxy.update(*touch.scenario.surface, touch.samples[tick].tip_m);
+        });
 }
 
 void step_law(benchmark::State &state, const RecordedTouch &touch) {
-    const control::HapticLaw law(touch.description);
+    const control::HapticLaw law(touch.scenario.device);
     const std::vector<control::Configuration> now = configurations(law, touch);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
         const servo::ServoSample &sample = touch.samples[tick];
@@ -85,8 +87,8 @@ void step_law(benchmark::State &state, const RecordedTouch &touch) {
 
 /// What is added to a tick in which a tuning moves: its angles and its law once more, as before.
 void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
-    const control::HapticLaw law(touch.description);
-    servo::BumplessTransfer transfer(touch.description, kServoPeriod_s);
+    const control::HapticLaw law(touch.scenario.device);
+    servo::BumplessTransfer transfer(touch.scenario.device, kServoPeriod_s);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
         const servo::ServoSample &sample = touch.samples[tick];
         control::VelocityFilter filter(touch.samples[tick - 1].theta_rad,
@@ -124,12 +126,12 @@ std::vector<servo::Observation> observations(const control::HapticLaw &law,
 
 void step_safety_monitor(benchmark::State &state, const RecordedTouch &touch) {
     const std::vector<servo::Observation> seen =
-        observations(control::HapticLaw(touch.description), touch);
+        observations(control::HapticLaw(touch.scenario.device), touch);
     std::optional<servo::SafetyMonitor> monitor;
     over_ticks(
         state, kEnd,
         [&] {
-            monitor.emplace(touch.description, kServoPeriod_s);
+            monitor.emplace(touch.scenario.device, kServoPeriod_s);
             for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
                 monitor->pass(touch.samples[i].command, seen[i], {});
             }
@@ -140,7 +142,7 @@ void step_safety_monitor(benchmark::State &state, const RecordedTouch &touch) {
 }
 
 void step_limiter(benchmark::State &state, const RecordedTouch &touch) {
-    const control::HapticLaw law(touch.description);
+    const control::HapticLaw law(touch.scenario.device);
     const std::vector<control::Configuration> now = configurations(law, touch);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
         const servo::ServoSample &sample = touch.samples[tick];
@@ -149,13 +151,13 @@ void step_limiter(benchmark::State &state, const RecordedTouch &touch) {
             inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
                 sample.winding[j].R_hat_limit_Ohm;
         }
-        return servo::limited(touch.description, sample.command, inputs);
+        return servo::limited(touch.scenario.device, sample.command, inputs);
     });
 }
 
 void step_energy_observer(benchmark::State &state, const RecordedTouch &touch) {
     const std::vector<servo::Observation> seen =
-        observations(control::HapticLaw(touch.description), touch);
+        observations(control::HapticLaw(touch.scenario.device), touch);
     servo::EnergyObserver observer(kServoPeriod_s);
     over_ticks(
         state, kEnd, [&] { observer.reset(); },

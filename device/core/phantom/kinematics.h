@@ -11,12 +11,22 @@
 // Pure functions over values. RT-safe: no allocation, lock, I/O or throw.
 #pragma once
 
+#include "base/degrees.h"
 #include "base/vector.h"
 #include "device/core/phantom/geometry.h"
 
+#include <array>
 #include <optional>
 
 namespace springdrive::device {
+
+/// The configuration of figures and predictions where no other is asked for, q₁ to q₃: the tip in
+/// front of the user, all three joints away from where the device is singular.
+inline constexpr std::array<double, 3> kDefaultPose_deg{0.0, 20.0, -15.0};
+[[nodiscard]] inline Vector3 default_pose_rad() {
+    return {kDefaultPose_deg[0] * kRadiansPerDegree, kDefaultPose_deg[1] * kRadiansPerDegree,
+            kDefaultPose_deg[2] * kRadiansPerDegree};
+}
 
 /// Tip position x = fk(q) [m] at joint angles q [rad], device frame.
 [[nodiscard]] Vector3 tip_position_m(const PhantomGeometry &geometry, const Vector3 &q_rad);

@@ -11,88 +11,21 @@ namespace springdrive::charts {
 
 namespace {
 
-constexpr double kNoLimit_N = 1e6;      ///< a limit has a corner
 constexpr double kFarAway_rad = 1000.0; ///< no motor turns so far
-
-/// From 0 to 1 with rests at both ends and no leap of the acceleration.
-double smooth_step(double share) {
-    const double s = std::clamp(share, 0.0, 1.0);
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0));
-}
-
-ContactPress press(const ChartSetting &setting) {
-    ContactPress made;
-    made.device = setting.device;
-    made.tuning = setting.tuning;
-    made.start_m = setting.device.workspace.centre_m +
-                   setting.device.workspace.size_m.cwiseProduct(Vector3(0.15, -0.1, 0.1));
-    made.normal = Vector3(0.36, 0.8, 0.48);
-    made.press_s = 10e-3;
-    return made;
-}
 
 } // namespace
 
-simulated::HandPath ContactPress::hand_path() const {
-    std::vector<simulated::HandPath::Point> points;
-    for (int k = 0; k <= periods; ++k) {
-        const double time_s = k * period_s;
-        const double share =
-            smooth_step(time_s / press_s) - smooth_step((time_s - release_s) / press_s);
-        points.push_back({time_s, start_m - press_m * share * normal});
-    }
-    return simulated::HandPath(std::move(points));
+rig::Scenario press_of(const ChartSetting &setting, const rig::PressOptions &press) {
+    return rig::press_scenario({setting.device, setting.tuning}, press);
 }
 
-simulated::SimulationOptions ContactPress::plant_options() const {
-    simulated::SimulationOptions options;
-    options.servo_period_s = period_s;
-    options.hand = hand;
-    options.path = hand_path();
-    options.effects = simulated::PlantEffects::none();
-    options.effects.gravity = true;
-    options.effects.viscous_friction = true;
-    options.effects.coulomb_friction = coulomb_friction;
-    return options;
-}
-
-ContactPress pen_press(const ChartSetting &setting) {
-    ContactPress made = press(setting);
-    made.hand.greatest_force_N = kNoLimit_N;
-    made.press_m = 10e-3;
-    return made;
-}
-
-ContactPress planar_press(const ChartSetting &setting) {
-    ContactPress made = pen_press(setting);
-    made.start_m.x() = 0.0;
-    made.normal = Vector3(0.0, 0.8, 0.6);
-    return made;
-}
-
-ContactPress vice_press(const ChartSetting &setting) {
-    ContactPress made = press(setting);
-    made.hand = {0.2, 1000.0, 1e6, kNoLimit_N, 10.0};
-    made.press_m = 1e-3;
-    return made;
-}
-
-ContactPress sticking_press(const ChartSetting &setting) {
-    ContactPress made = pen_press(setting);
-    made.coulomb_friction = true;
-    made.release_s = 0.2;
-    made.periods = 400;
-    return made;
-}
-
-rig::LawRig press_loop(const ContactPress &press, PressedPlant &plant) {
+rig::LawRig press_loop(const rig::Scenario &press, PressedPlant &plant) {
     rig::LawOptions options;
     options.device = press.device;
     options.tuning = press.tuning;
-    options.period_s = press.period_s;
+    options.period_s = press.simulation.servo_period_s;
     options.greatest_turn_rad = kFarAway_rad;
-    return {plant, options, rig::plane(press.start_m, press.normal, rig::Sides::both),
-            rig::FirstCommand::answers};
+    return {plant, options, press.constraint, rig::FirstCommand::answers};
 }
 
 double PressRecord::greatest_force_N() const {
@@ -103,11 +36,11 @@ double PressRecord::greatest_force_N() const {
     return greatest_N;
 }
 
-PressRecord run_press(const ContactPress &press, const NewPlant &new_plant) {
+PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant) {
     const std::unique_ptr<PressedPlant> plant = new_plant();
     rig::LawRig loop = press_loop(press, *plant);
     PressRecord record;
-    for (int period = 0; period < press.periods; ++period) {
+    for (int period = 0; period < periods_of(press); ++period) {
         record.commands.push_back(loop.command());
         loop.tick();
         record.force_N.push_back(plant->force_N());
@@ -115,10 +48,10 @@ PressRecord run_press(const ContactPress &press, const NewPlant &new_plant) {
     return record;
 }
 
-rig::Cost press_cost(const ContactPress &press, const PressRecord &record,
+rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                      const NewPlant &new_plant, int sub_steps, int repeats) {
     constexpr int kLeastSubSteps = 5120; // below, the clock would be too coarse
-    const int rounds = std::max(1, kLeastSubSteps / (press.periods * std::max(1, sub_steps)));
+    const int rounds = std::max(1, kLeastSubSteps / (periods_of(press) * std::max(1, sub_steps)));
     std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press to come
     const int presses = rounds * (repeats + 1);
     plants.reserve(static_cast<std::size_t>(presses));
@@ -134,7 +67,9 @@ rig::Cost press_cost(const ContactPress &press, const PressRecord &record,
         }
     };
     constexpr double kMillisecond_s = 1e-3;
-    return rig::cost_of(repeats, rounds * press.periods * press.period_s / kMillisecond_s, work);
+    return rig::cost_of(
+        repeats, rounds * periods_of(press) * press.simulation.servo_period_s / kMillisecond_s,
+        work);
 }
 
 double force_error_N(const PressRecord &record, const PressRecord &reference) {

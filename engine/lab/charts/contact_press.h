@@ -7,52 +7,23 @@
 // where a press has it.
 #pragma once
 
-#include "device/simulated/simulated_phantom.h"
 #include "engine/lab/charts/chart_setting.h"
 #include "engine/lab/rig/law_rig.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/work_point.h"
 
 #include <functional>
-#include <limits>
 #include <memory>
 #include <vector>
 
 namespace springdrive::charts {
 
-struct ContactPress {
-    device::DeviceDescription device;
-    control::Tuning tuning;
-    device::HandParameters hand;
-    double period_s = 1e-3;
-    int periods = 40;
-    Vector3 start_m{Vector3::Zero()}; ///< on the plate
-    Vector3 normal{Vector3::UnitY()}; ///< of the plate, out of it
-    double press_m = 0.0;             ///< how far below the plate the hand then wants to be
-    double press_s = 0.0;             ///< how long it takes to want so
-    double release_s = std::numeric_limits<double>::infinity(); ///< when it goes back, as quickly
-    bool coulomb_friction = false;                              ///< of the device's joints
+/// A scenario of `press_scenario` for a chart's device and tuning, at 1 kHz.
+[[nodiscard]] rig::Scenario press_of(const ChartSetting &setting, const rig::PressOptions &press);
 
-    /// The hand's target, with a corner at every sample.
-    [[nodiscard]] simulated::HandPath hand_path() const;
-
-    /// Gravity and viscous friction are the plant's only effects, but for Coulomb friction where
-    /// that is on.
-    [[nodiscard]] simulated::SimulationOptions plant_options() const;
-};
-
-/// A pen grip that presses 10 mm deep within 10 ms, in a slanting direction of an unsymmetrical
-/// configuration: all three motors take part.
-[[nodiscard]] ContactPress pen_press(const ChartSetting &setting);
-
-/// The same in the plane of the links, with the base joint in its middle: nothing pushes sideways.
-[[nodiscard]] ContactPress planar_press(const ChartSetting &setting);
-
-/// The vice of the paper's section VI in the hand's place: 1 µm per newton, and 1 mm deep.
-[[nodiscard]] ContactPress vice_press(const ChartSetting &setting);
-
-/// A pen grip that presses as deep as `pen_press` does against the joints' Coulomb friction, holds
-/// still until they stick, and lets go.
-[[nodiscard]] ContactPress sticking_press(const ChartSetting &setting);
+[[nodiscard]] inline int periods_of(const rig::Scenario &press) {
+    return static_cast<int>(press.simulation.path->points().size()) - 1;
+}
 
 /// What was commanded and what came of it, a row for each period.
 struct PressRecord {
@@ -73,15 +44,15 @@ public:
 using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
 
 /// The servo of a press, answering to where the plant stands.
-[[nodiscard]] rig::LawRig press_loop(const ContactPress &press, PressedPlant &plant);
+[[nodiscard]] rig::LawRig press_loop(const rig::Scenario &press, PressedPlant &plant);
 
 /// The whole press in closed loop.
-[[nodiscard]] PressRecord run_press(const ContactPress &press, const NewPlant &new_plant);
+[[nodiscard]] PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant);
 
 /// What the plant takes for a millisecond of the press [ns], with the commands of a run before: the
 /// control law is not timed, nor what it takes to make a plant.
 /// @param sub_steps  about how many a period has: a short press is timed many times in a row
-[[nodiscard]] rig::Cost press_cost(const ContactPress &press, const PressRecord &record,
+[[nodiscard]] rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                                    const NewPlant &new_plant, int sub_steps, int repeats);
 
 /// The root mean square of the force's error over all periods [N], a vector's norm at each.

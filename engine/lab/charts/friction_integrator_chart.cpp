@@ -26,7 +26,7 @@ constexpr std::array<Smoothing, 6> kSmoothings{
 
 rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
                                                   const ChartProgress &progress) {
-    const IntegratorTrial trial(sticking_press(setting));
+    const IntegratorTrial trial(press_of(setting, rig::sticking_press()));
     rig::WorkPrecisionChart chart;
     chart.name = "integrators_friction";
     chart.title = "Integrators of the plant in hard contact, where friction holds and lets go";
@@ -37,7 +37,7 @@ rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
     for (const NamedIntegrator &named : kIntegrators) {
         const bool is_smoothed = named.integrator == Integrator::implicit_midpoint;
         for (int sub_steps = 1; sub_steps <= kMostFrictionSubSteps; sub_steps *= 2) {
-            const double step_s = trial.press().period_s / sub_steps;
+            const double step_s = trial.press().simulation.servo_period_s / sub_steps;
             const double width = is_smoothed ? trial.friction_width_rad_per_s(step_s) : 0.0;
             chart.points.push_back(
                 trial.point(named.integrator, sub_steps, setting.repeats, width));

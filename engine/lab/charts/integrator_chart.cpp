@@ -19,7 +19,7 @@ struct NamedCvode {
 constexpr std::array<NamedCvode, 2> kCvodes{
     {{CvodeMethod::adams, "CVODE (Adams)"}, {CvodeMethod::bdf, "CVODE (BDF)"}}};
 
-rig::WorkPrecisionChart chart_of(const ContactPress &press, std::string name, std::string title,
+rig::WorkPrecisionChart chart_of(const rig::Scenario &press, std::string name, std::string title,
                                  const ChartSetting &setting, const ChartProgress &progress) {
     const IntegratorTrial trial(press);
     rig::WorkPrecisionChart chart;
@@ -50,13 +50,13 @@ rig::WorkPrecisionChart chart_of(const ContactPress &press, std::string name, st
 
 rig::WorkPrecisionChart integrator_chart(const ChartSetting &setting,
                                          const ChartProgress &progress) {
-    return chart_of(pen_press(setting), "integrators", "Integrators of the plant in hard contact",
-                    setting, progress);
+    return chart_of(press_of(setting, rig::pen_press()), "integrators",
+                    "Integrators of the plant in hard contact", setting, progress);
 }
 
 rig::WorkPrecisionChart stiff_integrator_chart(const ChartSetting &setting,
                                                const ChartProgress &progress) {
-    return chart_of(vice_press(setting), "integrators_vice",
+    return chart_of(press_of(setting, rig::vice_press()), "integrators_vice",
                     "Integrators of the plant in hard contact, the tip in a vice", setting,
                     progress);
 }

@@ -18,12 +18,12 @@ namespace springdrive::charts {
 /// All that the peers have in common: the equations, what goes into them, where they stand.
 class EquationPlant : public PressedPlant {
 public:
-    EquationPlant(const ContactPress &press, const rig::PlantEquations &equations,
+    EquationPlant(const rig::Scenario &press, const rig::PlantEquations &equations,
                   const std::vector<simulated::HandTarget> &targets, const rig::PlantState &start)
         : press_(press), targets_(targets), equations_(equations), y_(start) {}
 
     void advance(const simulated::PlantCommand &command) override {
-        const double start_s = static_cast<double>(period_) * press_.period_s;
+        const double start_s = static_cast<double>(period_) * press_.simulation.servo_period_s;
         equations_.set_inputs({command.spring_drive, start_s, targets_[period_]});
         y_ = integrated(start_s, y_);
         ++period_;
@@ -36,10 +36,10 @@ public:
 protected:
     [[nodiscard]] virtual rig::PlantState integrated(double start_s, const rig::PlantState &y) = 0;
     [[nodiscard]] const rig::PlantEquations &equations() const { return equations_; }
-    [[nodiscard]] double period_s() const { return press_.period_s; }
+    [[nodiscard]] double period_s() const { return press_.simulation.servo_period_s; }
 
 private:
-    const ContactPress &press_;
+    const rig::Scenario &press_;
     const std::vector<simulated::HandTarget> &targets_;
     rig::PlantEquations equations_;
     rig::PlantState y_;
@@ -132,7 +132,7 @@ private:
 /// The law sees the angles themselves, as it does with the peers, not counts.
 class OurPlant final : public PressedPlant {
 public:
-    OurPlant(const ContactPress &press, const simulated::SimulationOptions &options,
+    OurPlant(const rig::Scenario &press, const simulated::SimulationOptions &options,
              const rig::PlantEquations &equations)
         : equations_(equations), geometry_(press.device.geometry),
           device_(press.device, options, press.start_m) {}

@@ -21,17 +21,17 @@ namespace {
 
 constexpr double kReferenceTolerance = 1e-12;
 
-std::vector<simulated::HandTarget> targets_of(const ContactPress &press) {
-    const std::vector<simulated::HandPath::Point> points = press.hand_path().points();
+std::vector<simulated::HandTarget> targets_of(const rig::Scenario &press) {
+    const std::vector<simulated::HandPath::Point> points = press.simulation.path->points();
     std::vector<simulated::HandTarget> targets;
     for (std::size_t k = 0; k + 1 < points.size(); ++k) {
         const Vector3 way_m = points[k + 1].position_m - points[k].position_m;
-        targets.push_back({points[k].position_m, way_m / press.period_s});
+        targets.push_back({points[k].position_m, way_m / press.simulation.servo_period_s});
     }
     return targets;
 }
 
-rig::PlantState state_at(const ContactPress &press) {
+rig::PlantState state_at(const rig::Scenario &press) {
     const std::optional<Vector3> q_rad =
         device::joint_angles_rad(press.device.geometry, press.start_m);
     if (!q_rad) {
@@ -51,9 +51,9 @@ std::string tolerance_text(double tolerance) {
 
 } // namespace
 
-IntegratorTrial::IntegratorTrial(const ContactPress &press)
-    : press_(press), options_(press.plant_options()), equations_(press.device, options_),
-      targets_(targets_of(press)), start_(state_at(press)) {
+IntegratorTrial::IntegratorTrial(const rig::Scenario &press)
+    : press_(press), equations_(press.device, press.simulation), targets_(targets_of(press)),
+      start_(state_at(press)) {
     reference_ = run_press(press_, reference_plant(CvodeMethod::adams, kReferenceTolerance));
 }
 
@@ -64,7 +64,7 @@ double IntegratorTrial::friction_width_rad_per_s(double step_s) const {
 }
 
 NewPlant IntegratorTrial::reference_plant(CvodeMethod method, double relative_tolerance) const {
-    if (!press_.coulomb_friction) {
+    if (!press_.simulation.effects.coulomb_friction) {
         return cvode_plant(method, relative_tolerance);
     }
     return [this, method, relative_tolerance] {
@@ -94,8 +94,8 @@ NewPlant IntegratorTrial::plant(Integrator integrator, int sub_steps, double wid
         break;
     }
     return [this, sub_steps] {
-        simulated::SimulationOptions options = options_;
-        options.longest_step_s = press_.period_s / sub_steps;
+        simulated::SimulationOptions options = press_.simulation;
+        options.longest_step_s = press_.simulation.servo_period_s / sub_steps;
         options.quantised_encoders = false;
         return std::make_unique<OurPlant>(press_, options, equations_);
     };
@@ -120,7 +120,7 @@ rig::WorkPoint IntegratorTrial::point(Integrator integrator, int sub_steps, int 
     const NewPlant new_plant = plant(integrator, sub_steps, width);
     const PressRecord record = run_press(press_, new_plant);
     rig::WorkPoint point;
-    point.setting = step_text(press_.period_s / sub_steps);
+    point.setting = step_text(press_.simulation.servo_period_s / sub_steps);
     point.error = force_error_N(record, reference_);
     point.stable = std::isfinite(point.error);
     point.cost = press_cost(press_, record, new_plant, sub_steps, repeats);

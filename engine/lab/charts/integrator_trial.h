@@ -40,9 +40,9 @@ inline constexpr std::array<NamedIntegrator, 5> kIntegrators{{
 class IntegratorTrial {
 public:
     /// Runs the reference, in some tens of milliseconds.
-    explicit IntegratorTrial(const ContactPress &press);
+    explicit IntegratorTrial(const rig::Scenario &press);
 
-    [[nodiscard]] const ContactPress &press() const { return press_; }
+    [[nodiscard]] const rig::Scenario &press() const { return press_; }
     [[nodiscard]] const PressRecord &reference() const { return reference_; }
 
     /// With so many equal steps in a servo period. Friction turns round over a `width` [rad/s], or
@@ -73,8 +73,7 @@ private:
     [[nodiscard]] rig::WorkPoint solved_point(const NewPlant &new_plant, double relative_tolerance,
                                               int repeats) const;
 
-    ContactPress press_;
-    simulated::SimulationOptions options_;
+    rig::Scenario press_;
     rig::PlantEquations equations_;
     std::vector<simulated::HandTarget> targets_; ///< at the start of each period
     rig::PlantState start_;

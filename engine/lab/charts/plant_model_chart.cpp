@@ -41,13 +41,14 @@ private:
     device::Measurement state_;
 };
 
-rig::WorkPoint model_point(const ContactPress &press, const simulated::PlantModel &model,
+rig::WorkPoint model_point(const rig::Scenario &press, const simulated::PlantModel &model,
                            bool planar, int sub_steps, const PressRecord &reference, int repeats) {
     const NewPlant new_plant = model_plant(press, model, planar, sub_steps);
     const PressRecord record = run_press(press, new_plant);
     rig::WorkPoint point;
     point.method = std::string(model.name) + (planar ? ", planar" : "");
-    point.setting = std::to_string(std::lround(press.period_s / sub_steps * 1e6)) + " µs";
+    point.setting =
+        std::to_string(std::lround(press.simulation.servo_period_s / sub_steps * 1e6)) + " µs";
     point.error = force_error_N(record, reference);
     point.stable = std::isfinite(point.error);
     point.cost = press_cost(press, record, new_plant, sub_steps, repeats);
@@ -56,13 +57,13 @@ rig::WorkPoint model_point(const ContactPress &press, const simulated::PlantMode
 
 } // namespace
 
-NewPlant model_plant(const ContactPress &press, const simulated::PlantModel &model, bool planar,
+NewPlant model_plant(const rig::Scenario &press, const simulated::PlantModel &model, bool planar,
                      int sub_steps) {
     simulated::SimulationOptions options;
-    options.servo_period_s = press.period_s;
-    options.longest_step_s = press.period_s / sub_steps;
-    options.hand = press.hand;
-    options.path = press.hand_path();
+    options.servo_period_s = press.simulation.servo_period_s;
+    options.longest_step_s = press.simulation.servo_period_s / sub_steps;
+    options.hand = press.simulation.hand;
+    options.path = *press.simulation.path;
     options.dynamics = model.dynamics;
     options.effects = model.effects;
     options.planar = planar;
@@ -73,7 +74,7 @@ NewPlant model_plant(const ContactPress &press, const simulated::PlantModel &mod
 
 rig::WorkPrecisionChart plant_model_chart(const ChartSetting &setting,
                                           const ChartProgress &progress) {
-    const ContactPress press = planar_press(setting);
+    const rig::Scenario press = press_of(setting, rig::planar_press());
     const PressRecord reference = run_press(
         press, model_plant(press, simulated::kPlantModels.back(), false, kReferenceSubSteps));
     rig::WorkPrecisionChart chart;

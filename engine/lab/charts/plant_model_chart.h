@@ -19,7 +19,7 @@ namespace springdrive::charts {
 
 /// A model of the plant in the press, with so many equal sub-steps in a servo period. Its force is
 /// that on the hand, the mean of each period.
-[[nodiscard]] NewPlant model_plant(const ContactPress &press, const simulated::PlantModel &model,
+[[nodiscard]] NewPlant model_plant(const rig::Scenario &press, const simulated::PlantModel &model,
                                    bool planar, int sub_steps);
 
 } // namespace springdrive::charts

@@ -7,8 +7,7 @@
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/loops/stiffness_sweep.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
-#include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/lab/rig/timing.h"
 
@@ -82,13 +81,8 @@ bool is_stable_on_all_motors(const device::DeviceDescription &device, const cont
 }
 
 rig::Cost cost_of_servo_tick(const ChartSetting &setting) {
-    const Vector3 corner_m = Vector3::Constant(rig::kTestSphereRadius_m);
-    const Vector3 start_m = rig::start_above(setting.device, -corner_m, corner_m);
-    const contact::HapticSurface surface(rig::icosphere(5, rig::kTestSphereRadius_m));
-    simulated::SimulationOptions options;
-    options.path = rig::scripted_touch(setting.device, surface, -corner_m, corner_m, start_m);
-    rig::ServoRig rig(setting.device, options, start_m, &surface);
-    rig.inputs.tuning = setting.tuning;
+    const rig::ScenarioSetting of_setting{setting.device, setting.tuning};
+    rig::ServoRig rig(rig::scripted_touch_scenario(of_setting, rig::placed_sphere()));
     rig.inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
     const std::vector<device::Measurement> states = recorded_states(rig);
     return rig::cost_of(setting.repeats, static_cast<double>(states.size()), [&] {

@@ -4,74 +4,19 @@
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/rig/configuration.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 namespace springdrive::limits {
 
 namespace {
-
-constexpr double kOutside_m = 1e-3; ///< how far outside the tip starts
-
-// The experiment's timetable: the servo waits 0.1 s and ramps for 1 s.
-constexpr double kZeroFrom_s = 1.15;
-constexpr double kPressFrom_s = 1.20;
-constexpr double kPressUntil_s = 1.25;
-constexpr double kMeasureFrom_s = 1.45;
-constexpr double kMeasureUntil_s = 1.50;
-
-/// A vice: 1 µm per newton, critically damped, at rest within 2 ms.
-constexpr device::HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
-
-/// Nothing that is read at rest depends on the sub-step.
-constexpr double kLongestStep_s = 100e-6;
-
-/// One triangle, 0.2 m across, so that there is neither edge nor seam near the tip.
-contact::TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, const Vector3 &level) {
-    constexpr double kRadius_m = 0.1;
-    contact::TriangleSoup soup;
-    for (int corner = 0; corner < 3; ++corner) {
-        const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * corner / 3.0, normal);
-        soup.vertices_m.emplace_back(centre_m + kRadius_m * (turn * level));
-    }
-    soup.triangles = {{0, 1, 2}};
-    soup.material_of_triangle = {0};
-    soup.materials = {{"plate", 0.0}};
-    return soup;
-}
-
-simulated::SimulationOptions simulation_options(const LockedDeviceOptions &options,
-                                                const Vector3 &outside_m, const Vector3 &inside_m) {
-    simulated::SimulationOptions simulation;
-    simulation.servo_period_s = options.servo_period_s;
-    simulation.longest_step_s = kLongestStep_s;
-    simulation.hand = kVice;
-    simulation.path.emplace(
-        simulated::HandPath({{kPressFrom_s, outside_m}, {kPressUntil_s, inside_m}}));
-    simulation.quantised_encoders = options.effects;
-    if (options.effects) {
-        simulation.effects.commutation_ripple = false;
-        simulation.effects.joint_limits = false; // the vice holds it, near a stop too
-        simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
-    } else {
-        simulation.effects = simulated::PlantEffects::none();
-    }
-    return simulation;
-}
-
-/// The vice holds the device near a stop too: what the soft wall there does is no part of the map.
-device::DeviceDescription without_edge(device::DeviceDescription device) {
-    device.edge = {};
-    return device;
-}
 
 /// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
 Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
@@ -84,7 +29,7 @@ Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
                              servo::description(sample.safety) +
                              "); choose a softer tuning or another configuration");
         }
-        const bool measures = rig.truth().time_s > kMeasureFrom_s;
+        const bool measures = rig.truth().time_s > rig::ViceOptions::kMeasureFrom_s;
         if (measures && (sample.held_back.force || sample.held_back.voltage)) {
             throw InputError("locked device: the servo held the force back to keep within its "
                              "limits; choose a softer tuning or another configuration");
@@ -111,22 +56,16 @@ LockedForce press_locked_device(const device::DeviceDescription &device,
     const Eigen::Matrix<double, 3, 2> plane = loops::link_plane(options.q_rad[0]);
     const loops::Vector2 n = loops::direction_at(normal_rad);
     const Vector3 normal = plane * n;
-    const Vector3 inside_m = device::tip_position_m(device.geometry, options.q_rad);
-    const Vector3 surface_m = inside_m + options.penetration_m * normal;
-    const Vector3 outside_m = surface_m + kOutside_m * normal;
-
-    const contact::HapticSurface surface(
-        plate(surface_m, normal, plane.col(0).cross(plane.col(1))));
-    rig::ServoRig rig(without_edge(device), simulation_options(options, outside_m, inside_m),
-                      outside_m, &surface);
-    rig.inputs.tuning = options.tuning;
-    rig.inputs.tuning.map = map;
-    rig.inputs.tuning.alpha_mode = control::AlphaMode::global;
+    rig::ScenarioSetting setting{device, options.tuning, options.q_rad, options.servo_period_s};
+    setting.tuning.map = map;
+    setting.tuning.alpha_mode = control::AlphaMode::global;
+    rig::ServoRig rig(rig::vice_scenario(
+        setting, {normal, options.penetration_m, options.effects, options.resistance_spread}));
     rig.inputs.global_alpha_rad2_per_m2 = stiffness.alpha_rad2_per_m2;
-    static_cast<void>(mean_force_N(rig, kZeroFrom_s));
-    const Vector3 zero_N = mean_force_N(rig, kPressFrom_s);
-    static_cast<void>(mean_force_N(rig, kMeasureFrom_s));
-    const Vector3 reading_N = mean_force_N(rig, kMeasureUntil_s);
+    static_cast<void>(mean_force_N(rig, rig::ViceOptions::kZeroFrom_s));
+    const Vector3 zero_N = mean_force_N(rig, rig::ViceOptions::kPressFrom_s);
+    static_cast<void>(mean_force_N(rig, rig::ViceOptions::kMeasureFrom_s));
+    const Vector3 reading_N = mean_force_N(rig, rig::ViceOptions::kMeasureUntil_s);
 
     LockedForce force;
     force.measured_N = plane.transpose() * (reading_N - zero_N);

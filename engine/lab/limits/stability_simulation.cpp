@@ -4,6 +4,7 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/flicker.h"
 #include "engine/lab/rig/rotor_simulation.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -137,35 +138,22 @@ Trial one_motor_trial(const loops::StabilityCase &which, const loops::LoopMember
     });
 }
 
-simulated::SimulationOptions phantom_options(const loops::StabilityCase &which,
-                                             const loops::LoopMember &member,
-                                             const TrialOptions &options) {
-    simulated::SimulationOptions simulation;
-    simulation.servo_period_s = which.period_s;
-    simulation.delay_periods = which.delay_periods;
-    simulation.quantised_encoders = options.effects.quantisation;
-    simulation.hand = {member.hand.mass_kg, member.hand.damping_Ns_per_m,
-                       member.hand.stiffness_N_per_m, HUGE_VAL, 1.0};
-    simulation.effects = simulated::PlantEffects::none();
-    simulation.effects.viscous_friction = true;
-    simulation.effects.coulomb_friction = options.effects.friction;
-    simulation.effects.amplifier_limits = options.effects.saturation;
-    simulation.amplifier = which.drive;
-    return simulation;
-}
-
 Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMember &member,
                         const TrialOptions &options) {
     const device::PhantomGeometry &geometry = which.device.geometry;
-    const Vector3 rest_m = device::tip_position_m(geometry, which.q_rad);
-    // Let go beside rest in a direction that no mode is square to.
-    const Vector3 aside = options.start_m * Vector3(0.6, 0.64, 0.48);
-    device::DeviceDescription device = which.device;
-    device.amplifier.greatest_cancelled_Ohm = HUGE_VAL; // over-cancelled as far as is asked for
-    simulated::SimulatedPhantom phantom(device, phantom_options(which, member, options), rest_m);
+    rig::TiedOptions tied;
+    tied.hand = {member.hand.mass_kg, member.hand.damping_Ns_per_m, member.hand.stiffness_N_per_m,
+                 HUGE_VAL, 1.0};
+    tied.aside_m = options.start_m;
+    tied.quantisation = options.effects.quantisation;
+    tied.coulomb_friction = options.effects.friction;
+    tied.amplifier_limits = options.effects.saturation;
+    tied.drive = which.drive;
+    const rig::Scenario scenario = rig::tied_scenario(
+        {which.device, which.tuning, which.q_rad, which.period_s, which.delay_periods}, tied);
+    simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
     rig::PhantomPlant plant(phantom);
-    rig::LawRig loop(plant, law_of(which), rig::tied_to(rest_m + aside),
-                     rig::FirstCommand::answers);
+    rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::answers);
     const double per_count = phantom.description().rad_per_count();
     const double start_rad = options.start_m / device::motor_jacobian(geometry, which.q_rad).norm();
     const Watch watch = how_to_watch(which, member, options, start_rad);

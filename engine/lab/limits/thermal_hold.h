@@ -7,10 +7,10 @@
 // lets go, and the motors cool: R falls towards R̂ and, unless something limits R̂, below it.
 #pragma once
 
-#include "base/degrees.h"
 #include "base/vector.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_temperature.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ThermalHoldOptions {
     double force_N = 0.0; ///< what the tip renders at the start
     double seconds = 0.0; ///< how long it is held, and again how long the motors then cool
     int rows = 60;        ///< per phase, its first and last moment included
-    Vector3 q_rad{0.0, 20.0 * kRadiansPerDegree, -15.0 * kRadiansPerDegree};
+    Vector3 q_rad = device::default_pose_rad();
     Vector3 direction{Vector3::UnitY()}; ///< the normal n that the force is to have, of any length
     control::Tuning tuning;              ///< dR and K_P; the hold sets its own gap, without η
     double ambient_C = device::kReferenceTemperature_C;

@@ -2,10 +2,10 @@
 // holds it.
 #pragma once
 
-#include "base/degrees.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/motor/rotor_load.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
 #include "engine/control/virtual_wall.h"
 #include "engine/lab/loops/hand_family.h"
@@ -30,7 +30,7 @@ struct StabilityCase {
     control::VirtualWall wall; ///< of a current drive
     double period_s = 1e-3;
     double delay_periods = 0.0;
-    Vector3 q_rad{0.0, 20.0 * kRadiansPerDegree, -15.0 * kRadiansPerDegree};
+    Vector3 q_rad = device::default_pose_rad();
     Freedom freedom = Freedom::one_motor;
     std::vector<Hand> hands = hand_family();
     /// One motor that moves this instead of the device; its own rotor is in it.

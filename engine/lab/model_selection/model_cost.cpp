@@ -62,10 +62,11 @@ private:
 class OneMap {
 public:
     OneMap(const ModelSetting &setting, const MotionController &controller)
-        : geometry_(setting.device.geometry),
-          relative_stiffness_(control::relative_stiffness(setting.device)),
-          k_T_(control::torque_constants(setting.device)), tuning_(setting.tuning),
-          controller_(controller), global_alpha_(setting.global_alpha_rad2_per_m2) {}
+        : geometry_(setting.scenario.device.geometry),
+          relative_stiffness_(control::relative_stiffness(setting.scenario.device)),
+          k_T_(control::torque_constants(setting.scenario.device)),
+          tuning_(setting.scenario.tuning), controller_(controller),
+          global_alpha_(setting.global_alpha_rad2_per_m2) {}
 
     [[nodiscard]] Vector3 e_W_V(const control::Configuration &now,
                                 const contact::Contact &contact) const {

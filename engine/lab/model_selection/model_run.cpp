@@ -17,7 +17,9 @@ namespace {
 constexpr double kLeastForceWithDirection_N = 0.2;
 
 std::size_t ticks_of(const ModelSetting &setting) {
-    return static_cast<std::size_t>(setting.path.points().back().time_s / setting.period_s) + 1;
+    return static_cast<std::size_t>(setting.scenario.duration_s /
+                                    setting.scenario.simulation.servo_period_s) +
+           1;
 }
 
 /// In place, from rest.
@@ -43,13 +45,10 @@ bool ModelRun::touches() const {
 
 std::unique_ptr<simulated::SimulatedPhantom> simulated_device(const ModelSetting &setting,
                                                               const Model &model) {
-    simulated::SimulationOptions simulation;
-    simulation.servo_period_s = setting.period_s;
-    simulation.delay_periods = setting.delay_periods;
-    simulation.path = setting.path;
+    simulated::SimulationOptions simulation = setting.scenario.simulation;
     apply(model, simulation);
-    return std::make_unique<simulated::SimulatedPhantom>(setting.device, simulation,
-                                                         setting.path.points().front().position_m);
+    return std::make_unique<simulated::SimulatedPhantom>(setting.scenario.device, simulation,
+                                                         setting.scenario.start_m);
 }
 
 ModelRun run_model(const ModelSetting &setting, const Model &model,
@@ -57,9 +56,9 @@ ModelRun run_model(const ModelSetting &setting, const Model &model,
     const std::unique_ptr<simulated::SimulatedPhantom> device = simulated_device(setting, model);
     rig::PhantomPlant plant(*device);
     rig::LawOptions options;
-    options.device = setting.device;
-    options.tuning = with_controller(model.controller, setting.tuning);
-    options.period_s = setting.period_s;
+    options.device = setting.scenario.device;
+    options.tuning = with_controller(model.controller, setting.scenario.tuning);
+    options.period_s = setting.scenario.simulation.servo_period_s;
     options.global_alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
     plant.advance({device::DeviceCommand::braking(), Vector3::Zero()});
     rig::LawRig loop(plant, options, rig::surface(surface), rig::FirstCommand::answers);

@@ -1,14 +1,13 @@
 // What a hand feels of a scene with one model of it, tick by tick, and how far two models differ.
 #pragma once
 
-#include "device/core/device_file.h"
 #include "device/core/haptic_device.h"
-#include "device/simulated/hand_path.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/contact.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/model_selection/model.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/scene/model_tolerance.h"
 
 #include <memory>
@@ -18,11 +17,7 @@ namespace springdrive::model_selection {
 
 /// What all models of a scene have in common.
 struct ModelSetting {
-    device::DeviceDescription device;
-    control::Tuning tuning; ///< but for its map
-    double period_s = 1e-3;
-    double delay_periods = 0.0;
-    simulated::HandPath path;
+    rig::Scenario scenario; ///< but for its tuning's map, and for what a model says of the plant
     double global_alpha_rad2_per_m2 = 0.0;
 };
 

@@ -2,9 +2,8 @@
 
 #include "base/wanted.h"
 #include "engine/lab/model_selection/contact_shapes.h"
-#include "engine/lab/model_selection/feeling_hand.h"
 #include "engine/lab/model_selection/model_cost.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <algorithm>
 #include <optional>
@@ -19,15 +18,13 @@ constexpr double kFinestStep_s = 32e-6;
 
 ModelSetting setting_of(const ModelQuestion &question, const contact::HapticSurface &surface) {
     const scene::Scene &scene = *question.scene;
-    FeelingHand how;
+    rig::Exploration how;
     how.planar = scene.planar;
-    const Vector3 start_m = rig::start_above(question.device, scene.lower_m, scene.upper_m);
-    return {question.device,
-            question.tuning,
-            question.period_s,
-            question.delay_periods,
-            feeling_hand(question.device, surface,
-                         Eigen::AlignedBox3d(scene.lower_m, scene.upper_m), start_m, how),
+    const rig::ScenarioSetting of_question{question.device, question.tuning,
+                                           device::default_pose_rad(), question.period_s,
+                                           question.delay_periods};
+    return {rig::exploration_scenario(of_question,
+                                      rig::placed(surface, scene.lower_m, scene.upper_m), how),
             control::global_alpha_bound(question.device)};
 }
 

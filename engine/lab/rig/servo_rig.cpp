@@ -16,6 +16,12 @@ ServoRig::ServoRig(const device::DeviceDescription &device,
     inputs.surface = surface;
 }
 
+ServoRig::ServoRig(const Scenario &scenario)
+    : ServoRig(scenario.device, scenario.simulation, scenario.start_m, scenario.surface.get()) {
+    surface_ = scenario.surface;
+    inputs.tuning = scenario.tuning;
+}
+
 const servo::ServoSample &ServoRig::tick(const servo::TickTiming &timing) noexcept {
     measured_ = loop_.read();
     last = loop_.update(measured_, inputs, timing);

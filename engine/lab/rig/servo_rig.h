@@ -7,8 +7,10 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/faulty_device.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/servo/servo_loop.h"
 
+#include <memory>
 #include <optional>
 
 namespace springdrive::rig {
@@ -21,6 +23,8 @@ public:
     ServoRig(const device::DeviceDescription &device,
              const simulated::SimulationOptions &simulation, const Vector3 &start_tip_m,
              const contact::HapticSurface *surface = nullptr);
+    /// @throw InputError as `SimulatedPhantom` does
+    explicit ServoRig(const Scenario &scenario);
     ServoRig(const ServoRig &) = delete;
     ServoRig &operator=(const ServoRig &) = delete;
 
@@ -53,6 +57,7 @@ public:
 private:
     device::DeviceDescription description_; ///< as given: the phantom's own may count finer
     simulated::SimulationOptions simulation_;
+    std::shared_ptr<const contact::HapticSurface> surface_; ///< of a scenario
     std::optional<simulated::SimulatedPhantom> phantom_; ///< always there; made anew in its place
     FaultyDevice device_;
     servo::ServoLoop loop_;

@@ -2,7 +2,7 @@
 // nothing and makes no system call. For the thread that ticks, see servo_real_time_test.cpp.
 #include "device/simulated/plant_model.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/session/scene_loader.h"
 #include "tests/support/devices.h"
@@ -36,18 +36,10 @@ class TouchedScene {
 public:
     TouchedScene(const std::string &scene_name, control::MotionMap map,
                  control::AlphaMode alpha_mode)
-        : scene_(scene_named(scene_name, description_)),
-          closed_loop(description_, options(), start_m(), &scene_->surface) {
+        : scene_(scene_named(scene_name, description_)), closed_loop(scenario()) {
         closed_loop.inputs.tuning.map = map;
         closed_loop.inputs.tuning.alpha_mode = alpha_mode;
         closed_loop.inputs.global_alpha_rad2_per_m2 = 3000.0;
-    }
-
-    [[nodiscard]] simulated::SimulationOptions options() const {
-        simulated::SimulationOptions simulation;
-        simulation.path = rig::scripted_touch(description_, scene_->surface, scene_->scene.lower_m,
-                                              scene_->scene.upper_m, start_m());
-        return simulation;
     }
 
     /// Ticks in contact among `ticks`; trips and resets on the way.
@@ -62,8 +54,10 @@ public:
     }
 
 private:
-    [[nodiscard]] Vector3 start_m() const {
-        return rig::start_above(description_, scene_->scene.lower_m, scene_->scene.upper_m);
+    [[nodiscard]] rig::Scenario scenario() const {
+        return rig::scripted_touch_scenario(
+            {description_, {}},
+            rig::placed(scene_->surface, scene_->scene.lower_m, scene_->scene.upper_m));
     }
 
     device::DeviceDescription description_ = testing::phantom_1_0();

@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "device/core/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/servo/servo.h"
 #include "tests/support/devices.h"
@@ -78,12 +78,10 @@ protected:
 TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
     const contact::HapticSurface surface(*rig::test_surface_named("sphere:1310720"));
     const bool holds = testing::holds_in_a_child([&] {
-        const device::DeviceDescription description = testing::phantom_1_0();
         const Vector3 upper_m = Vector3::Constant(rig::kTestSphereRadius_m);
-        const Vector3 start_m = rig::start_above(description, -upper_m, upper_m);
-        simulated::SimulationOptions options;
-        options.path = rig::scripted_touch(description, surface, -upper_m, upper_m, start_m);
-        simulated::SimulatedPhantom device(description, options, start_m);
+        const rig::Scenario scenario = rig::scripted_touch_scenario(
+            {testing::phantom_1_0(), {}}, rig::placed(surface, -upper_m, upper_m));
+        simulated::SimulatedPhantom device(scenario.device, scenario.simulation, scenario.start_m);
         Servo servo(device, 1000.0);
         int touching = 0;
         run_watched(

@@ -1,7 +1,7 @@
 // Sessions in lockstep on the project's own scenes, for the tests of what is exchanged.
 #pragma once
 
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -71,10 +71,10 @@ inline bool run_into_contact(session::Session &session) {
 /// motors have their voltage, and presses.
 inline bool press(session::Session &session) {
     const session::LoadedScene &scene = session.scenes().now();
-    const Vector3 above_m =
-        rig::start_above(session.description(), scene.scene.lower_m, scene.scene.upper_m);
-    simulated::HandPath path = rig::scripted_touch(
-        session.description(), scene.surface, scene.scene.lower_m, scene.scene.upper_m, above_m);
+    rig::Scenario touch = rig::scripted_touch_scenario(
+        {session.description(), {}},
+        rig::placed(scene.surface, scene.scene.lower_m, scene.scene.upper_m));
+    const Vector3 above_m = touch.start_m;
     session.hand().move_to(above_m);
     const auto stands = [&] {
         return (session.latest().tip_m - above_m).norm() < 5e-3 &&
@@ -83,7 +83,7 @@ inline bool press(session::Session &session) {
     if (!run_until(session, stands, 20.0)) {
         return false;
     }
-    session.hand().move_to(path.at(2.0).position_m);
+    session.hand().move_to(touch.simulation.path->at(2.0).position_m);
     return run_into_contact(session);
 }
 

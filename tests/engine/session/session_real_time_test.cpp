@@ -2,7 +2,7 @@
 // hand, the panels, the loader and the recorder do meanwhile, that thread allocates nothing, locks
 // nothing, and makes no system call but to read the clock and to sleep.
 #include "engine/control/parameters.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -106,10 +106,10 @@ public:
 private:
     [[nodiscard]] simulated::HandPath path() const {
         const LoadedScene &loaded = session_.scenes().now();
-        const Vector3 start_m =
-            rig::start_above(session_.description(), loaded.scene.lower_m, loaded.scene.upper_m);
-        return rig::scripted_touch(session_.description(), loaded.surface, loaded.scene.lower_m,
-                                   loaded.scene.upper_m, start_m, {});
+        return *rig::scripted_touch_scenario(
+                    {session_.description(), {}},
+                    rig::placed(loaded.surface, loaded.scene.lower_m, loaded.scene.upper_m))
+                    .simulation.path;
     }
 
     Session session_;

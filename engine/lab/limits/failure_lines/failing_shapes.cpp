@@ -31,21 +31,6 @@ void add_square(contact::TriangleSoup &soup, const std::array<Vector3, 4> &corne
 
 } // namespace
 
-contact::TriangleSoup solid_box(const Vector3 &lower_m, const Vector3 &upper_m) {
-    const auto corner = [&](int which) {
-        return Vector3((which & 1) != 0 ? upper_m.x() : lower_m.x(),
-                       (which & 2) != 0 ? upper_m.y() : lower_m.y(),
-                       (which & 4) != 0 ? upper_m.z() : lower_m.z());
-    };
-    constexpr std::array<std::array<int, 4>, 6> kFaces{
-        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-    contact::TriangleSoup soup = nothing();
-    for (const auto &[a, b, c, d] : kFaces) {
-        add_square(soup, {corner(a), corner(b), corner(c), corner(d)});
-    }
-    return soup;
-}
-
 contact::TriangleSoup cracked_sheet(double gap_m) {
     contact::TriangleSoup soup = nothing();
     for (const double side : {-1.0, 1.0}) {

@@ -5,9 +5,6 @@
 
 namespace springdrive::limits {
 
-/// A closed box, wound outwards.
-[[nodiscard]] contact::TriangleSoup solid_box(const Vector3 &lower_m, const Vector3 &upper_m);
-
 /// Two level sheets beside each other at y = 0, `gap_m` apart, the gap along z through the origin.
 [[nodiscard]] contact::TriangleSoup cracked_sheet(double gap_m);
 

@@ -2,7 +2,6 @@
 // free space off it.
 #pragma once
 
-#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/rig/servo_rig.h"
 
@@ -22,10 +21,11 @@ public:
     void nudge();
 
 private:
+    PressedCorner(const loops::StabilityCase &which, const rig::Scenario &scenario);
+
     double hand_N_per_m_;
     Vector3 corner_m_;
     Vector3 target_m_;
-    contact::HapticSurface walls_;
 };
 
 } // namespace springdrive::limits

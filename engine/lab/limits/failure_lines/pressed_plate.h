@@ -1,8 +1,8 @@
 // The plate that tips are pressed into, to find where a method loses it.
 #pragma once
 
-#include "engine/lab/limits/failure_lines/failing_shapes.h"
 #include "engine/lab/limits/failure_lines/failure_line.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include <string>
 
@@ -18,8 +18,8 @@ inline constexpr double kHalfPlate_m = 0.05;
 
 /// Its upper side at y = 0.
 [[nodiscard]] inline contact::TriangleSoup plate(double thickness_m) {
-    return solid_box({-kHalfPlate_m, -thickness_m, -kHalfPlate_m},
-                     {kHalfPlate_m, 0.0, kHalfPlate_m});
+    return rig::solid_box({-kHalfPlate_m, -thickness_m, -kHalfPlate_m},
+                          {kHalfPlate_m, 0.0, kHalfPlate_m});
 }
 
 /// Beside the diagonals of faces, and off their middles.

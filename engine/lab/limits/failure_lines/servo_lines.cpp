@@ -1,8 +1,8 @@
 #include "engine/lab/limits/failure_lines/servo_lines.h"
 
-#include "engine/lab/limits/failure_lines/failing_shapes.h"
 #include "engine/lab/limits/failure_lines/late_ticks.h"
 #include "engine/lab/limits/failure_lines/pressed_corner.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/servo/deadlines.h"
 
 #include <algorithm>
@@ -213,8 +213,8 @@ TriedLine new_scene(const loops::StabilityCase &which) {
                 corner.press(2.0);
                 const Vector3 top_m = corner.last.tip_m + Vector3(0.0, depth_mm / kMilli, 0.0);
                 const contact::HapticSurface block(
-                    solid_box(top_m - Vector3(kHalfBlock_m, 2.0 * kHalfBlock_m, kHalfBlock_m),
-                              top_m + Vector3(kHalfBlock_m, 0.0, kHalfBlock_m)));
+                    rig::solid_box(top_m - Vector3(kHalfBlock_m, 2.0 * kHalfBlock_m, kHalfBlock_m),
+                                   top_m + Vector3(kHalfBlock_m, 0.0, kHalfBlock_m)));
                 corner.inputs.surface = &block;
                 ++corner.inputs.scene_id;
                 for (int i = 0; i < 300; ++i) {

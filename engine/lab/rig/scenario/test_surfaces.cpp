@@ -152,6 +152,29 @@ contact::TriangleSoup organic_surface(int divisions, double scale_m) {
     return soup;
 }
 
+contact::TriangleSoup solid_box(const Vector3 &lower_m, const Vector3 &upper_m) {
+    const auto corner = [&](int which) {
+        return Vector3((which & 1) != 0 ? upper_m.x() : lower_m.x(),
+                       (which & 2) != 0 ? upper_m.y() : lower_m.y(),
+                       (which & 4) != 0 ? upper_m.z() : lower_m.z());
+    };
+    constexpr std::array<std::array<int, 4>, 6> kFaces{
+        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+    contact::TriangleSoup soup;
+    for (const auto &[a, b, c, d] : kFaces) {
+        for (const int which : {a, b, c, a, c, d}) {
+            soup.vertices_m.push_back(corner(which));
+        }
+    }
+    const auto count = static_cast<std::uint32_t>(soup.vertices_m.size());
+    for (std::uint32_t first = 0; first < count; first += 3) {
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"rigid"}};
+    return soup;
+}
+
 std::optional<contact::TriangleSoup> test_surface_named(std::string_view name) {
     if (names_test_sphere(name)) {
         return icosphere(divisions_of(name, name.substr(kSphere.size())), kTestSphereRadius_m);

@@ -27,6 +27,9 @@ inline constexpr double kTestOrganicScale_m = 0.04; ///< of the unit of `organic
 /// triangles are alike, and all corners are on the true surface.
 [[nodiscard]] contact::TriangleSoup organic_surface(int divisions, double scale_m);
 
+/// A closed box of twelve triangles, wound outwards, each with corners of its own.
+[[nodiscard]] contact::TriangleSoup solid_box(const Vector3 &lower_m, const Vector3 &upper_m);
+
 /// What `sphere:N`, `bumpy:N` and `organic:N` name, with N triangles: 1280, 5120, 20480, 81920,
 /// 327680 or 1310720. Nothing for a name that does not begin so.
 /// @throw InputError for another N.

@@ -17,7 +17,7 @@ namespace springdrive::charts {
 namespace {
 
 const IntegratorTrial &trial() {
-    static const IntegratorTrial made(sticking_press(testing::quick_setting()));
+    static const IntegratorTrial made(press_of(testing::quick_setting(), rig::sticking_press()));
     return made;
 }
 
@@ -28,12 +28,12 @@ double error_N(const NewPlant &new_plant) {
 /// How far the motors turn while the hand is held still, in the last quarter before it lets go
 /// [rad].
 double turned_in_hold_rad(const NewPlant &new_plant) {
-    const ContactPress &press = trial().press();
+    const rig::Scenario &press = trial().press();
     const auto period_at = [&](double time_s) {
-        return static_cast<int>(std::lround(time_s / press.period_s));
+        return static_cast<int>(std::lround(time_s / press.simulation.servo_period_s));
     };
-    const int from = period_at(0.75 * press.release_s);
-    const int until = period_at(press.release_s);
+    const int from = period_at(0.75 * rig::sticking_press().release_s);
+    const int until = period_at(rig::sticking_press().release_s);
     const std::unique_ptr<PressedPlant> plant = new_plant();
     rig::LawRig loop = press_loop(press, *plant);
     Vector3 least = Vector3::Zero();
@@ -49,10 +49,11 @@ double turned_in_hold_rad(const NewPlant &new_plant) {
 
 TEST(StickingPress, PressesHoldsAndLetsGo) {
     const PressRecord &reference = trial().reference();
-    const ContactPress &press = trial().press();
+    const rig::Scenario &press = trial().press();
     EXPECT_GT(reference.greatest_force_N(), 2.0);
     EXPECT_LT(reference.greatest_force_N(), press.device.limits.tip_force_N);
-    const auto released = static_cast<std::size_t>(std::lround(press.release_s / press.period_s));
+    const auto released = static_cast<std::size_t>(
+        std::lround(rig::sticking_press().release_s / press.simulation.servo_period_s));
     EXPECT_GT(reference.force_N[released - 1].dot(press.normal), 2.0);
     EXPECT_LT(reference.force_N.back().norm(), 0.5); // what friction leaves of it
 }

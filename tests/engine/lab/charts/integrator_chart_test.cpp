@@ -17,19 +17,19 @@ namespace springdrive::charts {
 namespace {
 
 const IntegratorTrial &pen_trial() {
-    static const IntegratorTrial trial(pen_press(testing::quick_setting()));
+    static const IntegratorTrial trial(press_of(testing::quick_setting(), rig::pen_press()));
     return trial;
 }
 
 const IntegratorTrial &vice_trial() {
-    static const IntegratorTrial trial(vice_press(testing::quick_setting()));
+    static const IntegratorTrial trial(press_of(testing::quick_setting(), rig::vice_press()));
     return trial;
 }
 
 TEST(ContactPress, PressesHardAndStaysInTheSurface) {
     for (const IntegratorTrial *trial : {&pen_trial(), &vice_trial()}) {
         const PressRecord &reference = trial->reference();
-        ASSERT_EQ(static_cast<int>(reference.force_N.size()), trial->press().periods);
+        ASSERT_EQ(static_cast<int>(reference.force_N.size()), periods_of(trial->press()));
         for (const Vector3 &force_N : reference.force_N) {
             EXPECT_GT(force_N.dot(trial->press().normal), 0.0); // the plate pushes out
         }
@@ -39,13 +39,14 @@ TEST(ContactPress, PressesHardAndStaysInTheSurface) {
 }
 
 TEST(ContactPress, TheHandsTargetHasItsCornersAtTheSamples) {
-    const ContactPress press = pen_press(testing::quick_setting());
-    simulated::HandPath path = press.hand_path();
+    const rig::Scenario press = press_of(testing::quick_setting(), rig::pen_press());
+    simulated::HandPath path = *press.simulation.path;
     EXPECT_EQ(path.at(0.0).position_m, press.start_m);
-    const Vector3 end_m = path.at(press.periods * press.period_s).position_m;
-    EXPECT_LT((end_m - (press.start_m - press.press_m * press.normal)).norm(), 1e-15);
+    const Vector3 end_m = path.at(periods_of(press) * press.simulation.servo_period_s).position_m;
+    EXPECT_LT((end_m - (press.start_m - rig::pen_press().press_m * press.normal)).norm(), 1e-15);
     for (std::size_t k = 0; k < path.points().size(); ++k) {
-        EXPECT_EQ(path.points()[k].time_s, static_cast<double>(k) * press.period_s);
+        EXPECT_EQ(path.points()[k].time_s,
+                  static_cast<double>(k) * press.simulation.servo_period_s);
     }
 }
 
@@ -94,7 +95,7 @@ TEST(Integrators, RunAwayWhereTheirStepIsTooLong) {
     // With nothing cancelled 2 L/R is 218 µs: between 4 and 5 steps a period.
     ChartSetting braked = testing::quick_setting();
     braked.tuning.dR_Ohm = braked.device.motor[0].resistance_Ohm;
-    const IntegratorTrial trial(pen_press(braked));
+    const IntegratorTrial trial(press_of(braked, rig::pen_press()));
     EXPECT_FALSE(std::isfinite(trial.error_N(Integrator::explicit_euler, 4)));
     EXPECT_TRUE(std::isfinite(trial.error_N(Integrator::explicit_euler, 5)));
     // And 2.785 L/R is 304 µs.

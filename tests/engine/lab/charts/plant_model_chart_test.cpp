@@ -63,11 +63,11 @@ TEST(PlantModelChart, ThePlaneIsAsGoodAsTheWholeWhereNothingPushesSideways) {
 }
 
 TEST(ModelPlant, ReadsItsEncodersInWholeCounts) {
-    const ContactPress press = planar_press(testing::quick_setting());
+    const rig::Scenario press = press_of(testing::quick_setting(), rig::planar_press());
     const double counts_per_rad = press.device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         const std::unique_ptr<PressedPlant> plant = model_plant(press, model, false, 10)();
-        for (int period = 0; period < press.periods; ++period) {
+        for (int period = 0; period < periods_of(press); ++period) {
             plant->advance({device::DeviceCommand::braking(), Vector3::Zero()});
             for (const double theta_rad : plant->theta_rad()) {
                 const double counts = theta_rad * counts_per_rad;

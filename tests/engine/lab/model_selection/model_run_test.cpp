@@ -31,7 +31,7 @@ ModelRun run_of(std::size_t ticks, const std::function<Vector3(double time_s)> &
 
 TEST(ModelError, OfARunAgainstItselfIsZero) {
     const contact::HapticSurface surface(testing::ball(3));
-    const ModelSetting setting = testing::feeling(surface, testing::box_of(testing::ball(3)));
+    const ModelSetting setting = testing::exploring(surface, testing::box_of(testing::ball(3)));
     for (const simulated::PlantModel &plant : simulated::kPlantModels) {
         Model model;
         model.plant = plant;
@@ -92,7 +92,7 @@ TEST(ModelError, OfARunawayIsInfinite) {
 TEST(ModelRun, ASimplifiedMeshIsFartherOffTheFewerItsTriangles) {
     const contact::TriangleSoup fine = testing::ball(5); // 20,480 triangles
     const contact::HapticSurface surface(fine);
-    const ModelSetting setting = testing::feeling(surface, testing::box_of(fine));
+    const ModelSetting setting = testing::exploring(surface, testing::box_of(fine));
     const ModelRun fullest = run_model(setting, {}, surface);
     double last_N = 0.0;
     for (const int divisor : {4, 16, 64, 256}) {
@@ -108,8 +108,9 @@ TEST(ModelRun, ASimplifiedMeshIsFartherOffTheFewerItsTriangles) {
 TEST(ModelRun, StartsAtRestInFreeSpace) {
     const contact::TriangleSoup mesh = testing::ball(2);
     const contact::HapticSurface surface(mesh);
-    ModelSetting setting = testing::feeling(surface, testing::box_of(mesh));
-    setting.path = simulated::HandPath({setting.path.points().front()});
+    ModelSetting setting = testing::exploring(surface, testing::box_of(mesh));
+    setting.scenario.simulation.path = simulated::HandPath({{0.0, setting.scenario.start_m}});
+    setting.scenario.duration_s = 0.0;
     const ModelRun run = run_model(setting, {}, surface);
     ASSERT_FALSE(run.configurations.empty());
     EXPECT_EQ(run.configurations.front().theta_rate_rad_per_s, Vector3(Vector3::Zero()));
@@ -129,7 +130,7 @@ TEST(ModelRun, ASpherePrimitiveIsAsFarOffAsItsMeshIsCoarse) {
         contact::TriangleSoup none;
         none.materials = mesh.materials;
         const contact::HapticSurface sphere(none, {fit->shape});
-        const ModelSetting setting = testing::feeling(surface, testing::box_of(mesh));
+        const ModelSetting setting = testing::exploring(surface, testing::box_of(mesh));
         const ModelRun fullest = run_model(setting, {}, surface);
         const double error_N =
             model_error(run_model(setting, {}, sphere), fullest, kPeriod_s, kBandwidth_hz).force_N;
@@ -142,9 +143,9 @@ TEST(ModelRun, ASpherePrimitiveIsAsFarOffAsItsMeshIsCoarse) {
 TEST(ModelRun, InThePlaneTwoJointsAreAsGoodAsThree) {
     const scene::Scene scene = testing::own_scene("profile");
     const contact::HapticSurface surface(scene.surface);
-    FeelingHand how;
+    rig::Exploration how;
     how.planar = true;
-    const ModelSetting setting = testing::feeling(surface, testing::box_of(scene), how);
+    const ModelSetting setting = testing::exploring(surface, testing::box_of(scene), how);
     Model three;
     Model two;
     two.planar = true;
@@ -157,7 +158,7 @@ TEST(ModelRun, InThePlaneTwoJointsAreAsGoodAsThree) {
 
 TEST(ModelCost, IsSaidOfEachCandidateInOrder) {
     const contact::HapticSurface surface(testing::ball(3));
-    const ModelSetting setting = testing::feeling(surface, testing::box_of(testing::ball(3)));
+    const ModelSetting setting = testing::exploring(surface, testing::box_of(testing::ball(3)));
     Model once;
     Model often;
     often.steps = 4;

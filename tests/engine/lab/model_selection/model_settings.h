@@ -2,9 +2,8 @@
 #pragma once
 
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/lab/model_selection/feeling_hand.h"
 #include "engine/lab/model_selection/model_run.h"
-#include "engine/lab/rig/scenario/scripted_touch.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/scene/gltf.h"
 #include "tests/support/devices.h"
@@ -26,18 +25,14 @@ inline contact::TriangleSoup ball(int divisions) {
     return soup;
 }
 
-/// A hand that feels all over a surface within `box`.
-inline model_selection::ModelSetting feeling(const contact::HapticSurface &surface,
-                                             const Eigen::AlignedBox3d &box,
-                                             const model_selection::FeelingHand &how = {}) {
+/// A hand that explores a surface within `box`.
+inline model_selection::ModelSetting exploring(const contact::HapticSurface &surface,
+                                               const Eigen::AlignedBox3d &box,
+                                               const rig::Exploration &how = {}) {
     const device::DeviceDescription device = phantom_1_0();
-    const Vector3 start_m = rig::start_above(device, box.min(), box.max());
-    return {device,
-            {},
-            1e-3,
-            0,
-            model_selection::feeling_hand(device, surface, box, start_m, how),
-            control::global_alpha_bound(device)};
+    return {
+        rig::exploration_scenario({device, {}}, rig::placed(surface, box.min(), box.max()), how),
+        control::global_alpha_bound(device)};
 }
 
 inline Eigen::AlignedBox3d box_of(const scene::Scene &scene) {

@@ -20,9 +20,9 @@ class Trial {
 public:
     explicit Trial(const scene::Scene &scene)
         : scene_(scene), given_(haptic_surface_of(scene, {})) {
-        FeelingHand how;
+        rig::Exploration how;
         how.planar = scene.planar;
-        setting_.emplace(testing::feeling(given_, testing::box_of(scene), how));
+        setting_.emplace(testing::exploring(given_, testing::box_of(scene), how));
         Model fullest;
         fullest.steps = 32;
         fullest_ = run_model(*setting_, fullest, given_);
@@ -31,7 +31,8 @@ public:
     [[nodiscard]] ModelError error_of(const ModelChoice &choice) const {
         const Model model = model_of(choice);
         const ModelRun run = run_model(*setting_, model, haptic_surface_of(scene_, model.shape));
-        return model_error(run, fullest_, setting_->period_s, scene_.tolerance.bandwidth_hz);
+        return model_error(run, fullest_, setting_->scenario.simulation.servo_period_s,
+                           scene_.tolerance.bandwidth_hz);
     }
 
 private:

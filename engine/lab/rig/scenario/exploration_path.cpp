@@ -1,4 +1,4 @@
-#include "engine/lab/model_selection/feeling_hand.h"
+#include "engine/lab/rig/scenario/exploration_path.h"
 
 #include "base/wanted.h"
 #include "engine/lab/rig/scenario/surface_probe.h"
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::model_selection {
+namespace springdrive::rig {
 
 namespace {
 
@@ -41,7 +41,7 @@ private:
 };
 
 /// How high the surface is below (x, z) as seen from above; the floor where nothing is.
-double height_m(const rig::SurfaceProbe &probe, const Vector3 &point_m) {
+double height_m(const SurfaceProbe &probe, const Vector3 &point_m) {
     const Eigen::AlignedBox3d &box = probe.box();
     constexpr double kRoom_m = 0.005;
     const Vector3 above_m(point_m.x(), box.max().y() + kRoom_m, point_m.z());
@@ -51,15 +51,15 @@ double height_m(const rig::SurfaceProbe &probe, const Vector3 &point_m) {
 }
 
 /// Below the surface: down and up again, beginning with the touch.
-double depth_m(const FeelingHand &how, double time_s) {
+double depth_m(const Exploration &how, double time_s) {
     const double middle_m = 0.5 * (how.least_depth_m + how.greatest_depth_m);
     const double half_m = 0.5 * (how.greatest_depth_m - how.least_depth_m);
     return middle_m + half_m * std::sin(2.0 * kPi * how.press_hz * time_s);
 }
 
 /// The points after the rest, for a figure of that size.
-std::vector<simulated::HandPath::Point> points_of(const rig::SurfaceProbe &probe,
-                                                  const Figure &figure, const FeelingHand &how) {
+std::vector<simulated::HandPath::Point> points_of(const SurfaceProbe &probe, const Figure &figure,
+                                                  const Exploration &how) {
     std::vector<simulated::HandPath::Point> points;
     double phase = 0.0;
     double y_m = height_m(probe, figure.at(0.0));
@@ -87,11 +87,11 @@ bool reaches_all(const device::DeviceDescription &device,
 
 } // namespace
 
-simulated::HandPath feeling_hand(const device::DeviceDescription &device,
-                                 const contact::HapticSurface &surface,
-                                 const Eigen::AlignedBox3d &box, const Vector3 &start_m,
-                                 const FeelingHand &how) {
-    const rig::SurfaceProbe probe(surface, box, 0.0);
+simulated::HandPath exploration_path(const device::DeviceDescription &device,
+                                     const contact::HapticSurface &surface,
+                                     const Eigen::AlignedBox3d &box, const Vector3 &start_m,
+                                     const Exploration &how) {
+    const SurfaceProbe probe(surface, box, 0.0);
     Vector3 middle_m = box.center();
     Vector3 half_m = 0.35 * box.sizes();
     if (how.planar) {
@@ -112,4 +112,4 @@ simulated::HandPath feeling_hand(const device::DeviceDescription &device,
     return simulated::HandPath(std::move(path));
 }
 
-} // namespace springdrive::model_selection
+} // namespace springdrive::rig

@@ -1,21 +1,21 @@
-// Covers engine/lab/model_selection/feeling_hand.cpp.
+// Covers engine/lab/rig/scenario/exploration_path.cpp.
 #include "tests/engine/lab/model_selection/model_settings.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace springdrive::model_selection {
+namespace springdrive::rig {
 namespace {
 
-TEST(FeelingHand, ComesByAllOverAndInReach) {
+TEST(ExplorationPath, ComesByAllOverAndInReach) {
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const std::string name : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
         const scene::Scene scene = testing::own_scene(name);
-        const ModelSetting setting =
-            testing::feeling(contact::HapticSurface(scene.surface), testing::box_of(scene));
+        const model_selection::ModelSetting setting =
+            testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene));
         Eigen::AlignedBox3d felt;
-        for (const simulated::HandPath::Point &point : setting.path.points()) {
+        for (const simulated::HandPath::Point &point : setting.scenario.simulation.path->points()) {
             EXPECT_TRUE(device::can_reach(device, point.position_m)) << name;
             felt.extend(point.position_m);
         }
@@ -26,14 +26,14 @@ TEST(FeelingHand, ComesByAllOverAndInReach) {
     }
 }
 
-TEST(FeelingHand, LetsGoAndPressesInAgain) {
+TEST(ExplorationPath, LetsGoAndPressesInAgain) {
     const scene::Scene scene = testing::own_scene("plate");
-    const ModelSetting setting =
-        testing::feeling(contact::HapticSurface(scene.surface), testing::box_of(scene));
-    const FeelingHand how;
+    const model_selection::ModelSetting setting =
+        testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene));
+    const Exploration how;
     double deepest_m = 0.0;
     double highest_m = -1.0;
-    for (const simulated::HandPath::Point &point : setting.path.points()) {
+    for (const simulated::HandPath::Point &point : setting.scenario.simulation.path->points()) {
         if (point.time_s > how.rest_s + how.approach_s) {
             const double depth_m = scene.upper_m.y() - point.position_m.y();
             deepest_m = std::max(deepest_m, depth_m);
@@ -45,13 +45,13 @@ TEST(FeelingHand, LetsGoAndPressesInAgain) {
     EXPECT_NEAR(highest_m, -how.least_depth_m, 1e-5);
 }
 
-TEST(FeelingHand, NeitherJumpsNorLeavesItsPlane) {
+TEST(ExplorationPath, NeitherJumpsNorLeavesItsPlane) {
     const scene::Scene scene = testing::own_scene("profile");
-    FeelingHand how;
+    Exploration how;
     how.planar = true;
-    const ModelSetting setting =
-        testing::feeling(contact::HapticSurface(scene.surface), testing::box_of(scene), how);
-    const auto &points = setting.path.points();
+    const model_selection::ModelSetting setting =
+        testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene), how);
+    const auto &points = setting.scenario.simulation.path->points();
     const double pressing_m_per_s =
         2.0 * M_PI * how.press_hz * 0.5 * (how.greatest_depth_m - how.least_depth_m);
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -64,19 +64,19 @@ TEST(FeelingHand, NeitherJumpsNorLeavesItsPlane) {
     }
 }
 
-TEST(FeelingHand, StaysWhereItCannotReachAnything) {
+TEST(ExplorationPath, StaysWhereItCannotReachAnything) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    const contact::TriangleSoup far = rig::icosphere(2, 0.02);
+    const contact::TriangleSoup far = icosphere(2, 0.02);
     contact::TriangleSoup away = far;
     for (Vector3 &vertex_m : away.vertices_m) {
         vertex_m.y() += 2.0;
     }
-    const simulated::HandPath path = feeling_hand(device, contact::HapticSurface(away),
-                                                  testing::box_of(away), device.workspace.centre_m);
+    const simulated::HandPath path = exploration_path(
+        device, contact::HapticSurface(away), testing::box_of(away), device.workspace.centre_m);
     for (const simulated::HandPath::Point &point : path.points()) {
         EXPECT_EQ(point.position_m, device.workspace.centre_m);
     }
 }
 
 } // namespace
-} // namespace springdrive::model_selection
+} // namespace springdrive::rig

@@ -1,4 +1,5 @@
-// A hand that feels all over a scene from above: what models of it are compared on.
+// A hand that explores a scene from above, pressing and letting go: what models of it are compared
+// on.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -7,10 +8,10 @@
 
 #include <Eigen/Geometry>
 
-namespace springdrive::model_selection {
+namespace springdrive::rig {
 
 /// How it moves.
-struct FeelingHand {
+struct Exploration {
     double rest_s = 0.05;            ///< at the start
     double approach_s = 0.25;        ///< from there into the surface
     double duration_s = 2.0;         ///< in all
@@ -25,9 +26,10 @@ struct FeelingHand {
 /// Its path over what `box` holds, begun at `start_m`: a Lissajous figure seen from above over the
 /// middle 70 % of the box, or over as much of that as the device reaches. Where nothing lies below,
 /// it keeps to the height of the box's floor; where the device reaches nothing, it stays.
-[[nodiscard]] simulated::HandPath feeling_hand(const device::DeviceDescription &device,
-                                               const contact::HapticSurface &surface,
-                                               const Eigen::AlignedBox3d &box,
-                                               const Vector3 &start_m, const FeelingHand &how = {});
+[[nodiscard]] simulated::HandPath exploration_path(const device::DeviceDescription &device,
+                                                   const contact::HapticSurface &surface,
+                                                   const Eigen::AlignedBox3d &box,
+                                                   const Vector3 &start_m,
+                                                   const Exploration &how = {});
 
-} // namespace springdrive::model_selection
+} // namespace springdrive::rig

@@ -1,0 +1,307 @@
+#include "engine/lab/rig/scenario/scenarios.h"
+
+#include "base/assertions.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace springdrive::rig {
+
+namespace {
+
+/// A limit of the hand's force would be a corner of the plant, which costs an integrator its order.
+constexpr double kNoLimit_N = 1e6;
+
+/// 1 µm per newton, critically damped, at rest within 2 ms.
+constexpr device::HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
+
+/// What all scenarios begin with.
+Scenario plain(const ScenarioSetting &setting) {
+    Scenario made;
+    made.device = setting.device;
+    made.tuning = setting.tuning;
+    made.simulation.servo_period_s = setting.period_s;
+    made.simulation.delay_periods = setting.delay_periods;
+    made.start_m = device::tip_position_m(setting.device.geometry, setting.q_rad);
+    return made;
+}
+
+void touch_surface(Scenario &made, std::shared_ptr<const contact::HapticSurface> touched) {
+    made.surface = std::move(touched);
+    made.constraint = surface(*made.surface);
+}
+
+void follow(Scenario &made, simulated::HandPath path) {
+    made.duration_s = path.points().back().time_s;
+    made.simulation.path = std::move(path);
+}
+
+/// One triangle, 0.2 m across, so that there is neither edge nor seam near the tip.
+/// @param level  unit, square to the normal
+contact::TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, const Vector3 &level) {
+    constexpr double kRadius_m = 0.1;
+    contact::TriangleSoup soup;
+    for (int corner = 0; corner < 3; ++corner) {
+        const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * corner / 3.0, normal);
+        soup.vertices_m.emplace_back(centre_m + kRadius_m * (turn * level));
+    }
+    soup.triangles = {{0, 1, 2}};
+    soup.material_of_triangle = {0};
+    soup.materials = {{"plate", 0.0}};
+    return soup;
+}
+
+/// A box that is touched from within, its lowest corner at `corner_m`.
+contact::TriangleSoup room(const Vector3 &corner_m) {
+    constexpr double kRoom_m = 0.05;
+    contact::TriangleSoup soup = solid_box(corner_m, corner_m + Vector3::Constant(kRoom_m));
+    for (auto &triangle : soup.triangles) {
+        std::swap(triangle[1], triangle[2]);
+    }
+    return soup;
+}
+
+/// From 0 to 1 with rests at both ends and a steady acceleration.
+double smooth_step(double share) {
+    const double s = std::clamp(share, 0.0, 1.0);
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0));
+}
+
+/// The plant on which drives are compared: what does not differ between them is left out.
+void compare_drives(Scenario &made, device::AmplifierKind drive) {
+    made.simulation.effects.gravity = false; // a balanced arm
+    made.simulation.effects.coulomb_friction = false;
+    made.simulation.effects.winding_heat = false;
+    made.simulation.effects.commutation_ripple = false;
+    made.simulation.amplifier = drive;
+    made.simulation.longest_step_s = 50e-6;
+}
+
+} // namespace
+
+PlacedSurface placed_sphere() {
+    constexpr int kDivisions = 5;
+    const Vector3 corner_m = Vector3::Constant(kTestSphereRadius_m);
+    return {std::make_shared<contact::HapticSurface>(icosphere(kDivisions, kTestSphereRadius_m)),
+            -corner_m, corner_m};
+}
+
+PlacedSurface placed(const contact::HapticSurface &surface, const Vector3 &lower_m,
+                     const Vector3 &upper_m) {
+    return {std::shared_ptr<const contact::HapticSurface>(std::shared_ptr<void>(), &surface),
+            lower_m, upper_m};
+}
+
+Scenario scripted_touch_scenario(const ScenarioSetting &setting, const PlacedSurface &place,
+                                 const ScriptedTouch &how) {
+    Scenario made = plain(setting);
+    made.start_m = start_above(setting.device, place.lower_m, place.upper_m);
+    touch_surface(made, place.surface);
+    follow(made, scripted_touch(setting.device, *place.surface, place.lower_m, place.upper_m,
+                                made.start_m, how));
+    return made;
+}
+
+Scenario exploration_scenario(const ScenarioSetting &setting, const PlacedSurface &place,
+                              const Exploration &how) {
+    Scenario made = plain(setting);
+    made.start_m = start_above(setting.device, place.lower_m, place.upper_m);
+    touch_surface(made, place.surface);
+    follow(made,
+           exploration_path(setting.device, *place.surface,
+                            Eigen::AlignedBox3d(place.lower_m, place.upper_m), made.start_m, how));
+    return made;
+}
+
+Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &options) {
+    constexpr double kOutside_m = 1e-3;
+    constexpr double kPress_s = 0.05;
+    Scenario made = plain(setting);
+    made.device.edge = {}; // its soft wall near a stop is no part of the map
+    const Vector3 inside_m = made.start_m;
+    const Vector3 surface_m = inside_m + options.penetration_m * options.normal;
+    const Vector3 outside_m = surface_m + kOutside_m * options.normal;
+    made.start_m = outside_m;
+    made.normal = options.normal;
+    made.contact_m = surface_m;
+    const Vector3 level(-std::cos(setting.q_rad[0]), 0.0, std::sin(setting.q_rad[0]));
+    SPRINGDRIVE_ASSERT(std::abs(level.dot(options.normal)) < 1e-9); // in the plane of the links
+    touch_surface(
+        made, std::make_shared<contact::HapticSurface>(plate(surface_m, options.normal, level)));
+    simulated::SimulationOptions &simulation = made.simulation;
+    simulation.hand = kVice;
+    follow(made, simulated::HandPath({{ViceOptions::kPressFrom_s, outside_m},
+                                      {ViceOptions::kPressFrom_s + kPress_s, inside_m}}));
+    made.duration_s = ViceOptions::kMeasureUntil_s;
+    simulation.quantised_encoders = options.effects;
+    if (options.effects) {
+        simulation.effects.commutation_ripple = false;
+        simulation.effects.joint_limits = false; // the vice holds it, near a stop too
+        simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
+    } else {
+        simulation.effects = simulated::PlantEffects::none();
+    }
+    return made;
+}
+
+Scenario corner_scenario(const ScenarioSetting &setting, const device::HandParameters &hand) {
+    constexpr double kFromWalls_m = 3e-3; // from each wall at first
+    constexpr double kStartUp_s = 1.2;    // of the servo
+    Scenario made = plain(setting);
+    touch_surface(made, std::make_shared<contact::HapticSurface>(room(made.start_m)));
+    made.start_m += Vector3::Constant(kFromWalls_m);
+    made.duration_s = kStartUp_s;
+    made.simulation.quantised_encoders = false;
+    made.simulation.hand = hand;
+    made.simulation.effects = simulated::PlantEffects::none();
+    made.simulation.effects.viscous_friction = true;
+    made.simulation.effects.amplifier_limits = true;
+    return made;
+}
+
+Scenario press_scenario(const ScenarioSetting &setting, const PressOptions &options) {
+    Scenario made = plain(setting);
+    made.start_m = setting.device.workspace.centre_m +
+                   setting.device.workspace.size_m.cwiseProduct(options.place);
+    made.normal = options.normal;
+    made.contact_m = made.start_m;
+    made.constraint = plane(made.contact_m, made.normal, Sides::both);
+    made.simulation.hand = options.hand;
+    made.simulation.effects = simulated::PlantEffects::none();
+    made.simulation.effects.gravity = true;
+    made.simulation.effects.viscous_friction = true;
+    made.simulation.effects.coulomb_friction = options.coulomb_friction;
+    // A corner at every sample, so that between two of them the hand's target moves uniformly.
+    std::vector<simulated::HandPath::Point> points;
+    const long periods = std::lround(options.duration_s / setting.period_s);
+    for (long k = 0; k <= periods; ++k) {
+        const double time_s = static_cast<double>(k) * setting.period_s;
+        const double share = smooth_step(time_s / options.press_s) -
+                             smooth_step((time_s - options.release_s) / options.press_s);
+        points.push_back({time_s, made.start_m - options.press_m * share * made.normal});
+    }
+    follow(made, simulated::HandPath(std::move(points)));
+    return made;
+}
+
+PressOptions pen_press() {
+    PressOptions press;
+    press.hand.greatest_force_N = kNoLimit_N;
+    return press;
+}
+
+PressOptions planar_press() {
+    PressOptions press = pen_press();
+    press.place.x() = 0.0;
+    press.normal = Vector3(0.0, 0.8, 0.6);
+    return press;
+}
+
+PressOptions vice_press() {
+    PressOptions press;
+    press.hand = kVice;
+    press.press_m = 1e-3;
+    return press;
+}
+
+PressOptions sticking_press() {
+    PressOptions press = pen_press();
+    press.coulomb_friction = true;
+    press.release_s = 0.2;
+    press.duration_s = 0.4;
+    return press;
+}
+
+Scenario impact_scenario(const ScenarioSetting &setting, const ImpactOptions &options) {
+    Scenario made = plain(setting);
+    compare_drives(made, options.drive);
+    made.simulation.hand = options.hand;
+    const Vector3 end_m =
+        made.start_m - options.speed_m_per_s * ImpactOptions::kLongest_s * Vector3::UnitY();
+    const double height_m =
+        made.start_m.y() - options.speed_m_per_s * ImpactOptions::kApproach_s - options.lower_m;
+    made.normal = Vector3::UnitY();
+    made.contact_m = Vector3(made.start_m.x(), height_m, made.start_m.z());
+    made.constraint = plane(made.contact_m, made.normal, Sides::one);
+    follow(made, simulated::HandPath({{0.0, made.start_m}, {ImpactOptions::kLongest_s, end_m}}));
+    return made;
+}
+
+Scenario stroke_scenario(const ScenarioSetting &setting, const StrokeOptions &options) {
+    constexpr int kPoints = 1200; // a millisecond apart
+    Scenario made = plain(setting);
+    compare_drives(made, options.drive);
+    made.simulation.hand = {0.0, 30.0, 3000.0, HUGE_VAL, 1.0};
+    const double omega = 2.0 * std::numbers::pi * StrokeOptions::kFrequency_Hz;
+    std::vector<simulated::HandPath::Point> path;
+    path.reserve(kPoints + 1);
+    for (int i = 0; i <= kPoints; ++i) {
+        const double t = StrokeOptions::kPeriods / StrokeOptions::kFrequency_Hz * i / kPoints;
+        path.push_back({t, made.start_m + StrokeOptions::kAmplitude_m * std::sin(omega * t) *
+                                              Vector3::UnitY()});
+    }
+    follow(made, simulated::HandPath(std::move(path)));
+    return made;
+}
+
+Scenario tied_scenario(const ScenarioSetting &setting, const TiedOptions &options) {
+    constexpr double kWatched_s = 3.0;
+    Scenario made = plain(setting);
+    made.device.amplifier.greatest_cancelled_Ohm = HUGE_VAL;
+    made.constraint = tied_to(made.start_m + options.aside_m * Vector3(0.6, 0.64, 0.48));
+    made.duration_s = kWatched_s;
+    made.simulation.quantised_encoders = options.quantisation;
+    made.simulation.hand = options.hand;
+    made.simulation.effects = simulated::PlantEffects::none();
+    made.simulation.effects.viscous_friction = true;
+    made.simulation.effects.coulomb_friction = options.coulomb_friction;
+    made.simulation.effects.amplifier_limits = options.amplifier_limits;
+    made.simulation.amplifier = options.drive;
+    return made;
+}
+
+const std::array<ListedScenario, 11> kScenarios{{
+    {"scripted touch", "a hand over a surface, down into it and in circles under it",
+     "records, cost of a tick; unattended window, servo-rate chart, servo_benchmark",
+     [](const ScenarioSetting &setting) {
+         return scripted_touch_scenario(setting, placed_sphere());
+     }},
+    {"exploration", "a hand that presses and lets go all over a surface",
+     "force and direction between models; model selection",
+     [](const ScenarioSetting &setting) { return exploration_scenario(setting, placed_sphere()); }},
+    {"vice", "a vice that presses the tip into a plate (section VI)",
+     "force at rest and its direction; figures 5 and 6",
+     [](const ScenarioSetting &setting) { return vice_scenario(setting); }},
+    {"corner", "a hand that holds the tip in a corner of three walls",
+     "trips and what is rendered when ticks, answers or the hand are lost; limits of the servo",
+     [](const ScenarioSetting &setting) { return corner_scenario(setting); }},
+    {"pen press", "a pen grip that presses into a plane within 10 ms",
+     "force against a reference; integrators' chart",
+     [](const ScenarioSetting &setting) { return press_scenario(setting, pen_press()); }},
+    {"planar press", "the same in the plane of the links",
+     "force against the full model; chart of plant models",
+     [](const ScenarioSetting &setting) { return press_scenario(setting, planar_press()); }},
+    {"vice press", "a vice that presses into a plane within 10 ms",
+     "force against a reference; integrators' chart in a vice",
+     [](const ScenarioSetting &setting) { return press_scenario(setting, vice_press()); }},
+    {"sticking press", "a pen grip that presses until the joints stick, and lets go",
+     "force against a reference; integrators' chart under friction",
+     [](const ScenarioSetting &setting) { return press_scenario(setting, sticking_press()); }},
+    {"impact", "a hand that runs onto a level wall at 0.1 m/s",
+     "rate-hardness and greatest force; comparison of drives",
+     [](const ScenarioSetting &setting) { return impact_scenario(setting); }},
+    {"stroke", "a firm hand that moves up and down in free space at 5 Hz",
+     "apparent mass; comparison of drives",
+     [](const ScenarioSetting &setting) { return stroke_scenario(setting); }},
+    {"tied", "a tip that is let go 1 mm beside the point that it is tied to",
+     "decay or growth of the motion; simulated stability",
+     [](const ScenarioSetting &setting) { return tied_scenario(setting); }},
+}};
+
+} // namespace springdrive::rig

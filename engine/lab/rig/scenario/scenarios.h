@@ -1,0 +1,170 @@
+// The list of scenarios: what a device in closed loop is tried on. Window, figures, charts, limits,
+// model selection, benchmarks and tests run these.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "device/core/phantom/kinematics.h"
+#include "device/simulated/simulation_options.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/control/tuning.h"
+#include "engine/lab/rig/constraint.h"
+#include "engine/lab/rig/scenario/exploration_path.h"
+#include "engine/lab/rig/scenario/scripted_touch.h"
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+namespace springdrive::rig {
+
+/// A surface in the workspace, and the box that it lies in.
+struct PlacedSurface {
+    std::shared_ptr<const contact::HapticSurface> surface;
+    Vector3 lower_m{Vector3::Zero()};
+    Vector3 upper_m{Vector3::Zero()};
+};
+
+/// The sphere of the test surfaces, about the origin.
+[[nodiscard]] PlacedSurface placed_sphere();
+
+/// A surface that the caller keeps.
+[[nodiscard]] PlacedSurface placed(const contact::HapticSurface &surface, const Vector3 &lower_m,
+                                   const Vector3 &upper_m);
+
+/// What a scenario is made for.
+struct ScenarioSetting {
+    device::DeviceDescription device;
+    control::Tuning tuning;
+    Vector3 q_rad = device::default_pose_rad(); ///< where a contact has no place of its own
+    double period_s = 1e-3;
+    double delay_periods = 0.0;
+};
+
+/// A device, a tuning, a contact and a hand on its path: what a `ServoRig` or a `LawRig` runs.
+struct Scenario {
+    device::DeviceDescription device;
+    control::Tuning tuning;
+    simulated::SimulationOptions simulation; ///< with the hand, its path, period and delay
+    Vector3 start_m{Vector3::Zero()};
+    /// What a servo's proxy touches. None in free space, and where the contact is an ideal one.
+    std::shared_ptr<const contact::HapticSurface> surface;
+    /// The contact as a law alone sees it; it uses `surface`, which must live as long.
+    Constraint constraint = free_space();
+    /// Of the contact's plane, where it has one: its normal, unit, and a point.
+    Vector3 normal{Vector3::Zero()};
+    Vector3 contact_m{Vector3::Zero()};
+    double duration_s = 0.0; ///< until all that is measured has been
+};
+
+/// Over a surface, down into it, and in circles under it.
+[[nodiscard]] Scenario scripted_touch_scenario(const ScenarioSetting &setting,
+                                               const PlacedSurface &place,
+                                               const ScriptedTouch &how = {});
+
+/// A hand that presses and lets go all over a surface.
+[[nodiscard]] Scenario exploration_scenario(const ScenarioSetting &setting,
+                                            const PlacedSurface &place,
+                                            const Exploration &how = {});
+
+/// The experiment of the paper's section VI: a vice holds the tip 1 mm outside a large flat plate
+/// until the servo runs, then moves it along the normal to where it is `penetration_m` inside.
+struct ViceOptions {
+    /// When its sensor is set to zero, so that weight does not count, and when it is read.
+    static constexpr double kZeroFrom_s = 1.15;
+    static constexpr double kPressFrom_s = 1.20;
+    static constexpr double kMeasureFrom_s = 1.45;
+    static constexpr double kMeasureUntil_s = 1.50;
+
+    Vector3 normal{Vector3::UnitY()};
+    double penetration_m = 1e-3;
+    /// All of the plant's effects but the ripple of R and the stops.
+    bool effects = true;
+    /// With effects, R of the third joint's motor is greater by this share, of the second's
+    /// smaller.
+    double resistance_spread = 0.0;
+};
+[[nodiscard]] Scenario vice_scenario(const ScenarioSetting &setting,
+                                     const ViceOptions &options = {});
+
+/// A corner of three walls, at the setting's configuration, with the tip free a little off it. The
+/// plant has viscous friction and the amplifier's limits only, and exact encoders.
+[[nodiscard]] Scenario corner_scenario(const ScenarioSetting &setting,
+                                       const device::HandParameters &hand = {});
+
+/// A press into a plane that holds from both sides and starts at the tip.
+struct PressOptions {
+    device::HandParameters hand;
+    /// From the middle of the workspace to where it is, in shares of the workspace's size.
+    Vector3 place{0.15, -0.1, 0.1};
+    Vector3 normal{0.36, 0.8, 0.48};
+    double press_m = 10e-3; ///< how far below the plane the hand then wants to be
+    double press_s = 10e-3; ///< how long it takes to want so
+    double release_s = std::numeric_limits<double>::infinity(); ///< when it goes back, as quickly
+    double duration_s = 40e-3;
+    bool coulomb_friction = false; ///< of the joints; beside gravity and viscous friction
+};
+[[nodiscard]] Scenario press_scenario(const ScenarioSetting &setting, const PressOptions &options);
+
+/// A pen grip that presses 10 mm deep within 10 ms, in a slanting direction of an unsymmetrical
+/// configuration: all three motors take part.
+[[nodiscard]] PressOptions pen_press();
+/// The same in the plane of the links, with the base joint in its middle: no force sideways.
+[[nodiscard]] PressOptions planar_press();
+/// The vice of the paper's section VI in the hand's place: 1 µm per newton, and 1 mm deep.
+[[nodiscard]] PressOptions vice_press();
+/// The pen grip against Coulomb friction; it holds until the joints stick, and lets go at 0.2 s.
+[[nodiscard]] PressOptions sticking_press();
+
+/// A hand that moves straight down at constant speed onto a level wall.
+struct ImpactOptions {
+    static constexpr double kApproach_s = 0.1; ///< by then hand and tip move as one
+    static constexpr double kLongest_s = 1.0;
+
+    device::HandParameters hand;
+    double speed_m_per_s = 0.1;
+    double lower_m = 0.0; ///< of the wall, below where the tip is after the approach
+    device::AmplifierKind drive = device::AmplifierKind::spring_drive;
+};
+[[nodiscard]] Scenario impact_scenario(const ScenarioSetting &setting,
+                                       const ImpactOptions &options = {});
+
+/// A firm hand, whatever it weighs, that moves the tip up and down in free space along a sine.
+struct StrokeOptions {
+    static constexpr double kFrequency_Hz = 5.0;
+    static constexpr double kAmplitude_m = 0.01;
+    static constexpr int kPeriods = 6; ///< the first two are not measured
+
+    device::AmplifierKind drive = device::AmplifierKind::spring_drive;
+};
+[[nodiscard]] Scenario stroke_scenario(const ScenarioSetting &setting,
+                                       const StrokeOptions &options = {});
+
+/// The tip is tied to a point a little aside of where it starts, in a direction that no mode is
+/// square to. The plant has viscous friction and what is asked for; the amplifier cancels as much
+/// as it is told to.
+struct TiedOptions {
+    device::HandParameters hand;
+    double aside_m = 1e-3;
+    bool quantisation = true;
+    bool coulomb_friction = false;
+    bool amplifier_limits = false;
+    device::AmplifierKind drive = device::AmplifierKind::spring_drive;
+};
+[[nodiscard]] Scenario tied_scenario(const ScenarioSetting &setting,
+                                     const TiedOptions &options = {});
+
+/// An entry of the list.
+struct ListedScenario {
+    std::string_view name;
+    std::string_view what;     ///< contact and hand
+    std::string_view measured; ///< and where
+    Scenario (*make)(const ScenarioSetting &);
+};
+
+/// All of them, each with its usual options; what is touched is the test sphere where a scene is
+/// asked for.
+extern const std::array<ListedScenario, 11> kScenarios;
+
+} // namespace springdrive::rig
