@@ -1,17 +1,17 @@
-# A room is a target that sees the headers of the rooms that it may use, and no others. The top of
-# the project is nobody's include folder: each room has one of its own in the build tree, rooms/NAME,
-# with links to where its headers stand. So "engine/control/tuning.h" is found under its full name,
-# but only by who links `control`.
+# A room is a target that can include only the headers of the rooms that it uses. The top folder of
+# the project is on no include path: each room has its own include folder in the build tree,
+# rooms/NAME, with links to its headers. So "engine/control/tuning.h" is found under its full name,
+# but only by targets that link `control`.
 #
 #   room(NAME [PLACES place...] [USES room...] [PUBLIC_LIBRARIES library...] [LIBRARIES library...]
 #        [OPENS closed...] [SOURCES file...])
 #
-# A place is a folder or a header, by its path from the top; the present folder where none is named.
-# Headers of PUBLIC_LIBRARIES are seen by who uses the room, too. OPENS names what of the list below
-# the room itself may include.
+# A place is a folder or a header, by its path from the top folder; default: the current folder.
+# Headers of PUBLIC_LIBRARIES are also visible to users of the room. OPENS names the libraries of
+# the list below that the room itself may include.
 
-# Other people's headers stand in /usr/include, where every compiler looks. A room that does not open
-# a library therefore finds, first, headers of the same names that stop the compiler.
+# External headers are in /usr/include, which every compiler searches. For a library that a room
+# does not open, headers of the same names with an #error directive therefore precede them.
 set(closed_libraries
     cli11 draco epoxy glfw json libmd matio meshoptimizer sundials tinygltf tomlplusplus zlib)
 set(closed_cli11 CLI/CLI.hpp)

@@ -1,18 +1,18 @@
 # shellcheck shell=bash
-# A virtual display where there is none, for app/run and tests/run to source after prepare.sh.
+# A virtual display for machines without one; app/run and tests/run source this after prepare.sh.
 
 has_display() { [[ -n ${DISPLAY-} || -n ${WAYLAND_DISPLAY-} ]]; }
 
-# Sets DISPLAY to an Xvfb that ends with this process, however it ends, and outlasts an `exec`.
-# So the program can take the shell's place: signals reach it with no xvfb-run between to lose them.
+# Sets DISPLAY to an Xvfb that ends whenever this process ends, and that survives an `exec`. The
+# program can therefore replace the shell: signals reach it directly, without xvfb-run in between.
 start_virtual_display() {
-    command -v Xvfb >/dev/null || die "no display, and no Xvfb to stand in for one"
+    command -v Xvfb >/dev/null || die "no display, and Xvfb is not installed"
     # shellcheck disable=SC2154 # set by prepare.sh
     local -r log=$project/build/xvfb.log
     local server number
     # --pdeathsig: SIGTERM once this process is gone.
-    # setsid: Ctrl-C is for the program, which still needs its display to end in good order.
-    # -noreset: the display is not interrupted when one program leaves before the next one comes.
+    # setsid: Ctrl-C must reach only the program, which needs its display for an orderly shutdown.
+    # -noreset: the display persists when one program disconnects before the next one connects.
     exec {server}< <(
         exec setpriv --pdeathsig TERM setsid \
             Xvfb -displayfd 3 -screen 0 1280x800x24 +extension GLX -noreset 3>&1 >"$log" 2>&1

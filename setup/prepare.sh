@@ -1,9 +1,9 @@
 # shellcheck shell=bash
-# From a bare machine to a built tree, for app/run and tests/run to source:
-#   prepare PRESET TARGETS GROUPS ARGUMENT...   installs what is missing of these groups of packages,
+# Installs packages, configures and builds; app/run and tests/run source this:
+#   prepare PRESET TARGETS GROUPS ARGUMENT...   installs missing packages of these groups,
 #                                               configures the preset, builds the TARGETs
-# ARGUMENTs are the caller's own, handed on should it have to start again as another user.
-# Standard input and output belong to the program; all that is said here goes to standard error.
+# ARGUMENTs are those of the caller, passed on if it has to be restarted as another user.
+# Standard input and output are reserved for the program; messages go to standard error.
 
 project=$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/..")
 packages=$project/setup/packages.txt
@@ -27,7 +27,7 @@ die() {
     exit 1
 }
 
-# Debian or what descends from it, such as Ubuntu.
+# Debian or a distribution based on it, such as Ubuntu.
 is_debian() {
     local -r os_release=${SPRINGDRIVE_OS_RELEASE:-/etc/os-release}
     # shellcheck source=/dev/null
@@ -37,20 +37,20 @@ is_debian() {
     esac
 }
 
-# The packages of these groups; of all where none is named.
+# The packages of these groups; of all groups if none is named.
 packages_of() {
     awk -v groups=" ${1-} " '
         /^\[/ { taken = groups == "  " || index(groups, " " substr($1, 2, length($1) - 2) " ") }
         /^[a-z]/ && taken { print $1 }' "$packages"
 }
 
-# Asks dpkg alone, so that nothing missing costs no time.
+# Queries only dpkg, which is fast when nothing is missing.
 missing_packages() {
     # shellcheck disable=SC2016 # the variables are dpkg's
     local -r installed='${db:Status-Status} ${Package}\n'
     packages_of "$1" |
         grep -vxFf <(dpkg-query --show --showformat="$installed" | sed -n 's/^installed //p') ||
-        true # grep's word for "none missing"
+        true # grep fails if none is missing
 }
 
 install_missing_packages() {
@@ -62,21 +62,21 @@ install_missing_packages() {
     local -r install="apt-get install --no-install-recommends ${missing[*]}"
     if ((EUID != 0)); then
         command -v sudo >/dev/null ||
-            die "packages are missing, with neither root nor sudo to install them;" \
+            die "packages are missing, and neither root nor sudo is available to install them;" \
                 "as root run: apt-get update && $install"
         as_root=(sudo)
-        say "sudo is used to install packages, and may ask for your password"
+        say "installing packages with sudo, which may ask for your password"
     fi
     say "installing ${#missing[@]} packages: ${missing[*]}"
     as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get --yes -o DPkg::Lock::Timeout=120)
     wait_for_package_lists
-    "${as_root[@]}" update || say "apt-get update failed; trying with the package lists at hand"
+    "${as_root[@]}" update || say "apt-get update failed; trying with the existing package lists"
     "${as_root[@]}" install --no-install-recommends "${missing[@]}" ||
         die "could not install the packages; as root try: apt-get update && $install"
 }
 
-# Another apt-get may be updating the lists, as a new machine does after its first boot. Our own
-# would not wait: DPkg::Lock::Timeout is for dpkg's lock alone.
+# Another apt-get may be updating the lists, as on a new machine after its first boot. Our apt-get
+# would not wait for it: DPkg::Lock::Timeout applies only to dpkg's lock.
 wait_for_package_lists() {
     local inode seconds
     inode=$(stat --format=%i /var/lib/apt/lists/lock 2>/dev/null) || return 0
@@ -87,8 +87,8 @@ wait_for_package_lists() {
     done
 }
 
-# Through sudo, root is for installing only: what is built and run is the user's, unless the
-# tree is root's own.
+# Under sudo, root only installs packages: building and running is done as the user, unless root
+# owns the tree.
 leave_root_of_sudo() {
     [[ $EUID == 0 && ${SUDO_UID:-0} != 0 && ! -O $project ]] || return 0
     local home
@@ -100,15 +100,15 @@ leave_root_of_sudo() {
 
 check_other_distribution() {
     local tool
-    say "neither Debian nor Ubuntu: nothing is installed here by itself. Needed, by Debian's names:"
+    say "neither Debian nor Ubuntu: packages must be installed by hand. Debian names:"
     packages_of | sed 's/^/  /'
     for tool in cmake ninja c++; do
         command -v "$tool" >/dev/null ||
-            die "no '$tool' here; install what is listed above, then start again"
+            die "'$tool' not found; install the packages listed above, then start again"
     done
 }
 
-# A tree that was moved is configured anew: CMake keeps absolute paths.
+# A tree that was moved is reconfigured, as CMake stores absolute paths.
 is_configured() {
     [[ -f $build/build.ninja ]] &&
         grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$project" "$build/CMakeCache.txt"
@@ -116,7 +116,7 @@ is_configured() {
 
 is_on() { grep -qxF "$1:BOOL=ON" "$build/CMakeCache.txt"; }
 
-# What a tree once had it keeps.
+# Options that were enabled once stay enabled.
 configure() {
     local -r groups=$1
     local -a options=(--fresh)
@@ -141,14 +141,14 @@ configure() {
 build() {
     local -a targets
     read -r -a targets <<<"$1"
-    # Asked first, as ninja has no way to be silent only when there is nothing to do.
+    # A dry run first, as ninja cannot be silent only when there is nothing to do.
     [[ $(ninja -C "$build" -n "${targets[@]}") != *"no work to do"* ]] || return 0
     say "building ${targets[*]}"
     # Killing this script must not leave a build behind.
     setpriv --pdeathsig TERM ninja -C "$build" -j "$(job_count)" "${targets[@]}"
 }
 
-# As many compilers as there are cores, and memory for: one may take 1.5 GiB.
+# As many jobs as cores and available memory allow: a compiler may need 1.5 GiB.
 job_count() {
     awk -v cores="$(nproc)" '/^MemAvailable:/ {
         fit = int($2 / (1.5 * 1024 * 1024))

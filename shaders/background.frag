@@ -1,4 +1,4 @@
-// A calm vertical gradient, with noise below one grey level so that it shows no bands.
+// A vertical gradient, dithered with noise below one grey level to avoid banding.
 in vec2 screen;
 
 out vec4 pixel;

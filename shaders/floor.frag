@@ -1,4 +1,4 @@
-// The floor: a grid of 1 cm and 5 cm from the device's origin, and the shadows of what is above.
+// The floor: a grid of 1 cm and 5 cm from the device's origin, and the shadows of objects above it.
 in vec2 world_xz_m;
 
 uniform vec2 centre_m;
@@ -8,7 +8,7 @@ uniform float shadow_half_size_m;
 uniform sampler2D scene_shadow;
 uniform sampler2D moving_shadow;
 uniform float opacity;
-uniform float pixel_scale; // framebuffer pixels in a pixel of the layout
+uniform float pixel_scale; // framebuffer pixels per layout pixel
 
 out vec4 pixel;
 
@@ -19,7 +19,7 @@ const float kFineLine = 0.22;
 const float kBoldLine = 0.42;
 const float kDarkest = 0.78;
 
-// How much of this pixel the lines of a grid cover, fading where its cells get too small to see.
+// The fraction of this pixel that grid lines cover; fades out where the cells become too small.
 float grid(float spacing_m, float half_width_px) {
     vec2 pixel_m = max(fwidth(world_xz_m), vec2(1e-7));
     vec2 distance_m = abs(fract(world_xz_m / spacing_m - 0.5) - 0.5) * spacing_m;

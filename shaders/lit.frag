@@ -1,5 +1,5 @@
-// Linear lighting: sky and ground from all around, a key light from the upper left that stands
-// still in the world, a weak light at the eye so that no side is flat, a highlight and a rim.
+// Linear lighting: hemispherical light from sky and ground, a key light from the upper left that is
+// fixed in the world, a weak light at the eye for contrast on all sides, a highlight and a rim.
 in vec3 world_position_m;
 in vec3 world_normal;
 in vec4 base_colour;
@@ -7,7 +7,7 @@ in vec2 base_coordinate;
 
 uniform sampler2D base_texture; // sRGB, decoded by the sampler
 uniform vec3 eye_m;
-uniform float glow; // 0 is lit by the lights alone, 1 shows the base colour itself
+uniform float glow; // 0: lit by the lights only, 1: the base colour itself
 
 out vec4 pixel;
 
@@ -30,7 +30,7 @@ float to_the_32nd(float x) {
 vec3 lit(vec3 base, vec3 n, vec3 to_eye) {
     float facing = max(dot(n, to_eye), 0.0);
     float key = 0.5 + 0.5 * dot(n, kKeyDirection);
-    key *= key; // no hard line where the light's side ends (half Lambert)
+    key *= key; // half Lambert: no hard terminator
     vec3 light = mix(kGround, kSky, 0.5 + 0.5 * n.y) + kKey * key + kEye * facing;
 
     vec3 half_way = normalize(kKeyDirection + to_eye);
@@ -43,7 +43,7 @@ vec3 lit(vec3 base, vec3 n, vec3 to_eye) {
 void main() {
     vec4 base = base_colour * texture(base_texture, base_coordinate);
 #ifdef TRANSLUCENT
-    // What is cut out by its texture must not hide what lies behind it.
+    // Cut-out texels must not write depth.
     if (base.a < 0.01) {
         discard;
     }

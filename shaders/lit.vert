@@ -1,4 +1,4 @@
-// Scene, linkage and markers.
+// Vertex shader of scene, linkage and markers.
 layout(location = 0) in vec3 position_m;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 vertex_colour; // linear

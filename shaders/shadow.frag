@@ -1,4 +1,4 @@
-// The lower something hangs, the darker its shadow. Blended so that the darkest counts.
+// The lower an object, the darker its shadow. Blended so that the darkest value is kept.
 in float height_m;
 
 out float darkness;

@@ -1,4 +1,4 @@
-// Looks straight down on the floor, so that a shadow tells x and z on the grid.
+// Vertical projection onto the floor, so that a shadow shows x and z on the grid.
 layout(location = 0) in vec3 position_m;
 
 uniform mat4 model;

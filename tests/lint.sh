@@ -1,18 +1,18 @@
 # shellcheck shell=bash
-# What clang and its tools say of the sources, for tests/run to source:
-#   check_format              clang-format over all
-#   lint GROUPS [REV]         that, and clang-tidy over what changed
-#   compile_each_alone GROUPS clang over all
-# GROUPS are the packages that a whole build needs.
+# Checks of the sources by clang and its tools; tests/run sources this:
+#   check_format              clang-format on all files
+#   lint GROUPS [REV]         the same, and clang-tidy on changed files
+#   compile_each_alone GROUPS clang on all files
+# GROUPS are the package groups that a complete build needs.
 
-# Files of our own that git knows, or would if they were added.
+# Source files of the project: tracked by git, or untracked and not ignored.
 own_files() {
     git -C "$project" ls-files --cached --others --exclude-standard -- '*.h' '*.cpp' |
         while read -r file; do [[ ! -e $project/$file ]] || printf '%s\n' "$file"; done
 }
 
-# The .cpp files in which something differs from where REV and HEAD went apart, and for each changed
-# header one that includes it; all where REV is "all", HEAD itself or nothing that git knows.
+# The .cpp files that differ from the merge base of REV and HEAD, and for each changed header one
+# file that includes it; all files if REV is "all", HEAD itself or unknown to git.
 changed_sources() {
     local since file
     if [[ $1 == all ]] || ! since=$(git -C "$project" merge-base "$1" HEAD 2>/dev/null) ||
@@ -29,7 +29,7 @@ changed_sources() {
         done
 }
 
-# The files that the lint build would compile and that hold one of those named on standard input.
+# The translation units of the lint build that contain one of the files named on standard input.
 units_with() {
     local unit sources
     sources=$(sed "s|.*|\"$project/&\"|")
@@ -41,10 +41,10 @@ units_with() {
         done
 }
 
-# What clang-tidy found nothing in it is not asked about again: same text, same checks. A group of
-# files is one main file to it, so the analyser is told to look at what that includes, too; it is kept
-# to what ships, for the time it takes, as is the check of members without a value, which GoogleTest's
-# copies of our own values set off.
+# A unit that passed clang-tidy before is skipped if text and checks are the same. clang-tidy treats
+# a unit of several files as one main file, so the analyser also has to check included files. The
+# analyser runs only on production code, as it is slow, and so does the check of uninitialised
+# members, which reports GoogleTest's copies of our types.
 tidy() {
     local -r unit=$1
     local command text mark
@@ -69,7 +69,7 @@ tidy() {
 
 check_format() {
     (cd "$project" && own_files | xargs clang-format --dry-run --Werror) ||
-        die "not as clang-format would have it; clang-format -i FILE mends it"
+        die "formatting differs from clang-format; run clang-format -i FILE"
 }
 
 lint() {
@@ -86,12 +86,12 @@ lint() {
     ((${#units[@]} > 0)) || return 0
     export -f tidy
     export build project
-    # shellcheck disable=SC2016 # for that shell to expand
+    # shellcheck disable=SC2016 # expanded by the inner shell
     printf '%s\n' "${units[@]}" | xargs -P "$(nproc)" -n 1 bash -c 'tidy "$0"' ||
-        die "tests/run --lint: clang-tidy found something"
+        die "tests/run --lint: clang-tidy reported problems"
 }
 
-# Each file without the others' and without precompiled headers.
+# Compiles each file alone, without precompiled headers.
 compile_each_alone() {
     prepare clang generated/app/view/embedded_shaders.h "$1 lint" --clang "${@:2}"
     cd "$build" || return

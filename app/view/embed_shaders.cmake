@@ -1,9 +1,9 @@
-# Puts the text of shaders into a C++ header, anew whenever one of them changes.
+# Embeds the text of shaders in a C++ header, which is regenerated whenever one of them changes.
 #
-#   embed_shaders(TARGET HEADER SHADER...)     paths from the top of the project
+#   embed_shaders(TARGET HEADER SHADER...)     paths relative to the top folder
 #
 # lets TARGET include "HEADER", in which shaders/lit.frag is `springdrive::shaders::lit_frag`, a
-# std::string_view. The same file, run as a script by the build, writes the header.
+# std::string_view. The build runs this file as a script to write the header.
 
 if(NOT CMAKE_SCRIPT_MODE_FILE)
     set(EMBED_SHADERS_SCRIPT ${CMAKE_CURRENT_LIST_FILE})

@@ -1,4 +1,4 @@
-# Figure 7: up to which frequency the transpose map's directions hold.
+# Figure 7: direction error of the transpose map over frequency.
 set terminal svg size 900,600 font "DejaVu Sans,14" enhanced background rgb "white"
 set label 1 heading at screen 0.5, 0.965 center noenhanced font ",16"
 set label 2 setting at screen 0.5, 0.925 center noenhanced font ",12" textcolor rgb grey

@@ -1,5 +1,5 @@
-# The tip's speed that trials leave behind over two parameters, with the predicted line on it and
-# the line up to which trials come to rest.
+# The tip's speed after trials over two parameters, with the predicted limit and the limit up to
+# which trials come to rest.
 set terminal svg size 900,760 font "DejaVu Sans,14" enhanced background rgb "white"
 set lmargin at screen 0.13
 set rmargin at screen 0.82
@@ -9,7 +9,7 @@ set label 1 heading at screen 0.5, 0.97 center noenhanced font ",16"
 set label 2 setting at screen 0.5, 0.935 center noenhanced font ",11" textcolor rgb grey
 set label 3 loop at screen 0.5, 0.91 center noenhanced font ",11" textcolor rgb grey
 
-# The grid is even in x or in its logarithm; tics say the values themselves.
+# The grid is uniform in x or in its logarithm; tics show the values themselves.
 along_x(v) = x_by_ratio ? log10(v) : v
 along_y(v) = y_by_ratio ? log10(v) : v
 
@@ -39,7 +39,7 @@ power(v) = v < 1e-3 || v > 1e5 ? gprintf("10^{%T}", v) : sprintf("%g", v)
 number(m, d) = m == 1 ? power(10.0**d) : d < -3 ? sprintf("%d·%s", m, power(10.0**d)) : sprintf("%g", m * 10.0**d)
 is_told(m, width) = m == 1 || width < 1.05 || width < 2.5 && (m == 2 || m == 5)
 if (x_by_ratio) {
-    set xtics (" " -99) # none of its own
+    set xtics (" " -99) # no default tics
     set for [d=-12:7] for [m=1:9] xtics add ((is_told(m, x_last - x_first) ? number(m, d) : "") d + log10(m) m > 1)
 }
 if (y_by_ratio) {
@@ -56,7 +56,7 @@ set palette defined (0 "#f7fbff", 0.25 "#9ecae1", 0.45 "#4292c6", 0.55 "#fdae6b"
 unset grid
 set key at screen 0.82, 0.893 right top horizontal samplen 3 font ",11"
 set datafile separator whitespace # as tables are
-# A line that is nowhere has words in its stead.
+# If there is no line, the legend says so.
 plot $field using 1:2:3 with image pixels notitle, \
      $predicted using 1:2 with lines linewidth 4 linecolor rgb "white" notitle, \
      $by_trial using 1:2 with lines linewidth 3.4 linecolor rgb "white" notitle, \

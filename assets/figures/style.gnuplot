@@ -1,5 +1,5 @@
-# What all charts share; app/figures/figure.h says where csv, svg and the marks come from.
-# Colours that the colour-blind can tell apart (Okabe and Ito), on white, for print.
+# Settings of all charts; app/figures/figure.h documents where csv, svg and the marks come from.
+# Colour-blind safe colours (Okabe and Ito), on white, for print.
 set encoding utf8
 set datafile separator ","
 set output svg

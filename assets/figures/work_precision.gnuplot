@@ -1,5 +1,5 @@
-# A work-precision chart: what a method costs, and how far from the truth it is. Rows of the CSV
-# file: method, setting, least, median and greatest cost [ns], error, stable.
+# A work-precision chart: cost and error of each method. Columns of the CSV file: method, setting,
+# minimum, median and maximum cost [ns], error, stable.
 rows = (words(methods) + has_failures + 1) / 2 # of the legend
 row = 26.0                      # pixels
 height = 600 + row*rows
@@ -14,7 +14,7 @@ set logscale xy
 set xrange [cost_low_s:cost_high_s]
 set yrange [error_low:error_high]
 set xlabel cost_label noenhanced
-# A long label takes two lines, or it would reach beyond the frame.
+# A long label takes two lines, to stay within the frame.
 comma = strstrt(error_label, ", ")
 if (strlen(error_label) > 55 && comma > 0) {
     error_label = error_label[1:comma] . "\n" . error_label[comma + 2:*]
@@ -22,7 +22,7 @@ if (strlen(error_label) > 55 && comma > 0) {
 set ylabel error_label noenhanced
 set key at screen 0.5, (34 + row*rows)/height center top maxrows rows samplen 2.5 width 2 noenhanced Left reverse
 
-# Each decade has its number; where there are few, their 2 and 5 as well.
+# Each decade has a number; with few decades, 2 and 5 as well.
 set micro
 set xtics format "%.0s %cs"
 few(low, high) = log10(high/low) < 2.2
@@ -36,7 +36,7 @@ set ytics format (plain ? "%g" : power)
 if (few(least, error_high)) {
     set for [e=-20:6] for [m in "2 5"] ytics add (gprintf(plain ? "%g" : "%.0t·".power, m*10.0**e) m*10.0**e)
 }
-# An error of 0, or of what arithmetic rounds off, stands below all others, at a number of its own.
+# An error of 0 or of round-off is drawn below all others, with its own tic.
 if (error_of_zero > 0) {
     set ytics ((round_off > 0 ? "≈ 0" : "0") error_of_zero)
     do for [e=-20:6] {
@@ -44,14 +44,14 @@ if (error_of_zero > 0) {
     }
 }
 
-# One colour and one mark a method.
+# One colour and one mark per method.
 array colour[10] = [vermillion, blue, green, "#CC79A7", "#E69F00", "black", "#56B4E9", "#8C564B", "#777777", "#B2A000"]
 array mark[10] = [4, 7, 8, 12, 6, 10, 5, 9, 13, 11]
 count = words(methods)
 look(i) = (i - 1) % 10 + 1
 
-# A point stands at the least of its times, which what else the machine does changes least; a bar
-# goes to the greatest. Of method i in the row at hand; what is undefined is left out.
+# A point is at the minimum of its times, which other load affects least; a bar extends to the
+# maximum. For method i in the current row; undefined values are omitted.
 is_of(i) = word(method_of_rows, int($0) + 1) == i
 stable(i) = is_of(i) && $7 == 1 ? 1e-9*$3 : NaN
 unstable(i) = is_of(i) && $7 == 0 ? 1e-9*$3 : NaN

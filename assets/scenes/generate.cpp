@@ -1,4 +1,4 @@
-// Writes the project's own scenes as glTF files: generate_scenes FOLDER
+// Writes the included scenes as glTF files: generate_scenes FOLDER
 #include "assets/scenes/gltf_writer.h"
 
 #include <cstdlib>

@@ -44,7 +44,7 @@ template <typename Value> void append(std::string &bytes, const Value &value) {
     bytes.append(raw.data(), raw.size());
 }
 
-/// Objects of a JSON array, one a line.
+/// Objects of a JSON array, one per line.
 struct JsonList {
     std::string text;
     int count = 0;
@@ -90,7 +90,7 @@ private:
     }
 
     void add_part(const Part &part) {
-        // One statement each: within one expression the compiler might write either first.
+        // Separate statements: within one expression the evaluation order is unspecified.
         const int positions = add_positions(part);
         const int normals = add_normals(part);
         std::string attributes =
@@ -165,7 +165,7 @@ private:
                             "VEC4", R"(, "normalized": true)");
     }
 
-    /// 16 bits do for all our shapes, which have fewer than 65,535 vertices each.
+    /// 16 bits suffice for all our shapes, which have fewer than 65,535 vertices each.
     int add_indices(const Part &part) {
         const std::size_t start = bytes_.size();
         for (const auto &triangle : part.triangles) {

@@ -1,4 +1,4 @@
-// What each of the project's scenes holds. Sizes suit the workspace of the PHANTOM 1.0, a box of
+// The content of each included scene. Sizes suit the workspace of the PHANTOM 1.0, a box of
 // 254 × 178 × 127 mm around (0, 30, −15) mm; the tip's zero pose, the origin, is left free.
 #include "assets/scenes/shapes.h"
 
@@ -14,15 +14,15 @@ Part named(Part part, std::string name, const std::array<double, 3> &base_colour
     return part;
 }
 
-// Tolerances, each for what its scene shows. A hand tells forces that differ by about a tenth, and
-// presses with some 1 to 3 N here; directions are noticed from 25° on (the paper, section V).
+// Tolerances, each for the purpose of its scene. Humans distinguish forces that differ by about a
+// tenth, and press with some 1 to 3 N here; they notice directions from 25° on (paper, section V).
 
-constexpr Tolerance kToFeelAWall = {0.15, 12.0, 100.0};     // there is one, and it is flat
-constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};  // by how the force turns
+constexpr Tolerance kToFeelAWall = {0.15, 12.0, 100.0};     // presence and flatness
+constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};  // change of force direction
 constexpr Tolerance kToFeelEdges = {0.05, 3.0, 300.0};      // sudden and sharp
-constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};     // with the eye upon it, too
-constexpr Tolerance kToTellStiffness = {0.30, 5.0, 30.0};   // held, not struck
-constexpr Tolerance kToFollowAProfile = {0.10, 4.0, 100.0}; // slopes, told by direction
+constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};     // while seeing it
+constexpr Tolerance kToTellStiffness = {0.30, 5.0, 30.0};   // pressed, not struck
+constexpr Tolerance kToFollowAProfile = {0.10, 4.0, 100.0}; // slopes, by direction
 
 /// 120 × 10 × 80 mm, its top 5 mm below the origin.
 SceneDescription plate() {
@@ -57,7 +57,7 @@ SceneDescription stepped_block() {
             kToFeelEdges};
 }
 
-/// Lumps on a body, like a coral or a potato; fitted to whatever workspace it meets.
+/// Lumps on a body, like a coral or a potato; fitted to the device's workspace.
 SceneDescription organic() {
     constexpr int kFrequency = 39; // 30,420 triangles
     Part coral = blob_union(rig::organic_shape(), kFrequency);

@@ -13,7 +13,7 @@ namespace {
 
 using Corner = std::array<int, 3>;
 
-/// Adds the square face of cell (i, j, k) that looks along ±`axis`.
+/// Adds the square face of cell (i, j, k) that faces along ±`axis`.
 void add_face(Part &part, const std::array<const std::vector<double> *, 3> &coordinates,
               const Corner &cell, int axis, bool upper) {
     const int u = (axis + 1) % 3; // axis, u, v are right-handed
@@ -42,7 +42,7 @@ void add_face(Part &part, const std::array<const std::vector<double> *, 3> &coor
     part.triangles.push_back({first, first + 2, first + last});
 }
 
-/// The icosahedron's twelve corners: three golden rectangles, square to each other.
+/// The icosahedron's twelve corners: three mutually perpendicular golden rectangles.
 std::vector<Vector3> icosahedron_corners() {
     const double golden = 0.5 * (1.0 + std::sqrt(5.0));
     std::vector<Vector3> corners;
@@ -138,7 +138,7 @@ Part geodesic_sphere(int frequency) {
     const std::vector<Vector3> corners = icosahedron_corners();
     Part part;
     // A vertex on an edge or corner belongs to several faces. Its weights on the icosahedron's
-    // corners tell which vertices are the same, without comparing coordinates.
+    // corners identify equal vertices without comparing coordinates.
     std::map<std::map<std::uint32_t, int>, std::uint32_t> known;
     const auto vertex = [&](const std::array<std::uint32_t, 3> &face, int a, int b) {
         const std::array<int, 3> weights = {frequency - a - b, a, b};

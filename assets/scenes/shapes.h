@@ -1,7 +1,7 @@
-// The shapes of the project's own scenes: closed meshes, wound counter-clockwise seen from outside.
+// The shapes of the included scenes: closed meshes, wound counter-clockwise seen from outside.
 //
-// Only + − × ÷ and √ enter the coordinates, which IEEE 754 rounds alike everywhere: the files that
-// generate.cpp writes from them are the same bytes on every machine.
+// The coordinates use only + − × ÷ and √, which IEEE 754 rounds identically everywhere: the files
+// that generate.cpp writes from them are the same bytes on every machine.
 #pragma once
 
 #include "base/vector.h"
@@ -16,18 +16,18 @@
 
 namespace springdrive::scenes {
 
-/// What becomes one glTF node.
+/// The content of one glTF node.
 struct Part {
     std::string name;
     std::vector<Vector3> positions_m;
-    std::vector<Vector3> normals;                     ///< unit, one a vertex
-    std::vector<std::array<std::uint8_t, 4>> colours; ///< linear RGBA, one a vertex; may be empty
+    std::vector<Vector3> normals;                     ///< unit, one per vertex
+    std::vector<std::array<std::uint8_t, 4>> colours; ///< linear RGBA, one per vertex; may be empty
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::array<double, 3> base_colour{1.0, 1.0, 1.0}; ///< linear
-    std::optional<double> eta;                        ///< η of (30), if the node says any
+    std::optional<double> eta;                        ///< η of (30), if the node has one
 };
 
-/// A grid of box cells with faces at these coordinates, each list rising.
+/// A grid of box cells with faces at these coordinates, each list ascending.
 struct CellGrid {
     std::vector<double> x_m;
     std::vector<double> y_m;
@@ -52,8 +52,8 @@ struct ProfilePoint {
 [[nodiscard]] Part extrusion(const std::vector<ProfilePoint> &profile, double floor_y_m,
                              double half_width_m);
 
-/// Directions over the unit sphere: an icosahedron with each edge cut into `frequency` pieces,
-/// pushed out to the sphere. 20 f² triangles over 10 f² + 2 vertices; `normals` equal the
+/// Directions over the unit sphere: an icosahedron with each edge divided into `frequency` pieces,
+/// projected onto the sphere. 20 f² triangles over 10 f² + 2 vertices; `normals` equal the
 /// positions.
 [[nodiscard]] Part geodesic_sphere(int frequency);
 
@@ -61,17 +61,17 @@ struct ProfilePoint {
 /// smooth normals, coloured by distance from the origin.
 [[nodiscard]] Part blob_union(const rig::BlobShape &shape, int frequency);
 
-/// What a cheaper model of a scene may be off the fullest; see docs/models.md.
+/// Permitted error of a cheaper model of a scene relative to the full one; see docs/models.md.
 struct Tolerance {
     double force_N;
     double direction_deg;
     double bandwidth_hz;
 };
 
-/// A scene file of the project.
+/// An included scene file.
 struct SceneDescription {
     std::string name;
-    bool in_metres = false; ///< else it is fitted to the device's workspace when loaded
+    bool in_metres = false; ///< otherwise fitted to the device's workspace when loaded
     std::vector<Part> parts;
     Tolerance tolerance;
     bool planar = false; ///< the hand stays in the plane x = 0

@@ -1,6 +1,6 @@
-# For checks of what compiles and what does not.
+# Compiler flags, for checks of what compiles and what does not.
 
-# flags_of BUILD_FOLDER ROOM prints the command that compiled a file of the room, but for its input,
+# flags_of BUILD_FOLDER ROOM prints the command that compiled a file of the room, without its input,
 # output and precompiled headers.
 flags_of() {
     awk -v target="/CMakeFiles/$2.dir/" '
