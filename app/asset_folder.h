@@ -1,4 +1,4 @@
-// Where devices, tunings and scenes lie.
+// The location of devices, tunings and scenes.
 #pragma once
 
 #include <filesystem>

@@ -1,12 +1,13 @@
-// Which model a scene gets, for those who wait before a terminal.
+// The model of a scene, with progress shown on a terminal.
 #pragma once
 
 #include "engine/session/model_measurement.h"
 
 namespace springdrive::app {
 
-/// Remembered, or else measured, with a line of progress on standard error if that is a terminal.
-/// @param fresh  measured even if it is remembered
+/// The cached choice, or else a measured one, with a progress line on standard error if that is a
+/// terminal.
+/// @param fresh  measure even if a choice is cached
 [[nodiscard]] model_selection::ModelChoice
 choice_with_line(const model_selection::ModelQuestion &question, const session::ModelMemory &memory,
                  bool fresh);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kUsageMistake = 2;
 
-/// What was typed, with `demo` in front of options that stand without a subcommand.
+/// The arguments, with `demo` inserted if they have no subcommand.
 std::vector<std::string> arguments(int argc, char **argv) {
     std::vector<std::string> typed(argv + std::min(1, argc), argv + argc);
     const auto asks_the_program = [](const std::string &first) {
@@ -30,7 +30,7 @@ std::vector<std::string> arguments(int argc, char **argv) {
     return typed;
 }
 
-/// Counts letters, not bytes, so that units such as Ω do not shift what stands beside them.
+/// Counts characters, not bytes, so that units such as Ω do not shift the next column.
 class LetterFormatter : public CLI::Formatter {
 public:
     std::string make_option(const CLI::Option *option, bool is_positional) const override {
@@ -52,12 +52,11 @@ int run_command_line(int argc, char **argv) {
     CLI::App app("Touch glTF meshes with a PHANTOM, simulated or real, through spring-drive "
                  "control.",
                  "springdrive");
-    app.formatter(
-        std::make_shared<LetterFormatter>()); // before the subcommands, which take it over
+    app.formatter(std::make_shared<LetterFormatter>()); // before the subcommands, which inherit it
     app.set_version_flag("--version", SPRINGDRIVE_VERSION);
-    app.require_subcommand(0, 1); // none: a mistake that is reported by the word that is wrong
+    app.require_subcommand(0, 1); // with 1, 1 the error would not name the invalid word
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
-               "Each subcommand tells its options: springdrive stiffness --help.");
+               "For the options of a subcommand: springdrive stiffness --help.");
     add_demo_command(app);
     add_record_command(app);
     add_replay_command(app);
@@ -73,7 +72,7 @@ int run_command_line(int argc, char **argv) {
 
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them
     if (std::find(reversed.begin(), reversed.end(), "") != reversed.end()) {
-        std::cerr << "springdrive: an argument is empty; give its value, or leave its option out\n";
+        std::cerr << "springdrive: an argument is empty; give its value, or omit its option\n";
         return kUsageMistake;
     }
     std::reverse(reversed.begin(), reversed.end());
@@ -82,7 +81,7 @@ int run_command_line(int argc, char **argv) {
     } catch (const CLI::Success &request) {
         return app.exit(request); // prints what --help or --version asked for
     } catch (const CLI::RuntimeError &verdict) {
-        return verdict.get_exit_code(); // of a command that did its work and found fault
+        return verdict.get_exit_code(); // of a command that completed with a negative verdict
     } catch (const CLI::ParseError &error) {
         const auto asked_for = app.get_subcommands();
         std::cerr << "springdrive: " << error.what() << "; see springdrive "

@@ -12,7 +12,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// Until the window is closed, the frames are over, or somebody asks for the end.
+/// Until the window is closed, the frames are over, or termination is requested.
 void play(const DemoOptions &options, session::Session &session, Screen &screen) {
     FramePace pace;
     const bool lockstep = options.session.lockstep;
@@ -50,7 +50,7 @@ bool run_demo(const DemoOptions &options) {
             std::cout << "screenshot: " << options.screenshot.string() << '\n';
         }
     }
-    // Who sits before the window sees it stop.
+    // An attended run shows the stop in its window.
     const bool stopped = options.unattended() && session::was_stopped(session, std::cerr);
     return session::record_is_whole(session, std::cerr) && !stopped;
 }

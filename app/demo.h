@@ -1,13 +1,14 @@
-// The demo: a session, its window, and the frames between opening and closing it.
+// The demo: a session, its window and the frame loop.
 #pragma once
 
 #include "app/demo_options.h"
 
 namespace springdrive::app {
 
-/// Runs until the window is closed, its frames are over, or SIGINT or SIGTERM arrives. False where
-/// its record is not whole, or an unattended run was stopped by the safety monitor.
-/// @throw InputError for what cannot be used, before the servo starts or, for files that cannot be
+/// Runs until the window is closed, the given number of frames or seconds is over, or SIGINT or
+/// SIGTERM arrives. False if its record is incomplete, or the safety monitor stopped an unattended
+/// run.
+/// @throw InputError for invalid input, before the servo starts, or for files that cannot be
 ///        written, after it was stopped.
 [[nodiscard]] bool run_demo(const DemoOptions &options);
 

@@ -1,4 +1,4 @@
-// What the demo was asked to do, as plain values.
+// Options of the demo, as plain values.
 #pragma once
 
 #include "engine/session/session_options.h"
@@ -9,15 +9,14 @@ namespace springdrive::app {
 
 struct DemoOptions {
     session::SessionOptions session;
-    int frames = 0; ///< end after so many; 0: no end by frames
-    double seconds =
-        0.0; ///< end after so long, by frame time in lockstep, else by the clock; 0: no
+    int frames = 0;       ///< end after this many; 0: no limit
+    double seconds = 0.0; ///< end after this time (in lockstep: frame time); 0: no limit
     std::filesystem::path screenshot; ///< empty: none
     int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale
     int height = 0;
     double scale = 0.0; ///< of text and panels; 0: the display's own
 
-    /// A run that ends by itself plays a path, so that it touches something.
+    /// A run that ends by itself follows a path, so that it touches something.
     [[nodiscard]] bool unattended() const { return frames > 0 || seconds > 0.0; }
 };
 

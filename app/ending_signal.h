@@ -1,10 +1,9 @@
-// A signal that asks the program to end (SIGINT, SIGTERM, SIGHUP) is only noted: who runs a loop
-// looks.
+// Signals that request termination (SIGINT, SIGTERM, SIGHUP) only set a flag, which loops poll.
 #pragma once
 
 namespace springdrive::app {
 
-/// From now on such signals are noted.
+/// Installs the handlers of these signals.
 void note_ending_signals();
 
 [[nodiscard]] bool asked_to_end();

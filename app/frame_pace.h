@@ -1,5 +1,5 @@
-// One frame a sixtieth of a second by the clock, for displays that do not wait for their beam, and
-// for runs without one.
+// Limits frames to 60 per second by the clock, for displays without vertical synchronisation and
+// for runs without a display.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Tells on a stream how far a loading has come, for those who wait before a terminal.
+// Prints the progress of loading to a stream, for users at a terminal.
 #pragma once
 
 #include "engine/scene/load_progress.h"
@@ -13,8 +13,8 @@
 
 namespace springdrive::app {
 
-/// Prints "springdrive: big.glb: gathering triangles, 40 %" once a period while it lives, the first
-/// time after one: what loads faster goes without a word.
+/// Prints "springdrive: big.glb: gathering triangles, 40 %" once per period while it exists, first
+/// after one period: faster loading prints nothing.
 class LoadLines {
 public:
     /// @param progress and `out` must outlive it
@@ -37,7 +37,7 @@ private:
     std::thread thread_;
 };
 
-/// `touch_scene`, with such lines on standard error where that is a terminal.
+/// `touch_scene`, with such lines on standard error if that is a terminal.
 [[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
                                                  const device::Workspace &workspace);
 

@@ -12,7 +12,7 @@ int main(int argc, char **argv) {
             return status;
         }
         std::cerr << "springdrive: standard output: cannot be written; is its disk full or its "
-                     "reader gone?\n";
+                     "reader closed?\n";
     } catch (const InputError &error) {
         std::cerr << "springdrive: " << error.what() << '\n';
     } catch (const std::exception &error) {

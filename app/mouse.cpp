@@ -6,7 +6,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// How far one notch of the wheel moves the hand in depth.
+/// Movement of the hand in depth by one notch of the wheel.
 constexpr double kDepthPerNotch_m = 0.002;
 
 } // namespace
@@ -14,7 +14,7 @@ constexpr double kDepthPerNotch_m = 0.002;
 void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
-    // A drag ends before this frame's motion: where the mouse went after is no part of it.
+    // A drag ends before this frame's motion, which is not part of it.
     const bool released =
         (dragging_ == Drag::hand && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) ||
         (dragging_ == Drag::orbit && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) ||
@@ -33,7 +33,7 @@ void MouseInView::apply(session::Session &session, Camera &camera, const Rectang
             dragging_ = Drag::pan;
         }
     }
-    // How the mouse came to where the drag begins is no part of it.
+    // Motion before the start of a drag is not part of it.
     const double dx = was_dragging ? io.MouseDelta.x : 0.0;
     const double dy = was_dragging ? io.MouseDelta.y : 0.0;
     const double height = view.size.y;

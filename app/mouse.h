@@ -1,4 +1,4 @@
-// What the mouse does in the scene view: the camera, and the hand.
+// Mouse control of camera and hand in the scene view.
 #pragma once
 
 #include "app/panels/layout.h"
@@ -7,7 +7,7 @@
 
 namespace springdrive::app {
 
-/// Left drag moves the hand in the view plane, the wheel meanwhile in depth; right drag orbits,
+/// Left drag moves the hand in the view plane, the wheel during a drag in depth; right drag orbits,
 /// middle drag pans, the wheel zooms. A drag belongs to the view in which it began.
 class MouseInView {
 public:
@@ -19,7 +19,7 @@ private:
     enum class Drag : unsigned char { none, hand, orbit, pan };
 
     Drag dragging_ = Drag::none;
-    Vector3 grabbed_m_{Vector3::Zero()}; ///< where the mouse wants the hand, in reach or not
+    Vector3 grabbed_m_{Vector3::Zero()}; ///< position of the hand by the mouse, within reach or not
 };
 
 } // namespace springdrive::app

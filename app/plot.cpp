@@ -12,7 +12,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// 1, 2 or 5 times a power of ten: the next such above `value`.
+/// The next value of 1, 2 or 5 times a power of ten, not below `value`.
 double round_up(double value) {
     const double decade = std::pow(10.0, std::floor(std::log10(value)));
     for (const double factor : {1.0, 2.0, 5.0}) {
@@ -28,7 +28,7 @@ ImU32 packed(ImVec4 colour, float alpha = 1.0F) {
     return ImGui::ColorConvertFloat4ToU32(colour);
 }
 
-/// The part of the screen that the axes frame, and the values at its borders.
+/// The plot area on the screen, and the values at its borders.
 struct PlotFrame {
     ImVec2 lower; ///< bottom left
     ImVec2 upper; ///< top right
@@ -117,8 +117,8 @@ void draw_levels(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
     }
 }
 
-/// One upright stroke a pixel column, from the least to the greatest value there: nothing of a
-/// kilohertz of samples is lost however narrow the plot.
+/// One vertical line per pixel column, from the minimum to the maximum value there, so that no peak
+/// of samples at 1 kHz is lost in a narrow plot.
 void draw_line(ImDrawList &list, const Plot &plot, const PlotLine &line, const PlotFrame &frame,
                std::size_t first) {
     const ImU32 colour = packed(line.colour);
@@ -224,7 +224,7 @@ void draw_plot(const Plot &plot, ImVec2 size) {
                          plot.greatest_top);
 
     list.AddText(corner, packed(kInk), plot.title);
-    // Beside the title where there is room, else below it.
+    // Beside the title if there is room, else below it.
     const bool beside = ImGui::CalcTextSize(plot.title).x + legend_width(plot) < size.x - font;
     const float legend_y = beside ? corner.y : corner.y + 1.2F * font;
     draw_legend(list, plot, {corner.x + size.x - 0.5F * font, legend_y});

@@ -23,14 +23,15 @@ struct Plot {
     const char *title = "";    ///< with the unit
     double span_s = 5.0;       ///< of the time axis, ending with the last sample
     double least_top = 1.0;    ///< the value axis runs from 0 to at least this
-    double greatest_top = 1e9; ///< and to this at most; what is above is cut off
+    double greatest_top = 1e9; ///< and to at most this; larger values are clipped
     std::size_t samples = 0;
     std::function<double(std::size_t)> time_s; ///< of sample i, increasing
     std::vector<PlotLine> lines;
     std::vector<PlotLevel> levels; ///< drawn where they lie on the axis
 };
 
-/// Draws at the cursor, `size` large, and moves the cursor below. Under the mouse: time and values.
+/// Draws with this size at the cursor, and moves the cursor below. The tooltip shows time and
+/// values.
 void draw_plot(const Plot &plot, ImVec2 size);
 
 } // namespace springdrive::app

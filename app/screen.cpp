@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kUploadPerFrame_s = 0.25 * kFrame_s; // a large scene takes several frames
 
-/// The glTF files of a folder, in order of their names.
+/// The glTF files of a folder, sorted by name.
 std::vector<std::filesystem::path> scenes_in(const std::filesystem::path &folder) {
     std::vector<std::filesystem::path> files;
     std::error_code ignored;
@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> scenes_in(const std::filesystem::path &folder
     return files;
 }
 
-/// What lies around the scene asked for, and the project's own.
+/// The included scenes, and those in the folder of the requested scene.
 std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &scene) {
     const std::filesystem::path own = asset_folder() / "scenes";
     std::vector<std::filesystem::path> files = scenes_in(own);
@@ -97,7 +97,7 @@ void Screen::show_scene() {
     const scene::Scene &scene = session_.scenes().now().scene;
     const Layout places = current_layout();
     renderer_.set_scene(scene);
-    // All of the scene, and of the device at least up to its motors.
+    // Shows the whole scene, and the device at least up to its motors.
     const double motors_m = session_.description().geometry.forearm_m;
     const Vector3 upper_m =
         scene.upper_m.cwiseMax(Vector3(scene.upper_m.x(), motors_m + 0.03, scene.upper_m.z()));

@@ -1,4 +1,4 @@
-// Everything that is on the screen, made once: the window, what is drawn in it, its panels.
+// The whole user interface: the window, the 3-D view and the panels.
 #pragma once
 
 #include "app/demo_options.h"
@@ -17,7 +17,7 @@ namespace springdrive::app {
 class Screen {
 public:
     /// @param session  must outlive it
-    /// @throw InputError where no window can be had
+    /// @throw InputError if no window can be opened
     Screen(const DemoOptions &options, session::Session &session);
 
     void draw_frame();

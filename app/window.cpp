@@ -31,7 +31,7 @@ constexpr Window::Size kDefaultSize{1280, 720};
 constexpr float kLeastWidth = 1000.0F;
 constexpr float kLeastHeight = 640.0F;
 
-/// What GLFW last complained of.
+/// The last error of GLFW.
 std::string &glfw_complaint() {
     static std::string complaint;
     return complaint;
@@ -59,7 +59,7 @@ float display_scale(GLFWwindow *window) {
     float x = 1.0F;
     float y = 1.0F;
     glfwGetWindowContentScale(window, &x, &y);
-    // On some systems the framebuffer is scaled, not the window: then ImGui scales already.
+    // On some systems the framebuffer is scaled instead of the window; ImGui then scales by itself.
     int window_width = 0;
     int framebuffer_width = 0;
     glfwGetWindowSize(window, &window_width, nullptr);
@@ -75,8 +75,9 @@ float display_scale(GLFWwindow *window) {
 Window::Window(const std::string &title, Size size, double scale) {
     glfwSetErrorCallback(on_glfw_error);
     if (glfwInit() == GLFW_FALSE) {
-        throw InputError("no display: " + glfw_complaint() +
-                         "; start it from a desktop, or use ./app/run, which makes a virtual one");
+        throw InputError(
+            "no display: " + glfw_complaint() +
+            "; start it from a desktop, or use ./app/run, which starts a virtual display");
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -87,7 +88,7 @@ Window::Window(const std::string &title, Size size, double scale) {
     size = chooses_size ? kDefaultSize : size;
     window_ = create_window(title, size, 4);
     if (window_ != nullptr && draws_in_software(window_)) {
-        // Four samples a pixel would cost a processor three times the frame.
+        // With four samples per pixel, software rendering of a frame takes three times as long.
         glfwDestroyWindow(window_);
         window_ = create_window(title, size, 0);
     }
@@ -106,14 +107,14 @@ Window::Window(const std::string &title, Size size, double scale) {
 
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr; // the layout is ours; nothing is written behind backs
+    ImGui::GetIO().IniFilename = nullptr; // fixed layout; do not write imgui.ini
     choose_font();
     usable_scale_ = scale_;
     apply_look(scale_);
     if (chooses_size) {
         enlarge_for_scale();
     }
-    // ImGui's own callbacks call these in turn.
+    // ImGui's callbacks call these.
     glfwSetKeyCallback(window_, on_key);
     glfwSetDropCallback(window_, on_drop);
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
@@ -128,7 +129,7 @@ Window::~Window() {
     glfwTerminate();
 }
 
-/// A window for a dense screen has as many more pixels.
+/// Enlarges the window for a high-density screen.
 void Window::enlarge_for_scale() {
     int left = 0;
     int top = 0;
@@ -143,7 +144,7 @@ void Window::enlarge_for_scale() {
                       std::min(static_cast<int>(kDefaultSize.height * scale_), height));
 }
 
-/// Rather small text than panels that are cut off.
+/// Reduces the text size if panels would be clipped otherwise.
 void Window::fit_scale_to_window() {
     const Size now = size();
     const float fits = std::min(static_cast<float>(now.width) / kLeastWidth,
@@ -157,7 +158,7 @@ void Window::fit_scale_to_window() {
 }
 
 void Window::choose_font() {
-    // Latin, Greek, and the superscripts, arrows and signs that the panels use.
+    // Latin, Greek, and the superscripts, arrows and symbols that the panels use.
     static constexpr std::array<ImWchar, 13> kLetters{0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010,
                                                       0x2027, 0x2070, 0x209F, 0x2190, 0x22FF,
                                                       0x21BA, 0x21BB, 0};
@@ -169,7 +170,7 @@ void Window::choose_font() {
         return;
     }
     font_remark_ = "no font with Greek letters at " SPRINGDRIVE_FONT
-                   "; install fonts-dejavu-core to read the symbols";
+                   "; install fonts-dejavu-core to show the symbols";
     ImFontConfig plain;
     plain.SizePixels = std::round(kFontPixels * scale_);
     io.Fonts->AddFontDefault(&plain);
@@ -186,8 +187,8 @@ void Window::begin_frame() {
     ImGui::NewFrame();
 }
 
-/// ImGui 1.86 sees only the keys that are down at a frame: one pressed and let go between two slow
-/// frames would be lost to it.
+/// ImGui 1.86 detects only keys that are down at a frame: a key that is pressed and released
+/// between two slow frames would be lost.
 void Window::show_short_key_presses() {
     ImGuiIO &io = ImGui::GetIO();
     for (const int key : std::exchange(prolonged_keys_, {})) {
@@ -258,7 +259,7 @@ void Window::on_drop(GLFWwindow *window, int count, const char **paths) {
 
 void Window::write_screenshot(const std::filesystem::path &file) const {
     if (last_frame_.empty()) {
-        throw InputError(file.string() + ": there is no frame to write yet");
+        throw InputError(file.string() + ": no frame has been drawn yet");
     }
     const std::size_t row = static_cast<std::size_t>(last_frame_size_.width) * 3;
     std::vector<unsigned char> top_down(last_frame_.size());

@@ -17,9 +17,9 @@ public:
         int height = 0;
     };
 
-    /// @param size   in pixels; 0 × 0 for 1280 × 720 times the scale, as far as the screen allows
-    /// @param scale  of text and panels; 0 takes the display's own
-    /// @throw InputError where no window or no OpenGL 3.3 can be had, with the remedy.
+    /// @param size   in pixels; 0 × 0 for 1280 × 720 times the scale, limited by the screen
+    /// @param scale  of text and panels; 0 for the display's scale
+    /// @throw InputError if no window or no OpenGL 3.3 is available, with the remedy.
     Window(const std::string &title, Size size, double scale);
     ~Window();
     Window(const Window &) = delete;
@@ -27,10 +27,10 @@ public:
 
     [[nodiscard]] bool is_closing() const;
 
-    /// Takes in events and opens an ImGui frame.
+    /// Polls events and begins an ImGui frame.
     void begin_frame();
 
-    /// Draws the ImGui frame over what the caller drew, and shows it all.
+    /// Draws the ImGui frame over the caller's drawing, and swaps buffers.
     void end_frame();
 
     /// Clears the whole framebuffer.
@@ -38,7 +38,7 @@ public:
 
     [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
     [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
-    /// Of text and panels; smaller than asked for where the window is too small for that.
+    /// Of text and panels; smaller than requested if the window is too small for that.
     [[nodiscard]] float scale() const { return usable_scale_; }
 
     /// True once for every press of the space bar, however short, wherever the focus is.
@@ -47,7 +47,8 @@ public:
     /// Files dropped on the window since the last call.
     [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
 
-    /// Writes what `end_frame` last showed. @throw InputError where the file cannot be written.
+    /// Writes the last frame that `end_frame` showed. @throw InputError if the file cannot be
+    /// written.
     void write_screenshot(const std::filesystem::path &file) const;
 
     /// Why text may be missing letters; empty when the font was found.
@@ -66,7 +67,7 @@ private:
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
     std::vector<int> pressed_keys_;   ///< since the last frame
-    std::vector<int> prolonged_keys_; ///< let go within a frame, shown to ImGui for one more
+    std::vector<int> prolonged_keys_; ///< released within a frame, reported to ImGui for one more
     std::vector<std::filesystem::path> dropped_;
     std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
     Size last_frame_size_;
@@ -74,7 +75,7 @@ private:
     std::string font_remark_;
 
 public:
-    /// Keeps every frame shown from now on for `write_screenshot`; costs a read-back a frame.
+    /// Keeps every frame from now on for `write_screenshot`; costs a read-back per frame.
     void keep_frames(bool keep) { keep_last_frame_ = keep; }
 };
 

@@ -13,7 +13,7 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
     Plot error;
     error.title = "angle force–normal [°]";
     error.least_top = 10.0;
-    error.greatest_top = 60.0; // what a blow makes of the angle for a moment would flatten the rest
+    error.greatest_top = 60.0; // peaks during an impact would compress the scale
     error.samples = history.size();
     error.time_s = [&history](std::size_t i) { return history[i].time_s; };
     ImVec4 faint = kUsedMap;
@@ -24,7 +24,7 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
          [&history](std::size_t i) { return history[i].other_error_deg; }},
         {transpose ? "transpose, rendered" : "inverse, rendered", kUsedMap,
          [&history](std::size_t i) { return history[i].felt_error_deg; }}};
-    error.levels = {{control::kNoticeable_deg, "25°: people begin to notice"}};
+    error.levels = {{control::kNoticeable_deg, "25°: limit of perception"}};
 
     Plot force = error;
     force.title = "force [N]";

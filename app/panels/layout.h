@@ -1,4 +1,4 @@
-// Where everything stands in the window, so that no panel ever covers the scene.
+// The layout of the window, in which no panel covers the scene.
 //
 //   ┌──────────────────────┬───────────┐
 //   │                      │ Tuning    │
@@ -49,7 +49,7 @@ struct Layout {
     return result;
 }
 
-/// Opens a panel that stays where the layout has it. Pair with ImGui::End.
+/// Begins a panel at its fixed place in the layout. Pair with ImGui::End.
 inline void begin_panel(const char *title, const Rectangle &place) {
     ImGui::SetNextWindowPos(place.corner);
     ImGui::SetNextWindowSize(place.size);

@@ -7,13 +7,13 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLeastShare = 0.02; // of the device's own: what is lower stops everything
+constexpr double kLeastShare = 0.02; // of the device's limit; lower values always trip
 
-/// A slider from next to nothing up to the device's own limit, and a button back to that.
-bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &wish) {
+/// A slider from nearly zero to the device's limit, and a button to restore that.
+bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &requested) {
     const double scale = limit.shown_per_si;
     const float font = ImGui::GetFontSize();
-    double shown = scale * std::min(device_value, wish);
+    double shown = scale * std::min(device_value, requested);
     const double highest = scale * device_value;
     const double lowest = kLeastShare * highest;
     ImGui::PushID(limit.name);
@@ -31,11 +31,11 @@ bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &wi
         changed = true;
     }
     if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("back to the device's own, %.3g %s", highest, limit.unit);
+        ImGui::SetTooltip("reset to the device's limit, %.3g %s", highest, limit.unit);
     }
     ImGui::PopID();
     if (changed) {
-        wish = shown >= highest ? device_value : shown / scale;
+        requested = shown >= highest ? device_value : shown / scale;
     }
     return changed;
 }
@@ -46,17 +46,17 @@ void draw_limits_popup(session::Session &session) {
     if (!ImGui::BeginPopup("limits")) {
         return;
     }
-    ImGui::Text("The device is stopped above");
+    ImGui::Text("Limits at which the device is stopped");
     const servo::SafetyLimits device = servo::limits_of(session.description());
-    servo::SafetyLimits wishes = session.servo().inputs().limits;
+    servo::SafetyLimits requested = session.servo().inputs().limits;
     bool changed = false;
     for (const servo::SafetyLimit &limit : servo::kSafetyLimits) {
-        changed |= edit_limit(limit, device.*limit.value, wishes.*limit.value);
+        changed |= edit_limit(limit, device.*limit.value, requested.*limit.value);
     }
     if (changed) {
-        session.servo().lower_limits(wishes);
+        session.servo().lower_limits(requested);
     }
-    ImGui::TextColored(kFaintInk, "The device file sets them; here they can only be lowered.");
+    ImGui::TextColored(kFaintInk, "Set by the device file; can only be lowered here.");
     ImGui::EndPopup();
 }
 

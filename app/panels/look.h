@@ -1,4 +1,4 @@
-// Colours and spacing of the whole window, in one place.
+// Colours and spacing of the whole window.
 #pragma once
 
 #include <imgui.h>
@@ -7,14 +7,15 @@ namespace springdrive::app {
 
 inline const ImVec4 kInk{0.90F, 0.92F, 0.94F, 1.0F};
 inline const ImVec4 kFaintInk{0.60F, 0.64F, 0.69F, 1.0F};
-inline const ImVec4 kUsedMap{1.0F, 0.86F, 0.16F, 1.0F};   ///< the map in use: as the force arrow
+inline const ImVec4 kUsedMap{1.0F, 0.86F, 0.16F, 1.0F};   ///< the active map: as the force arrow
 inline const ImVec4 kOtherMap{0.80F, 0.50F, 0.95F, 1.0F}; ///< the other one
 inline const ImVec4 kForce{1.0F, 0.86F, 0.16F, 1.0F};
 inline const ImVec4 kGood{0.35F, 0.85F, 0.60F, 1.0F};
 inline const ImVec4 kWarning{1.0F, 0.72F, 0.35F, 1.0F};
 inline const ImVec4 kDanger{1.0F, 0.38F, 0.34F, 1.0F};
 
-/// Dark, quiet, sized for `scale`. After ImGui::CreateContext, and again when the scale changes.
+/// Sets a dark style for `scale`. To be called after ImGui::CreateContext, and when the scale
+/// changes.
 void apply_look(float scale);
 
 } // namespace springdrive::app

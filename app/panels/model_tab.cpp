@@ -15,34 +15,34 @@ void explain(const char *text) {
     }
 }
 
-/// What is decided, for those who do not know the words.
+/// Explains an axis to users who do not know the terms.
 const char *meaning_of(const std::string &axis) {
-    return axis == "plant"        ? "how much of the device is simulated"
-           : axis == "steps"      ? "into how many steps a servo tick of the plant is divided"
-           : axis == "joints"     ? "how many of the three joints move"
-           : axis == "surface"    ? "what is touched: the triangles given, fewer, or exact shapes"
-           : axis == "controller" ? "how the tip's set-point becomes the motors': (18), (23)"
+    return axis == "plant"     ? "which effects of the device are simulated"
+           : axis == "steps"   ? "number of steps of the plant in a servo tick"
+           : axis == "joints"  ? "how many of the three joints are simulated"
+           : axis == "surface" ? "the haptic surface: the given triangles, fewer, or exact shapes"
+           : axis == "controller" ? "how the tip's set-point is mapped to the motors: (18), (23)"
                                   : "an aspect that can be modelled in several ways";
 }
 
-/// Why a candidate was chosen, or not.
+/// Why a candidate was selected, or not.
 std::string reason_of(const model_selection::ModelAxis &axis, std::size_t index,
                       const scene::ModelTolerance &tolerance) {
     const model_selection::Candidate &candidate = axis.candidates[index];
     if (index == axis.chosen) {
-        return "chosen: the cheapest with which the whole meets the scene's tolerance";
+        return "selected: the cheapest with which the model is within the scene's tolerance";
     }
     std::string reason = "by itself: " + model_selection::verdict(candidate.error, tolerance);
     for (const model_selection::CheaperTrial &trial : axis.cheaper) {
         if (trial.candidate == index) {
-            reason +=
-                "\nwith the rest as chosen: " + model_selection::verdict(trial.error, tolerance);
+            reason += "\nwith the other selected ones: " +
+                      model_selection::verdict(trial.error, tolerance);
         }
     }
     return reason;
 }
 
-/// A candidate's line: what it costs and how far it is off by itself.
+/// A candidate's row: its cost, and its error by itself.
 void draw_candidate(const model_selection::ModelAxis &axis, std::size_t index,
                     const scene::ModelTolerance &tolerance) {
     const model_selection::Candidate &candidate = axis.candidates[index];
@@ -50,7 +50,7 @@ void draw_candidate(const model_selection::ModelAxis &axis, std::size_t index,
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextColored(is_chosen ? kGood : kFaintInk, "%s%s", candidate.name.c_str(),
-                       is_chosen ? ", chosen" : "");
+                       is_chosen ? ", selected" : "");
     explain(reason_of(axis, index, tolerance).c_str());
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.least_ns);
@@ -64,8 +64,8 @@ void draw_headings() {
     for (const char *heading : {"candidate", "cost of a tick", "error by itself"}) {
         ImGui::TableNextColumn();
         ImGui::TextColored(kFaintInk, "%s", heading);
-        explain("cost: the least of repeated timings on this machine; error: against the fullest "
-                "of\nthis aspect, all others at their fullest; orange is beyond the tolerance");
+        explain("cost: minimum of repeated timings on this machine; error: relative to the full "
+                "model,\nwith only this aspect reduced; orange is beyond the tolerance");
     }
 }
 
@@ -86,42 +86,42 @@ void draw_axis(const model_selection::ModelAxis &axis, const scene::ModelToleran
     ImGui::TreePop();
 }
 
-/// What of a planar scene's model runs: a tip that does not leave its plane is to be no riddle.
+/// Explains why the tip does not leave its plane, or why a planar scene runs with three joints.
 void draw_joints(const session::Session &session) {
     if (session.simulation().planar) {
-        ImGui::TextWrapped("The device moves in a plane only, as this scene asks for.");
+        ImGui::TextWrapped("The device moves only in a plane, as this scene specifies.");
     } else if (session.scenes().now().choice.has_value() &&
                model_selection::model_of(*session.models().choice()).planar) {
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
-        ImGui::TextWrapped("All three joints move: a base that was free before is not held. Start "
-                           "with this scene to simulate two.");
+        ImGui::TextWrapped("All three joints are simulated: a base that was free is not locked. "
+                           "Start with this scene to simulate two.");
         ImGui::PopStyleColor();
     }
 }
 
 void draw_whether_it_runs(session::Session &session) {
     if (session.scenes().now().choice.has_value()) {
-        ImGui::TextColored(kGood, "this model runs");
+        ImGui::TextColored(kGood, "this model is active");
         return;
     }
-    ImGui::TextColored(kWarning, "found, does not run yet");
+    ImGui::TextColored(kWarning, "found, not active yet");
     ImGui::SameLine();
-    if (ImGui::SmallButton("run it")) {
+    if (ImGui::SmallButton("activate")) {
         session.choose_models();
     }
-    explain("loads the scene again with this model, and from now on every scene with the one\n"
-            "that is chosen for it, as --model auto does. To tune, keep the full one: a model\n"
-            "without mass cannot shake, whatever the gains");
+    explain("reloads the scene with this model, and then loads every scene with the model\n"
+            "selected for it, as --model auto does. For tuning keep the full model: a model\n"
+            "without mass is stable with any gains");
 }
 
 void draw_choice(const model_selection::ModelChoice &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
-    ImGui::TextWrapped("%.3f N and %.1f° off, %.3g N and %.3g° allowed", choice.error.force_N,
+    ImGui::TextWrapped("error %.3f N and %.1f°, tolerance %.3g N and %.3g°", choice.error.force_N,
                        choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
                        tolerance.direction_rad * kDegreesPerRadian);
-    explain("against the fullest model; the scene's file states what is allowed, or else the\n"
-            "usual tolerance holds");
-    ImGui::TextWrapped("%.2f µs of a processor a tick, the fullest takes %.2f µs",
+    explain("relative to the full model; the tolerance is that of the scene's file, or else the\n"
+            "default");
+    ImGui::TextWrapped("%.2f µs of computing time per tick, full model %.2f µs",
                        1e-3 * choice.cost_ns, 1e-3 * choice.fullest_cost_ns);
     for (const model_selection::ModelAxis &axis : choice.axes) {
         draw_axis(axis, tolerance);
@@ -139,7 +139,7 @@ void draw_model_tab(session::Session &session) {
     const session::ModelMeasurement &measurement = session.models().measurement();
     if (measurement.is_running()) {
         ImGui::TextWrapped("measuring: %s", measurement.progress().c_str());
-        if (ImGui::Button("give up")) {
+        if (ImGui::Button("cancel")) {
             session.models().give_up_measuring();
         }
         return;
@@ -154,13 +154,13 @@ void draw_model_tab(session::Session &session) {
         draw_joints(session);
         draw_choice(*session.models().choice());
     } else {
-        ImGui::TextWrapped("The cheapest model that this scene's tolerance allows is found by "
-                           "measuring, which takes some seconds of one processor.");
+        ImGui::TextWrapped("The cheapest model within this scene's tolerance is found by "
+                           "measuring, which takes some seconds on one processor.");
     }
     if (ImGui::Button(session.models().choice() ? "Measure again" : "Measure")) {
         session.measure_model(session.models().choice().has_value());
     }
-    explain("in the background; what was measured before on this machine is remembered");
+    explain("in the background; earlier results on this machine are cached");
 }
 
 } // namespace springdrive::app

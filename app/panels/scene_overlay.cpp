@@ -17,7 +17,7 @@ void draw_trip_banner(session::Session &session, const Rectangle &view, float sc
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::TextWrapped("Stopped: %s. The motors brake.", servo::description(safety).c_str());
-    if (!servo::is_final(safety.cause) && ImGui::Button("All is clear: reset")) {
+    if (!servo::is_final(safety.cause) && ImGui::Button("Reset")) {
         session.servo().reset_safety();
     }
     ImGui::End();
@@ -33,7 +33,7 @@ void draw_scene_overlay(session::Session &session, const Rectangle &view, float 
     const char *help = session.hand().follows_path()
                            ? "the hand follows a path · right drag: orbit · middle drag: pan · "
                              "wheel: zoom · space: emergency stop"
-                           : "left drag: move the hand, wheel meanwhile: depth · right drag: orbit "
+                           : "left drag: move the hand, with the wheel: depth · right drag: orbit "
                              "· middle drag: pan · wheel: zoom · space: emergency stop";
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     const float margin = 10.0F * scale;

@@ -36,7 +36,7 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
     ImGui::Text("%zu triangles, %.0f × %.0f × %.0f mm", shown.scene.surface.triangles.size(),
                 size_mm.x(), size_mm.y(), size_mm.z());
     if (shown.scene.in_metres) {
-        ImGui::TextColored(kFaintInk, "scale: 1 unit = 1 m, as the file says");
+        ImGui::TextColored(kFaintInk, "scale: 1 unit = 1 m, by the file");
     } else {
         ImGui::TextColored(kFaintInk, "scale: 1 unit = %.4g mm, fitted to the workspace",
                            1000.0 * shown.scene.metres_per_unit);
@@ -56,7 +56,7 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
 void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place) {
     begin_panel("Scene", place);
     if (ImGui::BeginTabBar("##tabs")) {
-        if (ImGui::BeginTabItem("What it is")) {
+        if (ImGui::BeginTabItem("Contents")) {
             draw_scene_tab(session, state);
             ImGui::EndTabItem();
         }

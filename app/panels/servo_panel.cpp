@@ -28,7 +28,7 @@ void show_state(const session::Session &session) {
         ImGui::TextColored(kGood, "running");
         break;
     case servo::SafetyState::releasing:
-        ImGui::TextColored(kWarning, "letting go, gains at %.0f %%", 100.0 * now.safety.ramp);
+        ImGui::TextColored(kWarning, "releasing, gains at %.0f %%", 100.0 * now.safety.ramp);
         break;
     case servo::SafetyState::tripped:
         ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
@@ -39,9 +39,9 @@ void show_state(const session::Session &session) {
     if (now.held_back.force || now.held_back.voltage || now.held_back.at_edge) {
         ImGui::SameLine();
         ImGui::TextColored(kWarning, "%s",
-                           now.held_back.force     ? "force held at its limit"
+                           now.held_back.force     ? "force limited"
                            : now.held_back.at_edge ? "edge of the workspace"
-                                                   : "voltage held at its limit");
+                                                   : "voltage limited");
     }
     ImGui::SameLine();
     ImGui::TextColored(kFaintInk, "%s", session.description().name.c_str());
@@ -73,26 +73,26 @@ void show_durations(const servo::ServoStatistics &statistics) {
             ImGui::TableNextColumn();
             ImGui::TextColored(kFaintInk, "%s", title);
         }
-        show_duration("period", statistics.period(), "from the start of a tick to the next one's");
+        show_duration("period", statistics.period(),
+                      "from the start of a tick to the start of the next");
         show_duration("jitter", statistics.lateness(), "from a tick's deadline to its start");
-        show_duration("compute", statistics.compute(),
-                      "from a measurement to the command that answers it");
+        show_duration("compute", statistics.compute(), "from a measurement to its command");
         ImGui::EndTable();
     }
 }
 
 void show_rate(const session::Session &session) {
     const servo::ServoStatistics &statistics = session.servo().statistics();
-    ImGui::TextColored(kFaintInk, "asked %.0f Hz", session.servo().rate_hz());
+    ImGui::TextColored(kFaintInk, "set %.0f Hz", session.servo().rate_hz());
     if (statistics.period().count() > 0) {
         ImGui::SameLine();
-        ImGui::Text("got %.1f Hz", 1.0 / statistics.period().mean_s());
+        ImGui::Text("actual %.1f Hz", 1.0 / statistics.period().mean_s());
     }
     ImGui::SameLine();
     const std::uint64_t lost = session.servo().lost_samples();
     if (session.device().device().clock() == device::DeviceClock::servo) {
-        // Nothing of it was missed: a simulated world waits.
-        ImGui::TextColored(lost == 0 ? kFaintInk : kWarning, "stood still %.0f ms  lost %llu",
+        // No deadlines are missed: the simulation pauses instead.
+        ImGui::TextColored(lost == 0 ? kFaintInk : kWarning, "paused %.0f ms  lost %llu",
                            1e3 * session.servo().stood_still().seconds,
                            static_cast<unsigned long long>(lost));
         return;
@@ -103,7 +103,7 @@ void show_rate(const session::Session &session) {
                        static_cast<unsigned long long>(lost));
 }
 
-/// "springdrive-20240531-123456.rec", in the folder in which the program was started.
+/// "springdrive-20240531-123456.rec", in the current directory.
 std::string name_of_new_record() {
     const std::time_t now = std::time(nullptr);
     std::tm parts{};
@@ -128,13 +128,14 @@ void toggle_recording(session::Session &session, ServoPanelState &state) {
 
 void show_recording(session::Session &session, ServoPanelState &state) {
     const bool recording = session.recording().is_running();
-    // As wide in both states: what stands beside it must not move under the mouse.
+    // The same width in both states, so that the next button does not move.
     const float width = ImGui::CalcTextSize("stop recording").x + ImGui::GetFontSize();
     if (ImGui::Button(recording ? "stop recording" : "record", {width, 0.0F})) {
         toggle_recording(session, state);
     }
     if (ImGui::IsItemHovered() && !recording) {
-        ImGui::SetTooltip("every tick into a file in the folder where springdrive was started");
+        ImGui::SetTooltip(
+            "writes every tick to a file in the folder where springdrive was started");
     }
     ImGui::SameLine();
     if (ImGui::Button("limits")) {
@@ -169,7 +170,7 @@ void draw_servo_panel(session::Session &session, ServoPanelState &state, const R
     show_rate(session);
     show_recording(session, state);
     for (const std::string &remark : session.remarks().all()) {
-        // What is the matter; the remedy, behind the semicolon, under the mouse.
+        // The problem; the tooltip adds the remedy after the semicolon.
         ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
         ImGui::TextWrapped("%s", remark.substr(0, remark.find(';')).c_str());
         ImGui::PopStyleColor();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFieldMoved_rad = 0.1; // below that, the field hardly changes
 
-/// Between two ends by the logarithm, in the middle of one of `count` cells.
+/// The centre of one of `count` cells between two ends on a logarithmic scale.
 double middle(double least, double greatest, int cell, int count) {
     return least * std::pow(greatest / least, (cell + 0.5) / count);
 }
@@ -32,7 +32,7 @@ bool has_same_field(const loops::StabilityCase &a, const loops::StabilityCase &b
            a.device.name == b.device.name;
 }
 
-/// Green where it is stable, the darker the slower a motion dies out; red where it grows.
+/// Green where stable, darker for slower decay; red where unstable.
 ImU32 colour_of(double eigenvalue, double period_s) {
     if (!(eigenvalue < 1.0)) {
         return IM_COL32(112, 48, 46, 255);
@@ -53,9 +53,9 @@ void explain_cell(const StabilityGrid &grid, ImVec2 corner, ImVec2 size) {
     const int row =
         StabilityGrid::kRows - 1 - cell(mouse.y, corner.y, size.y, StabilityGrid::kRows);
     const double eigenvalue = grid.at(column, row);
-    ImGui::SetTooltip("K_P %.3g V/rad, dR %.3g Ω: %s\nby the largest eigenvalue, %.4f; all else as "
-                      "it is.\nGreen: stable with every hand, the darker the slower to rest; red: "
-                      "not;\nthe cross: the tuning in force",
+    ImGui::SetTooltip("K_P %.3g V/rad, dR %.3g Ω: %s\nlargest eigenvalue %.4f, other parameters "
+                      "unchanged.\nGreen: stable with every hand, darker for slower decay; red: "
+                      "unstable;\ncross: the active tuning",
                       StabilityGrid::K_P_V_per_rad(column), StabilityGrid::dR_Ohm(row),
                       eigenvalue < 1.0 ? "stable" : "unstable", eigenvalue);
 }

@@ -1,4 +1,4 @@
-// A small picture in the stability tab: where over K_P and dR the loop is predicted to be stable.
+// A small map in the stability tab: the predicted stability over K_P and dR.
 #pragma once
 
 #include "base/background.h"
@@ -9,7 +9,7 @@
 
 namespace springdrive::app {
 
-/// Largest eigenvalues over a grid, even in the logarithms of K_P and dR.
+/// Largest eigenvalues over a grid, uniform in the logarithms of K_P and dR.
 struct StabilityGrid {
     static constexpr int kColumns = 36;
     static constexpr int kRows = 18;
@@ -19,23 +19,24 @@ struct StabilityGrid {
     static constexpr double kGreatest_dR_Ohm = 2.0;
 
     double period_s = 1e-3;
-    std::vector<double> eigenvalue; ///< row by row, the lowest dR first, of the worst hand
+    std::vector<double> eigenvalue; ///< row by row from the lowest dR, of the worst hand
 
-    /// In the middle of a cell.
+    /// At the centre of a cell.
     [[nodiscard]] static double K_P_V_per_rad(int column);
     [[nodiscard]] static double dR_Ohm(int row);
     [[nodiscard]] double at(int column, int row) const;
 };
 
-/// All but K_P and dR as the case has them. @param talk  told how far it is; ends where not wanted
+/// With all parameters except K_P and dR from the case. @param talk  receives the progress, and can
+/// cancel
 [[nodiscard]] StabilityGrid stability_grid(const loops::StabilityCase &which, BackgroundTalk &talk);
 
 class StabilityField {
 public:
-    /// Starts anew, in the background, where what the field depends on changed.
+    /// Restarts the computation in the background if its inputs have changed.
     void update(const loops::StabilityCase &now);
 
-    /// As wide as there is room, with a cross where the tuning is.
+    /// In the available width, with a cross at the tuning.
     void draw(const control::Tuning &now) const;
 
 private:

@@ -15,14 +15,14 @@ namespace {
 constexpr double kLeastMargin = 1.0;
 constexpr double kGreatestMargin = 3.0;
 
-/// Under the mouse: what a reader may ask about the item before.
+/// The tooltip of the previous item.
 void explain(const std::string &text) {
     if (ImGui::IsItemHovered()) {
         ImGui::SetTooltip("%s", text.c_str());
     }
 }
 
-/// One limit: what it is, where it lies, and how far that is from here.
+/// One limit: its parameter, its value, and its distance from the current value.
 void show_room(const char *symbol, const StabilityRoom &room, const char *unit, bool stable,
                bool upwards) {
     const std::string way =
@@ -30,7 +30,7 @@ void show_room(const char *symbol, const StabilityRoom &room, const char *unit, 
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextColored(kFaintInk, "%s%s", symbol, way.c_str());
-    explain("by prediction, all else as it is, at the hand's present place");
+    explain("predicted, other parameters unchanged, at the current configuration");
     ImGui::TableNextColumn();
     if (!room.limit) {
         ImGui::TextColored(kFaintInk, stable ? "no limit found" : "does not help");
@@ -38,14 +38,14 @@ void show_room(const char *symbol, const StabilityRoom &room, const char *unit, 
         return;
     }
     ImGui::Text("%.3g %s", *room.limit, unit);
-    explain("fails first beyond: " + room.who);
+    explain("unstable first beyond: " + room.who);
     ImGui::TableNextColumn();
     const double factor =
         std::max(*room.limit, room.now) / std::max(1e-12, std::min(*room.limit, room.now));
     const ImVec4 ink = !stable ? kDanger : factor < 1.15 ? kWarning : kInk;
     ImGui::TextColored(ink, "%s %.3g", upwards == stable ? "×" : "÷", factor);
-    explain(fmt::format("from where it is now, {:.3g} {}\nfails first beyond: {}", room.now, unit,
-                        room.who));
+    explain(fmt::format("from the current value, {:.3g} {}\nunstable first beyond: {}", room.now,
+                        unit, room.who));
 }
 
 void show_verdict(const StabilityOutlook &outlook) {
@@ -57,15 +57,15 @@ void show_verdict(const StabilityOutlook &outlook) {
                             loops::hand_text(outlook.worst.member.hand.name);
     if (stable) {
         ImGui::TextUnformatted("with every hand");
-        ImGui::TextColored(kFaintInk, "slowest to rest: %.0f ms, %s", -1000.0 / rate, who.c_str());
+        ImGui::TextColored(kFaintInk, "slowest decay: %.0f ms, %s", -1000.0 / rate, who.c_str());
     } else {
         ImGui::Text("grows e-fold in %.1f ms", 1000.0 / rate);
         ImGui::TextColored(kFaintInk, "fastest: %s", who.c_str());
     }
     explain(
-        fmt::format("by the largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
-                    "each motor by itself, with no hand and with five hands from light to firm;\n"
-                    "a motion dies out, or grows, by e = 2.7 in this time",
+        fmt::format("largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
+                    "each motor separately, with no hand and with five hands from light to firm;\n"
+                    "a motion decays, or grows, by a factor of e = 2.7 in this time",
                     outlook.worst.eigenvalue));
 }
 
@@ -85,15 +85,15 @@ void show_search(const session::Session &session, StabilityTabState &state) {
     ImGui::SetNextItemWidth(8.0F * font);
     ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kLeastMargin,
                         &kGreatestMargin, "× %.2f", ImGuiSliderFlags_AlwaysClamp);
-    explain("for the search: by what factor K_P and K_D might be larger yet before a hand\n"
-            "finds them unstable; 1 is at the edge, and what differs from the model eats it up");
+    explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
+            "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
     ImGui::SameLine();
     if (state.is_tuning()) {
-        if (ImGui::Button("give up")) {
+        if (ImGui::Button("cancel")) {
             state.stop_tuning();
         }
         const std::string done =
-            "looking: " + std::to_string(std::lround(100.0 * state.tuning_share())) + " %";
+            "searching: " + std::to_string(std::lround(100.0 * state.tuning_share())) + " %";
         ImGui::ProgressBar(static_cast<float>(state.tuning_share()), ImVec2(-1.0F, 0.0F),
                            done.c_str());
         return;
@@ -102,27 +102,29 @@ void show_search(const session::Session &session, StabilityTabState &state) {
         state.start_tuning(session);
     }
     explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
-            "delay that every hand finds stable at any η, and wherever the tip is;\n"
-            "takes seconds, is in force at once, and can be taken back");
+            "delay that is stable with every hand, at any η and tip position;\n"
+            "takes seconds, is activated at once, and can be undone");
 }
 
 void show_margins(const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
     ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
     explain("static stiffness k_T K_P/dR (13) at the motor");
-    ImGui::TextWrapped("room: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
+    ImGui::TextWrapped("margins: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
                        margins.least_dR_Ohm, margins.more_delay_periods);
-    explain("what it would bear, one at a time, all else as it is: larger K_P and K_D, a lower\n"
-            "dR, whole periods of delay. With larger gains it fails\n"
+    explain("changes with which it remains stable, one at a time: larger K_P and K_D, a lower\n"
+            "dR, whole periods of delay. With larger gains it becomes unstable\n"
             "first with " +
-            loops::hand_text(margins.worst_hand) + ". Held stable: " + std::to_string(found.loops) +
-            " loops, of all hands, places and η");
+            loops::hand_text(margins.worst_hand) + ". Stable: " + std::to_string(found.loops) +
+            " loops, of all hands, configurations and η");
     if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
-        ImGui::TextColored(kFaintInk, "K_P is at the end of its range: more would be stable");
+        ImGui::TextColored(kFaintInk,
+                           "K_P is at the end of its range: larger values would be stable");
     }
     if (found.taken_back > 0.0) {
-        ImGui::TextWrapped("K_P is %.0f %% below what the loops bear: counts kept them rattling",
-                           100.0 * found.taken_back);
+        ImGui::TextWrapped(
+            "K_P is %.0f %% below the predicted limit: encoder counts sustained a vibration",
+            100.0 * found.taken_back);
     }
 }
 
@@ -133,19 +135,19 @@ void show_found(session::Session &session, StabilityTabState &state) {
     if (!state.found()) {
         return;
     }
-    const bool in_force = session.servo().inputs().tuning == state.found_tuning();
-    ImGui::TextColored(in_force ? kGood : kFaintInk, in_force ? "found, in force" : "found");
+    const bool is_active = session.servo().inputs().tuning == state.found_tuning();
+    ImGui::TextColored(is_active ? kGood : kFaintInk, is_active ? "found, active" : "found");
     ImGui::SameLine();
     show_margins(*state.found());
-    if (ImGui::Button(in_force ? "back to what was" : "put in force")) {
-        session.servo().tune(in_force ? state.before() : state.found_tuning());
+    if (ImGui::Button(is_active ? "undo" : "activate")) {
+        session.servo().tune(is_active ? state.before() : state.found_tuning());
     }
-    explain(in_force ? "the tuning before the search" : "the tuning that was found");
+    explain(is_active ? "the tuning before the search" : "the tuning that was found");
     ImGui::SameLine();
     if (ImGui::Button("save as file")) {
         state.save();
     }
-    explain("a tuning with its margins, in the folder where springdrive was started;\n"
+    explain("writes the tuning and its margins to the folder where springdrive was started;\n"
             "load it with --tuning-file");
 }
 
@@ -159,7 +161,7 @@ void draw_stability_tab(session::Session &session, StabilityTabState &state) {
     if (state.outlook()) {
         show_outlook(*state.outlook());
     } else {
-        ImGui::TextColored(kFaintInk, "working out how stable this is …");
+        ImGui::TextColored(kFaintInk, "computing stability …");
     }
     ImGui::Separator();
     show_search(session, state);

@@ -1,4 +1,4 @@
-// What the stability tab remembers between frames, and what it works out beside them.
+// State of the stability tab between frames, and its computations in the background.
 #pragma once
 
 #include "app/panels/stability_field.h"
@@ -11,14 +11,14 @@
 
 namespace springdrive::app {
 
-/// A limit of one parameter, all others as they are.
+/// A limit of one parameter, with all others unchanged.
 struct StabilityRoom {
     double now = 0.0;
-    std::optional<double> limit; ///< the nearest, on the side where it fails or, failing, is mended
-    std::string who;             ///< fails first beyond
+    std::optional<double> limit; ///< the nearest stability limit in the relevant direction
+    std::string who;             ///< which becomes unstable first beyond
 };
 
-/// How far the present tuning is from where it fails.
+/// The distance of the current tuning from its stability limits.
 struct StabilityOutlook {
     loops::WorstMember worst;
     double period_s = 1e-3;
@@ -29,27 +29,27 @@ struct StabilityOutlook {
 
 class StabilityTabState {
 public:
-    /// Takes in what was finished, and starts anew where tuning or configuration changed.
+    /// Takes finished results, and restarts the computation if tuning or configuration changed.
     void update(const session::Session &session);
 
-    /// Looks for the stiffest tuning with the dR in force and the margin set.
+    /// Searches for the stiffest tuning with the active dR and the selected margin.
     void start_tuning(const session::Session &session);
     void stop_tuning();
     [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
     [[nodiscard]] double tuning_share() const { return search_.share(); }
 
-    /// Writes what was found as a tuning file into the folder where the program was started.
+    /// Writes the result as a tuning file to the current directory.
     void save();
 
     [[nodiscard]] const std::optional<StabilityOutlook> &outlook() const { return outlook_; }
     [[nodiscard]] const std::optional<limits::AutoTuned> &found() const { return found_; }
     [[nodiscard]] const StabilityField &field() const { return field_; }
     [[nodiscard]] const std::string &message() const { return message_; }
-    /// What was in force before the tuning that was found.
+    /// The active tuning before the search.
     [[nodiscard]] const control::Tuning &before() const { return before_; }
-    /// The tuning that was found, with the η that was in force.
+    /// The result of the search, with the η that was active.
     [[nodiscard]] const control::Tuning &found_tuning() const { return found_tuning_; }
-    /// A tuning that is to be in force now; once.
+    /// A tuning to activate now; returned once.
     [[nodiscard]] std::optional<control::Tuning> take_new_tuning();
 
     double margin = limits::AutoTuneRequest{}.margin;
@@ -67,11 +67,11 @@ private:
     std::string message_; ///< of the last search or save
 };
 
-/// The loop as it stands: at the hand's configuration, with the tuning that is asked for.
+/// The current loop: at the present configuration, with the requested tuning.
 [[nodiscard]] loops::StabilityCase stability_case_of(const session::Session &session);
 
-/// Whether every hand finds the tuning stable, how much room is left, and a button for the stiffest
-/// tuning that leaves a margin.
+/// Shows whether the tuning is stable with every hand, the distance to its limits, and a button to
+/// search for the stiffest tuning with a margin.
 void draw_stability_tab(session::Session &session, StabilityTabState &state);
 
 } // namespace springdrive::app

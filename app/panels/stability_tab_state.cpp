@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kMoved_rad = 0.03; // below that, limits stay as they are
 
-/// Where the parameter may go to, or must go back to, in the direction of its failing: upwards or
-/// not.
+/// The value up to which the parameter may change, or must return, given the direction of
+/// instability: upwards or not.
 StabilityRoom room_of(const loops::StabilityCase &which, bool is_stable, const char *name,
                       bool upwards) {
     const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
@@ -84,7 +84,7 @@ void StabilityTabState::update(const session::Session &session) {
         if (std::optional<limits::AutoTuned> found = search_.take()) {
             before_ = session.servo().inputs().tuning;
             found_tuning_ = found->tuning;
-            found_tuning_.eta = before_.eta; // any is stable
+            found_tuning_.eta = before_.eta; // stable with any η
             new_tuning_ = found_tuning_;
             found_ = std::move(found);
             message_.clear();
@@ -114,7 +114,7 @@ void StabilityTabState::start_tuning(const session::Session &session) {
 
 void StabilityTabState::stop_tuning() {
     search_.give_up();
-    message_ = "given up: the tuning is as it was";
+    message_ = "cancelled: the tuning is unchanged";
 }
 
 void StabilityTabState::save() {
@@ -124,8 +124,9 @@ void StabilityTabState::save() {
     const std::string name = name_of_new_tuning();
     std::ofstream file(name, std::ios::binary);
     control::write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
-    message_ = file.flush() ? "saved as " + name
-                            : name + ": cannot be written; is the folder yours, the disk full?";
+    message_ = file.flush()
+                   ? "saved as " + name
+                   : name + ": cannot be written; check the folder's permissions and the disk";
 }
 
 std::optional<control::Tuning> StabilityTabState::take_new_tuning() {

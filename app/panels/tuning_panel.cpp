@@ -41,7 +41,7 @@ const char *digits_for(const control::Parameter &parameter) {
     return parameter.highest <= 0.5 ? "%.4f" : "%.3f";
 }
 
-/// The number beside the slider. It counts when it is finished, by Enter or by leaving it.
+/// The number beside the slider. It becomes active on Enter or when the field loses focus.
 void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
     double shown = state.typing == index ? state.typed : value;
     ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
@@ -59,7 +59,7 @@ void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
 }
 
 bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState &state,
-                    bool in_force) {
+                    bool is_active) {
     const control::Parameter &parameter = control::kParameters[index];
     double &value = tuning.*parameter.value;
     const double before = value;
@@ -67,7 +67,7 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
     const float font = ImGui::GetFontSize();
     ImGui::PushID(id.c_str());
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(in_force ? kInk : kFaintInk, "%s", std::string(parameter.symbol).c_str());
+    ImGui::TextColored(is_active ? kInk : kFaintInk, "%s", std::string(parameter.symbol).c_str());
     if (ImGui::IsItemHovered()) {
         ImGui::SetTooltip("%s %s\nfrom %g to %g %s", std::string(parameter.help).c_str(),
                           std::string(parameter.equation).c_str(), parameter.lowest,
@@ -88,10 +88,10 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
         value = parameter.default_value();
     }
     if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("back to %g", parameter.default_value());
+        ImGui::SetTooltip("reset to %g", parameter.default_value());
     }
     ImGui::PopID();
-    // What was typed may be anything; what leaves here is in range.
+    // Typed values may be out of range.
     if (!(value >= parameter.lowest && value <= parameter.highest)) {
         value = std::isnan(value) ? before : std::clamp(value, parameter.lowest, parameter.highest);
     }
@@ -106,7 +106,7 @@ bool edit_choice(const char *label, Enum &value, const std::array<const char *, 
     return changed;
 }
 
-/// One button a tuning in assets/tunings.
+/// One button per tuning in assets/tunings.
 bool choose_preset(control::Tuning &tuning) {
     bool changed = false;
     for (const char *name : {"soft", "firm", "stiffest"}) {
@@ -116,7 +116,7 @@ bool choose_preset(control::Tuning &tuning) {
                                                    (std::string(name) + ".toml"));
                 changed = true;
             } catch (const InputError &) {
-                // The folder went away while we ran: the button then does nothing.
+                // The folder was removed while the program runs: the button does nothing.
             }
         }
         ImGui::SameLine();
@@ -125,8 +125,8 @@ bool choose_preset(control::Tuning &tuning) {
     return changed;
 }
 
-/// The dR that is in force: more than was asked for where cold windings may not bear that.
-double dR_in_force_Ohm(const session::Session &session) {
+/// The active dR: larger than requested if windings may be too cold for that.
+double active_dR_Ohm(const session::Session &session) {
     double dR_Ohm = session.servo().inputs().tuning.dR_Ohm;
     for (std::size_t j = 0; j < 3; ++j) {
         const servo::WindingStatus &winding = session.latest().winding[j];
@@ -140,12 +140,12 @@ double dR_in_force_Ohm(const session::Session &session) {
 
 void show_consequences(const session::Session &session) {
     control::Tuning tuning = session.servo().inputs().tuning;
-    tuning.dR_Ohm = dR_in_force_Ohm(session);
+    tuning.dR_Ohm = active_dR_Ohm(session);
     const servo::ServoSample &now = session.latest();
     control::Coupling c = control::coupling(session.description().motor.front(), tuning,
                                             1.0 / session.servo().rate_hz(),
                                             session.device().device().delay_periods());
-    // What the rotors' added inertia is at the tip, as a mean over directions.
+    // The rotors' added inertia as a mass at the tip, a mean over directions.
     const Matrix3 J_inverse =
         device::motor_jacobian(
             session.description().geometry,
@@ -163,15 +163,14 @@ void show_consequences(const session::Session &session) {
     show("K_DC", "{:.3f}", c.K_DC_Nm_per_rad, "N·m/rad", "static stiffness k_T K_P/dR (13)");
     show("B_dR", "{:.2e}", c.B_dR_Nms_per_rad, "N·m·s/rad", "residual series damper k_T²/dR (8)");
     show("lag τ", "{:.2f}", 1000.0 * c.loop_lag_s, "ms",
-         "of the velocity loop: T (a/(1 − a) + 1 + d), a = exp(−λT)");
+         "lag of the velocity loop: T (a/(1 − a) + 1 + d), a = exp(−λT)");
     show("added", "{:.1e}", c.added_inertia_kg_m2, "kg·m²",
          "inertia added to each rotor in free space: k_T² τ/dR");
     show("at the tip", "{:.0f}", added_mass_g, "g",
-         "the same as a mass at the tip, a mean over directions, at this configuration");
+         "the same as a mass at the tip, mean over directions, at this configuration");
     show("tip stiffness", "{:.2f}", 1e-3 * stiffness, "N/mm",
          "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
-    show("α in force", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²",
-         "α of (23) at this configuration");
+    show("active α", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
     ImGui::EndTable();
     if (tuning.dR_Ohm > session.servo().inputs().tuning.dR_Ohm) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",
@@ -198,10 +197,10 @@ void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         const control::Parameter &parameter = control::kParameters[i];
         const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
-        const bool in_force = !is_alpha || tuning.alpha_mode == control::AlphaMode::by_hand;
-        if (edit_parameter(i, tuning, state, in_force)) {
+        const bool is_active = !is_alpha || tuning.alpha_mode == control::AlphaMode::by_hand;
+        if (edit_parameter(i, tuning, state, is_active)) {
             changed = true;
-            // Whoever moves α wants it by hand.
+            // Moving the slider of α selects α by hand.
             tuning.alpha_mode = is_alpha ? control::AlphaMode::by_hand : tuning.alpha_mode;
         }
     }

@@ -24,10 +24,10 @@ constexpr double kNearestZoom = 1.0 / 20.0; // of the framed distance
 constexpr double kFarthestZoom = 5.0;
 constexpr double kFrameMargin = 1.05;
 
-// In units of the distance, so that the depth buffer's precision zooms along.
+// Relative to the distance, so that the depth buffer's precision scales with the zoom.
 constexpr double kNearPlane = 0.02;
 constexpr double kFarPlane = 5.0;
-constexpr double kFarPlaneBeyond_m = 2.0; // the floor stays in sight when zoomed in
+constexpr double kFarPlaneBeyond_m = 2.0; // the floor remains visible when zoomed in
 
 double half_height_per_depth() { return std::tan(kFieldOfView_rad / 2.0); }
 
@@ -49,7 +49,7 @@ void Camera::frame(const Vector3 &lower_m, const Vector3 &upper_m, double aspect
         const double towards_eye_m = -offset_m.dot(forward());
         const double across_m = std::max(std::abs(offset_m.dot(right())) / horizontal,
                                          std::abs(offset_m.dot(up())) / vertical);
-        // A corner straight ahead must still be well behind the near plane.
+        // A corner on the optical axis must still be well beyond the near plane.
         distance_m = std::max({distance_m, towards_eye_m + across_m, 1.2 * towards_eye_m});
     }
     distance_m_ = framed_distance_m_ = kFrameMargin * distance_m;

@@ -1,8 +1,8 @@
 // An orbit camera: looks at a target point from a distance, at a yaw and a pitch. World is the
 // device frame in metres: x right, y up, z towards the user.
 //
-// A pixel is that of the window system: from the viewport's top left corner, y down. Any unit will
-// do, of the framebuffer or of the mouse, as long as viewport and point share it.
+// Pixels are in window coordinates: from the viewport's top left corner, y down. They may be those
+// of the framebuffer or of the mouse, as long as viewport and point use the same unit.
 #pragma once
 
 #include "base/vector.h"
@@ -27,15 +27,15 @@ struct PixelSize {
 
 class Camera {
 public:
-    /// Looks at a box from the user's side, from above and a little to the right, as near as all
-    /// of it is seen. @param aspect width/height of the viewport
+    /// Looks at a box from the user's side, from above and slightly from the right, from the
+    /// smallest distance at which all of it is visible. @param aspect width/height of the viewport
     void frame(const Vector3 &lower_m, const Vector3 &upper_m, double aspect);
 
-    /// Turns about the target, as if the scene were dragged by its near side.
+    /// Rotates about the target, so that the near side of the scene follows the mouse.
     void orbit(double dx_px, double dy_px);
-    /// Shifts the target in the view plane, so that what is at its depth follows the mouse.
+    /// Shifts the target in the view plane, so that points at its depth follow the mouse.
     void pan(double dx_px, double dy_px, double viewport_height_px);
-    /// Nearer by a tenth per step, farther for negative ones.
+    /// Moves nearer by a tenth per step, farther for negative steps.
     void zoom(double steps);
 
     [[nodiscard]] glm::mat4 view() const;
@@ -50,15 +50,15 @@ public:
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }
     [[nodiscard]] double distance_m() const { return distance_m_; } ///< from eye to target
 
-    /// Size of a pixel in the view plane through `at_m`. Behind the eye, where a hand may be that
-    /// is zoomed past, the same as in front of it.
+    /// Size of a pixel in the view plane through `at_m`. It is symmetric about the eye, as zooming
+    /// can put the hand behind it.
     [[nodiscard]] double metres_per_pixel(const Vector3 &at_m, double viewport_height_px) const;
 
-    /// The point seen at `pixel` that lies in the view plane through `at_m`.
+    /// The point at `pixel` in the view plane through `at_m`.
     [[nodiscard]] Vector3 point_at(const PixelPoint &pixel, const PixelSize &viewport,
                                    const Vector3 &at_m) const;
 
-    /// Where a point is seen; nothing when it is not in front of the eye.
+    /// The pixel of a point; nothing if it is not in front of the eye.
     [[nodiscard]] std::optional<PixelPoint> pixel_of(const Vector3 &point_m,
                                                      const PixelSize &viewport) const;
 
@@ -72,7 +72,7 @@ private:
     double yaw_rad_ = 0.0;   ///< about y; 0 looks from +z, positive from the right
     double pitch_rad_ = 0.0; ///< positive looks from above
     double distance_m_ = 0.5;
-    double framed_distance_m_ = 0.5; ///< of the last `frame`; zoom stays in proportion to it
+    double framed_distance_m_ = 0.5; ///< of the last `frame`; limits of the zoom are relative to it
 };
 
 } // namespace springdrive::app

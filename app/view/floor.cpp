@@ -8,8 +8,8 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kShadowPerWorkspace = 1.4; // half size of the shadows' square; holds the base too
-constexpr float kFloorPerShadow = 2.2F;     // the floor's, which has faded out at its rim
+constexpr double kShadowPerWorkspace = 1.4; // half size of the shadows' square; includes the base
+constexpr float kFloorPerShadow = 2.2F;     // of the floor, which fades out at its edge
 constexpr float kOpacityFromBelow = 0.25F;
 
 } // namespace

@@ -19,18 +19,18 @@ public:
     void lay(const device::Workspace &workspace, double height_m);
     void scene_changed() { scene_cast_ = false; }
 
-    /// Makes what is due of the shadows. Binds framebuffers of its own and sets the viewport.
+    /// Updates outdated shadows. Binds its own framebuffers and sets the viewport.
     void cast_shadows(const SceneMeshes &scene, const SolidPainter &painter,
                       std::span<const Solid> moving);
 
-    /// Blended over what is there; see-through from below.
+    /// Blended over the framebuffer; translucent from below.
     void draw(const glm::mat4 &view_projection, const Vector3 &eye_m, double pixel_scale) const;
 
 private:
     Program program_;
     ShadowPrograms shadow_programs_;
     ShadowArea area_;
-    ShadowMask scene_shadow_; ///< the scene stands still: cast once
+    ShadowMask scene_shadow_; ///< the scene is static: cast once
     ShadowMask moving_shadow_;
     bool scene_cast_ = false;
     VertexArray no_vertices_;

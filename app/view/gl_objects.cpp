@@ -27,7 +27,7 @@ std::string_view error_name(GLenum error) {
     }
 }
 
-/// One shader of a program, needed until that is linked.
+/// One shader of a program, needed until the program is linked.
 class Shader {
 public:
     Shader(GLenum stage, const std::string &program, std::string_view define,
@@ -37,7 +37,7 @@ public:
         if (!define.empty()) {
             head.append("#define ").append(define).append("\n");
         }
-        head.append("#line 1\n"); // the log then counts lines as the file does
+        head.append("#line 1\n"); // line numbers in the log then match the file
         const std::array<const char *, 2> texts{head.data(), source.data()};
         const std::array<GLint, 2> lengths{static_cast<GLint>(head.size()),
                                            static_cast<GLint>(source.size())};
@@ -160,7 +160,7 @@ Program::Program(std::string name, std::string_view vertex, std::string_view fra
 GLint Program::location(std::string_view uniform) const {
     const auto found = locations_.find(uniform);
     if (found == locations_.end()) {
-        throw std::logic_error("shaders of '" + name_ + "' use no uniform '" +
+        throw std::logic_error("shaders of '" + name_ + "' have no uniform '" +
                                std::string(uniform) + "'");
     }
     return found->second;

@@ -1,5 +1,5 @@
-// OpenGL objects that are deleted with their owner, and the one place where shaders are compiled
-// and errors of OpenGL become exceptions. Everything here needs the GL context current.
+// OpenGL objects that are deleted with their owner. Shaders are compiled here, and OpenGL errors
+// are converted to exceptions. Everything here needs a current GL context.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -22,7 +22,7 @@ namespace springdrive::app {
 /// @throw std::runtime_error with `where` and the error's name if OpenGL has one pending.
 void check_gl(std::string_view where);
 
-/// Owns one name that OpenGL gave out; `Kind` creates and destroys it.
+/// Owns one OpenGL name; `Kind` creates and destroys it.
 template <typename Kind> class GlName {
 public:
     GlName() : name_(Kind::create()) {}
@@ -73,15 +73,15 @@ using Framebuffer = GlName<FramebufferKind>;
 /// A vertex and a fragment shader, linked.
 class Program {
 public:
-    /// Sources come without #version, which is put in front of them: GLSL 3.30 core.
-    /// @param define  a name that both shaders see defined, or none
+    /// Sources must not contain #version, which is prepended: GLSL 3.30 core.
+    /// @param define  a macro to define in both shaders, or none
     /// @throw std::runtime_error with `name` and OpenGL's log if they do not compile or link.
     Program(std::string name, std::string_view vertex, std::string_view fragment,
             std::string_view define = {});
 
     void use() const { glUseProgram(program_.name()); }
 
-    // Uniforms of the program in use. A name it does not have: std::logic_error.
+    // Uniforms of the program in use. An unknown name throws std::logic_error.
     void set(std::string_view uniform, int value) const;
     void set(std::string_view uniform, float value) const;
     void set(std::string_view uniform, const glm::vec2 &value) const;
@@ -103,7 +103,7 @@ class Texture2D {
 public:
     struct Format {
         GLint internal = GL_RGBA8;
-        GLenum pixels = GL_RGBA; ///< of what is uploaded, one byte a channel
+        GLenum pixels = GL_RGBA; ///< of the uploaded data, one byte per channel
         GLint wrap_s = GL_CLAMP_TO_EDGE;
         GLint wrap_t = GL_CLAMP_TO_EDGE;
         bool mipmaps = false;

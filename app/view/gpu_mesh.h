@@ -1,4 +1,4 @@
-// Triangles that live on the graphics card, uploaded once.
+// Triangles on the graphics card, uploaded once.
 #pragma once
 
 #include "app/view/gl_objects.h"

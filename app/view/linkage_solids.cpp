@@ -14,7 +14,7 @@ constexpr Colour kTrippedColour{0.86F, 0.10F, 0.08F};
 struct Paint {
     bool tripped = false;
 
-    /// Still told apart by brightness, but all of it plainly red.
+    /// All parts are clearly red, but still distinguishable by brightness.
     Colour operator()(const Colour &colour) const {
         if (!tripped) {
             return colour;
@@ -28,7 +28,7 @@ struct Paint {
     }
 };
 
-/// The axis of the joints that q₂ and q₃ turn: level, square to the plane of the linkage.
+/// The axis of the joints q₂ and q₃: horizontal, normal to the plane of the linkage.
 Vector3 pivot_axis(const device::LinkagePose &pose) {
     Vector3 outward = (pose.elbow_m - pose.base_m) + (pose.tip_m - pose.base_m);
     outward.y() = 0.0;

@@ -7,7 +7,7 @@
 
 namespace springdrive::app {
 
-/// Base hub on the floor, turret, upper arm, crank, coupling bar, and the forearm that tapers to
+/// Base hub on the floor, turret, upper arm, crank, coupling bar, and the forearm, tapered towards
 /// the tip. Red when tripped.
 [[nodiscard]] std::vector<Solid> linkage_solids(const device::LinkagePose &pose,
                                                 double floor_height_m, bool tripped);

@@ -12,7 +12,7 @@ constexpr double kNormalBeyondArrow_m = 0.015;
 constexpr double kDash_m = 0.0040;
 constexpr double kGap_m = 0.0025;
 
-// Least sizes, in pixels of the layout.
+// Minimum sizes, in layout pixels.
 constexpr double kTipRadius_px = 4.0;
 constexpr double kProxyRadius_px = 5.0;
 constexpr double kShaftRadius_px = 2.0;
@@ -75,7 +75,7 @@ void append_hand_target(std::vector<Solid> &solids, const ViewState &state,
 
 std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scale) {
     std::vector<Solid> solids;
-    // Written so that a force that is no number draws no arrow.
+    // A force that is not finite draws no arrow.
     const bool has_force =
         state.tip_force_N.allFinite() && state.tip_force_N.norm() > kLeastForce_N;
     const Vector3 arrow_m =

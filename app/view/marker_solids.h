@@ -1,6 +1,6 @@
-// What marks the haptics in the view: tip, proxy, force, surface normal, hand target; no OpenGL.
+// Markers in the view: tip, proxy, force, surface normal, hand target; without OpenGL.
 //
-// Balls and lines have a least size in pixels, so that they stay legible from afar.
+// Balls and lines have a minimum size in pixels, so that they remain visible from a distance.
 #pragma once
 
 #include "app/view/camera.h"
@@ -13,7 +13,7 @@ namespace springdrive::app {
 struct MarkerScale {
     const Camera &camera;
     double viewport_height_px; ///< framebuffer
-    double pixel_scale;        ///< framebuffer pixels in a pixel of the layout
+    double pixel_scale;        ///< framebuffer pixels per layout pixel
 
     /// The length that `layout_px` cover at a point.
     [[nodiscard]] double length_m(double layout_px, const Vector3 &at_m) const {
@@ -21,12 +21,12 @@ struct MarkerScale {
     }
 };
 
-/// While touching: proxy and, from it, a thin dashed line along the surface normal and a line to
-/// the tip. The force arrow starts at the proxy, or at the tip while there is none. The hand's
-/// target is a ring with a cross that faces the camera.
+/// During contact: the proxy, a thin dashed line from it along the surface normal, and a line to
+/// the tip. The force arrow starts at the proxy, or at the tip without contact. The hand's target
+/// is a ring with a cross that faces the camera.
 [[nodiscard]] std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scale);
 
-/// The ball at the device's tip, apart from the others as it shows through them too.
+/// The ball at the device's tip, separate because it is also visible through the other markers.
 [[nodiscard]] Solid tip_solid(const ViewState &state, const MarkerScale &scale);
 
 } // namespace springdrive::app

@@ -12,9 +12,9 @@ namespace springdrive::app {
 namespace {
 
 constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
-constexpr float kMarkerGlow = 0.55F;    // they keep their colour on their dark side too
+constexpr float kMarkerGlow = 0.55F;    // they keep their colour on the unlit side
 
-/// What the lit programs need to know of the camera, and a scene drawn as it stands.
+/// Sets the uniforms of the lit programs: the camera, and the identity transformation.
 void begin(const Program &lit, const glm::mat4 &view_projection, const Vector3 &eye_m) {
     lit.use();
     lit.set("view_projection", view_projection);
@@ -28,7 +28,7 @@ void begin(const Program &lit, const glm::mat4 &view_projection, const Vector3 &
 
 } // namespace
 
-/// All that is drawn in one frame.
+/// Everything drawn in one frame.
 struct Renderer::Frame {
     glm::mat4 view_projection;
     Vector3 eye_m;
@@ -122,7 +122,8 @@ void Renderer::draw_markers(const Frame &frame) const {
     lit_.set("glow", kMarkerGlow);
     glEnable(GL_CULL_FACE);
     glCullFace(GL_BACK);
-    // First what is hidden, dimmed. The tip comes last, so that it shows through the proxy too.
+    // First the hidden parts, dimmed. The tip is drawn last, so that it is also visible through the
+    // proxy.
     for (const std::span<const Solid> solids : {std::span<const Solid>(frame.markers), tip}) {
         glDepthMask(GL_FALSE);
         glDepthFunc(GL_GREATER);

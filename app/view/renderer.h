@@ -1,5 +1,5 @@
-// Draws the 3-D view: scene, floor, linkage, and what marks the haptics. OpenGL 3.3 core, no
-// multisampling needed, content enough for a software renderer.
+// Draws the 3-D view: scene, floor, linkage and markers. OpenGL 3.3 core without multisampling,
+// fast enough for a software renderer.
 #pragma once
 
 #include "app/view/camera.h"
@@ -23,23 +23,23 @@ struct ViewportPixels {
     int height = 0;
 };
 
-/// One thread, that of the OpenGL context, which must be current for all of it.
+/// Must be used in the thread of the OpenGL context, which must be current for all calls.
 class Renderer {
 public:
-    /// @throw std::runtime_error with the shader's name and log if OpenGL does not take it.
+    /// @throw std::runtime_error with the shader's name and log if OpenGL rejects it.
     Renderer();
 
-    /// Draws another scene as soon as `upload` has got it onto the graphics card; until then, the
-    /// one before. @param scene must stay until then, or until another is set
+    /// Sets the scene to draw once `upload` has transferred it to the graphics card; until then,
+    /// the previous one is drawn. @param scene must exist until then, or until another is set
     void set_scene(const scene::Scene &scene) { next_scene_.emplace(scene); }
 
-    /// Goes on with what `set_scene` began, for about `duration_s`.
-    /// @throw std::runtime_error if OpenGL cannot hold it; the scene before is then still there.
+    /// Continues to upload the scene of `set_scene` for about `duration_s`.
+    /// @throw std::runtime_error if OpenGL cannot hold it; the previous scene is then kept.
     void upload(double duration_s);
 
-    /// Draws into the viewport of the framebuffer that is bound, and nowhere else.
-    /// Leaves depth test, blending, culling and scissor off, and no vertex array bound.
-    /// @param pixel_scale framebuffer pixels in a pixel of the layout, 2 on a high-density screen
+    /// Draws only into the viewport of the bound framebuffer. Leaves depth test, blending, culling
+    /// and scissor test off, and no vertex array bound.
+    /// @param pixel_scale framebuffer pixels per layout pixel, 2 on a high-density screen
     void draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,
               double pixel_scale);
 
@@ -56,7 +56,7 @@ private:
     Program lit_translucent_;
     SolidPainter painter_;
     SceneMeshes scene_;
-    std::optional<SceneMeshes> next_scene_; ///< on its way to the graphics card
+    std::optional<SceneMeshes> next_scene_; ///< being uploaded
     Floor floor_;
     VertexArray no_vertices_;
 };

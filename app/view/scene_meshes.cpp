@@ -46,7 +46,7 @@ bool SceneMeshes::upload(double duration_s) {
     return uploading_ == nullptr;
 }
 
-/// One texture or mesh; neither is large.
+/// Uploads one texture or mesh; neither is large.
 void SceneMeshes::upload_next() {
     const scene::Scene &scene = *uploading_;
     const int white_texture = static_cast<int>(scene.textures.size());

@@ -11,18 +11,18 @@ namespace springdrive::app {
 
 class SceneMeshes {
 public:
-    SceneMeshes() = default; ///< nothing to see
+    SceneMeshes() = default; ///< empty
 
-    /// Nothing is uploaded yet. @param scene must stay until all is
+    /// Nothing is uploaded yet. @param scene must exist until everything is uploaded
     explicit SceneMeshes(const scene::Scene &scene) : uploading_(&scene) {}
 
-    /// Uploads for about `duration_s`, or until all is there: then it returns true.
+    /// Uploads for about `duration_s`. @return whether everything is uploaded
     bool upload(double duration_s);
 
-    // The program in use has base_texture at unit 0. Both sides of a surface are drawn, as both
-    // can be touched.
+    // The active program must have base_texture at unit 0. Both sides of a surface are drawn, as
+    // both can be touched.
     void draw_opaque() const;
-    /// From the farthest to the nearest, the far side of each before its near side.
+    /// From the farthest to the nearest, of each the back faces before the front faces.
     /// @param forward unit, from the eye into the scene
     void draw_translucent(const Vector3 &forward) const;
     void draw_all() const; ///< without textures
@@ -38,7 +38,7 @@ private:
     void draw(const Item &item) const;
     void upload_next();
 
-    const scene::Scene *uploading_ = nullptr; ///< until all of it is there
+    const scene::Scene *uploading_ = nullptr; ///< until upload is complete
     std::vector<Texture2D> textures_;         ///< the scene's, then a white one
     std::vector<Item> items_;
 };

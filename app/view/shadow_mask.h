@@ -1,5 +1,5 @@
-// A soft shadow straight down on a square of floor, as a small texture: independent of the window's
-// buffers, blurred once and not for every pixel of the floor.
+// A soft vertical shadow on a square of floor, as a small texture: independent of the window's
+// buffers, blurred once instead of for every pixel of the floor.
 #pragma once
 
 #include "app/view/gl_objects.h"
@@ -8,7 +8,7 @@
 
 namespace springdrive::app {
 
-/// The square of floor that shadows fall on.
+/// The square of floor that receives shadows.
 struct ShadowArea {
     glm::vec2 centre_m{0.0F}; ///< x, z
     float half_size_m = 0.5F;
@@ -17,7 +17,7 @@ struct ShadowArea {
     bool operator==(const ShadowArea &) const = default;
 };
 
-/// The programs that make a mask; shared by all of them.
+/// The programs that draw a mask, shared by all masks.
 struct ShadowPrograms {
     ShadowPrograms();
 
@@ -29,13 +29,12 @@ class ShadowMask {
 public:
     ShadowMask();
 
-    /// Makes the mask anew from what `draw_casters` draws with programs.cast, which is in use with
-    /// all set but `model`. Leaves its own framebuffer bound, and the viewport and blending
-    /// changed.
+    /// Redraws the mask with `draw_casters`, which uses programs.cast, with all uniforms set except
+    /// `model`. Leaves its own framebuffer bound, and the viewport and blending changed.
     void cast(const ShadowPrograms &programs, const ShadowArea &area,
               const std::function<void(const Program &cast)> &draw_casters);
 
-    /// 0 where light, 1 where darkest; 0 to 1 covers the area along x and along z.
+    /// 0 is lit, 1 is darkest; coordinates from 0 to 1 cover the area along x and along z.
     [[nodiscard]] const Texture2D &texture() const { return mask_.texture; }
 
 private:

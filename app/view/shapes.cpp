@@ -12,15 +12,15 @@ namespace springdrive::app {
 namespace {
 
 constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
-constexpr int kAround = 24; // smooth enough for a thumb's width on the screen
+constexpr int kAround = 24; // smooth up to a thumb's width on the screen
 
 struct SurfacePoint {
     glm::vec3 position;
     glm::vec3 normal;
 };
 
-/// Adds a grid over a surface given by angle (0 to a turn about z) and v (0 to 1). The surface
-/// must run so that ∂/∂angle × ∂/∂v points outward.
+/// Adds a grid over a surface with parameters angle (0 to a full turn about z) and v (0 to 1).
+/// ∂/∂angle × ∂/∂v must point outward.
 template <typename Surface>
 void append_surface(ShapeMesh &mesh, int rows, const Surface &surface_at) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());

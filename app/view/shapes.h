@@ -1,4 +1,4 @@
-// The unit shapes that everything but the scene is built from, as triangles; without OpenGL.
+// The unit shapes of linkage and markers, as triangles; without OpenGL.
 #pragma once
 
 #include "engine/scene/scene.h"
@@ -13,7 +13,7 @@ namespace springdrive::app {
 enum class Shape : std::uint8_t {
     ball,     ///< radius 1 about the origin
     cylinder, ///< radius 1, z from 0 to 1, closed
-    taper,    ///< like the cylinder, but of radius kTaperEnd at z = 1
+    taper,    ///< like the cylinder, but with radius kTaperEnd at z = 1
     cone,     ///< radius 1 at z = 0, its apex at z = 1, closed
     ring,     ///< of mean radius 1 in the plane z = 0, kRingThickness thick
 };
@@ -25,7 +25,7 @@ inline constexpr float kRingThickness = 0.2F;
 
 struct ShapeMesh {
     std::vector<scene::VisualVertex> vertices; ///< white
-    std::vector<std::uint32_t> indices;        ///< three a triangle
+    std::vector<std::uint32_t> indices;        ///< three per triangle
 };
 
 [[nodiscard]] ShapeMesh make_shape(Shape shape);

@@ -1,4 +1,4 @@
-// Draws solids with the unit shapes, each of which is on the graphics card once.
+// Draws solids with the unit shapes, each of which is uploaded once.
 #pragma once
 
 #include "app/view/gpu_mesh.h"
@@ -13,10 +13,10 @@ class SolidPainter {
 public:
     SolidPainter();
 
-    /// With shaders/lit.*, in use. @param opacity multiplies each solid's own
+    /// With shaders/lit.* active. @param opacity multiplies each solid's own
     void draw(const Program &lit, std::span<const Solid> solids, float opacity = 1.0F) const;
 
-    /// With a program, in use, that only knows `model`.
+    /// With an active program whose only uniform to set is `model`.
     void draw_geometry(const Program &program, std::span<const Solid> solids) const;
 
 private:

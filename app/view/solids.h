@@ -1,4 +1,4 @@
-// Shapes placed in the world: what linkage and markers are built from; without OpenGL.
+// Shapes placed in the world, the elements of linkage and markers; without OpenGL.
 #pragma once
 
 #include "app/view/shapes.h"
@@ -12,7 +12,7 @@
 
 namespace springdrive::app {
 
-/// A colour as designers and ImGui write it: sRGB, 0 to 1.
+/// A colour in sRGB, 0 to 1, as in ImGui.
 using Colour = std::array<float, 3>;
 
 struct Solid {
@@ -30,7 +30,7 @@ struct Solid {
 [[nodiscard]] Solid spindle(Shape shape, const Vector3 &from_m, const Vector3 &to_m,
                             double radius_m, const Colour &colour);
 
-/// @param axis unit, what the ring goes around
+/// @param axis unit, normal to the ring's plane
 [[nodiscard]] Solid ring(const Vector3 &centre_m, const Vector3 &axis, double radius_m,
                          const Colour &colour);
 

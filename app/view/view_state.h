@@ -1,5 +1,5 @@
-// What the 3-D view shows of one moment, and how it shows it: colours and scales that panels and
-// legends need too.
+// The state that the 3-D view shows, and the colours and scales that it shares with panels and
+// legends.
 #pragma once
 
 #include "app/view/solids.h"
@@ -8,14 +8,14 @@
 
 namespace springdrive::app {
 
-/// World is the device frame.
+/// World coordinates are those of the device frame.
 struct ViewState {
     device::LinkagePose linkage;
     Vector3 tip_m{Vector3::Zero()};
-    Vector3 proxy_m{Vector3::Zero()};       ///< drawn while touching
+    Vector3 proxy_m{Vector3::Zero()};       ///< drawn during contact
     Vector3 normal{Vector3::Zero()};        ///< unit, of the surface under the proxy, if touching
     Vector3 tip_force_N{Vector3::Zero()};   ///< rendered
-    Vector3 hand_target_m{Vector3::Zero()}; ///< where the mouse wants the hand
+    Vector3 hand_target_m{Vector3::Zero()}; ///< set by the mouse
     bool touching = false;
     bool hand_held = false; ///< the target is drawn brighter while the mouse holds it
     bool tripped = false;   ///< the safety monitor stopped the device: the linkage turns red
@@ -27,7 +27,7 @@ inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
 inline constexpr double kTipRadius_m = 2.0e-3;
 inline constexpr double kProxyRadius_m = 2.5e-3;
 
-// Told apart with any kind of colour vision (after Okabe and Ito), on dark panels as well.
+// Distinguishable with any colour vision deficiency (after Okabe and Ito), also on dark panels.
 inline constexpr Colour kTipColour{0.92F, 0.38F, 0.05F};
 inline constexpr Colour kProxyColour{0.34F, 0.71F, 0.91F};
 inline constexpr Colour kForceColour{1.0F, 0.86F, 0.16F};
