@@ -1,4 +1,4 @@
-// What the proxy tells motion control: the contact constraint of one servo tick.
+// What the proxy reports to motion control: the contact constraint of one servo tick.
 #pragma once
 
 #include "base/vector.h"
@@ -7,10 +7,10 @@
 
 namespace springdrive::contact {
 
-/// In free space x₀ = x, P = I and η = 1, so that (30) needs no case of its own.
+/// In free space x₀ = x, P = I and η = 1, so that (30) needs no special case.
 ///
 /// P (docs/design.md, "Contact and maps") is the projector onto the directions in which x₀ may move
-/// with the tip: I on no plane, I − n nᵀ on a face, t tᵀ on an edge, 0 at a vertex and where
+/// with the tip: I without contact, I − n nᵀ on a face, t tᵀ on an edge, 0 at a vertex and where
 /// friction holds it.
 struct Contact {
     bool touching = false;
@@ -20,11 +20,11 @@ struct Contact {
     double eta = 1.0;                            ///< η of the material touched
     int active_constraints = 0;                  ///< 0 free, 1 face, 2 edge, 3 vertex
     bool sticking = false;                       ///< friction holds x₀ where it is
-    bool settled = true;                         ///< false: the tick's effort did not suffice
+    bool settled = true;                         ///< false: the tick's budget ran out before
 
     // Of the first of the constraints, if touching.
-    Vector3 surface_m{Vector3::Zero()};   ///< the surface's point that is nearest to x₀
-    Vector3 barycentric{Vector3::Zero()}; ///< of it, in its triangle; zero on a shape
+    Vector3 surface_m{Vector3::Zero()};   ///< the point of the surface nearest to x₀
+    Vector3 barycentric{Vector3::Zero()}; ///< of that point in its triangle; zero on a shape
     std::uint32_t triangle = 0;           ///< of the soup; on a shape the soup's size + its index
     std::uint16_t material = 0;           ///< index into the surface's materials
 };

@@ -1,7 +1,7 @@
-// What a BoxTree is made of: eight boxes side by side, tested four at a time.
+// The node of a BoxTree: eight boxes side by side, tested four at a time.
 //
-// Eight rather than four: a search spends its time waiting for one node to say which comes next, so
-// fewer and larger steps are faster (10 to 30 % less time, measured), and need less memory.
+// Eight rather than four: a search is bound by the latency of loading one node to find the next, so
+// fewer and larger steps are faster (10 to 30 % less time, measured) and need less memory.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace springdrive::contact {
 
-// Four floats that are computed together, by the vector extension that GCC and Clang share: the
-// same source on every processor, one instruction for each operation where the processor has it.
+// Four floats computed together, by the vector extension that GCC and Clang share: the same source
+// on every processor, one instruction for each operation where the processor has it.
 using Float4 = float __attribute__((vector_size(16)));
 
 /// What a comparison of two Float4 gives: all bits of a lane set, or none.
@@ -27,7 +27,7 @@ using Mask4 = std::int32_t __attribute__((vector_size(16)));
     return Float4{value, value, value, value};
 }
 
-// Lane by lane. Where one of the two is not a number, the second is taken.
+// Lane by lane. Where one of the two is not a number, the result is the second.
 [[nodiscard]] inline Float4 smaller_portably(Float4 a, Float4 b) noexcept { return a < b ? a : b; }
 [[nodiscard]] inline Float4 larger_portably(Float4 a, Float4 b) noexcept { return a > b ? a : b; }
 
@@ -37,7 +37,7 @@ using Mask4 = std::int32_t __attribute__((vector_size(16)));
     return lanes[0] >> 31U | lanes[1] >> 31U << 1U | lanes[2] >> 31U << 2U | lanes[3] >> 31U << 3U;
 }
 
-// The same, where the compiler has to be told which instruction does it.
+// The same by intrinsics, where the compiler does not find the instruction itself.
 #ifdef __SSE__
 [[nodiscard]] inline Float4 smaller(Float4 a, Float4 b) noexcept { return _mm_min_ps(a, b); }
 [[nodiscard]] inline Float4 larger(Float4 a, Float4 b) noexcept { return _mm_max_ps(a, b); }
@@ -50,7 +50,7 @@ using Mask4 = std::int32_t __attribute__((vector_size(16)));
 [[nodiscard]] inline unsigned lane_bits(Mask4 mask) noexcept { return lane_bits_portably(mask); }
 #endif
 
-/// What lies in a box: another node or an item.
+/// The content of a box: another node or an item.
 class BoxChild {
 public:
     BoxChild() = default; ///< unset, so that nodes need not be written twice
@@ -81,7 +81,7 @@ using BoxLanes = std::array<Float4, kBoxLanes / 4>;
     return values[lane / 4][lane % 4];
 }
 
-/// Four cache lines. Lanes that hold nothing have an inverted box, which nothing enters.
+/// Four cache lines. Unused lanes have an inverted box, which nothing enters.
 struct alignas(64) BoxNode {
     /// Lower x, y, z, then upper x, y, z; one lane for each child. Rounded outwards.
     std::array<BoxLanes, 6> walls_m;
@@ -103,7 +103,7 @@ struct alignas(64) BoxNode {
     }
 };
 
-/// No node lies deeper below the root.
+/// Maximum depth of a node below the root.
 inline constexpr int kDeepestBoxNode = 56;
 
 } // namespace springdrive::contact

@@ -1,14 +1,14 @@
-// What a search of a BoxTree is made of: probes, which it holds against the boxes of a node, and
-// the stack of boxes that it has met but not yet looked into.
+// The parts of a BoxTree search: probes, which are tested against the boxes of a node, and the
+// stack of boxes that were hit but not yet visited.
 //
 // A probe is a motion or a ball, in floats, arranged so that round-off never loses a box that the
-// exact motion or ball would meet.
+// exact motion or ball would hit.
 //
 // Why that holds: walls are exact floats. Each difference "wall minus centre of the search" starts
 // from a centre moved outwards in double by more than its conversion to float can round, so that
-// the exact difference errs to the safe side. All that follows are products, differences and sums
-// of terms of one sign, each right to 2^-24 of itself; kSlack is larger than all of these together
-// and applied in the safe direction.
+// the exact difference errs on the safe side. What follows is products, differences and sums of
+// terms of one sign, each with a relative error of up to 2^-24; kSlack exceeds the sum of these
+// errors and is applied in the safe direction.
 #pragma once
 
 #include "base/vector.h"
@@ -27,7 +27,7 @@ namespace springdrive::contact {
 /// Eight roundings of a float, of which a test makes at most six.
 inline constexpr float kSlack = 0x1p-21F;
 
-/// Nothing is nearer than this [m]: far below any size, far above where floats lose digits.
+/// Lengths below this count as zero [m]: far below any size, far above where floats lose digits.
 inline constexpr float kNothing_m = 1e-30F;
 
 /// How far to move `centre_m ± reach_m` outwards before its conversion to float [m].
@@ -40,12 +40,12 @@ class AxisMotion {
 public:
     AxisMotion(std::size_t axis, double from_m, double to_m, double reach_m) noexcept {
         const auto length_m = static_cast<float>(to_m - from_m);
-        // A motion shorter than nothing crosses a box all the way or not at all, and so does the
-        // one that takes its place; but its inverse is finite: no zero times infinity.
+        // A motion this short lies in a box as a whole or not at all, and so does the one that
+        // replaces it; but the inverse of that is finite: no zero times infinity.
         const float rate_per_m = 1.0F / (std::abs(length_m) < kNothing_m ? kNothing_m : length_m);
         near_rate_per_m_ = all_lanes(rate_per_m * (1.0F - kSlack));
         far_rate_per_m_ = all_lanes(rate_per_m * (1.0F + kSlack));
-        // Without a branch: motions go either way.
+        // Without a branch, which would be mispredicted: motions go either way.
         const std::size_t falls = std::bit_cast<std::uint32_t>(rate_per_m) >> 31U;
         near_wall_ = axis + 3 * falls;
         far_wall_ = axis + 3 - 3 * falls;
@@ -55,7 +55,7 @@ public:
         far_from_m_ = all_lanes(static_cast<float>(from_m - outwards_m));
     }
 
-    /// The fraction of the motion at which it comes to four boxes, and at which it leaves them.
+    /// The fractions of the motion at which it enters four boxes, and at which it leaves them.
     [[nodiscard]] Float4 enters(const BoxNode &node, std::size_t four) const noexcept {
         return (node.walls_m[near_wall_][four] - near_from_m_) * near_rate_per_m_;
     }
@@ -64,7 +64,7 @@ public:
     }
 
 private:
-    std::size_t near_wall_; ///< of BoxNode::walls_m: which it comes to first
+    std::size_t near_wall_; ///< of BoxNode::walls_m: the one reached first
     std::size_t far_wall_;
     Float4 near_from_m_;
     Float4 far_from_m_;
@@ -80,7 +80,7 @@ public:
           z_(2, from_m.z(), to_m.z(), reach_m) {}
 
     /// Which boxes the motion enters no later than `last_fraction`, as bits; `entries` are the
-    /// fractions at which it does, never later than in truth.
+    /// fractions at which it does, never later than the exact ones.
     [[nodiscard]] unsigned enters(const BoxNode &node, float last_fraction,
                                   BoxLanes &entries) const noexcept {
         const auto test = [&](std::size_t four) {
@@ -131,7 +131,7 @@ public:
         return static_cast<float>(std::min(squared_radius_m2 * kTraceMore + 1e-37, 1e38));
     }
 
-    /// What a squared distance is in truth, or a trace less [m²].
+    /// A lower bound of the exact squared distance, equal to it but for round-off [m²].
     [[nodiscard]] static double at_least_m2(float squared_distance_m2) noexcept {
         return double{squared_distance_m2} * (1.0 - double{kSlack});
     }
@@ -157,11 +157,11 @@ private:
     AxisBall z_;
 };
 
-/// A child and how far off its box is: a number not below zero, in whatever the search measures.
-/// Both in one word, ordered by the distance: such floats are in the order of their bits.
+/// A child and the distance of its box: not negative, in the unit of the search. Both in one word,
+/// ordered by the distance: floats that are not negative sort as their bits do.
 class PendingBox {
 public:
-    PendingBox() = default; ///< unset: a search has no time to write a stack that it will not use
+    PendingBox() = default; ///< unset: initialising a stack that is hardly used would cost time
     PendingBox(float distance, BoxChild child) noexcept
         : word_(std::uint64_t{std::bit_cast<std::uint32_t>(distance)} << 32U | child.code()) {}
 
@@ -194,8 +194,8 @@ private:
     unsigned bits_;
 };
 
-/// A stack that cannot overflow: all but one of the boxes of each node above the current
-/// one may wait. Its storage lies apart, so that the compiler keeps the rest in registers.
+/// A stack that cannot overflow: it has room for all but one of the boxes of each node above the
+/// current one. Its storage is separate, so that the compiler keeps the rest in registers.
 class TraversalStack {
 public:
     using Storage = std::array<PendingBox, (kBoxLanes - 1) * kDeepestBoxNode + kBoxLanes>;
@@ -204,7 +204,7 @@ public:
 
     void push(PendingBox box) noexcept { *top_++ = box; }
 
-    /// Takes boxes off until one is no farther than `limit`. False if there is none.
+    /// Pops boxes until one is no farther than `limit`. False if there is none.
     [[nodiscard, gnu::always_inline]] bool pop(PendingBox &box, float limit) noexcept {
         while (top_ != bottom_) {
             box = *--top_;
@@ -215,7 +215,7 @@ public:
         return false;
     }
 
-    /// The distance of the nearest of all that wait, and of `current`.
+    /// The smallest distance of all boxes on the stack and of `current`.
     [[nodiscard, gnu::always_inline]] double nearest(PendingBox current) const noexcept {
         float nearest = current.distance();
         for (const PendingBox *box = bottom_; box != top_; ++box) {
@@ -224,7 +224,7 @@ public:
         return nearest;
     }
 
-    /// Pushes those children of a node that `hits` names, at least one, but for the nearest, which
+    /// Pushes the children of a node that `hits` selects, at least one, except the nearest, which
     /// it returns.
     [[nodiscard, gnu::always_inline]] PendingBox
     push_all_but_nearest(const BoxNode &node, const BoxLanes &distances, LaneSet hits) noexcept {

@@ -1,5 +1,5 @@
-// Finds, among millions of boxes, the few that a motion enters or that lie near a point. Knows
-// nothing of what is in the boxes.
+// Finds, among millions of boxes, the few that a motion enters or that lie near a point.
+// Independent of what is in the boxes.
 //
 //   node ┬ box ─► item          Each node holds up to eight boxes, with an item or another node in
 //        ├ box ─► item          each. Nodes and items are numbered in the order in which a walk
@@ -24,8 +24,8 @@
 
 namespace springdrive::contact {
 
-/// How much a search may still look at: what bounds its time by construction. A node brings no
-/// more than eight items.
+/// How many nodes a search may still visit: this bounds its time by construction. A node has at
+/// most eight items.
 struct SearchBudget {
     int nodes_left = 0;
 };
@@ -42,7 +42,7 @@ public:
     /// Items are numbered in the order of the tree: item i is boxes[order()[i]].
     [[nodiscard]] const std::vector<std::uint32_t> &order() const noexcept { return layout_.order; }
 
-    /// Hands `order()` over: nothing here needs it.
+    /// Moves `order()` out: nothing here needs it.
     [[nodiscard]] std::vector<std::uint32_t> take_order() noexcept {
         return std::move(layout_.order);
     }
@@ -50,8 +50,8 @@ public:
     /// Memory that the tree holds [bytes].
     [[nodiscard]] std::size_t bytes() const noexcept;
 
-    /// Visits the items whose boxes, grown by `reach_m` on all sides, the motion enters; what it
-    /// enters first mostly comes first. Round-off may add a visit, but never loses one. RT-safe.
+    /// Visits the items whose boxes, grown by `reach_m` on all sides, the motion enters, mostly in
+    /// the order in which it enters them. Round-off may add a visit, but never loses one. RT-safe.
     ///
     /// @param visit  (std::uint32_t item, double last_fraction) -> double: the fraction of the
     ///               motion that is still of interest, no more than `last_fraction`
@@ -61,13 +61,13 @@ public:
     double along(const Vector3 &from_m, const Vector3 &to_m, double reach_m, SearchBudget &budget,
                  Visit &&visit) const noexcept;
 
-    /// Visits the items whose boxes come within `radius_m` of `centre_m`, in no promised order.
+    /// Visits the items whose boxes come within `radius_m` of `centre_m`, in unspecified order.
     /// Round-off may add a visit, but never loses one. RT-safe.
     ///
     /// @param visit  (std::uint32_t item, double squared_distance_m2) -> double: the squared radius
     ///               that is still of interest [m²], no more than before. The distance is that to
-    ///               the box, or a trace less.
-    /// @return whether all was searched: false if the budget ran out
+    ///               the box, rounded down.
+    /// @return whether the search is complete: false if the budget ran out
     template <typename Visit>
     bool within(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
                 Visit &&visit) const noexcept;
@@ -87,7 +87,8 @@ double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m
     TraversalStack pending(storage);
     PendingBox next(0.0F, BoxChild::node(0));
     double last_fraction = 1.0;
-    float limit = 1.0F; // the same, changed by a branch that nodes need not wait for
+    float limit = 1.0F; // the same as a float, changed only on a branch, so that the node tests do
+                        // not depend on it
     do {
         while (!next.child().is_item()) {
             if (budget.nodes_left <= 0) {

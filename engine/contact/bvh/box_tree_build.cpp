@@ -18,8 +18,8 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Numbers are kept as floats that are never computed with: from here up to 2^30 more their bits
-/// are those of ordinary floats, which no processor is slow with.
+/// Numbers are kept as the bits of floats that are never used in arithmetic: from here on, 2^30 bit
+/// patterns are those of normal floats, which no processor handles slowly.
 constexpr std::uint32_t kNumberOffset = 0x3F800000U;
 
 /// The nearest float, or if that lies above, one of the next two below.
@@ -31,7 +31,7 @@ constexpr std::uint32_t kNumberOffset = 0x3F800000U;
 
 [[nodiscard]] float rounded_up(double value) noexcept { return -rounded_down(-value); }
 
-/// Neighbours in the list of all boxes, and what holds them.
+/// Consecutive boxes of the list of all boxes, and their bounds.
 struct BoxRun {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
@@ -39,7 +39,7 @@ struct BoxRun {
     Bounds twice_centres; ///< of their centres [2 m]
 };
 
-/// As many runs as a node has lanes or fewer, one behind the other.
+/// At most as many runs as a node has lanes, consecutive.
 struct BoxFork {
     std::array<BoxRun, kBoxLanes> runs;
     std::size_t size = 0;
@@ -53,8 +53,8 @@ enum class SplitRule : std::uint8_t {
 class BoxSplitter {
 public:
     /// @param boxes  reordered by `fork`
-    /// @param gap_m  added to a box's edges where their area counts, so that points, lines and
-    ///               planes are told apart too
+    /// @param gap_m  added to a box's edges for the comparison of areas, so that points, lines and
+    ///               planes compare too
     BoxSplitter(std::span<NumberedBox> boxes, float gap_m) noexcept
         : boxes_(boxes), gap_m_(gap_m) {}
 
@@ -103,7 +103,7 @@ public:
         : bins_(count < 32 ? kMostBoxBins / 2 : kMostBoxBins), lower_(twice_centres.lower) {
         const Float4 size = twice_centres.upper - twice_centres.lower;
         for (int axis = 0; axis < 3; ++axis) {
-            // All in the first bin where there is nothing to tell them apart.
+            // All in the first bin where their centres coincide.
             bins_per_unit_[axis] =
                 size[axis] > 1e-30F ? static_cast<float>(bins_) / size[axis] : 0.0F;
         }
@@ -111,7 +111,7 @@ public:
 
     [[nodiscard]] int bins() const noexcept { return bins_; }
 
-    /// For x, y and z. Within the range of bins whatever the centre, so round-off does no harm.
+    /// For x, y and z. Clamped to the range of bins, so round-off does no harm.
     [[nodiscard]] Mask4 bins_of(Float4 twice_centre) const noexcept {
         const Float4 place = (twice_centre - lower_) * bins_per_unit_;
         const Float4 last = all_lanes(static_cast<float>(bins_ - 1));
@@ -165,8 +165,8 @@ BoxFork BoxSplitter::fork(const BoxRun &whole, SplitRule rule) const {
     BoxFork fork;
     fork.runs[0] = whole;
     fork.size = 1;
-    // The run to be split next is the one that is looked into most often, of those that would not
-    // fit into one node.
+    // The run to be split next is the one that is visited most often, of those that would not fit
+    // into one node.
     const auto choose = [&](std::uint32_t least_count, std::uint32_t most_count) {
         std::optional<std::size_t> chosen;
         float largest = -1.0F;
@@ -240,7 +240,7 @@ BoxSplitter::Wall BoxSplitter::cheapest_wall(const BoxRun &whole) const noexcept
 std::uint32_t BoxSplitter::reorder(const BoxRun &whole, const Wall &wall) const noexcept {
     const BoxBinning binning(whole.twice_centres, whole.count);
     const std::span<NumberedBox> boxes = boxes_.subspan(whole.first, whole.count);
-    // Swaps always and advances if it was right: whether it is cannot be foreseen.
+    // Always swaps, and advances if the swap was right: the branch could not be predicted.
     std::size_t below = 0;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         const NumberedBox box = boxes[i];
@@ -284,15 +284,15 @@ void BoxSplitter::open(BoxFork &fork, std::size_t index) const noexcept {
     fork.size += added;
 }
 
-/// From this depth on runs are halved in number, three times for each node, which ends well within
-/// the 16 levels that remain: 8^10 boxes are all that can be numbered.
+/// From this depth on runs are halved by number, three times for each node, which ends well within
+/// the 16 levels that remain: no more than 8^10 boxes can be numbered.
 constexpr int kHalvingDepth = kDeepestBoxNode - 16;
 
-/// Work is shared in so many parts or more, whatever the number of threads.
+/// The work is divided into at least this many parts, whatever the number of threads.
 constexpr std::size_t kParts = 64;
 constexpr std::uint32_t kLeastPart = 1024;
 
-/// Where areas are compared, boxes are larger by this share of all [-].
+/// For the comparison of areas, boxes grow by this share of the whole [-].
 constexpr float kGapShare = 1e-5F;
 
 [[nodiscard]] SplitRule rule_at(int depth) {
@@ -307,7 +307,7 @@ void set_lane(BoxNode &node, std::size_t lane, const Bounds &bounds, BoxChild ch
     node.children[lane] = child;
 }
 
-/// Adds a node for the run and all below it, in the order of a walk. Returns its index.
+/// Adds a node for the run and all below it, in depth-first order. Returns its index.
 std::uint32_t add_nodes(std::vector<BoxNode> &nodes, const BoxSplitter &splitter,
                         const BoxRun &whole, int depth) {
     const auto index = static_cast<std::uint32_t>(nodes.size());
@@ -338,7 +338,7 @@ struct Branch {
     std::uint32_t index = 0;
 };
 
-/// A node near the root, whose runs are too large to be left to one thread.
+/// A node near the root, whose runs are too large for one thread.
 struct TopNode {
     BoxRun run;
     int depth = 0;
@@ -365,7 +365,7 @@ public:
         const Branch root = grow_top(splitter, all);
         for_each_in_parallel(parts_.size(), threads_, [&](std::size_t i) {
             Part &part = parts_[i];
-            part.nodes.reserve(part.run.count / 4 + 1); // about a sixth is what it takes
+            part.nodes.reserve(part.run.count / 4 + 1); // about a sixth is needed
             add_nodes(part.nodes, splitter, part.run, part.depth);
         });
         BoxTreeLayout layout;
@@ -422,7 +422,7 @@ private:
         return {BranchKind::fork, static_cast<std::uint32_t>(top_.size() - 1)};
     }
 
-    /// Gives each node its place: a node, then all below its first branch, and so on.
+    /// Assigns each node its index: a node, then all below its first branch, and so on.
     void place(const Branch &branch, std::size_t &next) {
         if (branch.kind == BranchKind::part) {
             Part &part = parts_[branch.index];

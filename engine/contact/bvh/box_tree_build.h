@@ -1,5 +1,5 @@
 // Builds the nodes of a BoxTree: from the root on, runs of boxes are divided into up to eight, by
-// the surface-area heuristic (a box is searched about as often as its surface is large) with binned
+// the surface-area heuristic (a box is visited about in proportion to its surface area) with binned
 // centres.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace springdrive::contact {
 
-/// A box, or none yet. Lanes x, y, z; what the fourth holds means nothing.
+/// A box, or none yet. Lanes x, y, z; the fourth is unused.
 struct Bounds {
     Float4 lower = all_lanes(std::numeric_limits<float>::infinity());
     Float4 upper = all_lanes(-std::numeric_limits<float>::infinity());
@@ -25,8 +25,8 @@ struct Bounds {
     }
 };
 
-/// A box as the build moves it about: in floats, with its number, in two registers. In the fourth
-/// lane of its lower corner stands its number.
+/// A box as the build sorts it: in floats, in two registers, with its number in the fourth lane of
+/// its lower corner.
 class NumberedBox {
 public:
     NumberedBox() = default;

@@ -18,18 +18,18 @@ namespace {
 /// tolerance.
 constexpr std::size_t kDistanceClasses = 64;
 
-/// Of each vertex no more neighbours are looked at than this: where more are within the tolerance
-/// they hang together all the same, or are a mesh finer than it.
+/// No more neighbours of a vertex than this are examined: where more are within the tolerance, they
+/// are connected through each other anyway, or the mesh is finer than the tolerance.
 constexpr int kMostNeighbours = 64;
 
-/// Vertices are named by their places in the rim from here on.
+/// From here on vertices are identified by their numbers in the rim.
 struct NearPair {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
     std::uint32_t distance_class = 0;
 };
 
-/// All pairs within the tolerance, but for too many at one place; the nearest first.
+/// All pairs within the tolerance, up to kMostNeighbours for each vertex; the nearest first.
 [[nodiscard]] std::vector<NearPair> near_pairs(const std::vector<Vector3> &places_m,
                                                double tolerance_m) {
     VertexGrid grid(places_m, tolerance_m, 8.0 * tolerance_m);
@@ -70,7 +70,7 @@ public:
         std::iota(next_.begin(), next_.end(), 0U);
     }
 
-    /// The smaller joins the larger, if it may.
+    /// Joins the smaller cluster to the larger, if that is allowed.
     void join(std::uint32_t a, std::uint32_t b) {
         std::uint32_t into = head_[a];
         std::uint32_t from = head_[b];

@@ -1,5 +1,5 @@
-// Closes narrow cracks: vertices along open edges that were meant to be one, but were rounded,
-// computed or converted apart.
+// Closes narrow cracks: vertices along open edges that were meant to coincide, but differ by
+// rounding, computation or conversion.
 #pragma once
 
 #include "base/vector.h"
@@ -13,14 +13,14 @@
 namespace springdrive::contact {
 
 struct ClosedCracks {
-    std::vector<std::uint32_t> stands_for; ///< for each vertex the one that takes its place
+    std::vector<std::uint32_t> stands_for; ///< for each vertex the one that replaces it
     std::size_t moved_vertices = 0;
     double largest_move_m = 0.0;
 };
 
 /// Welds ends of open edges that lie within the tolerance of each other, the nearest first. No
-/// vertex moves by more than the tolerance. Two corners of one triangle are never welded, nor what
-/// would make them meet: however fine a mesh, no triangle collapses.
+/// vertex moves by more than the tolerance. Two corners of one triangle are never welded, neither
+/// directly nor through others: however fine a mesh, no triangle collapses.
 /// @param edges those of `triangles`
 /// @pre tolerance_m > 0
 [[nodiscard]] ClosedCracks close_cracks(const std::vector<MeshTriangle> &triangles,

@@ -15,8 +15,8 @@ namespace springdrive::contact {
 
 namespace {
 
-/// More vertices per tolerance of an edge's length than this are no T-junction but a mesh finer
-/// than the tolerance, and are left alone.
+/// More vertices per tolerance of an edge's length than this are not a T-junction but a mesh finer
+/// than the tolerance, and are left unchanged.
 constexpr double kMostPerTolerance = 4.0;
 constexpr double kMostOnAnyEdge = 16.0;
 
@@ -98,7 +98,7 @@ public:
     /// Divides the piece with the side `from`–`to` into a fan about its opposite corner.
     void divide(std::uint32_t from, std::uint32_t to, std::span<const Cut> cuts) {
         for (const Cut &cut : cuts) {
-            // A vertex that cut two sides would make a piece that has it twice.
+            // A vertex that cuts two sides would make a piece with that vertex twice.
             if (cutters_.insert(cut.vertex).second) {
                 divide_once(from, to, cut.vertex);
                 from = cut.vertex;

@@ -16,10 +16,10 @@ struct SplitEdges {
     double largest_move_m = 0.0; ///< of a point of an edge
 };
 
-/// Leads open edges through the ends of other open edges that lie within the tolerance of their
-/// middle parts, and divides their triangles accordingly. The pieces go to the end of `triangles`,
-/// but for one that takes the place of the whole, and keep its index in the soup.
-/// @param edges those of `triangles`; no longer true if anything was split
+/// Routes open edges through the ends of other open edges that lie within the tolerance of their
+/// interiors, and divides their triangles accordingly. The pieces are appended to `triangles`,
+/// except one that replaces the whole, and keep its index in the soup.
+/// @param edges those of `triangles`; no longer valid if anything was split
 /// @pre tolerance_m > 0
 [[nodiscard]] SplitEdges split_edges(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
                                      const std::vector<Vector3> &vertices_m, double tolerance_m,

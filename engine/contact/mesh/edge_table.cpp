@@ -27,8 +27,8 @@ EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t ver
         const auto &[a, b, c] = triangle.vertices;
         return std::max({a, b, c}) < vertices && a != b && b != c && c != a;
     }));
-    // A counting sort by the lower vertex: each thread counts its share of the triangles, and so
-    // learns where its uses go.
+    // A counting sort by the lower vertex: each thread counts its share of the triangles, which
+    // gives the places of its uses.
     std::vector<std::vector<std::uint32_t>> next_of_chunk(threads);
     in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
         std::vector<std::uint32_t> &counts = next_of_chunk[chunk];

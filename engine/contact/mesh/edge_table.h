@@ -1,4 +1,4 @@
-// The edges of a mesh, and who uses them.
+// The edges of a mesh, and the triangles that use them.
 #pragma once
 
 #include "engine/contact/mesh/mesh_triangle.h"
@@ -46,7 +46,7 @@ struct Edge {
     [[nodiscard]] bool is_open() const { return uses.size() == 1; }
     [[nodiscard]] bool is_manifold() const { return uses.size() == 2; }
 
-    /// Manifold, but its two triangles do not agree which side is out.
+    /// Manifold, but its two triangles disagree about which side is out.
     [[nodiscard]] bool is_run_twice_the_same_way() const {
         return is_manifold() && uses[0].is_forward() == uses[1].is_forward();
     }
@@ -60,7 +60,7 @@ public:
 
     [[nodiscard]] std::size_t vertices() const { return first_use_.size() - 1; }
 
-    /// The uses of the edge between two vertices, none if there is no such edge.
+    /// The uses of the edge between two vertices; empty if there is no such edge.
     [[nodiscard]] std::span<const EdgeUse> uses_of(std::uint32_t a, std::uint32_t b) const;
 
     /// Calls `visit(edge)` for every edge whose lower vertex is in the range.

@@ -11,8 +11,8 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Of the three corners the pair of edges that meet at the widest angle gives the normal with the
-/// least cancellation: those that do not include the longest edge.
+/// The two edges that meet at the widest angle, which are all but the longest, give the normal with
+/// the least cancellation.
 [[nodiscard]] Vector3 area_vector(const std::array<Vector3, 3> &corners_m) noexcept {
     std::size_t apex = 0;
     double longest = -1.0;
@@ -48,7 +48,7 @@ struct Facet::Crossing {
     double enters; ///< fraction of the motion where it enters the layer
     Vector3 enters_m;
     Vector3 leaves_m;
-    bool pierces; ///< the triangle itself, or ends in the layer over it
+    bool pierces; ///< the triangle, or ends in the layer over it
 };
 
 double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
@@ -108,7 +108,7 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
     if (is_over_start) {
         const double kept_m = kept_distance_m(start_m, reach_m);
         if (end_m >= std::min(start_m, nearest_allowed_m(kept_m, reach_m))) {
-            return std::nullopt; // it was too near before, and comes no nearer
+            return std::nullopt; // it started too near, and comes no nearer
         }
         return plane_above(enters, side, kept_m);
     }
@@ -118,7 +118,7 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
 std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept {
     const auto nearest_m = [this](const Vector3 &point_m) { return nearest(point_m).point_m; };
     if (!crossing.pierces) {
-        // Asked exactly, since what slides along a neighbour's plane grazes this edge.
+        // Computed exactly, since a slide along a neighbour's plane grazes this edge.
         double least_m = crossing.reach_m;
         for (std::size_t i = 0; i < 3; ++i) {
             least_m = std::min(least_m, segment_distance_m(crossing.enters_m, crossing.leaves_m,

@@ -1,10 +1,10 @@
-// One touchable triangle, prepared for the question that the proxy asks all the time: how far may a
-// straight motion go before it comes too near?
+// One touchable triangle, prepared for the proxy's most frequent query: how far may a straight
+// motion go before it comes too near?
 //
 // "Too near" is nearer than the proxy's reach, its radius, to any point of the triangle: a true
 // offset, with round edges and corners. So no motion slips through the round-off between two
-// triangles or through a crack narrower than twice the reach, and what may be done in a place
-// follows from the planes that touch there, in whatever order they were met.
+// triangles or through a crack narrower than twice the reach, and the motions allowed at a place
+// follow from the planes that touch there, whatever the order in which they were found.
 #pragma once
 
 #include "base/vector.h"
@@ -17,34 +17,34 @@
 
 namespace springdrive::contact {
 
-/// The least reach [m], that of a proxy without a radius: 10 nm, far below what an encoder
-/// resolves or a hand feels, far above round-off.
+/// The minimum reach [m], that of a proxy without a radius: 10 nm, far below what an encoder
+/// resolves or a hand perceives, far above round-off.
 inline constexpr double kClearance_m = 1e-8;
 
-/// A motion may come nearer than the reach by this much [m]: far above round-off, so that what
-/// slides along one plane is not held up by the next in line.
+/// A motion may come nearer than the reach by this much [m]: far above round-off, so that a slide
+/// along one plane is not stopped by the next coplanar one.
 inline constexpr double kSlack_m = 1e-12;
 
-/// What arithmetic leaves of a distance within a metre [m].
+/// Round-off of a distance computed within a metre of the origin [m].
 inline constexpr double kRoundOff_m = 1e-15;
 
-/// What has lost less than this of its reach is given it back [m]; what has lost more started too
-/// near, and keeps what it has.
+/// A proxy that has lost less than this of its reach is restored to it [m]; one that has lost more
+/// started too near, and keeps its present distance.
 inline constexpr double kLostByRoundOff_m = 1e-10;
 
-/// What is no farther than this from touching touches [m]. Round a reach of 10 nm a picometre more
-/// would be a slant of a degree, and a rim beside the way would hold what it does not touch; so
-/// this is what arithmetic leaves at that place, and no more.
+/// What is no farther than this from touching counts as touching [m]. With a reach of 10 nm, a
+/// picometre more would tilt the plane by a degree, and a rim beside the path would hold a proxy
+/// that it does not touch; so this is the round-off at that place and no more.
 [[nodiscard]] inline double touching_within_m(const Vector3 &point_m) noexcept {
     return 2e-15 * (1.0 + point_m.cwiseAbs().maxCoeff());
 }
 
 enum class FacetSides : std::uint8_t {
-    one, ///< bounds a volume: stops what comes from the side its normal points to
-    two, ///< a sheet: stops what comes from either side
+    one, ///< bounds a volume: stops motions from the side its normal points to
+    two, ///< a sheet: stops motions from either side
 };
 
-/// What a facet is made from.
+/// What a facet is constructed from.
 struct FacetSource {
     std::array<Vector3, 3> corners_m;
     FacetSides sides = FacetSides::one;
@@ -55,23 +55,22 @@ struct FacetSource {
 /// Smallest of a triangle's three heights [m]; zero if it has no area.
 [[nodiscard]] double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept;
 
-/// How far a motion may go, and the half-space  normal · x >= offset_m  to stay in from there on:
-/// it touches the obstacle's offset where the motion ends, and holds none of its inside.
+/// How far a motion may go, and the half-space normal · x >= offset_m to stay in from there on: it
+/// touches the obstacle's offset where the motion ends, and excludes all of its inside.
 struct Stop {
     double fraction = 0.0;
     Vector3 normal{Vector3::Zero()};
     double offset_m = 0.0;
 };
 
-/// On two cache lines of its own; most motions need but the first, with the plane.
+/// On two cache lines of its own; most motions need only the first, with the plane.
 class alignas(64) Facet {
 public:
     /// @pre smallest_height_m(source.corners_m) is above round-off
     explicit Facet(const FacetSource &source) noexcept;
 
-    /// What stops the motion from `from_m` to `to_m`, if anything does. What starts too near
-    /// already may not come nearer. Motions that start behind a one-sided facet are let through.
-    /// RT-safe.
+    /// Where the facet stops the motion from `from_m` to `to_m`, if it does. A motion that starts
+    /// too near may not come nearer. Motions that start behind a one-sided facet pass. RT-safe.
     [[nodiscard]] std::optional<Stop> stop(const Vector3 &from_m, const Vector3 &to_m,
                                            double reach_m) const noexcept;
 
@@ -118,27 +117,27 @@ private:
     FacetSides sides_;
 };
 
-/// What a proxy keeps that is `distance_m` away: its reach, unless it started nearer than that.
+/// The distance that a proxy at `distance_m` keeps: its reach, unless it started nearer than that.
 [[nodiscard]] inline double kept_distance_m(double distance_m, double reach_m) noexcept {
     return distance_m > reach_m - kLostByRoundOff_m ? reach_m : distance_m;
 }
 
-/// How near a motion may then come: what had to start too near gets no slack, or a slow one would
-/// use it up over and over.
+/// How near a motion may then come: one that started too near gets no slack, or a slow motion would
+/// use it up again in every step.
 [[nodiscard]] inline double nearest_allowed_m(double kept_m, double reach_m) noexcept {
     return kept_m < reach_m ? kept_m - kRoundOff_m : reach_m - kSlack_m;
 }
 
 /// Advances a motion towards a convex obstacle, from one supporting plane to the next, until it
-/// touches: `nearest(point)` is the obstacle's nearest point to it, and `nearest_m` that to where
-/// the motion starts. Every plane parts the obstacle from all of the motion that was passed, so
-/// nothing is stepped over. RT-safe.
+/// touches (conservative advancement): `nearest(point)` is the obstacle's nearest point to it, and
+/// `nearest_m` that to where the motion starts. Every plane separates the obstacle from the part of
+/// the motion already passed, so nothing is stepped over. RT-safe.
 template <typename Nearest>
 [[nodiscard]] std::optional<Stop>
 advance_to_touch(const Vector3 &from_m, const Vector3 &to_m, double start_fraction,
                  Vector3 nearest_m, double reach_m, const Nearest &nearest) noexcept {
-    // Quadratic towards what it meets squarely; what it grazes halves the rest of the way in each
-    // step, and after 64 of those no way is left.
+    // Converges quadratically in a head-on approach; a grazing one halves the remaining motion in
+    // each step, and after 64 steps nothing remains.
     constexpr int kSteps = 64;
     const double touching_m = 0.5 * touching_within_m(from_m);
     const Vector3 motion = to_m - from_m;
@@ -150,7 +149,7 @@ advance_to_touch(const Vector3 &from_m, const Vector3 &to_m, double start_fracti
         const Vector3 gap = at_m - nearest_m;
         const double distance_m = gap.norm();
         if (distance_m == 0.0) {
-            return std::nullopt; // in the obstacle: there is no way to keep out of it
+            return std::nullopt; // inside the obstacle: there is no direction to keep out of it
         }
         if (step == 0) {
             kept_m = kept_distance_m(distance_m, reach_m);

@@ -22,7 +22,7 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Vertices closer than this are one [m].
+/// Vertices closer than this are merged [m].
 constexpr double kWeldTolerance_m = 1e-7;
 
 /// Threads take time to start, and memory for every vertex.
@@ -58,10 +58,10 @@ void require_few(std::size_t triangles) {
     }
 }
 
-/// What became of a triangle of the soup. If it was divided, the best that became of any piece.
+/// What became of a triangle of the soup. If it was divided, the best outcome of its pieces.
 enum class Fate : std::uint8_t { degenerate, duplicate, merged, kept };
 
-/// A mesh on its way through the steps of preparation, with the edges that it has at the time.
+/// A mesh during the steps of preparation, with its current edges.
 class Preparation {
 public:
     Preparation(const TriangleSoup &soup, unsigned threads)
@@ -109,7 +109,7 @@ public:
         report_.split_triangles = split.split_triangles;
         report_.largest_move_m = std::max(closed.largest_move_m, split.largest_move_m);
         if (closed.moved_vertices + split.split_triangles > 0) {
-            drop_repeated(); // one sheet may lie upon another now
+            drop_repeated(); // one sheet may now coincide with another
         }
     }
 
@@ -123,7 +123,7 @@ public:
 
     [[nodiscard]] PreparedMesh finish() {
         const MeshTopology topology = find_topology(triangles_, edges_);
-        // Slivers belong to the topology, or a surface with a sliver in it would count as open.
+        // Slivers count in the topology, or a surface with a sliver in it would count as open.
         const std::vector<std::uint32_t> slivers =
             slivers_to_leave_out(triangles_, edges_, soup_.vertices_m, threads_);
         PreparedMesh mesh;

@@ -1,6 +1,6 @@
-// Turns the triangles of a file into triangles fit to be touched: welded, cracks closed, without
-// the degenerate and the repeated, wound alike, each known to bound a volume or to be a sheet. Says
-// what it found and did.
+// Turns the triangles of a file into touchable ones: welded, cracks closed, without degenerate and
+// repeated triangles, consistently wound, each classified as bounding a volume or as a sheet.
+// Reports what it found and did.
 #pragma once
 
 #include "base/parallel.h"
@@ -12,15 +12,15 @@
 
 namespace springdrive::contact {
 
-/// Cracks up to this width are closed [m]: what single precision leaves of coordinates of tens of
-/// metres, and far below what a hand feels.
+/// Cracks up to this width are closed [m]: the single-precision rounding of coordinates of tens of
+/// metres, and far below what a hand perceives.
 inline constexpr double kCrackTolerance_m = 5e-6;
 
 /// What was found in a soup, for messages. Edges and components are those of the prepared mesh,
 /// slivers included, unless they say otherwise.
 struct MeshReport {
     std::size_t triangles_given = 0;
-    std::size_t triangles_kept = 0;       ///< of those given: the rest is one of the next three
+    std::size_t triangles_kept = 0;       ///< of those given; the next three count the rest
     std::size_t degenerate_triangles = 0; ///< too thin to have a normal, or not finite
     std::size_t duplicate_triangles = 0;  ///< same three vertices, same winding, as another
     std::size_t merged_triangles = 0;     ///< the other side of another, which has two sides now
@@ -44,9 +44,9 @@ struct PreparedMesh {
     MeshReport report;
 };
 
-/// @param threads at most so many are used; the facets are the same for any number
-/// @throw std::invalid_argument if an index of the soup is out of range or it lacks materials:
-///        a mistake of the program, since whoever reads a file checks it first.
+/// @param threads the maximum number used; the facets are the same for any number
+/// @throw std::invalid_argument if an index of the soup is out of range or it lacks materials: a
+///        mistake of the program, since readers of files check this first.
 /// @throw std::length_error if there are more than kMostTriangles.
 [[nodiscard]] PreparedMesh prepare_mesh(const TriangleSoup &soup,
                                         unsigned threads = all_processors());

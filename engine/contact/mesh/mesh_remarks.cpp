@@ -45,8 +45,8 @@ std::string on_closing(const MeshReport &report) {
                                  : std::to_string(report.open_edges) + " are open now";
     return counted(report.open_edges_given, "edge", "was", "were") + " open: closed by moving " +
            std::to_string(report.closed_cracks) + " vertices and dividing " +
-           std::to_string(report.split_triangles) + " triangles, by " +
-           micrometres(report.largest_move_m) + " at most; " + open;
+           std::to_string(report.split_triangles) + " triangles, with moves of up to " +
+           micrometres(report.largest_move_m) + "; " + open;
 }
 
 } // namespace
@@ -56,14 +56,14 @@ std::vector<std::string> remarks_on(const MeshReport &report,
     const bool is_automatic = std::ranges::all_of(materials, [](const SurfaceMaterial &material) {
         return material.sides == TouchSides::automatic;
     });
-    const std::string unless = is_automatic ? "" : ", but where their nodes say otherwise";
+    const std::string unless = is_automatic ? "" : ", unless their nodes specify otherwise";
     std::vector<std::string> remarks;
     const std::size_t left_out = report.degenerate_triangles + report.duplicate_triangles;
     if (left_out > 0) {
         remarks.push_back(names_of(report.left_out_of_material, materials) + ": " +
                           std::to_string(left_out) + " of " +
                           std::to_string(report.triangles_given) +
-                          " triangles cannot be touched, being too thin or there twice");
+                          " triangles cannot be touched: too thin, or duplicates of others");
     }
     if (report.closed_cracks + report.split_triangles > 0) {
         remarks.push_back(on_closing(report));
@@ -74,7 +74,7 @@ std::vector<std::string> remarks_on(const MeshReport &report,
     }
     if (report.flipped_triangles > 0) {
         remarks.push_back(counted(report.flipped_triangles, "triangle", "was", "were") +
-                          " wound against neighbours: turned");
+                          " wound opposite to neighbours: turned");
     }
     if (report.unorientable_components > 0) {
         remarks.push_back(counted(report.unorientable_components, "surface", "has", "have") +
@@ -87,7 +87,7 @@ std::vector<std::string> remarks_on(const MeshReport &report,
     }
     if (report.non_manifold_edges > 0) {
         remarks.push_back(std::to_string(report.non_manifold_edges) +
-                          " edges join more than two triangles: touched as they stand");
+                          " edges join more than two triangles: left unchanged");
     }
     if (report.inward_components > 0) {
         remarks.push_back(std::to_string(report.inward_components) +

@@ -1,4 +1,4 @@
-// What mesh preparation found, in words for the user.
+// The results of mesh preparation as text for the user.
 #pragma once
 
 #include "engine/contact/mesh/mesh_preparation.h"
@@ -8,8 +8,8 @@
 
 namespace springdrive::contact {
 
-/// One line for each thing about a surface that is not as a closed, clean mesh would have it, with
-/// the names of the nodes it concerns; empty for a clean one.
+/// One line for each way in which a surface differs from a closed, clean mesh, with the names of
+/// the nodes it concerns; empty for a clean one.
 [[nodiscard]] std::vector<std::string> remarks_on(const MeshReport &report,
                                                   const std::vector<SurfaceMaterial> &materials);
 

@@ -6,10 +6,10 @@ namespace springdrive::contact {
 
 namespace {
 
-/// How an edge is run through: forwards less backwards.
+/// How often an edge is traversed: forwards minus backwards.
 struct EdgeBalance {
     int all = 0;
-    int of_one_winding = 0; ///< of the triangles of one winding alone
+    int of_one_winding = 0; ///< of the triangles of one winding only
 };
 
 [[nodiscard]] EdgeBalance balance_of(const Edge &edge, const std::vector<MeshTriangle> &triangles) {

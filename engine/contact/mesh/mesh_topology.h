@@ -1,4 +1,4 @@
-// Which triangles hang together over shared edges, and whether they enclose a volume.
+// Which triangles are connected over shared edges, and whether they enclose a volume.
 #pragma once
 
 #include "engine/contact/mesh/edge_table.h"
@@ -12,14 +12,14 @@ namespace springdrive::contact {
 
 /// Triangles connected over edges.
 ///
-/// Closed: every edge is run through as often forwards as backwards. That holds for closed
-/// surfaces of one consistent winding, also where two of them share an edge, as voxels do, and is
-/// what makes "inside" a meaningful word. Triangles of both windings count either not at all, as
-/// sheets within or on a solid, or all of them as what they are wound like.
+/// Closed: every edge is traversed as often forwards as backwards. That holds for closed surfaces
+/// of one consistent winding, also where two of them share an edge, as voxels do, and makes
+/// "inside" well defined. Triangles of both windings either do not count at all, as sheets within
+/// or on a solid, or all count with their own winding.
 struct MeshComponent {
     bool is_closed = true;
-    bool is_orientable = true; ///< false: two triangles at an edge cannot agree which side is out
-    /// Of a closed one, whether triangles of both windings are no part of what encloses it.
+    bool is_orientable = true; ///< false: triangles cannot be turned to agree on which side is out
+    /// Of a closed one, whether triangles of both windings are not part of its closed surface.
     bool has_sheets_apart = true;
 };
 

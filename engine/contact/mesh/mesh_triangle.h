@@ -1,4 +1,4 @@
-// A triangle on its way from a file to a surface.
+// A triangle during mesh preparation.
 #pragma once
 
 #include <array>

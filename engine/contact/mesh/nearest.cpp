@@ -22,7 +22,8 @@ namespace {
 
 TrianglePoint nearest_on_triangle(const std::array<Vector3, 3> &corners_m,
                                   const Vector3 &to_m) noexcept {
-    // Inside all three edges: the foot on the plane, from the areas of the parts it makes.
+    // Inside all three edges: the foot on the plane, from the areas of the three triangles that it
+    // forms.
     const Vector3 area =
         (corners_m[1] - corners_m[0]).cross(corners_m[2] - corners_m[0]); // twice, along the normal
     const double area2 = area.squaredNorm();
@@ -43,7 +44,7 @@ TrianglePoint nearest_on_triangle(const std::array<Vector3, 3> &corners_m,
     }
     double least2 = -1.0;
     for (std::size_t i = 0; i < 3; ++i) {
-        // An edge has the nearest point only if the foot lies outside of it.
+        // The nearest point is on an edge only if the foot lies outside of that edge.
         if (parts[i] > 0.0) {
             continue;
         }
@@ -72,8 +73,8 @@ double segment_distance_m(const Vector3 &a_m, const Vector3 &b_m, const Vector3 
     const double vv = v.squaredNorm();
     const double uv = u.dot(v);
     const double determinant = u.cross(v).squaredNorm(); // uu vv − uv², without cancellation
-    // The nearest pair has an end of one of them, unless both lie within: then it is where the
-    // lines come nearest.
+    // The nearest pair includes an end point, unless both points lie inside their segments: then
+    // they are where the lines come nearest.
     double least2 = std::min({(a_m - c_m - nearest_share(c_m, d_m, a_m) * v).squaredNorm(),
                               (b_m - c_m - nearest_share(c_m, d_m, b_m) * v).squaredNorm(),
                               (c_m - a_m - nearest_share(a_m, b_m, c_m) * u).squaredNorm(),

@@ -1,4 +1,4 @@
-// Nearest points of segments and triangles: what distances to a surface are made of.
+// Nearest points of segments and triangles, for distances to a surface.
 #pragma once
 
 #include "base/vector.h"
@@ -7,8 +7,9 @@
 
 namespace springdrive::contact {
 
-/// Which corner of a triangle, edge or inside a point lies at is told by its weights: the point is
-/// Σ weightᵢ · cornerᵢ, no weight is negative and their sum is 1.
+/// A point of a triangle by its barycentric weights, which show at which corner, on which edge or
+/// where inside it lies: the point is Σ weightᵢ · cornerᵢ, no weight is negative and their sum is
+/// 1.
 struct TrianglePoint {
     Vector3 point_m{Vector3::Zero()};
     Vector3 weights{Vector3::Zero()};
@@ -18,7 +19,7 @@ struct TrianglePoint {
 [[nodiscard]] TrianglePoint nearest_on_triangle(const std::array<Vector3, 3> &corners_m,
                                                 const Vector3 &to_m) noexcept;
 
-/// The least distance between the segments a–b and c–d [m]; either may be a point. RT-safe.
+/// The smallest distance between the segments a–b and c–d [m]; either may be a point. RT-safe.
 [[nodiscard]] double segment_distance_m(const Vector3 &a_m, const Vector3 &b_m, const Vector3 &c_m,
                                         const Vector3 &d_m) noexcept;
 

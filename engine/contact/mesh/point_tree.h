@@ -1,4 +1,4 @@
-// Finds points near a line, however unevenly they are spread.
+// Finds points near a line segment, however uneven their distribution.
 #pragma once
 
 #include "base/vector.h"
@@ -28,7 +28,7 @@ private:
     struct Node {
         Vector3 place_m;
         std::uint32_t point = 0;
-        std::uint32_t axis = 0; ///< lower points before it, upper ones behind
+        std::uint32_t axis = 0; ///< lower points before it, upper ones after it
     };
 
     struct Segment {
@@ -37,7 +37,7 @@ private:
         double reach_m = 0.0;
     };
 
-    /// Nodes, and the part of the segment whose feet may belong to them.
+    /// Nodes, and the part of the segment on which their feet may lie.
     struct Range {
         std::size_t first = 0;
         std::size_t last = 0;

@@ -10,7 +10,7 @@ namespace springdrive::contact {
 
 namespace {
 
-/// A triangle on the edge between its two lowest vertices.
+/// A triangle seen from the edge between its two lowest vertices.
 struct Leaf {
     std::uint32_t opposite = 0; ///< its third vertex
     std::uint32_t index = 0;    ///< among the triangles of the mesh
@@ -30,7 +30,7 @@ public:
                  const std::vector<std::uint16_t> &material_of_triangle)
         : triangles_(triangles), material_of_triangle_(material_of_triangle) {}
 
-    /// Every group of equal triangles is met at one edge only, that between its lowest vertices.
+    /// Every group of equal triangles is found at one edge only, that between its lowest vertices.
     void look_at(const Edge &edge) {
         if (edge.is_open()) {
             return;

@@ -1,4 +1,4 @@
-// Triangles that are given more than once.
+// Triangles that occur more than once.
 #pragma once
 
 #include "engine/contact/mesh/edge_table.h"
@@ -11,17 +11,17 @@ namespace springdrive::contact {
 
 /// What was dropped, by index in the soup.
 struct RepeatedTriangles {
-    std::vector<std::uint32_t> same_winding; ///< another of their vertices and winding stays
-    std::vector<std::uint32_t> merged;       ///< another of their vertices stands for both windings
+    std::vector<std::uint32_t> same_winding; ///< another with the same vertices and winding stays
+    std::vector<std::uint32_t> merged;       ///< another with the same vertices has both windings
 };
 
 /// Drops triangles that have their three vertices in common with an earlier one, and keeps the
-/// order of the others. Of equal windings one is enough. A triangle and its other side become one
-/// that has both windings and is touched from both sides: nothing can be fallen through, whether
-/// they were a sheet, the wall between two solids, or part of a body given twice to be seen from
-/// within too. Where both sides are of different materials they are left as they are, one-sided
-/// each, which feels the same but for the material.
-/// @param edges those of `triangles`; no longer true if anything was dropped
+/// order of the others. Of equal windings one is kept. A triangle and its reverse become one that
+/// has both windings and is touched from both sides: the proxy cannot fall through, whether they
+/// were a sheet, the wall between two solids, or part of a body given twice so as to be visible
+/// from within too. Where the two sides have different materials they are left as they are, each
+/// one-sided, which feels the same except for the material.
+/// @param edges those of `triangles`; no longer valid if anything was dropped
 /// @param material_of_triangle by index in the soup
 [[nodiscard]] RepeatedTriangles
 drop_repeated_triangles(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,

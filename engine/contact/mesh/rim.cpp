@@ -30,7 +30,7 @@ Rim::Rim(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
             }
         }
     };
-    // A counting sort; the ends of the ranges run down to their starts while they are filled.
+    // A counting sort: filling a range moves its end down to its start.
     first_at_.assign(size() + 1, 0);
     for_each_corner([&](std::uint32_t number, std::uint32_t) { ++first_at_[number]; });
     std::partial_sum(first_at_.begin(), first_at_.end(), first_at_.begin());

@@ -28,7 +28,7 @@ public:
     [[nodiscard]] bool has(std::uint32_t vertex) const { return numbers_[vertex] != kNone; }
     [[nodiscard]] std::uint32_t number_of(std::uint32_t vertex) const { return numbers_[vertex]; }
 
-    /// All triangles that have the vertex for a corner, also those without an open edge.
+    /// All triangles with the vertex as a corner, including those without an open edge.
     [[nodiscard]] std::span<const std::uint32_t> triangles_at(std::uint32_t number) const {
         return std::span(triangles_at_)
             .subspan(first_at_[number], first_at_[number + 1] - first_at_[number]);

@@ -29,7 +29,7 @@ struct Sliver {
     in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             stop_if_given_up(i);
-            // Not finite is no height either.
+            // True for a height that is not finite too.
             const double height_m = smallest_height_m(corners_m(triangles[i], vertices_m));
             if (!(height_m >= kLeastHeight_m)) {
                 slivers_of_chunk[chunk].push_back(

@@ -20,14 +20,15 @@ constexpr double kClearMajority = 2.0 / 3.0;
 /// Volumes below this times area^1.5 are round-off: a foil of 10 µm, 10 cm square, has 1e-4 of it.
 constexpr double kLeastVolumeRatio = 1e-9;
 
-/// What speaks for one way to turn a patch or the other.
+/// What decides which way a patch is turned.
 struct Patch {
     bool is_orientable = true;
-    double area = 0.0;                ///< twice it, as all areas here [m²]
+    double area = 0.0;                ///< twice the area, as all areas here [m²]
     double area_of_first = 0.0;       ///< wound as the patch's first triangle, of one winding only
     double area_of_others = 0.0;      ///< wound the other way, of one winding only
     Vector3 moment = Vector3::Zero(); ///< area times place [m³]
-    double volume = 0.0; ///< six times that towards the middle, wound as the first triangle [m³]
+    double volume = 0.0; ///< six times the volume up to the middle, wound as the first triangle
+                         ///< [m³]
 
     [[nodiscard]] double voting_area() const { return area_of_first + area_of_others; }
 

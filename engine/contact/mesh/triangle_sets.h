@@ -1,4 +1,4 @@
-// Disjoint sets of triangles that know how their members are turned against each other.
+// Disjoint sets of triangles with the relative winding of their members.
 #pragma once
 
 #include "base/assertions.h"
@@ -10,13 +10,13 @@
 
 namespace springdrive::contact {
 
-/// Union-find with path halving; each link says whether its two ends are turned against each
-/// other. The root of a set is its first triangle.
+/// Union-find with path halving; each link stores whether its two ends are wound oppositely. The
+/// root of a set is its first triangle.
 class TriangleSets {
 public:
     struct Place {
         std::uint32_t root = 0;
-        bool is_opposite = false; ///< turned against the root
+        bool is_opposite = false; ///< wound opposite to the root
     };
 
     /// @pre at most kMostTriangles
@@ -40,7 +40,7 @@ public:
 
     [[nodiscard]] std::uint32_t root_of(std::uint32_t triangle) { return place_of(triangle).root; }
 
-    /// False if both are in one set already and are turned otherwise there.
+    /// False if both are already in one set with the other relative winding.
     bool unite(std::uint32_t a, std::uint32_t b, bool are_opposite) {
         const Place at = place_of(a);
         const Place bt = place_of(b);

@@ -26,7 +26,7 @@ std::size_t VertexGrid::cells_around(std::uint32_t vertex, Addresses &addresses)
     const Vector3 own = cell_of(vertices_m_[vertex]);
     const Vector3 lower = cell_of(vertices_m_[vertex] - reach);
     const Vector3 upper = cell_of(vertices_m_[vertex] + reach);
-    // On each axis the reach ends in the own cell on one side at least.
+    // On each axis the reach ends in the own cell on at least one side.
     const Vector3 other = (lower.array() == own.array()).select(upper, lower);
     std::size_t count = 0;
     for (unsigned corner = 1; corner < 8; ++corner) {
@@ -53,7 +53,7 @@ Vector3 VertexGrid::cell_of(const Vector3 &point_m) const {
 VertexGrid::Address VertexGrid::address_of(const Vector3 &cell) const {
     std::uint64_t mixed = 0;
     for (const double coordinate : cell) {
-        // Adding zero turns -0 into +0, which are equal and so must hash alike.
+        // Adding zero turns -0 into +0, which is equal and so must have the same hash.
         mixed = (mixed ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
         mixed ^= mixed >> 32;
     }

@@ -1,4 +1,4 @@
-// Finds vertices near a place.
+// Finds vertices near a point.
 #pragma once
 
 #include "base/assertions.h"
@@ -12,12 +12,13 @@
 
 namespace springdrive::contact {
 
-/// Hash table from the cells of a grid to the vertices in them, with open addressing. It stores no
-/// cells but tags, parts of their hashes: two cells may share one, and the distance decides.
+/// Hash table from the cells of a grid to the vertices in them, with open addressing. It stores
+/// tags, parts of the cells' hashes, instead of cells: two cells may share a tag, so the distance
+/// decides.
 class VertexGrid {
 public:
-    /// For any of `vertices_m`, which must outlive it.
-    /// @pre cell_m of at least twice reach_m: what lies within reach is in eight cells at most
+    /// For any subset of `vertices_m`, which must outlive it.
+    /// @pre cell_m of at least twice reach_m: points within reach are in at most eight cells
     VertexGrid(const std::vector<Vector3> &vertices_m, double reach_m, double cell_m);
 
     /// Where to look for the vertices of a cell.
@@ -29,7 +30,7 @@ public:
     /// The cell that a vertex is in.
     struct Home {
         Address address;
-        bool is_near_wall = false; ///< some within reach of the vertex may be in other cells
+        bool is_near_wall = false; ///< points within reach of the vertex may be in other cells
     };
     [[nodiscard]] Home home_of(std::uint32_t vertex) const;
 
@@ -46,7 +47,7 @@ public:
     }
 
     /// Calls `visit(other)` for inserted vertices within reach of a vertex until it returns true.
-    /// Returns whether it did. May visit one twice.
+    /// Returns whether it did. May visit a vertex twice.
     template <typename Visit>
     [[nodiscard]] bool visit_near(std::uint32_t vertex, const Home &home, Visit visit) const {
         if (visit_cell(home.address, vertex, visit)) {
@@ -75,7 +76,7 @@ private:
 
     using Addresses = std::array<Address, 8>;
 
-    /// The cells within reach of a vertex but for its own, and how many they are.
+    /// The cells within reach of a vertex except its own, and their number.
     [[nodiscard]] std::size_t cells_around(std::uint32_t vertex, Addresses &addresses) const;
 
     [[nodiscard]] Vector3 cell_of(const Vector3 &point_m) const;

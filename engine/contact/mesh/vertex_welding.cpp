@@ -16,7 +16,7 @@ namespace {
 /// needs its neighbours searched, small enough that a cell holds few vertices.
 constexpr double kCellTolerances = 16.0;
 
-/// Buckets lie anywhere in memory: asked for this many vertices ahead, they are there in time.
+/// Buckets are scattered in memory: prefetched this many vertices ahead, they arrive in time.
 constexpr std::uint32_t kAhead = 16;
 
 } // namespace

@@ -1,5 +1,5 @@
 // Finds vertices that are meant to be the same point: exporters repeat a vertex for every normal
-// and texture coordinate it carries, and only positions matter to the touch.
+// and texture coordinate it carries, and only positions matter to contact.
 #pragma once
 
 #include "base/vector.h"
@@ -9,9 +9,9 @@
 
 namespace springdrive::contact {
 
-/// For each vertex the index of the one that stands for it: itself, or an earlier vertex within
-/// `tolerance_m` that stands for itself. So no vertex moves by more than the tolerance, however
-/// long a chain of near neighbours is. Vertices that are not finite stand for themselves.
+/// For each vertex the index of its representative: itself, or an earlier vertex within
+/// `tolerance_m` that represents itself. So no vertex moves by more than the tolerance, however
+/// long a chain of near neighbours is. Vertices that are not finite represent themselves.
 /// @pre tolerance_m > 0, threads > 0
 [[nodiscard]] std::vector<std::uint32_t> weld_vertices(const std::vector<Vector3> &vertices_m,
                                                        double tolerance_m, unsigned threads = 1);

@@ -10,10 +10,10 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Squares below this begin to lose their digits.
+/// Squares below this begin to lose digits.
 constexpr double kLeastSquare_m2 = 1e-280;
 
-/// In the direction of `v`, however short that is. @pre v is not zero
+/// In the direction of `v`, however short. @pre v is not zero
 [[nodiscard]] Vector3 unit(const Vector3 &v) noexcept {
     const double length2 = v.squaredNorm();
     if (length2 > kLeastSquare_m2) {
@@ -27,7 +27,7 @@ constexpr double kLeastSquare_m2 = 1e-280;
 
 [[nodiscard]] double side(double coordinate) noexcept { return coordinate < 0.0 ? -1.0 : 1.0; }
 
-/// Away from the y axis, of length 1; along x where that has no direction.
+/// Unit, away from the y axis; along x on the axis itself.
 [[nodiscard]] Vector3 radial_direction(const Vector3 &p) noexcept {
     const Vector3 away(p.x(), 0.0, p.z());
     return away.isZero(0.0) ? Vector3::UnitX() : unit(away);
@@ -105,8 +105,8 @@ constexpr double kLeastSquare_m2 = 1e-280;
     return nearest_on(*std::get_if<Capsule>(&size), p);
 }
 
-/// Whether, with places as seen from a centre, the plane square to the way to `from_m` and
-/// `least_m` along it has both in front of it. Without a root or a division: asked all the time.
+/// For points relative to a centre: whether both lie in front of the plane perpendicular to
+/// `from_m` at distance `least_m`. Without a root or a division, as it is called in every tick.
 [[nodiscard]] bool are_beyond(double least_m, const Vector3 &from_m, const Vector3 &to_m) noexcept {
     const double from_m2 = from_m.squaredNorm();
     const double along_m2 = from_m.dot(to_m);
@@ -181,7 +181,7 @@ constexpr double kLeastSquare_m2 = 1e-280;
     return capsule.half_axis_m * R.col(1).cwiseAbs() + Vector3::Constant(capsule.radius_m);
 }
 
-/// The lengths of a shape that must be positive.
+/// The lengths of a shape, all of which must be positive.
 [[nodiscard]] Vector3 lengths_m(const AnalyticShape::Size &size) {
     struct Lengths {
         Vector3 operator()(const Plate &s) const { return {s.half_x_m, s.half_z_m, 1.0}; }
@@ -208,7 +208,7 @@ AnalyticShape::AnalyticShape(const Size &size, const Eigen::Isometry3d &placemen
 }
 
 NearestOnShape AnalyticShape::nearest(const Vector3 &point_m) const noexcept {
-    // What comes of others is not finite either, and the servo's safety monitor trips on it.
+    // Otherwise the result is not finite either, and the servo's safety monitor trips on it.
     SPRINGDRIVE_ASSERT_AUDIT(point_m.allFinite());
     const NearestOnShape local = nearest_on(size_, to_own_frame_m(point_m));
     return {centre_m_ + rotation_ * local.point_m, rotation_ * local.normal, local.distance_m};
@@ -216,7 +216,7 @@ NearestOnShape AnalyticShape::nearest(const Vector3 &point_m) const noexcept {
 
 bool AnalyticShape::is_parted_from(const Vector3 &from_m, const Vector3 &to_m,
                                    double clear_m) const noexcept {
-    if (const auto *sphere = std::get_if<Sphere>(&size_)) { // which no turning changes
+    if (const auto *sphere = std::get_if<Sphere>(&size_)) { // which no rotation changes
         return is_parted(*sphere, from_m - centre_m_, to_m - centre_m_, clear_m);
     }
     return is_parted(size_, to_own_frame_m(from_m), to_own_frame_m(to_m), clear_m);

@@ -1,4 +1,4 @@
-// Shapes that are touched exactly as they are, where triangles would only come near them.
+// Shapes that are touched exactly, where triangles would only approximate them.
 #pragma once
 
 #include "base/vector.h"
@@ -44,47 +44,47 @@ struct NearestOnShape {
     double distance_m; ///< from the surface; negative inside a solid
 };
 
-/// A convex shape where it stands.
+/// A convex shape with its placement.
 ///
-/// The plane through a nearest point, square to its normal, has the whole shape behind it. For a
-/// query off the shape, the query is in front; for one inside a solid, it is behind as well.
+/// The plane through a nearest point, perpendicular to its normal, has the whole shape behind it.
+/// For a query off the shape, the query is in front; for one inside a solid, it is behind as well.
 class AnalyticShape {
 public:
     using Size = std::variant<Plate, Sphere, Box, Cylinder, Capsule>;
 
-    /// @param placement takes the shape's own frame to the device's
+    /// @param placement maps the shape's own frame to the device's
     /// @param material index into the scene's materials
     /// @throw std::invalid_argument for a size that is not positive and finite: a mistake of the
     ///        program. Only the half axis of a capsule may be 0.
     AnalyticShape(const Size &size, const Eigen::Isometry3d &placement, std::uint16_t material);
 
     /// The nearest point of the surface. Where several are equally near, as from the centre of a
-    /// sphere, always the same one. RT-safe. @pre `point_m` is finite
+    /// sphere, it is always the same one. RT-safe. @pre `point_m` is finite
     [[nodiscard]] NearestOnShape nearest(const Vector3 &point_m) const noexcept;
 
-    /// Whether a plane parts the shape from a motion that stays `clear_m` off it, as far as a quick
-    /// look tells: true is certain but for round-off. RT-safe.
+    /// Whether a plane separates the shape, grown by `clear_m`, from a motion. A quick,
+    /// conservative test: true is certain but for round-off. RT-safe.
     [[nodiscard]] bool is_parted_from(const Vector3 &from_m, const Vector3 &to_m,
                                       double clear_m) const noexcept;
 
-    /// The smallest box, along the device's axes, that holds the shape.
+    /// The bounding box of the shape along the device's axes.
     [[nodiscard]] Eigen::AlignedBox3d bounds() const;
 
     [[nodiscard]] std::uint16_t material() const noexcept { return material_; }
 
-    /// Whether it has an inside, which a tip may leave but not enter. All have but the plate.
+    /// Whether it has an inside, which a tip may leave but not enter. All have except the plate.
     [[nodiscard]] bool is_solid() const noexcept { return !std::holds_alternative<Plate>(size_); }
 
     [[nodiscard]] const Size &size() const noexcept { return size_; }
 
-    /// A point of the device's frame, as seen from the shape. RT-safe.
+    /// A point of the device's frame in the shape's own frame. RT-safe.
     [[nodiscard]] Vector3 to_own_frame_m(const Vector3 &point_m) const noexcept {
         return rotation_.transpose() * (point_m - centre_m_);
     }
 
     [[nodiscard]] const Vector3 &centre_m() const noexcept { return centre_m_; }
 
-    /// Turns directions of the shape's own frame to the device's.
+    /// Rotates directions of the shape's own frame to the device's.
     [[nodiscard]] const Matrix3 &rotation() const noexcept { return rotation_; }
 
 private:

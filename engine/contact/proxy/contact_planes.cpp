@@ -14,14 +14,14 @@ namespace {
 /// A solution may lie this far below a plane [m]: round-off of the arithmetic.
 constexpr double kExact_m = 1e-12;
 
-/// The same where planes are so nearly parallel that the line they meet in says nothing, and one
-/// of them has to stand for both [m]. A hundredth of the proxy's clearance.
+/// The same where planes are so nearly parallel that their line of intersection is ill-conditioned,
+/// and one of them has to represent both [m]. A hundredth of the proxy's clearance.
 constexpr double kTolerable_m = 0.01 * kClearance_m;
 
 /// Sine of the angle below which that is so.
 constexpr double kParallel = 1e-7;
 
-/// Sine of the angle [rad] below which motion control sees one plane.
+/// Sine of the angle below which planes count as one for motion control.
 constexpr double kOneFace = 1e-6;
 
 /// The nearest point on the intersection of one to three planes, built up one plane at a time by
@@ -44,7 +44,7 @@ public:
         }
         Q_.col(size_) = rest / sine;
         R_(size_, size_) = sine;
-        // Along the new direction only: the planes before stay met.
+        // Along the new direction only: the earlier planes stay satisfied.
         y_m_[size_] = -plane.height_m(point_m_) / sine;
         point_m_ += y_m_[size_] * Q_.col(size_);
         ++size_;
@@ -77,8 +77,8 @@ private:
     int size_ = 0;
 };
 
-/// Tries every set of up to three planes, small sets first: the solution is the one whose planes
-/// all push and whose point lies above all the others.
+/// Tries every set of up to three planes, small sets first: the solution is the set whose planes
+/// all push and whose point lies above all other planes.
 class Search {
 public:
     Search(const Vector3 &tip_m, const ContactPlanes &planes) noexcept
@@ -143,7 +143,7 @@ private:
 
 NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
                            const Vector3 &inside_m) noexcept {
-    // Most questions are about no plane or one.
+    // Most calls have no plane or one.
     if (planes.size() == 0) {
         return {tip_m, {}};
     }
@@ -165,7 +165,7 @@ NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
     if (second_search.found()) {
         return second_search.best();
     }
-    // Not reached by exact arithmetic. To stay is always allowed.
+    // Not reached in exact arithmetic. Staying is always allowed.
     NearestPoint stay{inside_m, {}};
     for (std::size_t i = 0; i < std::min<std::size_t>(3, planes.size()); ++i) {
         stay.active.add(lowered[i]);

@@ -2,9 +2,9 @@
 // of them is nearest to the tip? A quadratic program in three dimensions, solved exactly.
 //
 // Zilles and Salisbury (see proxy.h) solve the equations of the Lagrange multipliers for the planes
-// that are taken to be active, Ruspini and others hand the program to a general solver. Here every
+// that are taken to be active; Ruspini and others pass the program to a general solver. Here every
 // set of up to three planes is tried until the Karush-Kuhn-Tucker conditions hold: all multipliers
-// positive, no plane violated. So which planes are active is part of the answer.
+// positive, no plane violated. So the solution includes which planes are active.
 #pragma once
 
 #include "base/vector.h"
@@ -19,15 +19,14 @@ namespace springdrive::contact {
 struct ContactPlane {
     Vector3 normal{Vector3::Zero()}; ///< unit, towards the free side
     double offset_m = 0.0;
-    std::uint32_t obstacle = 0; ///< what lies behind it, as `HapticSurface` counts
+    std::uint32_t obstacle = 0; ///< what lies behind it, by the numbering of `HapticSurface`
 
     [[nodiscard]] double height_m(const Vector3 &point_m) const noexcept {
         return normal.dot(point_m) - offset_m;
     }
 };
 
-/// A small list of planes without an allocation: the three that can hold a point, and one more to
-/// be met.
+/// A small list of planes without allocation: the three that can hold a point, and one newly met.
 class ContactPlanes {
 public:
     static constexpr std::size_t kCapacity = 4;
@@ -57,8 +56,8 @@ private:
     std::size_t size_ = 0;
 };
 
-/// A solution, and the planes that hold it back: at most three, with normals that are linearly
-/// independent, and  x − tip = Σ λᵢ nᵢ  with every λᵢ > 0.
+/// A solution, and the planes that constrain it: at most three, with normals that are linearly
+/// independent, and x − tip = Σ λᵢ nᵢ with every λᵢ > 0.
 struct NearestPoint {
     Vector3 point_m{Vector3::Zero()};
     ContactPlanes active;
@@ -66,8 +65,8 @@ struct NearestPoint {
 
 /// The point above all `planes` that is nearest to `tip_m`. RT-safe.
 ///
-/// Where there is no such point (two planes face each other closer than their clearances allow)
-/// the planes that `inside_m` lies below are lowered to it, which makes `inside_m` itself one.
+/// Where there is no such point (two planes face each other closer than their clearances allow) the
+/// planes above `inside_m` are lowered to it, which makes `inside_m` feasible.
 [[nodiscard]] NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
                                          const Vector3 &inside_m) noexcept;
 

@@ -7,29 +7,29 @@ namespace springdrive::contact {
 
 namespace {
 
-/// A proxy this near to its goal is there [m], and does not move: below what a fresh solution of
-/// the same planes differs by is only round-off.
+/// A proxy this near to its goal has arrived [m] and does not move: smaller differences between two
+/// solutions for the same planes are round-off.
 constexpr double kStill_m = 1e-11;
 
-/// A plane that has turned by less than this [rad] since it was met is still the same.
+/// A plane that has turned by less than this [rad] since it was found counts as the same.
 constexpr double kSamePlane = 1e-9;
 
-/// Cosine of how far a shape may turn away below a slide for its end to be foreseen. What slides
-/// farther leaves more of the surface than it follows.
+/// Cosine of the largest angle by which a shape's normal may turn along a slide whose end is
+/// predicted. A longer slide would leave the surface more than follow it.
 constexpr double kGentle = 0.9;
 
-/// Round a curved offset each slide along a tangent plane leaves a share of the way that hardly
-/// changes from one to the next: once it shows, the rest of the way is known (Aitken).
+/// Around a curved offset, each slide along a tangent plane leaves a nearly constant fraction of
+/// the remaining distance: once it is known, so is the sum of the remaining slides (Aitken).
 class Foresight {
 public:
-    /// How much farther than this slide the row of slides will go in all.
+    /// The length of all remaining slides, this one included, as a multiple of this one.
     [[nodiscard]] double stretch(const Vector3 &slide_m) noexcept {
         const double length_m = slide_m.norm();
         const double share = last_length_m_ > 0.0 ? length_m / last_length_m_ : 0.0;
         const bool is_row =
             share > 0.2 && share < 0.99 && slide_m.dot(last_m_) > 0.7 * length_m * last_length_m_;
         last_m_ = slide_m;
-        last_length_m_ = is_row ? 0.0 : length_m; // a stretched one begins a new row
+        last_length_m_ = is_row ? 0.0 : length_m; // a stretched one begins a new sequence
         return is_row ? 1.0 / (1.0 - share) : 1.0;
     }
 
@@ -38,9 +38,9 @@ private:
     double last_length_m_ = 0.0;
 };
 
-/// How often a slide fits into the way along it to where the target is `most_m` away again: farther
-/// on, the proxy would leave what it is to come nearer to. Where the target is farther already, to
-/// where it is nearest.
+/// By what multiple a slide reaches the point at which the target is `most_m` away again: beyond
+/// it, the proxy would move away from its target. Where the target is already farther, the point at
+/// which it is nearest.
 double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
     const double slide_m2 = slide_m.squaredNorm();
     const double along_m2 = slide_m.dot(to_target_m);
@@ -57,8 +57,8 @@ void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
 }
 
 /// Where a slide along a single shape is to end: straight above the place of rest, so that it only
-/// has to drop from there. A convex shape says where that is, its nearest point to the target. With
-/// more than one plane in play, such an end might lie below the others.
+/// has to drop from there. For a convex shape that is above its point nearest to the target. With
+/// more than one plane active, such an end might lie below the others.
 std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
                                            const Vector3 &target_m) const noexcept {
     const AnalyticShape *shape = planes.size() == 1 ? surface_.shape(planes[0].obstacle) : nullptr;
@@ -73,7 +73,7 @@ std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
     return Vector3(target_m - planes[0].height_m(target_m) / slant * up);
 }
 
-/// A convex shape alone, round which every slide leads to the same place.
+/// A convex shape alone: every slide around it leads to the same place.
 bool Descent::is_on_one_shape(const ContactPlanes &planes) const noexcept {
     return planes.size() == 1 && surface_.shape(planes[0].obstacle) != nullptr;
 }
@@ -101,11 +101,11 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
     const double most_m = (target_m - rest.point_m).norm();
     Foresight foresight;
     ContactPlanes last_met;
-    ContactPlanes planes = rest.held_by; // that the goal keeps above
+    ContactPlanes planes = rest.held_by; // the goal stays above these
     NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
     while (effort_.motions_left > 0) {
         if ((goal.point_m - rest.point_m).squaredNorm() <= kStill_m * kStill_m) {
-            // As far as these planes let it; which of them are still there?
+            // As far as these planes allow; which of them still touch?
             rest.held_by = goal.active;
             if (refresh(rest.held_by, rest.point_m)) {
                 return true;
@@ -148,7 +148,7 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
         }
         const ContactPlane plane{hit->stop.normal, hit->stop.offset_m, hit->obstacle};
         if (hit->stop.fraction == 0.0 && plane.height_m(end_m) >= -kRoundOff_m) {
-            move(rest, end_m); // which lies above this plane, but for round-off
+            move(rest, end_m); // which lies above this plane except for round-off
             continue;
         }
         last_met = ContactPlanes();
@@ -157,7 +157,7 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
         planes.add(plane);
         goal = nearest_point(target_m, planes, rest.point_m);
     }
-    // Cut short, perhaps just above the surface that it was on its way down to.
+    // Stopped early, perhaps just above the surface that it was descending to.
     static_cast<void>(refresh(rest.held_by, rest.point_m));
     if (!rest.is_touching()) {
         rest.held_by = last_met;

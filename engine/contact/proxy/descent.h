@@ -1,6 +1,6 @@
-// Goes down the distance to a target, in free space and along the surface, until nothing nearer can
-// be reached: the proxy's constraint problem, solved by moving from one set of touching planes to
-// the next.
+// Descends towards a target, in free space and along the surface, until no nearer point can be
+// reached: the proxy's constrained minimisation, solved by moving from one set of touching planes
+// to the next.
 #pragma once
 
 #include "base/vector.h"
@@ -14,9 +14,9 @@
 
 namespace springdrive::contact {
 
-/// What one tick may cost: what bounds its time by construction. Most ticks need one to four
-/// motions and no node of the tree; a wild one ends where its effort does, short of the target but
-/// on the right side of every surface, and the next tick goes on from there.
+/// The budget of one tick, which bounds its time by construction. Most ticks need one to four
+/// motions and no node of the tree; an extreme one stops when its budget is exhausted, short of the
+/// target but on the right side of every surface, and the next tick continues from there.
 struct Effort {
     static constexpr std::size_t kMotions = 96;
     int motions_left = static_cast<int>(kMotions);
@@ -31,23 +31,24 @@ struct Rest {
     [[nodiscard]] bool is_touching() const noexcept { return held_by.size() > 0; }
 };
 
-/// One descent after another over the same surface.
+/// Descents over one surface.
 ///
 /// The free space of a proxy with a reach is what lies at least that far from every obstacle. Where
 /// obstacles touch, each leaves a half-space; a point is at rest where the target lies in the cone
-/// that the touching planes hold back (the conditions of Karush, Kuhn and Tucker).
+/// that the touching planes block (the Karush-Kuhn-Tucker conditions).
 class Descent {
 public:
-    /// @param near a neighbourhood of `surface`, or of nothing; may be replaced along the way
+    /// @param near a neighbourhood of `surface`, or empty; may be replaced between descents
     Descent(const HapticSurface &surface, const Neighbourhood &near, double reach_m, Effort &effort,
             ProxyPath &path) noexcept
         : surface_(surface), near_(near), reach_m_(reach_m), effort_(effort), path_(path) {}
 
-    /// Moves from `rest`, whose planes may be any that touched there, to the nearest rest on the
-    /// way to the target. True if it is reached, false if the effort ended before. RT-safe.
+    /// Moves from `rest`, whose planes may be any that touched there, downhill to the first place
+    /// of rest with respect to the target. True if it is reached, false if the budget ran out
+    /// first. RT-safe.
     [[nodiscard]] bool settle(Rest &rest, const Vector3 &target_m) const noexcept;
 
-    /// What stops a straight motion first. RT-safe.
+    /// The first stop of a straight motion. RT-safe.
     [[nodiscard]] std::optional<SurfaceStop> first_stop(const Vector3 &from_m,
                                                         const Vector3 &to_m) const noexcept;
 

@@ -13,7 +13,7 @@ FrictionStop hold_back(const ProxyPath &path, std::size_t first, double normal_m
     if (behind_m <= sticking * normal_m) {
         return {first, path[first], true};
     }
-    // From the end backwards to the piece that leaves the sphere of radius μ N about the end.
+    // From the end backwards to the piece that crosses the sphere of radius μ N about the end.
     const double left_m = material.dynamic_friction * normal_m;
     std::size_t piece = path.size() - 1;
     while (piece > first && (path[piece] - end_m).squaredNorm() <= left_m * left_m) {

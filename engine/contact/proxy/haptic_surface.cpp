@@ -152,7 +152,7 @@ void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBu
                    has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
     const bool is_complete = tree_.within(
         centre_m, radius_m, budget, [&](std::uint32_t index, double squared_distance_m2) noexcept {
-            // Read when all are found, and on the way from memory until then.
+            // Read when all are found: prefetched until then.
             const char *facet = reinterpret_cast<const char *>(&facets_[index]);
             __builtin_prefetch(facet);
             __builtin_prefetch(facet + 64);
@@ -177,10 +177,10 @@ std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector
                                                  double reach_m) const noexcept {
     const NearestOnShape start = shapes_[shape].nearest(from_m);
     if (start.distance_m < 0.0) {
-        return std::nullopt; // starts inside, and may leave
+        return std::nullopt; // starts inside: it may leave
     }
     if (start.distance_m >= reach_m && start.normal.dot(to_m - start.point_m) >= reach_m) {
-        return std::nullopt; // the plane between them parts it from all of the motion
+        return std::nullopt; // the plane between them separates it from the whole motion
     }
     return advance_to_touch(from_m, to_m, 0.0, start.point_m, reach_m, [&](const Vector3 &point_m) {
         return shapes_[shape].nearest(point_m).point_m;

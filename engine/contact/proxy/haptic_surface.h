@@ -1,4 +1,4 @@
-// The touchable side of a scene: triangles and shapes in metres, device frame, prepared and
+// The touchable geometry of a scene: triangles and shapes in metres, device frame, prepared and
 // searchable.
 #pragma once
 
@@ -18,14 +18,15 @@
 
 namespace springdrive::contact {
 
-/// Where a motion from a to b has to end, at a + stop.fraction (b − a), and because of what.
+/// Where a motion from a to b has to end, at a + stop.fraction (b − a), and which obstacle stops
+/// it.
 struct SurfaceStop {
     Stop stop;
     std::uint32_t obstacle = 0; ///< see HapticSurface
-    bool is_known = true;       ///< false: the search ended here for want of budget
+    bool is_known = true;       ///< false: the search ended here because the budget ran out
 };
 
-/// A point of an obstacle, with what a contact wants to know of it.
+/// A point of an obstacle, with what a contact reports of it.
 struct SurfacePoint {
     Vector3 point_m{Vector3::Zero()};
     Vector3 barycentric{Vector3::Zero()}; ///< zero on a shape
@@ -33,22 +34,22 @@ struct SurfacePoint {
     std::uint16_t material = 0;
 };
 
-/// Immutable: any number of threads may ask it at once. An empty surface can never be touched.
+/// Immutable: any number of threads may query it at once. An empty surface is never touched.
 ///
 /// Surfaces that bound a volume stop the tip from outside only, so that a tip that starts within
 /// may leave. All others stop it from both sides. Facets and shapes together are its *obstacles*,
-/// counted through: facets first.
+/// numbered consecutively: facets first.
 class HapticSurface {
 public:
     HapticSurface() = default;
 
     /// Prepares triangles and builds the search structure, in as many threads as there are cores.
-    /// @throw std::invalid_argument as `prepare_mesh` does, or for a shape that has no material or
-    ///        is one too many
+    /// @throw std::invalid_argument as `prepare_mesh` does, for a shape without a material, or for
+    ///        too many shapes
     explicit HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes = {});
 
-    /// What stops a straight motion of a proxy with that reach first, if anything does. RT-safe:
-    /// looks at no more nodes of the tree than the budget has.
+    /// The first stop of a straight motion of a proxy with that reach, if there is one. RT-safe:
+    /// visits no more nodes of the tree than the budget has.
     [[nodiscard]] std::optional<SurfaceStop> first_stop(const Vector3 &from_m, const Vector3 &to_m,
                                                         double reach_m,
                                                         SearchBudget &budget) const noexcept;
@@ -58,32 +59,31 @@ public:
                                                         const Vector3 &from_m, const Vector3 &to_m,
                                                         double reach_m) const noexcept;
 
-    /// Whether a motion from a place that a neighbourhood covers stays in it and is clear of the
-    /// facets and those of the shapes in it, as far as a quick look tells: true is certain.
-    /// RT-safe.
+    /// Whether a motion from a place that a neighbourhood covers stays in it and is clear of its
+    /// facets and of the given shapes. A quick, conservative test: true is certain. RT-safe.
     [[nodiscard]] bool is_clear_of(ShapeSet shapes, const Neighbourhood &near,
                                    const Vector3 &from_m, const Vector3 &to_m,
                                    double reach_m) const noexcept;
 
-    /// How a proxy slides that rests in `from_m` over a shape's face, where that face is all that
-    /// is in play for sure: other obstacles neither stop it nor lie nearer to the tip. Nothing
-    /// where that takes more than a quick look to tell. RT-safe.
+    /// How a proxy that rests in `from_m` over a shape's face slides, where certainly no other
+    /// obstacle is involved: none stops it or lies nearer to the tip. Nothing where a quick test
+    /// cannot decide that. RT-safe.
     /// @pre `near` covers `from_m`, with `reach_m` about it
     [[nodiscard]] std::optional<ShapeSlide> slide_over(std::uint32_t obstacle,
                                                        const Neighbourhood &near,
                                                        const Vector3 &from_m, const Vector3 &tip_m,
                                                        double reach_m) const noexcept;
 
-    /// Lists what lies within a ball, or a smaller one where that is too much for the list. A list
-    /// that covers nothing is left where even that does not help, or the budget ran out. RT-safe.
+    /// Lists what lies within a ball, or within a smaller one where that exceeds the list. The list
+    /// covers nothing where even that does not help, or the budget ran out. RT-safe.
     void find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
                    Neighbourhood &near) const noexcept;
 
-    /// The plane in which a proxy touches an obstacle, if it is within `within_m` of doing so.
+    /// The plane in which a proxy touches an obstacle, if it is within `within_m` of touching.
     [[nodiscard]] std::optional<Stop> touch(std::uint32_t obstacle, const Vector3 &point_m,
                                             double reach_m, double within_m) const noexcept;
 
-    /// What `nearest` says of a shape whose nearest point is known. RT-safe.
+    /// The result of `nearest` for a shape whose nearest point is known. RT-safe.
     [[nodiscard]] SurfacePoint point_on_shape(std::uint32_t obstacle,
                                               const Vector3 &point_m) const noexcept;
 
@@ -94,12 +94,12 @@ public:
     [[nodiscard]] const Facet &facet(std::uint32_t index) const noexcept { return facets_[index]; }
     [[nodiscard]] const std::vector<AnalyticShape> &shapes() const noexcept { return shapes_; }
 
-    /// The shape that an obstacle is; none where it is a facet. RT-safe.
+    /// The shape of an obstacle; null for a facet. RT-safe.
     [[nodiscard]] const AnalyticShape *shape(std::uint32_t obstacle) const noexcept {
         return obstacle < facets_.size() ? nullptr : &shapes_[obstacle - facets_.size()];
     }
 
-    /// Of an obstacle. RT-safe.
+    /// That of an obstacle. RT-safe.
     [[nodiscard]] const SurfaceMaterial &material(std::uint32_t obstacle) const noexcept {
         return materials_[material_index(obstacle)];
     }
@@ -109,10 +109,10 @@ public:
 
     [[nodiscard]] const MeshReport &report() const noexcept { return report_; }
 
-    /// What facets, tree, shapes and materials take [bytes].
+    /// Memory of facets, tree, shapes and materials [bytes].
     [[nodiscard]] std::size_t bytes() const noexcept;
 
-    /// Differs between any two surfaces of a run, but for empty ones and copies.
+    /// Differs between any two surfaces of a run, except empty ones and copies.
     [[nodiscard]] std::uint64_t serial() const noexcept { return serial_; }
 
 private:

@@ -1,4 +1,4 @@
-// Facets found near a place, as many as a neighbourhood holds.
+// Facets found near a place, as many as fit into a neighbourhood.
 #pragma once
 
 #include "engine/contact/proxy/neighbourhood.h"
@@ -9,11 +9,11 @@
 
 namespace springdrive::contact {
 
-/// Before anything of the facets is read. Where they are too many the ball gets smaller.
+/// Collects indices only, before the facets themselves are read. Where there are too many, the ball
+/// shrinks.
 class NearList {
 public:
-    // Those that are not found yet are never read.
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
+    // Entries beyond size_ are never read. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
     NearList(double radius_m, std::size_t capacity) noexcept
         : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
 
@@ -29,7 +29,7 @@ public:
 
     [[nodiscard]] double squared_radius_m2() const noexcept { return squared_radius_m2_; }
 
-    /// Whether the ball is of a size to be of use: far larger than what is kept from surfaces.
+    /// Whether the ball is large enough to be useful: far larger than the proxy's clearance.
     [[nodiscard]] bool is_useful() const noexcept { return squared_radius_m2_ > 1e-12; }
 
     template <typename Visit> void for_each(const Visit &visit) const noexcept {

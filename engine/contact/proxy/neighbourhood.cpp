@@ -28,7 +28,7 @@ void Neighbourhood::complete(double radius_m) noexcept {
     radius_m_ = radius_m;
     for (int i = size_; i % kAtOnce != 0; ++i) {
         normal_x_[i] = normal_y_[i] = normal_z_[i] = 0.0;
-        offset_m_[i] = -1.0; // a metre above its plane, wherever
+        offset_m_[i] = -1.0; // every point is a metre above its plane
     }
 }
 
@@ -37,7 +37,7 @@ double Neighbourhood::covered_fraction(const Vector3 &from_m, const Vector3 &to_
     if (covers(to_m, margin_m)) {
         return 1.0;
     }
-    // Where |from + s motion − centre| = radius − margin, the later of the two.
+    // Where |from + s motion − centre| = radius − margin, the later solution.
     const Vector3 start = from_m - centre_m_;
     const Vector3 motion = to_m - from_m;
     const double left_m = radius_m_ - margin_m;

@@ -1,5 +1,5 @@
-// All that is touchable near a place, kept at hand: the proxy moves little from tick to tick, and
-// asks the same few facets again and again.
+// A cache of everything touchable near a place: the proxy moves little from tick to tick, and
+// queries the same few facets again and again.
 #pragma once
 
 #include "base/vector.h"
@@ -13,19 +13,19 @@
 
 namespace springdrive::contact {
 
-/// Which shapes of a surface are meant, a bit each.
+/// A set of shapes of a surface, one bit each.
 using ShapeSet = std::uint64_t;
 inline constexpr std::size_t kMostShapes = 64;
 
-/// The facets and shapes of one surface that come into a ball. Complete: what is not listed lies
-/// outside of the ball.
+/// The facets and shapes of one surface that intersect a ball. Complete: whatever is not listed
+/// lies outside of the ball.
 class Neighbourhood {
 public:
-    /// Entries for facets; those of two sides take two. Enough for the ring of triangles about a
-    /// triangle, few enough to be asked all in a few dozen nanoseconds.
+    /// Entries for facets; two-sided ones take two. Enough for the ring of triangles around a
+    /// triangle, few enough to query them all in a few dozen nanoseconds.
     static constexpr int kCapacity = 48;
 
-    /// Makes it a neighbourhood of nothing, which covers no place.
+    /// Empties it, so that it covers no place.
     void clear() noexcept {
         surface_serial_ = 0;
         radius_m_ = 0.0;
@@ -33,7 +33,7 @@ public:
         shapes_ = 0;
     }
 
-    /// Begins a list of what comes into a ball; `complete` ends it.
+    /// Begins a list of what intersects a ball; `complete` ends it.
     void begin(std::uint64_t surface_serial, const Vector3 &centre_m) noexcept {
         clear();
         surface_serial_ = surface_serial;
@@ -62,12 +62,12 @@ public:
         return left_m > 0.0 && (point_m - centre_m_).squaredNorm() <= left_m * left_m;
     }
 
-    /// How much of a motion that starts covered stays so.
+    /// The fraction of a motion that is covered, where its start is.
     [[nodiscard]] double covered_fraction(const Vector3 &from_m, const Vector3 &to_m,
                                           double margin_m) const noexcept;
 
     /// Calls `visit(facet index)` for facets whose plane the motion may come too near to, from a
-    /// side on which they can be touched: few of all.
+    /// side on which they can be touched: usually a few of them.
     template <typename Visit>
     void for_each_in_the_way(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
                              const Visit &visit) const noexcept {
@@ -105,8 +105,7 @@ public:
     }
 
 private:
-    /// Facets that are looked at together; after the last of the list come some that nothing can be
-    /// in the way of.
+    /// Facets that are tested together; the list is padded with entries that never stop a motion.
     static constexpr int kAtOnce = 8;
     static_assert(kCapacity % kAtOnce == 0);
     using Heights = Eigen::Array<double, kAtOnce, 1>;
@@ -119,8 +118,8 @@ private:
                normal_z_.segment<kAtOnce>(first) * point_m.z() - offset_m_.segment<kAtOnce>(first);
     }
 
-    /// Zero, or far beyond any distance: what takes entries on the wrong side out of the running
-    /// without a branch for each.
+    /// Zero, or far beyond any distance: excludes entries on the wrong side without a branch for
+    /// each.
     [[nodiscard, gnu::always_inline]] static Heights far_if_positive(const Heights &m) noexcept {
         return m.max(0.0) * 1e30;
     }
@@ -128,7 +127,7 @@ private:
     template <typename Visit>
     [[gnu::always_inline]] static void for_each_below(double limit, const Heights &values,
                                                       const Visit &visit) noexcept {
-        if (values.minCoeff() < limit) { // as a rule none is
+        if (values.minCoeff() < limit) { // usually none is
             for (int i = 0; i < kAtOnce; ++i) {
                 if (values[i] < limit) {
                     visit(i);
@@ -144,7 +143,7 @@ private:
     double radius_m_ = 0.0;
     int size_ = 0;
     ShapeSet shapes_ = 0;
-    // One array for each coordinate, so that the processor takes several facets at a time.
+    // One array for each coordinate, so that the processor handles several facets at a time.
     Coordinates normal_x_{Coordinates::Zero()};
     Coordinates normal_y_{Coordinates::Zero()};
     Coordinates normal_z_{Coordinates::Zero()};

@@ -11,28 +11,28 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Beyond this no tip can be [m]: a value to refuse, not to compute with.
+/// No tip can be farther away than this [m]: such values are rejected.
 constexpr double kFarthestTip_m = 1e3;
 
-/// A hop to a place of rest that is nearer may take the proxy farther from the tip on its way by
-/// this [m]: a third of what the device resolves. Facets of a smooth shape leave such low ridges
-/// between them, and edges that do not quite meet leave such steps.
+/// On a step to a nearer place of rest, the proxy may move away from the tip by up to this [m]: a
+/// third of what the device resolves. Facets of a smooth shape leave such low ridges between them,
+/// and edges that do not quite meet leave such steps.
 constexpr double kLowRidge_m = 1e-5;
 
-// A tick's path never fills up: every motion adds one point at most, friction two more.
+// A tick's path never overflows: every motion adds at most one point, friction two more.
 static_assert(ProxyPath::kCapacity >= 1 + Effort::kMotions + 2);
 
-/// Nearer means nearer by more than round-off [m].
+/// A place counts as nearer if it is nearer by more than this, which is above round-off [m].
 constexpr double kNearer_m = 1e-12;
 
-/// A hop that ends this near to where it was aimed has arrived [m].
+/// A step over a ridge that ends this near to its aim has arrived [m].
 constexpr double kArrived_m = 1e-9;
 
-/// Farther than this a hop does not go [m]. All that it could go to is kept in sight, but for half
-/// of it where facets are so fine that no more comes into view.
+/// Maximum length of a step over a ridge [m]. The neighbourhood covers this distance, or half of it
+/// where facets are so fine that it cannot hold more.
 constexpr double kFarthestHop_m = 2e-4;
 
-/// How far to look around [m]: at first, and at most.
+/// Radius of the neighbourhood [m]: initial and maximum.
 constexpr double kFirstSight_m = 1e-3;
 constexpr double kFarthestSight_m = 0.5;
 
@@ -66,23 +66,24 @@ void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
     if (rest_.held_by.size() == 0) {
         sight_m_ = std::max(sight_m_, 2.0 * needed_m);
     } else if (sight_m_ < 2.0 * needed_m) {
-        return; // too fast among too many facets for a list to pay
+        return; // too fast among too many facets for a list to be worthwhile
     }
-    // Ahead of where it is, so that it lasts; but not so far that it might be among facets by then.
+    // Centred ahead of the proxy, so that it lasts; but not so far that it might reach other facets
+    // by then.
     constexpr double kMostAhead_steps = 10.0;
     const double ahead =
         step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
     look_around(surface, rest_.point_m + ahead * step, effort);
     if (!near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, effort); // too much to list lies ahead
+        look_around(surface, rest_.point_m, effort); // too many facets ahead to list
     }
 }
 
 void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
                         Effort &effort) noexcept {
     surface.find_near(centre_m, sight_m_, effort.search, near_);
-    // As many facets as make a list worth its making, and not so many that it overflows: on a
-    // surface their number grows with the square of the radius.
+    // Enough facets to make a list worthwhile, and not so many that it overflows: on a surface
+    // their number grows with the square of the radius.
     constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
     const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * sight_m_;
     const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
@@ -100,7 +101,7 @@ bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) con
     return is_far_from_shapes || !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
 }
 
-/// What `descend` would do, in closed form, where only one face of one shape is in play.
+/// The result of `descend` in closed form, where only one face of one shape is involved.
 std::optional<ShapeSlide> Proxy::free_slide(const HapticSurface &surface,
                                             const Vector3 &tip_m) const noexcept {
     if (rest_.held_by.size() != 1 || !near_.covers(rest_.point_m, reach_m_)) {
@@ -159,7 +160,7 @@ bool Proxy::descend(const Descent &descent, const HapticSurface &surface, const 
     constexpr int kMostHops = 4;
     bool has_settled = descent.settle(rest_, tip_m);
     if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, effort); // it has leapt
+        look_around(surface, rest_.point_m, effort); // it has moved far
     }
     for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
         if (!hop(descent, surface, tip_m)) {
@@ -182,10 +183,10 @@ void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMateria
         path_.cut(1);
         return;
     }
-    // Where the path leaves the surface on its way over an edge, down to what lies below.
+    // Where the path leaves the surface over an edge, down to what lies below.
     const std::optional<SurfaceStop> below = descent.first_stop(held.point_m, tip_m);
     if (!below || !below->is_known) {
-        sticks_ = slides_ = false; // goes without friction, then
+        sticks_ = slides_ = false; // no friction in this tick
         return;
     }
     path_.cut(held.piece + 1);
@@ -203,7 +204,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     }
     if (surface.serial() != surface_serial_) {
         surface_serial_ = surface.serial();
-        rest_.held_by = ContactPlanes(); // planes of another surface hold nothing here
+        rest_.held_by = ContactPlanes(); // planes of another surface do not apply here
         sticks_ = slides_ = false;
     }
     Effort effort;
@@ -228,7 +229,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         has_settled = descend(descent, surface, tip_m, effort);
     }
     if (!rest_.is_touching()) {
-        // What ended in mid-air for want of effort pushes nobody either.
+        // A proxy that stopped in mid-air when the budget ran out exerts no force either.
         sticks_ = slides_ = false;
         Contact contact = free_contact(rest_.point_m);
         contact.settled = has_settled;

@@ -1,20 +1,20 @@
-// The proxy (god-object): where the tip would be, had it not gone through the surface.
+// The proxy (god-object): where the tip would be if it could not penetrate the surface.
 //
 // Each tick it descends towards the tip, in free space and along the surface, to the nearest point
 // that it can reach. Every motion is swept against the surface, so whatever the tip does, the
-// proxy's path crosses nothing. Ridges and steps too low to feel do not hold it. Where the material
-// has friction it stays behind, as far as Coulomb's law lets it.
+// proxy's path never crosses the surface. Ridges and steps too low to feel do not hold it. Where
+// the material has friction it lags behind, as far as Coulomb's law allows.
 //
 // God-object: C. Zilles and K. Salisbury, "A constraint-based god-object method for haptic
 // display", 1995. Proxy: D. Ruspini, K. Kolarov and O. Khatib, "The haptic display of complex
 // graphical environments", 1997. What differs here:
 //
 //   - a point moves rather than a sphere, unless it is given a radius; both keep a clearance
-//   - the descent goes on within a tick until no nearer point can be reached, within a budget, so
-//     that the contact of a tick does not depend on how the tick before ended
-//   - force shading is not done by turning the force: the surface itself is curved, see
+//   - the descent continues within a tick until no nearer point can be reached, within a budget, so
+//     that the contact of a tick does not depend on how the previous tick ended
+//   - force shading does not rotate the force: the surface itself is curved, see
 //     engine/scene/curved_patches.h, so that no closed path gives or takes energy
-//   - friction goes by the path that the proxy would take without it, see friction.h
+//   - friction is applied along the path that the proxy would take without it, see friction.h
 #pragma once
 
 #include "base/vector.h"
@@ -33,21 +33,21 @@ namespace springdrive::contact {
 
 class Proxy {
 public:
-    /// @param radius_m  how far it keeps from every surface; at least kClearance_m
+    /// @param radius_m  the distance it keeps from every surface; at least kClearance_m
     explicit Proxy(double radius_m = 0.0);
 
-    /// Starts free at the tip, on whichever side of the surface that is. A tip that is not finite
-    /// is ignored.
+    /// Starts free at the tip, whichever side of the surface it is on. A tip that is not finite is
+    /// ignored.
     void reset(const Vector3 &tip_m) noexcept;
 
     /// Moves the proxy to the point nearest to the tip that it can reach without crossing the
     /// surface. RT-safe: bounded effort, no allocation, lock, I/O or throw.
     ///
-    /// A tip that is not finite, or a kilometre away, leaves the proxy where it is and makes the
-    /// contact a free one; to stop the device is the safety monitor's part.
+    /// A tip that is not finite, or a kilometre away, leaves the proxy where it is and gives a free
+    /// contact; stopping the device is up to the safety monitor.
     Contact update(const HapticSurface &surface, const Vector3 &tip_m) noexcept;
 
-    /// How it went in the last update.
+    /// The path of the last update.
     [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
 
 private:
@@ -67,13 +67,13 @@ private:
              const Vector3 &tip_m) noexcept;
 
     double reach_m_;
-    std::uint64_t surface_serial_ = 0; ///< of the surface that it was on
+    std::uint64_t surface_serial_ = 0; ///< of the surface in the last update
     Rest rest_;
     bool sticks_ = false; ///< friction holds it
-    bool slides_ = false; ///< against friction
+    bool slides_ = false; ///< against dynamic friction
     Vector3 last_tip_m_{Vector3::Zero()};
     Neighbourhood near_;
-    double sight_m_; ///< radius to look around with next
+    double sight_m_; ///< radius of the next neighbourhood
     ProxyPath path_;
 };
 

@@ -1,4 +1,4 @@
-// The straight pieces that a proxy went along in one tick.
+// The straight pieces along which a proxy moved in one tick.
 #pragma once
 
 #include "base/assertions.h"
@@ -9,8 +9,8 @@
 
 namespace springdrive::contact {
 
-/// From where it was to where it came to rest, every corner included. No piece crosses a surface;
-/// a straight line from the first point to the last may, where the path bends round an edge.
+/// From its start to its place of rest, with every corner. No piece crosses a surface; a straight
+/// line from the first point to the last may, where the path bends around an edge.
 class ProxyPath {
 public:
     static constexpr std::size_t kCapacity = 128;
@@ -26,7 +26,7 @@ public:
         points_m_[size_++] = point_m;
     }
 
-    /// Forgets all but the first `count` points.
+    /// Removes all but the first `count` points.
     void cut(std::size_t count) noexcept { size_ = count; }
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }

@@ -6,7 +6,7 @@ namespace springdrive::contact {
 
 namespace {
 
-void tell_of(const SurfacePoint &touched, Contact &contact) noexcept {
+void set_touched_point(const SurfacePoint &touched, Contact &contact) noexcept {
     contact.surface_m = touched.point_m;
     contact.barycentric = touched.barycentric;
     contact.triangle = touched.triangle;
@@ -36,7 +36,7 @@ Contact resting_contact(const HapticSurface &surface, const Vector3 &tip_m,
     for (const ContactPlane &plane : rest.held_by) {
         contact.eta = std::min(contact.eta, surface.material(plane.obstacle).eta);
     }
-    tell_of(surface.nearest(first.obstacle, rest.point_m), contact);
+    set_touched_point(surface.nearest(first.obstacle, rest.point_m), contact);
     return contact;
 }
 
@@ -49,7 +49,8 @@ Contact resting_contact(const HapticSurface &surface, std::uint32_t shape_obstac
     contact.normal = slide.normal;
     contact.active_constraints = 1;
     contact.eta = surface.material(shape_obstacle).eta;
-    tell_of(surface.point_on_shape(shape_obstacle, slide.rest_m - reach_m * slide.normal), contact);
+    set_touched_point(surface.point_on_shape(shape_obstacle, slide.rest_m - reach_m * slide.normal),
+                      contact);
     return contact;
 }
 

@@ -1,4 +1,4 @@
-// What motion control is told of a proxy's place of rest.
+// The contact that is reported for a proxy's place of rest.
 #pragma once
 
 #include "base/vector.h"
@@ -11,10 +11,10 @@
 
 namespace springdrive::contact {
 
-/// Of a proxy that touches nothing.
+/// For a proxy that touches nothing.
 [[nodiscard]] Contact free_contact(const Vector3 &point_m) noexcept;
 
-/// Of a proxy that its planes hold, at least one. RT-safe.
+/// For a proxy held by its planes, at least one. RT-safe.
 [[nodiscard]] Contact resting_contact(const HapticSurface &surface, const Vector3 &tip_m,
                                       const Rest &rest) noexcept;
 

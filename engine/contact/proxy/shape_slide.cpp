@@ -10,11 +10,11 @@ namespace springdrive::contact {
 
 namespace {
 
-/// Cosine squared of how far a face may turn away below a slide: farther round than 25 degrees, the
-/// slide leaves more of the shape than it follows.
+/// Squared cosine of the largest angle by which a face's normal may turn along a slide: beyond 25
+/// degrees, the slide leaves the shape more than it follows it.
 constexpr double kGentle2 = 0.9 * 0.9;
 
-/// Nearer than this to a centre or an axis [m] the tip has no direction from it to speak of.
+/// Nearer than this to a centre or an axis [m] the tip's direction from it is ill-defined.
 constexpr double kNoDirection_m = 1e-9;
 
 /// A slide in the shape's own frame: along `normal` the tip lies at `depth_m` below the face, and
@@ -27,7 +27,7 @@ struct LocalSlide {
 };
 using MaybeSlide = std::optional<LocalSlide>;
 
-/// Over the side of a box that looks along an axis.
+/// Over the face of a box that is perpendicular to an axis.
 [[nodiscard]] MaybeSlide over_side(const Vector3 &half_size_m, int axis, const Vector3 &from_m,
                                    const Vector3 &tip_m, double kept_m) noexcept {
     const int next = (axis + 1) % 3;
@@ -45,8 +45,8 @@ using MaybeSlide = std::optional<LocalSlide>;
     return slide;
 }
 
-/// Over what lies at a radius from a centre or, if both places are given as seen from there, from
-/// an axis.
+/// Over a surface at a radius from a centre or, if both points are given relative to it, from an
+/// axis.
 [[nodiscard]] MaybeSlide over_round(double radius_m, const Vector3 &start_out_m,
                                     const Vector3 &tip_out_m, const Vector3 &way_m,
                                     double kept_m) noexcept {
@@ -129,7 +129,7 @@ std::optional<ShapeSlide> slide_over_face(const AnalyticShape &shape, const Vect
     const double kept_m = reach_m - kLostByRoundOff_m;
     const auto *sphere = std::get_if<Sphere>(&shape.size());
     MaybeSlide slide =
-        sphere != nullptr // which looks the same from everywhere
+        sphere != nullptr // which has no orientation
             ? over(*sphere, from_m - shape.centre_m(), tip_m - shape.centre_m(), kept_m)
             : over(shape.size(), shape.to_own_frame_m(from_m), shape.to_own_frame_m(tip_m), kept_m);
     if (!slide || slide->depth_m < kSlack_m - reach_m) {

@@ -1,4 +1,4 @@
-// Boxes in all the arrangements that a search tree finds hard, and slow, plain searches among them.
+// Boxes in arrangements that are difficult for a search tree, and slow reference searches.
 #pragma once
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -46,7 +46,7 @@ inline Boxes boxes_of(const contact::TriangleSoup &soup) {
     return boxes;
 }
 
-/// Nested about one corner, each half as large again as the last: what makes a tree deep.
+/// Nested about one corner, each half as large again as the last, which makes a tree deep.
 inline Boxes growing_boxes(int count) {
     Boxes boxes;
     for (int i = 0; i < count; ++i) {

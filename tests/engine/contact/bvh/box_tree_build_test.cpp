@@ -74,7 +74,7 @@ TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
     }
 }
 
-TEST(BoxTreeBuild, StaysSmallAndHandsItsOrderOver) {
+TEST(BoxTreeBuild, StaysSmallAndMovesItsOrderOut) {
     const Boxes boxes = testing::boxes_of(testing::icosphere(5, 0.05));
     BoxTree tree(boxes, 2);
     EXPECT_LT(tree.bytes(), 80 * boxes.size());
@@ -99,7 +99,7 @@ TEST(BoxTreeBuild, KeepsPointSearchesShort) {
     EXPECT_LT(nodes, 20 * 1000); // five levels hold 32,768
 }
 
-TEST(NumberedBox, HoldsTheBoxAndLittleMore) {
+TEST(NumberedBox, EnclosesTheBoxTightly) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> exponent(-30.0, 3.0);
     for (int i = 0; i < 20000; ++i) {

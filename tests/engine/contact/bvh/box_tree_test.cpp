@@ -21,11 +21,11 @@ using testing::random_vector;
 
 SearchBudget unlimited() { return {1 << 30}; }
 
-/// What the plain search in double may be wrong by [m]: some round-offs of a coordinate.
+/// The error of the reference search in double [m]: some round-offs of a coordinate.
 double round_off_m(const BoxSet &set) { return 1e-15 * (set.centre_m.norm() + 2.0 * set.half_m); }
 
-/// How much farther than asked the tree may look [m]: two roundings of a coordinate to float on
-/// either side, and kSlack of the motion, with as much again to spare.
+/// How much farther than requested the tree may search [m]: two roundings of a coordinate to float
+/// on either side, and kSlack of the motion, doubled.
 double allowance_m(const BoxSet &set, double length_m) {
     const double coordinate_m = set.centre_m.cwiseAbs().maxCoeff() + 6.0 * set.half_m;
     return 8.0 * 0x1p-24 * coordinate_m + 4.0 * double{kSlack} * length_m;
@@ -107,7 +107,8 @@ TEST(BoxTree, AlongFindsTheFirstEntryWhileTheMotionShrinks) {
     }
 }
 
-/// On a wall is inside, also at zero, where floats lie so close that no round-off helps.
+/// On a wall counts as inside, also at zero, where floats are so dense that round-off does not
+/// help.
 TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
     std::mt19937_64 random(9);
     const Boxes boxes{Eigen::AlignedBox3d(Vector3(-1, -2, -4), Vector3(0, 0, 0)),
@@ -133,7 +134,7 @@ TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
     }
 }
 
-/// Shrinking has to spare visits, or it would serve nothing.
+/// Shrinking must save visits to be of use.
 TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
     Boxes boxes;
     for (int i = 0; i < 1000; ++i) {
@@ -150,7 +151,7 @@ TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
     EXPECT_LT(unlimited().nodes_left - budget.nodes_left, 20);
 }
 
-TEST(BoxTree, AlongHoldsToItsBudgetAndTellsHowFarItCame) {
+TEST(BoxTree, AlongKeepsItsBudgetAndReportsHowFarItSearched) {
     std::mt19937_64 random(3);
     for (const BoxSet &set : testing::box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
@@ -184,7 +185,7 @@ TEST(BoxTree, AlongHoldsToItsBudgetAndTellsHowFarItCame) {
     }
 }
 
-TEST(BoxTree, AlongComesFartherWithMoreBudget) {
+TEST(BoxTree, AlongSearchesFartherWithALargerBudget) {
     std::mt19937_64 random(4);
     const Boxes boxes = testing::random_boxes(random, 5000, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
@@ -258,7 +259,7 @@ TEST(BoxTree, WithinFindsTheNearestWhileTheBallShrinks) {
     }
 }
 
-TEST(BoxTree, WithinHoldsToItsBudgetAndTellsWhetherItSufficed) {
+TEST(BoxTree, WithinKeepsItsBudgetAndReportsWhetherItSufficed) {
     std::mt19937_64 random(7);
     const Boxes boxes = testing::random_boxes(random, 3000, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
@@ -277,7 +278,7 @@ TEST(BoxTree, WithinHoldsToItsBudgetAndTellsWhetherItSufficed) {
     }
 }
 
-TEST(BoxTree, OfNothingVisitsNothing) {
+TEST(BoxTree, VisitsNothingWhenEmpty) {
     const auto fail = [](std::uint32_t, double left) {
         ADD_FAILURE();
         return left;
@@ -290,7 +291,7 @@ TEST(BoxTree, OfNothingVisitsNothing) {
     }
 }
 
-TEST(BoxTree, EndsWhateverIsAsked) {
+TEST(BoxTree, TerminatesForAnyQuery) {
     std::mt19937_64 random(8);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Boxes boxes = testing::random_boxes(random, 1001, 0.1, 0.003);

@@ -88,7 +88,7 @@ TEST(CrackClosing, LeavesAClosedMeshAndAPlainSheetAlone) {
     EXPECT_EQ(closed_cracks(half).moved_vertices, 0U);
 }
 
-TEST(CrackClosing, ClosesASphereOfShakenTriangles) {
+TEST(CrackClosing, ClosesASphereOfPerturbedTriangles) {
     std::mt19937_64 random(1);
     for (int level = 0; level <= 4; ++level) {
         const TriangleSoup soup =
@@ -170,7 +170,7 @@ TEST(CrackClosing, LeavesAFineScanWithAHoleAsItIs) {
     EXPECT_EQ(closed_cracks(scan).moved_vertices, 0U);
 }
 
-TEST(CrackClosing, EndsWhereAThousandVerticesLieTogether) {
+TEST(CrackClosing, TerminatesWhereAThousandVerticesCoincide) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::random_soup(random, 1000, 1e-6, 2e-6);
     expect_no_triangle_collapsed(welded(soup, closed_cracks(soup)));

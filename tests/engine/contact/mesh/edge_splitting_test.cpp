@@ -37,7 +37,7 @@ double area_m2(const VertexTriple &triple, const std::vector<Vector3> &vertices_
     return 0.5 * (vertices_m[b] - vertices_m[a]).cross(vertices_m[c] - vertices_m[a]).norm();
 }
 
-/// Edges that only one triangle has.
+/// Edges used by only one triangle.
 std::set<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vector<VertexTriple> &t) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> open;
     for (const auto &[edge, counts] : testing::edge_counts(t)) {
@@ -56,7 +56,7 @@ TEST(EdgeSplitting, LeavesMeshesWithoutTJunctionsAlone) {
     EXPECT_EQ(after_splitting(half, sphere.vertices_m).triples, half);
 }
 
-TEST(EdgeSplitting, LeadsAnEdgeThroughTheVerticesOnIt) {
+TEST(EdgeSplitting, RoutesAnEdgeThroughTheVerticesOnIt) {
     // One triangle above the line from 0 to 1, three below it that share the line's 3 and 4.
     const std::vector<Vector3> vertices_m = {{0.0, 0.0, 0.0},     {0.03, 0.0, 0.0},
                                              {0.01, 0.02, 0.0},   {0.02, 1e-6, 1e-6},

@@ -33,7 +33,7 @@ std::vector<MeshTriangle> random_mesh(std::mt19937_64 &random, int triangles,
     return mesh_of(triples);
 }
 
-TEST(EdgeTable, OfNothingHasNoEdges) {
+TEST(EdgeTable, HasNoEdgesWithoutTriangles) {
     edges_of({}).for_each([](const Edge &) { ADD_FAILURE(); });
     EXPECT_EQ(count_open(edges_of({})), 0U);
 }
@@ -73,7 +73,7 @@ TEST(EdgeTable, HoldsEveryUseOfEveryEdge) {
     }
 }
 
-TEST(EdgeTable, HasNoUsesOfWhatIsNoEdge) {
+TEST(EdgeTable, HasNoUsesForVerticesWithoutAnEdge) {
     const EdgeTable edges = edges_of(mesh_of({{0, 1, 2}, {0, 2, 4}}));
     EXPECT_TRUE(edges.uses_of(1, 4).empty());
     EXPECT_TRUE(edges.uses_of(0, 3).empty());

@@ -19,7 +19,7 @@ std::vector<double> volumes_m3(const std::vector<MeshTriangle> &triangles,
                                vertices_m);
 }
 
-/// Volumes of a few cubic centimetres, far from the origin of nothing: sums of round-off.
+/// Round-off of volumes of a few cubic centimetres near the origin.
 constexpr double kRoundOff_m3 = 1e-17;
 
 TEST(EnclosedVolume, IsThatOfEachBoxAndNegativeWithin) {
@@ -33,13 +33,13 @@ TEST(EnclosedVolume, IsThatOfEachBoxAndNegativeWithin) {
     EXPECT_NEAR(volumes[1], -2e-6, 1e3 * kRoundOff_m3); // 1 m off, so that much more is cancelled
 }
 
-TEST(EnclosedVolume, OfASheetIsNone) {
+TEST(EnclosedVolume, IsZeroForASheet) {
     TriangleSoup soup = box_soup({0.0, 0.0, 0.0}, {0.01, 0.02, 0.03});
     soup.triangles.pop_back();
     EXPECT_EQ(volumes_m3(mesh_of(soup.triangles), soup.vertices_m), std::vector<double>{0.0});
 }
 
-TEST(EnclosedVolume, OfASolidWithASheetInItIsItsOwn) {
+TEST(EnclosedVolume, IgnoresASheetInsideASolid) {
     const TriangleSoup soup = box_soup({0.0, 0.0, 0.0}, {0.01, 0.02, 0.03});
     std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
     triangles.push_back({{0, 4, 7}, 12, true}); // across two edges of the box

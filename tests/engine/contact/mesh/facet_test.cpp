@@ -41,13 +41,13 @@ TEST(Facet, FacesTheSideFromWhichItIsWoundCounterClockwise) {
     EXPECT_EQ(facet(FacetSides::one).triangle(), 7U);
 }
 
-TEST(Facet, OfOneSideStopsWhatComesFromTheFrontOnly) {
+TEST(Facet, WithOneSideStopsMotionsFromTheFrontOnly) {
     const Facet one = facet(FacetSides::one);
     EXPECT_NEAR(fraction(one, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
     EXPECT_FALSE(one.stop(below(0.001, 0.001), above(0.001, 0.001), kClearance_m));
 }
 
-TEST(Facet, OfTwoSidesStopsWhatComesFromEither) {
+TEST(Facet, WithTwoSidesStopsMotionsFromEither) {
     const Facet two = facet(FacetSides::two);
     EXPECT_NEAR(fraction(two, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
     EXPECT_NEAR(fraction(two, below(0.001, 0.001), above(0.001, 0.001)), allowed(0.03), 1e-12);
@@ -125,7 +125,7 @@ TEST(Facet, LetsPassWhatSlidesOverItsEdgeOnANeighboursPlane) {
     }
 }
 
-/// The least distance of a motion from a triangle between two fractions, by brute force.
+/// The smallest distance of a motion from a triangle between two fractions, by brute force.
 double least_distance(const Corners &triangle, const Vector3 &from, const Vector3 &to, double first,
                       double last) {
     double least = INFINITY;
@@ -188,7 +188,7 @@ TEST(Facet, TouchesWhatIsAtItsReach) {
     }
 }
 
-TEST(Facet, KnowsHeights) {
+TEST(Facet, ReportsHeightsAboveItsPlane) {
     EXPECT_DOUBLE_EQ(smallest_height_m(kTriangle), 0.0002 / std::hypot(0.02, 0.01));
     EXPECT_EQ(smallest_height_m({Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}), 0.0);
     EXPECT_EQ(smallest_height_m({Vector3::Zero(), Vector3::UnitX(), 2 * Vector3::UnitX()}), 0.0);

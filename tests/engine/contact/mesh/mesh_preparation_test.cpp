@@ -202,7 +202,7 @@ TEST(MeshPreparation, RefusesATriangleWithoutMaterial) {
     EXPECT_THROW(static_cast<void>(prepare_mesh(soup)), std::invalid_argument);
 }
 
-TEST(MeshPreparation, ClosesASphereOfShakenTriangles) {
+TEST(MeshPreparation, ClosesASphereOfPerturbedTriangles) {
     std::mt19937_64 random(1);
     for (int level = 2; level <= 6; ++level) {
         const TriangleSoup sphere = testing::icosphere(level, 0.03);
@@ -221,7 +221,7 @@ TEST(MeshPreparation, ClosesASphereOfShakenTriangles) {
     }
 }
 
-TEST(MeshPreparation, ClosesAShakenSphereOfBothWindingsAndManyTurnedTriangles) {
+TEST(MeshPreparation, ClosesAPerturbedSphereOfBothWindingsAndManyTurnedTriangles) {
     std::mt19937_64 random(1);
     const TriangleSoup sphere = testing::icosphere(3, 0.03);
     const PreparedMesh turned = prepare_mesh(
@@ -388,7 +388,7 @@ TEST(MeshPreparation, LeavesAMobiusStripTwoSided) {
     EXPECT_TRUE(are_all(mesh, FacetSides::two));
 }
 
-TEST(MeshPreparation, OutlivesHostileSoups) {
+TEST(MeshPreparation, SurvivesMalformedSoups) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     std::mt19937_64 random(1);
     TriangleSoup all_equal;

@@ -52,8 +52,8 @@ TEST(MeshRemarks, SaysWhatWasDoneToCloseCracks) {
     report.largest_move_m = 1.23e-6;
     ASSERT_EQ(remarks_on(report, {}).size(), 1U);
     EXPECT_EQ(remarks_on(report, {}).front(),
-              "12 edges were open: closed by moving 5 vertices and dividing 2 triangles, by "
-              "1.3 µm at most; none is open now");
+              "12 edges were open: closed by moving 5 vertices and dividing 2 triangles, with "
+              "moves of up to 1.3 µm; none is open now");
     report.open_edges = 4;
     EXPECT_NE(remarks_on(report, {}).front().find("4 are open now"), std::string::npos);
 }
@@ -66,7 +66,7 @@ TEST(MeshRemarks, SaysWhatWasTurnedAndWhatHasTwoSides) {
     const std::vector<std::string> lines = remarks_on(report, {});
     ASSERT_EQ(lines.size(), 3U);
     EXPECT_EQ(lines[0], "2 triangles are given in both windings: touched from both sides");
-    EXPECT_EQ(lines[1], "1 triangle was wound against neighbours: turned");
+    EXPECT_EQ(lines[1], "1 triangle was wound opposite to neighbours: turned");
     EXPECT_NE(lines[2].find("1 surface has no outside"), std::string::npos);
 }
 

@@ -25,7 +25,7 @@ std::vector<bool> closed(const MeshTopology &topology) {
 
 const std::vector<VertexTriple> kTetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 
-TEST(MeshTopology, OfNothingIsNothing) {
+TEST(MeshTopology, IsEmptyWithoutTriangles) {
     const MeshTopology topology = topology_of({});
     EXPECT_TRUE(topology.components.empty());
     EXPECT_EQ(topology.open_edges, 0U);
@@ -46,7 +46,7 @@ TEST(MeshTopology, FindsATetrahedronWithoutOneFaceOpen) {
     EXPECT_EQ(topology.open_edges, 3U);
 }
 
-TEST(MeshTopology, DoesNotTrustAFaceThatIsTurnedOver) {
+TEST(MeshTopology, DoesNotCountATetrahedronWithATurnedFaceAsClosed) {
     std::vector<VertexTriple> triangles = kTetrahedron;
     std::swap(triangles[2][0], triangles[2][1]);
     const MeshTopology topology = topology_of(triangles);
@@ -89,7 +89,7 @@ TEST(MeshTopology, FindsASphereClosed) {
     EXPECT_EQ(topology.open_edges, 0U);
 }
 
-TEST(MeshTopology, KnowsWhatCannotBeOriented) {
+TEST(MeshTopology, DetectsWhatCannotBeOriented) {
     EXPECT_FALSE(topology_of(testing::twisted_strip(9, 1)).components.front().is_orientable);
     EXPECT_TRUE(topology_of(testing::twisted_strip(9, 2)).components.front().is_orientable);
 }

@@ -1,4 +1,4 @@
-// Meshes in all the ways that exporters spoil them, and plain answers about their edges.
+// Meshes with the defects that exporters cause, and reference results about their edges.
 #pragma once
 
 #include "engine/contact/mesh/edge_table.h"
@@ -36,7 +36,7 @@ inline contact::EdgeTable edges_of(const std::vector<contact::MeshTriangle> &tri
     return {triangles, vertices, threads};
 }
 
-/// How often each edge is run through from its lower vertex to its upper, and back.
+/// How often each edge is traversed from its lower vertex to its upper, and back.
 template <typename Vertex>
 std::map<std::pair<Vertex, Vertex>, std::array<int, 2>>
 edge_counts(const std::vector<std::array<Vertex, 3>> &triangles) {
@@ -51,7 +51,7 @@ edge_counts(const std::vector<std::array<Vertex, 3>> &triangles) {
     return counts;
 }
 
-/// Whether every edge is run through once each way: a closed manifold of consistent winding.
+/// Whether every edge is traversed once in each direction: a closed manifold of consistent winding.
 template <typename Vertex> bool is_watertight(const std::vector<std::array<Vertex, 3>> &triangles) {
     return std::ranges::all_of(edge_counts(triangles), [](const auto &edge) {
         return edge.second == std::array<int, 2>{1, 1};
@@ -134,7 +134,7 @@ inline contact::TriangleSoup shuffled(const contact::TriangleSoup &soup, std::mt
     return result;
 }
 
-/// The triangles that the dice choose turned over, with this probability each.
+/// Each triangle turned over with this probability.
 inline contact::TriangleSoup partly_turned(contact::TriangleSoup soup, double probability,
                                            std::mt19937_64 &random) {
     std::bernoulli_distribution is_turned(probability);

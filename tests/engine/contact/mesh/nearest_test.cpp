@@ -1,5 +1,4 @@
-// Covers engine/contact/mesh/nearest.cpp: against dense sampling of what the nearest points are
-// sought on.
+// Covers engine/contact/mesh/nearest.cpp: against dense sampling of triangles and segments.
 #include "engine/contact/mesh/nearest.h"
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -44,7 +43,7 @@ TEST(NearestOnTriangle, IsItsCornerEdgeOrFootWhereTheseAre) {
     EXPECT_EQ(nearest_on_triangle(triangle, {0.25, 0.25, 3}).point_m, Vector3(0.25, 0.25, 0));
 }
 
-TEST(SegmentDistance, IsTheLeastOfAllPairsOfPoints) {
+TEST(SegmentDistance, IsTheMinimumOverAllPairsOfPoints) {
     std::mt19937_64 random(2);
     for (int i = 0; i < 3000; ++i) {
         const Vector3 a = random_vector(random, 1.0);

@@ -70,7 +70,7 @@ TEST(PointTree, StopsWhenToldTo) {
     EXPECT_EQ(visits, 3);
 }
 
-TEST(PointTree, OfNothingFindsNothing) {
+TEST(PointTree, FindsNothingWhenEmpty) {
     EXPECT_TRUE(found_along(PointTree({}), Vector3::Zero(), Vector3::UnitX(), 1.0).empty());
 }
 

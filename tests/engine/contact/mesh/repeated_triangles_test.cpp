@@ -35,7 +35,7 @@ VertexTriple other_side(VertexTriple vertices) {
     return lowest_first(vertices);
 }
 
-/// Winding and material: what a surface made of these triangles feels like.
+/// Winding and material, which determine the contact with these triangles.
 using Felt = std::set<std::pair<VertexTriple, std::uint16_t>>;
 
 Felt felt(const std::vector<MeshTriangle> &triangles, const std::vector<std::uint16_t> &materials) {
@@ -88,7 +88,7 @@ TEST(RepeatedTriangles, KeepsBothWindingsOfWhatWasMergedBefore) {
     EXPECT_TRUE(outcome.triangles.front().has_both_windings);
 }
 
-TEST(RepeatedTriangles, LeavesOneOfEachAndNoSideUnfelt) {
+TEST(RepeatedTriangles, LeavesOneOfEachAndEverySideTouchable) {
     std::mt19937_64 random(1);
     for (int round = 0; round < 500; ++round) {
         std::vector<VertexTriple> triples;
@@ -124,7 +124,7 @@ TEST(RepeatedTriangles, LeavesOneOfEachAndNoSideUnfelt) {
     }
 }
 
-TEST(RepeatedTriangles, ManageAHundredThousandCopies) {
+TEST(RepeatedTriangles, HandlesAHundredThousandCopies) {
     std::vector<VertexTriple> triples(100000, {0, 1, 2});
     triples.push_back({0, 2, 1});
     const RepeatOutcome outcome =

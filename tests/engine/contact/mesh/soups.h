@@ -1,4 +1,4 @@
-// Triangle soups with known shapes, and slow, plain answers to compare the fast ones with.
+// Triangle soups with known shapes, and slow reference results for comparison.
 #pragma once
 
 #include "engine/contact/mesh/triangle_soup.h"

@@ -78,7 +78,7 @@ TEST(SurfaceFacets, LeavesTheSameOutInAnyNumberOfThreads) {
     EXPECT_EQ(slivers(rows(heights_m), 3), slivers(rows(heights_m), 1));
 }
 
-TEST(SurfaceFacets, HaveTheSidesThatTheirMaterialWants) {
+TEST(SurfaceFacets, HaveTheSidesThatTheirMaterialSpecifies) {
     const TriangleSoup box = testing::box_soup({0.0, 0.0, 0.0}, {0.01, 0.01, 0.01});
     TriangleSoup open = box;
     open.triangles.pop_back();

@@ -50,7 +50,7 @@ std::size_t differences(const std::vector<VertexTriple> &a, const std::vector<Ve
     return count;
 }
 
-TEST(TriangleOrientation, LeavesWhatAgreesAlone) {
+TEST(TriangleOrientation, LeavesConsistentMeshesUnchanged) {
     const TriangleSoup body = bumpy_sphere(2, 0.03);
     const TriangleSoup room = testing::turned_inside_out(body);
     for (const TriangleSoup &soup : {body, room}) {
@@ -115,7 +115,7 @@ TEST(TriangleOrientation, GivesASheetTheWindingOfItsLargerPart) {
     EXPECT_EQ(outcome.triples.back(), sheet.triangles.back());
 }
 
-TEST(TriangleOrientation, LeavesAMobiusStripAndTurnsWhatIsBesideIt) {
+TEST(TriangleOrientation, LeavesAMobiusStripUnchangedAndTurnsOtherPatches) {
     std::vector<VertexTriple> strip = testing::twisted_strip(9, 1);
     std::vector<VertexTriple> triples = strip;
     triples.insert(triples.end(), {{20, 22, 21}, {20, 21, 23}, {21, 22, 23}, {20, 22, 23}});

@@ -126,7 +126,7 @@ struct Holds {
     }
 };
 
-/// A shape where it stands, and what the test knows of it.
+/// A shape with its placement and reference data.
 struct Case {
     AnalyticShape::Size size;
     Eigen::Isometry3d placement;
@@ -175,7 +175,7 @@ TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
         EXPECT_LT((nearest.point_m + nearest.distance_m * nearest.normal - query_m).norm(),
                   kRounding_m);
         EXPECT_EQ(nearest.distance_m < 0.0, c.holds(query_m));
-        // On the surface: a hair inwards is within the solid, a hair outwards is not.
+        // On the surface: slightly inwards is within the solid, slightly outwards is not.
         const Vector3 hair_m = 1e-12 * nearest.normal;
         EXPECT_FALSE(c.holds(nearest.point_m + hair_m));
         if (c.shape.is_solid() && nearest.distance_m < 0.0) {
@@ -192,7 +192,7 @@ TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
         for (int j = 0; j < 100; ++j) {
             const KnownPoint other = c.sample(dice);
             EXPECT_LT(nearest.normal.dot(other.point_m - nearest.point_m), kRounding_m);
-            // So none is nearer; this also holds from within, where the plane alone proves nothing.
+            // So none is nearer; this also holds from within, where the plane alone is no proof.
             EXPECT_GT((other.point_m - query_m).norm(), std::abs(nearest.distance_m) - kRounding_m);
         }
     }
@@ -215,7 +215,7 @@ TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces
     }
 }
 
-TEST_P(AnalyticShapes, AMotionThatIsPartedFromTheShapeStaysThatFarOff) {
+TEST_P(AnalyticShapes, AMotionSeparatedFromTheShapeKeepsItsDistance) {
     int parted = 0;
     int far_off = 0;
     for (int i = 0; i < 5000; ++i) {
@@ -233,7 +233,7 @@ TEST_P(AnalyticShapes, AMotionThatIsPartedFromTheShapeStaysThatFarOff) {
             EXPECT_GT(c.shape.nearest(point_m).distance_m, clear_m - kRounding_m) << i;
         }
         parted += is_parted ? 1 : 0;
-        // Off all but the rims of a cylinder, what moves less than there is room for is parted.
+        // Except near the rims of a cylinder, motions shorter than the gap are separated.
         const double room_m = c.shape.nearest(from_m).distance_m - clear_m - (to_m - from_m).norm();
         if (room_m > 0.0 && !std::holds_alternative<Cylinder>(c.size)) {
             ++far_off;
@@ -307,7 +307,7 @@ TEST(AnalyticShape, KnownDistances) {
     EXPECT_EQ(cylinder.nearest({0.0, -0.15, 0.0}).normal, Vector3(0.0, -1.0, 0.0));
 }
 
-TEST(AnalyticShape, RefusesSizesThatAreNone) {
+TEST(AnalyticShape, RefusesInvalidSizes) {
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const auto refuses = [&](const AnalyticShape::Size &size) {
         EXPECT_THROW(AnalyticShape(size, here, 0), std::invalid_argument);

@@ -49,10 +49,10 @@ TEST(NearestPoint, LiesInACorner) {
     EXPECT_EQ(nearest.active.size(), 3U);
 }
 
-/// The conditions that make a point the one nearest: it is allowed, it is on every active plane,
-/// and what leads from the tip to it is a positive sum of their normals.
+/// The conditions of a nearest point: it is allowed, it is on every active plane, and its offset
+/// from the tip is a positive sum of their normals.
 void expect_optimal(const Vector3 &tip, const ContactPlanes &all, const NearestPoint &nearest) {
-    // Round-off of 1e-17 m over the least sine that random normals meet at, about 1e-4.
+    // Round-off of 1e-17 m over the smallest sine between random normals, about 1e-4.
     constexpr double kTolerance_m = 1e-12;
     for (const ContactPlane &plane : all) {
         ASSERT_GT(plane.height_m(nearest.point_m), -kTolerance_m);
@@ -118,7 +118,7 @@ TEST(NearestPoint, TakesTheUpperOfTwoParallelPlanes) {
 }
 
 TEST(NearestPoint, LowersPlanesThatLeaveNoRoom) {
-    // A gap of 1 nm between planes that each ask for 100 nm.
+    // A gap of 1 nm between planes that each require 100 nm.
     const ContactPlanes gap = planes({{kUnitY, 1e-7, 1}, {-kUnitY, 1e-7 - 1e-9, 2}});
     const Vector3 inside(0.0, 0.5e-9, 0.0);
     const NearestPoint nearest = nearest_point({0.01, -0.01, 0.0}, gap, inside);
@@ -153,7 +153,7 @@ TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
         expect_projector(face.projector, 2);
 
         const AllowedMotion edge = allowed_motion(planes({{a, 0.0, 0}, {b, 0.0, 0}}));
-        // Both oracle and answer lose as many digits as the planes are parallel.
+        // Oracle and result both lose digits as the planes become parallel.
         EXPECT_LT((edge.projector - t * t.transpose()).norm(), 1e-14 / a.cross(b).norm());
         EXPECT_EQ(edge.blocked_directions, 2);
 

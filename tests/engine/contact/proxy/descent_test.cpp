@@ -15,12 +15,12 @@
 namespace springdrive::contact {
 namespace {
 
-/// What a proxy may end farther from the tip than it was: it hops over ridges as low as 10 µm, and
-/// comes down on their other side.
+/// How much farther from the tip a proxy may end: it steps over ridges of up to 10 µm and descends
+/// on their other side.
 constexpr double kHop_m = 1.2e-5;
 
-/// A box that stands out of the top of another, in whose crease a slide that was foreseen on one of
-/// them ended 35 mm away round an edge.
+/// A box that protrudes from the top of another. In their crease, an extrapolated slide on one of
+/// them once ended 35 mm away around an edge.
 TEST(Descent, IsNotCarriedAwayFromTheTipInACrease) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() =

@@ -90,7 +90,7 @@ TEST(Friction, SlipsRightOutsideOfItsConeAndNotRightInside) {
     }
 }
 
-TEST(Friction, OfNothingIsNothing) {
+TEST(Friction, IsAbsentWithZeroCoefficients) {
     const HapticSurface smooth = floor_with(0.0, 0.0);
     Proxy proxy = pressed(smooth, 0.0, 1e-3);
     const Contact contact = proxy.update(smooth, {0.013, -1e-3, 0.004});
@@ -98,7 +98,7 @@ TEST(Friction, OfNothingIsNothing) {
     EXPECT_LT(angle(contact), 1e-9);
 }
 
-TEST(Friction, LetsGoWhereTheTipLeaves) {
+TEST(Friction, ReleasesWhereTheTipLeaves) {
     const HapticSurface floor = floor_with(0.8, 0.8);
     Proxy proxy = pressed(floor, 0.0, 1e-3);
     const Vector3 above(0.0, 1e-3, 0.0);

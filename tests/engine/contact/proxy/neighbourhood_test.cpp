@@ -63,7 +63,7 @@ TEST(Neighbourhood, MissesNothingThatStopsAMotionWithinIt) {
     EXPECT_GT(stopped, 100); // not vacuous
 }
 
-TEST(Neighbourhood, TellsWhetherATipIsLessDeepBehindAnyOfItsFacets) {
+TEST(Neighbourhood, ReportsWhetherATipIsLessDeepBehindAnyOfItsFacets) {
     std::mt19937_64 random(2);
     int shallower = 0;
     for (int i = 0; i < 200; ++i) {
@@ -86,7 +86,7 @@ TEST(Neighbourhood, TellsWhetherATipIsLessDeepBehindAnyOfItsFacets) {
     EXPECT_EQ(shallower, 200);
 }
 
-TEST(Neighbourhood, KnowsWhenItHoldsNothingButShapes) {
+TEST(Neighbourhood, ReportsWhenItHoldsOnlyShapes) {
     TriangleSoup soup;
     soup.materials = {{"shapes", 0.0}};
     Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
@@ -108,7 +108,7 @@ TEST(Neighbourhood, GetsSmallerWhereItWouldHoldTooMany) {
     const Neighbourhood near = around(surface, centre, 0.1);
     EXPECT_LE(near.size(), Neighbourhood::kCapacity);
     EXPECT_GT(near.size(), 0);
-    // All that comes into its ball is there still.
+    // Everything that intersects its ball is still listed.
     std::set<std::uint32_t> expected;
     for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
         if (testing::distance_to_triangle(testing::corners(soup, i), centre) < near.radius_m()) {
@@ -137,7 +137,7 @@ TEST(Neighbourhood, CoversNothingWhereMoreMeetThanItCanHold) {
     EXPECT_TRUE(around(surface, Vector3(0, 0.005, 0), 1e-3).covers(Vector3(0, 0.005, 0), 0.9e-3));
 }
 
-TEST(Neighbourhood, KnowsHowFarAMotionStaysWithin) {
+TEST(Neighbourhood, ReportsHowFarAMotionStaysWithin) {
     const HapticSurface surface(testing::icosphere(2, 0.05));
     const Neighbourhood near = around(surface, Vector3(0.1, 0.0, 0.0), 0.01);
     EXPECT_EQ(near.size(), 0);

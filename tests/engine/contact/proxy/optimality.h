@@ -1,4 +1,4 @@
-// What makes a place of rest right, asked of every triangle by brute force.
+// Optimality conditions of a place of rest, checked against every triangle by brute force.
 #pragma once
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -41,8 +41,8 @@ inline std::vector<Vector3> pushes(const contact::TriangleSoup &soup, const Vect
     return normals;
 }
 
-/// How much of `gap_m`, from the tip to the proxy, is no positive sum of the pushes: the greatest
-/// part that is left over by no three of them [m]. Zero at an optimum (Karush, Kuhn, Tucker).
+/// How much of `gap_m`, from the tip to the proxy, is not a positive sum of the pushes: the
+/// remainder with the best three of them [m]. Zero at an optimum (Karush, Kuhn, Tucker).
 inline double unexplained_m(const Vector3 &gap_m, const std::vector<Vector3> &normals) {
     double least = gap_m.norm();
     const std::size_t n = normals.size();

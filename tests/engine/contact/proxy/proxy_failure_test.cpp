@@ -1,5 +1,5 @@
 // Covers engine/contact/proxy/proxy.cpp where proxies fail: thin walls, fast tips, edges and
-// corners of every kind, and meshes with faults. Each has an answer that is known without a proxy.
+// corners of every kind, and meshes with faults. Each has a result that is known without a proxy.
 #include "engine/contact/proxy/proxy.h"
 
 #include "engine/scene/fit.h"
@@ -19,7 +19,7 @@ using testing::box_soup;
 using testing::random_direction;
 using testing::random_vector;
 
-/// A tip at 1 kHz that wanders within a box at a given speed.
+/// A tip at 1 kHz that moves randomly within a box at a given speed.
 class BoxWanderer {
 public:
     BoxWanderer(std::uint64_t seed, const Vector3 &start_m, const Vector3 &half_m,
@@ -57,7 +57,7 @@ TEST_P(ProxyAtSpeed, NeverPassesAPlateOfATenthOfAMillimetre) {
     for (int i = 0; i < 20000; ++i) {
         const Vector3 tip = wanderer.next();
         const Contact contact = proxy.update(plate, tip);
-        // The tip never comes round the plate, so this is where the proxy is.
+        // The tip never gets around the plate, so this is where the proxy is.
         const Vector3 expected(tip.x(), std::max(tip.y(), top_m), tip.z());
         ASSERT_LT((contact.x0_m - expected).norm(), 1e-12) << i;
     }
@@ -112,13 +112,13 @@ TEST_P(ProxyAtSpeed, NeverEntersASolidWhateverItsEdges) {
 
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, ProxyAtSpeed, ::testing::Values(0.1, 1.0, 10.0));
 
-/// A way over a sphere of 30 mm, 1 mm under its surface, at 0.1 m/s.
+/// A path over a sphere of 30 mm, 1 mm under its surface, at 0.1 m/s.
 Vector3 tip_under_sphere(int tick) {
     const double t = 1e-4 / 0.029 * tick;
     return 0.029 * Vector3(std::sin(t), std::cos(t), std::sin(0.3 * t)).normalized();
 }
 
-/// Follows a clean sphere and one with faults; how far they come apart at most.
+/// Follows a clean sphere and one with faults; returns their largest difference.
 double farthest_from_clean(const TriangleSoup &clean_soup, const TriangleSoup &faulty_soup) {
     const HapticSurface clean_surface(clean_soup);
     const HapticSurface faulty_surface(faulty_soup);
@@ -193,12 +193,12 @@ TEST(ProxyOnFaults, ClimbsStepsTooLowToFeelAndNoOthers) {
         for (int i = 0; i <= 23; ++i) {
             contact = proxy.update(surface, {-0.00211 + 1e-4 * i, -1.5e-3, 0.0});
         }
-        // 0.19 mm past the step, 12 µm nearer on it: higher ones hold it like the walls they are.
+        // 0.19 mm past the step, 12 µm nearer on it: higher steps hold it as walls do.
         EXPECT_EQ(contact.x0_m.x() > 0.05e-3, step_m < 1e-5) << step_m;
     }
 }
 
-TEST(ProxyOnUnits, FeelsTheSameWhateverTheFilesUnits) {
+TEST(ProxyOnUnits, IsIndependentOfTheFilesUnits) {
     // The same shape in millimetres, metres and inches, fitted as scenes are.
     const device::Workspace workspace{Vector3(0.0, 0.03, -0.015), Vector3(0.2, 0.1, 0.1)};
     std::vector<HapticSurface> surfaces;

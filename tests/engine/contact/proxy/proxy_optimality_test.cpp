@@ -1,5 +1,5 @@
 // Covers engine/contact/proxy/descent.cpp and engine/contact/proxy/proxy.cpp: wherever the proxy
-// rests, nothing nearer to the tip can be reached, and it went there without crossing anything.
+// rests, no point nearer to the tip can be reached, and its path crosses no surface.
 #include "engine/contact/proxy/proxy.h"
 
 #include "tests/engine/contact/proxy/optimality.h"
@@ -26,7 +26,7 @@ struct Walk {
     int steps = 60;
 };
 
-/// Counts of what was met, so that no test passes for want of contacts.
+/// Counts of contacts, so that no test passes vacuously.
 struct Met {
     int touching = 0;
     int edges = 0;
@@ -34,13 +34,13 @@ struct Met {
     int unsettled = 0;
 };
 
-/// Walks a tip about at random and holds every step against brute force.
+/// Moves a tip at random and compares every step with brute force.
 void walk(const Walk &how, std::mt19937_64 &random, Met &met) {
     const HapticSurface surface(how.soup);
     Proxy proxy(how.reach_m);
     Vector3 tip = random_vector(random, how.extent_m);
     proxy.reset(tip);
-    // A start nearer than the reach keeps its distance; only from outside is all of it kept.
+    // A start nearer than the reach keeps its distance; only from outside is the full reach kept.
     if (testing::distance_to_soup(how.soup, tip) < how.reach_m) {
         return;
     }
@@ -81,7 +81,7 @@ void walk(const Walk &how, std::mt19937_64 &random, Met &met) {
     }
 }
 
-TEST(ProxyOptimality, HoldsAmongTrianglesWithoutOrder) {
+TEST(ProxyOptimality, HoldsAmongRandomTriangles) {
     std::mt19937_64 random(1);
     Met met;
     for (int mesh = 0; mesh < 1500; ++mesh) {

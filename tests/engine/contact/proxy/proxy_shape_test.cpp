@@ -87,7 +87,7 @@ struct BoxShapes {
     }
 };
 
-/// How often contact was made while proxies on boxes and on their triangles did the same.
+/// The number of contacts while proxies on boxes and on their triangles agreed.
 int touches_alike(const BoxShapes &boxes, std::uint64_t seed) {
     TriangleSoup none;
     none.materials = boxes.soup.materials;
@@ -115,20 +115,21 @@ int touches_alike(const BoxShapes &boxes, std::uint64_t seed) {
     return touching;
 }
 
-TEST(ProxyOnShapes, DoesOnABoxWhatItDoesOnOneOfTriangles) {
+TEST(ProxyOnShapes, OnABoxMatchesABoxOfTriangles) {
     BoxShapes boxes({"smooth", 0.25});
     boxes.add({-0.02, -0.01, -0.015}, {0.02, 0.01, 0.015});
     EXPECT_GT(touches_alike(boxes, 2), 1000);
 }
 
-TEST(ProxyOnShapes, DoesWithFrictionWhatItDoesOnTriangles) {
+TEST(ProxyOnShapes, WithFrictionMatchesTriangles) {
     BoxShapes boxes({"rough", 0.25, 0.5, 0.3});
-    // No edges: one on triangles also hops over such as are hardly higher than where it is held.
+    // No edges: on triangles the proxy also steps over edges that are hardly higher than its
+    // position.
     boxes.add({-0.1, -0.02, -0.1}, {0.1, 0.005, 0.1});
     EXPECT_GT(touches_alike(boxes, 5), 1000);
 }
 
-TEST(ProxyOnShapes, DoesBetweenBoxesWhatItDoesOnTriangles) {
+TEST(ProxyOnShapes, BetweenBoxesMatchesTriangles) {
     BoxShapes boxes({"smooth", 0.25}); // a gap of 4 mm, and steps on its far side
     boxes.add({-0.025, -0.01, -0.02}, {-0.002, 0.01, 0.02});
     boxes.add({0.002, -0.01, -0.02}, {0.025, 0.005, 0.02});
@@ -161,7 +162,7 @@ TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
     }
 }
 
-TEST(ProxyOnShapes, IsNotLeaptThroughHoweverFastTheTip) {
+TEST(ProxyOnShapes, DoesNotTunnelHoweverFastTheTip) {
     std::mt19937_64 random(8);
     for (const AnalyticShape::Size &size :
          {AnalyticShape::Size(Plate{0.02, 0.015}), AnalyticShape::Size(Sphere{0.015}),
@@ -173,7 +174,7 @@ TEST(ProxyOnShapes, IsNotLeaptThroughHoweverFastTheTip) {
         Vector3 tip(0.02, 0.02, 0.02);
         int touching = 0;
         for (int i = 0; i < 3000; ++i) {
-            // Leaps of all sizes: fast ones leave one face for another or the shape behind.
+            // Steps of all sizes: long ones change from one face to another or leave the shape.
             const double leap_m = std::pow(10.0, -1.5 - 3.0 * (i % 7) / 6.0);
             tip += random_vector(random, leap_m);
             tip = tip.cwiseMax(-0.02).cwiseMin(0.02);
@@ -194,7 +195,7 @@ TEST(ProxyOnShapes, IsNotLeaptThroughHoweverFastTheTip) {
 }
 
 TEST(ProxyOnShapes, ChangesTheSurfaceInContact) {
-    // The shape that it touched stands elsewhere, or is none, in the next.
+    // The touched shape is elsewhere, or missing, in the next surface.
     Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
     aside.translate(Vector3(0.0, -2e-3, 0.0));
     const HapticSurface ball = shape(Sphere{0.02});
@@ -230,7 +231,7 @@ TEST(ProxyOnShapes, SlidesOverCurvedOnesInTwoMotions) {
 }
 
 TEST(ProxyOnShapes, NearlyAlwaysSettlesWhereTheyOverlap) {
-    // In a crease deep inside, where slides along both go on and on, the next tick goes on.
+    // In a crease deep inside, where slides along both converge slowly, the next tick continues.
     TriangleSoup soup;
     soup.materials = {{"shapes", 0.0}};
     Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
@@ -270,7 +271,7 @@ TEST(ProxyOnShapes, StartsFreeInsideASolidAndFindsItFromOutside) {
     EXPECT_NEAR(contact.x0_m.x(), 0.02 + kClearance_m, kShapePlace_m);
 }
 
-TEST(ProxyOnShapes, AreSlidOverAtOnceOnlyWhereNothingElseIsInPlay) {
+TEST(ProxyOnShapes, UsesTheClosedFormOnlyWhereNoOtherObstacleIsInvolved) {
     // A ball half sunk into a floor, and another 1 mm beside it.
     TriangleSoup soup = testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.0, 0.1});
     Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();

@@ -1,5 +1,5 @@
 // Covers engine/contact/proxy/proxy.cpp on tessellated spheres: the finer the mesh, the nearer to
-// what is known of a sphere; and on any, the nearest point of all that brute force finds.
+// the exact sphere; and on any mesh, the nearest point found by brute force.
 #include "engine/contact/proxy/proxy.h"
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius_m = 0.05;
 
-/// A tip that goes round under the surface at 0.1 m/s and 1 kHz, 1 to 2 mm deep.
+/// A tip that moves around under the surface at 0.1 m/s and 1 kHz, 1 to 2 mm deep.
 class Lissajous {
 public:
     Vector3 next() {
@@ -157,8 +157,8 @@ TEST(ProxyOnAnySphere, MakesNoEnergyOnAClosedPath) {
                 }
                 tip = next;
             }
-            // The proxy holds still within a tick, which only ever costs the hand work: the
-            // nearest point would have followed. Round-off of 4000 terms of 1e-6 m².
+            // The proxy is constant within a tick, which always costs the hand work: the nearest
+            // point would have followed. Round-off of 4000 terms of 1e-6 m².
             EXPECT_GT(work, -1e-15);
         }
     }

@@ -1,5 +1,5 @@
-// Covers engine/contact/proxy/proxy.cpp and engine/contact/proxy/haptic_surface.cpp: known shapes,
-// known answers. What must hold on any shape and any path is in proxy_walk_test.cpp.
+// Covers engine/contact/proxy/proxy.cpp and engine/contact/proxy/haptic_surface.cpp: known shapes
+// with known results. Properties of any shape and path are in proxy_walk_test.cpp.
 #include "engine/contact/proxy/proxy.h"
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -19,7 +19,7 @@ using testing::box_soup;
 using testing::random_vector;
 using testing::turned_inside_out;
 
-/// Where the proxy rests is known to its clearance; round corners and roots of sums add to that.
+/// Places of rest are known up to the clearance; round corners and roots of sums add to that.
 constexpr double kPlace_m = 2.0 * kClearance_m;
 
 const Vector3 kX = Vector3::UnitX();
@@ -109,13 +109,13 @@ TEST(Proxy, ArrivesAtTheSamePlaceInOneTickAsInMany) {
     }
 }
 
-TEST(Proxy, ComesFreeWhereTheTipLeavesTheSurface) {
+TEST(Proxy, IsFreeAfterTheTipLeavesTheSurface) {
     const HapticSurface mesh(cube());
     const Vector3 end(0.001, 0.0201, 0.0);
     expect_free_at(contact_after(mesh, {{0, 0.03, 0}, {0, 0.015, 0}, end}), end);
 }
 
-TEST(Proxy, GoesRoundAConvexEdgeWithinOneTick) {
+TEST(Proxy, MovesAroundAConvexEdgeWithinOneTick) {
     const HapticSurface mesh(cube());
     Proxy proxy;
     proxy.reset({0.019, 0.03, 0.0});
@@ -225,7 +225,7 @@ TEST(Proxy, ForgetsWhatHeldItOnAnotherSurface) {
     EXPECT_FALSE(proxy.update(HapticSurface(), {0.001, 0.017, 0.0}).touching);
 }
 
-TEST(Proxy, SurvivesATipThatIsNoPlace) {
+TEST(Proxy, SurvivesATipThatIsNotFinite) {
     const HapticSurface mesh(cube());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -242,7 +242,7 @@ TEST(Proxy, SurvivesATipThatIsNoPlace) {
     EXPECT_TRUE(after.touching);
 }
 
-TEST(Proxy, StaysBoundedAmongTrianglesWithoutOrder) {
+TEST(Proxy, StaysBoundedAmongRandomTriangles) {
     std::mt19937_64 random(3);
     const HapticSurface mesh(testing::random_soup(random, 3000, 0.03, 0.02));
     Proxy proxy;
@@ -254,7 +254,7 @@ TEST(Proxy, StaysBoundedAmongTrianglesWithoutOrder) {
     }
 }
 
-TEST(HapticSurface, ReportsWhatItHolds) {
+TEST(HapticSurface, ReportsItsContents) {
     const HapticSurface mesh(cube());
     EXPECT_EQ(mesh.report().triangles_kept, 12U);
     EXPECT_EQ(mesh.report().closed_components, 1U);

@@ -16,11 +16,11 @@ using testing::corners;
 using testing::random_direction;
 using testing::random_vector;
 
-/// What a proxy at rest may still be drawn along the surface by [m]: solutions of the same planes
-/// differ by round-off, and less than this it does not move.
+/// The tangential offset that a proxy at rest may keep [m]: solutions of the same planes differ by
+/// round-off, and it does not move by less than this.
 constexpr double kSettled_m = 1e-10;
 
-/// A tip that wanders: mostly smooth, at times with leaps, never farther than `reach_m`.
+/// A random motion of the tip: mostly smooth, sometimes with jumps, never farther than `reach_m`.
 class Wanderer {
 public:
     Wanderer(std::uint64_t seed, const Vector3 &start_m, double reach_m, double step_m)
@@ -85,7 +85,7 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
         const Vector3 tip = wanderer.next();
         const Contact contact = proxy.update(mesh, tip);
         expect_sound(contact, tip);
-        // Nothing is left to be done: the same tip again leaves it where it is.
+        // Converged: the same tip again leaves it where it is.
         Proxy again = proxy;
         ASSERT_EQ(again.update(mesh, tip).x0_m, contact.x0_m) << i;
         if (i % 20 == 0) {
@@ -100,7 +100,7 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
 }
 
 TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
-    // 5 m/s at 1 kHz, and leaps of 100 mm: right through the shape and out on its other side.
+    // 5 m/s at 1 kHz, and jumps of 100 mm: through the shape and out on its other side.
     const TriangleSoup &soup = GetParam();
     const HapticSurface mesh(soup);
     Wanderer wanderer(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
     ClosedShapes, ProxyWalk,
     ::testing::Values(testing::icosphere(3, 0.04), testing::bumpy_sphere(3, 0.04),
                       testing::bumpy_sphere(1, 0.04),
-                      // Shapes that interpenetrate: creases that are no edges of the mesh.
+                      // Shapes that interpenetrate: creases that are not edges of the mesh.
                       testing::joined(testing::bumpy_sphere(2, 0.03),
                                       testing::moved(testing::bumpy_sphere(2, 0.03),
                                                      Eigen::Isometry3d(Eigen::Translation3d(
@@ -142,7 +142,7 @@ TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
         const Vector3 tip = wanderer.next();
         const Contact contact = proxy.update(mesh, tip);
         if (!contact.touching || tip.norm() < 0.02) {
-            continue; // near the centre all faces are alike
+            continue; // near the centre all faces are equally near
         }
         ++touching;
         // A face, not an edge; and the tip's foot on it lies within it.
@@ -177,7 +177,7 @@ TEST(ProxyOnASphere, IsTheNearestPointOfAllWhereTheTipIsShallow) {
     }
 }
 
-TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
+TEST(ProxyOnAnyMesh, IsInvariantUnderRigidMotions) {
     const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
     Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
     motion.translate(Vector3(0.03, -0.05, 0.02));
@@ -195,7 +195,8 @@ TEST(ProxyOnAnyMesh, DoesTheSameAfterARigidMotionOfEverything) {
         const Contact contact = proxy.update(mesh, tip);
         const Contact moved = moved_proxy.update(moved_mesh, motion * tip);
         // Corners of the moved mesh are rounded to 1e-17 m, the planes through them turn by that
-        // over the size of a facet, and three planes meet at that over the least sine of theirs.
+        // over the size of a facet, and three planes meet at that over the smallest sine between
+        // them.
         ASSERT_LT((motion * contact.x0_m - moved.x0_m).norm(), 1e-10) << i;
         const Matrix3 expected =
             motion.linear() * contact.allowed_motion * motion.linear().transpose();

@@ -31,7 +31,7 @@ TEST(RestingContact, IsFreeWithoutPlanes) {
     EXPECT_TRUE(contact.settled);
 }
 
-TEST(RestingContact, BetweenTwoObstaclesHasOneWayLeftAndTheStifferMaterial) {
+TEST(RestingContact, BetweenTwoObstaclesHasOneFreeDirectionAndTheStifferMaterial) {
     const HapticSurface surface = slab_and_ball();
     const double floor_m = kClearance_m;
     Rest rest;
@@ -50,7 +50,7 @@ TEST(RestingContact, BetweenTwoObstaclesHasOneWayLeftAndTheStifferMaterial) {
     EXPECT_NEAR(contact.surface_m.norm(), 0.02, kRestRounding_m);
 }
 
-TEST(RestingContact, AfterASlideIsWhatThePlaneWouldTell) {
+TEST(RestingContact, AfterASlideMatchesThatOfThePlane) {
     const HapticSurface surface = slab_and_ball();
     for (const double reach_m : {kClearance_m, 1e-3}) {
         const Vector3 up = Vector3(1.0, 2.0, 2.0) / 3.0;

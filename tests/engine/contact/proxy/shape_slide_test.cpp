@@ -1,5 +1,5 @@
-// Covers engine/contact/proxy/shape_slide.cpp: the closed form says what the descent finds step by
-// step, and no place at hand is nearer to the tip.
+// Covers engine/contact/proxy/shape_slide.cpp: the closed form agrees with the descent, and no
+// place nearby is nearer to the tip.
 #include "engine/contact/proxy/shape_slide.h"
 
 #include "engine/contact/proxy/descent.h"
@@ -55,7 +55,7 @@ protected:
         return std::uniform_real_distribution(low, high)(random);
     }
 
-    /// A shape that stands anyhow.
+    /// A shape with a random placement.
     void place_shape() {
         centre_m_ = random_vector(random, 0.1);
         Eigen::Isometry3d placement(
@@ -153,7 +153,7 @@ TEST_P(ShapeSlides, NeverComeTooNearAndRestWithinReachStraightAboveTheTip) {
     }
 }
 
-TEST_P(ShapeSlides, LeaveNoPlaceAtHandThatIsNearerToTheTip) {
+TEST_P(ShapeSlides, LeaveNoNearbyPlaceThatIsNearerToTheTip) {
     constexpr double kReach_m = 0.2e-3;
     for (int i = 0; i < 1000; ++i) {
         const Scene scene = random_scene(kReach_m);
@@ -163,7 +163,7 @@ TEST_P(ShapeSlides, LeaveNoPlaceAtHandThatIsNearerToTheTip) {
         }
         const double rest_m = (slide->rest_m - scene.tip_m).norm();
         for (int j = 0; j < 50; ++j) {
-            // Any place at hand, lifted until it keeps its distance.
+            // Any nearby place, lifted until it keeps its distance.
             const Vector3 place_m = slide->rest_m + random_vector(random, 1e-5);
             const NearestOnShape under = scene.shape().nearest(place_m);
             if (under.normal.dot(slide->normal) < 0.5) {
@@ -177,7 +177,7 @@ TEST_P(ShapeSlides, LeaveNoPlaceAtHandThatIsNearerToTheTip) {
     }
 }
 
-TEST_P(ShapeSlides, AreNotForAProxyThatStartedTooNearNorForATipThatLetsGo) {
+TEST_P(ShapeSlides, DoNotApplyToAProxyThatStartedTooNearOrATipThatLeaves) {
     for (int i = 0; i < 1000; ++i) {
         Scene scene = random_scene(kClearance_m);
         const Vector3 up = scene.rest.held_by[0].normal;
@@ -209,7 +209,7 @@ TEST(ShapeSlide, StaysOnItsSideHoweverDeepTheTip) {
     EXPECT_EQ(on_plate->depth_m, 0.5);
 }
 
-TEST(ShapeSlide, LeavesWaysOverEdgesToTheDescent) {
+TEST(ShapeSlide, LeavesPathsOverEdgesToTheDescent) {
     const double high_m = 0.01 + kClearance_m;
     EXPECT_FALSE(slide(Box{{0.02, 0.01, 0.03}}, {0.0, high_m, 0.0}, {0.0201, 0.0, 0.0}));
     EXPECT_FALSE(slide(Box{{0.02, 0.01, 0.03}}, {0.0201, high_m, 0.0}, {0.01, 0.0, 0.0}));
@@ -224,7 +224,7 @@ TEST(ShapeSlide, LeavesWaysOverEdgesToTheDescent) {
     EXPECT_FALSE(slide(cylinder, {wide_m, 0.0101, 0.0}, {0.01, 0.0, 0.0})); // from the rim
 }
 
-TEST(ShapeSlide, LeavesLongWaysRoundToTheDescent) {
+TEST(ShapeSlide, LeavesLongPathsAroundToTheDescent) {
     const double out_m = 0.02 + kClearance_m;
     const auto turned = [](double degrees, double radius_m) {
         const double angle = degrees * 3.14159265358979 / 180.0;
