@@ -1,4 +1,4 @@
-// What follows from a tuning: the numbers that the tuning panel shows beside the sliders.
+// Quantities derived from a tuning, which the tuning panel shows beside the sliders.
 #pragma once
 
 #include "base/vector.h"
@@ -18,7 +18,7 @@ struct Coupling {
     double K_HF_Nm_per_rad = 0.0;     ///< high-frequency stiffness k_T²/L (14)
     double B_dR_Nms_per_rad = 0.0;    ///< residual series damper k_T²/dR (8)
     double loop_lag_s = 0.0;          ///< τ = T (a/(1 − a) + 1 + d)
-    double added_inertia_kg_m2 = 0.0; ///< k_T² τ/dR, felt at the rotor in free space
+    double added_inertia_kg_m2 = 0.0; ///< k_T² τ/dR, at the rotor in free space
 };
 
 /// @param period_s       T, the servo period
@@ -48,14 +48,14 @@ static_stiffness_Nm_per_rad(const std::array<device::MotorParameters, 3> &motor,
     return {of(motor[0]), of(motor[1]), of(motor[2])};
 }
 
-/// k̄: K_DC as a mean over motors that may differ [N·m/rad].
+/// k̄: the mean of K_DC over the motors [N·m/rad].
 [[nodiscard]] inline double
 mean_static_stiffness_Nm_per_rad(const device::DeviceDescription &device, const Tuning &tuning) {
     const Vector3 K_DC = static_stiffness_Nm_per_rad(device.motor, tuning);
     return (K_DC[0] + K_DC[1] + K_DC[2]) / 3.0;
 }
 
-/// Static tip stiffness of the transpose map (27) behind an η: (1 − η) α K_DC [N/m].
+/// Static tip stiffness of the transpose map (27) with η: (1 − η) α K_DC [N/m].
 [[nodiscard]] inline double tip_stiffness_N_per_m(const Coupling &c, double alpha_rad2_per_m2,
                                                   double eta) {
     return (1.0 - eta) * alpha_rad2_per_m2 * c.K_DC_Nm_per_rad;

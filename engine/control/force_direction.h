@@ -1,4 +1,4 @@
-// How far a force points away from where the surface would have it (figures 5 and 6).
+// The angle between a force and the surface normal (figures 5 and 6).
 #pragma once
 
 #include "base/vector.h"
@@ -20,8 +20,8 @@ namespace springdrive::control {
     return std::atan2(force.cross(normal).norm(), force.dot(normal));
 }
 
-/// Static tip force (19), (22): F = J⁻ᵀ K_q (θ_Sd − θ). Its length is in newtons when
-/// `stiffness` is K_q's diagonal [N·m/rad]; only its direction means anything when it is W.
+/// Static tip force (19), (22): F = J⁻ᵀ K_q (θ_Sd − θ). Its magnitude is in newtons when
+/// `stiffness` is K_q's diagonal [N·m/rad]; with W only its direction is meaningful.
 [[nodiscard]] inline Vector3 static_tip_force(const Matrix3 &J, const Vector3 &stiffness,
                                               const Vector3 &theta_gap_rad) {
     return J.transpose().inverse() * stiffness.cwiseProduct(theta_gap_rad);

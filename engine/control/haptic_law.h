@@ -14,33 +14,33 @@
 
 namespace springdrive::control {
 
-/// All that the law found on its way to the voltages.
+/// The command of the law with its intermediate results.
 struct LawOutcome {
-    double eta = 1.0;                     ///< η in force, surface and tuning together
-    double alpha_rad2_per_m2 = 0.0;       ///< α in force
+    double eta = 1.0;                     ///< active η, surface and tuning combined
+    double alpha_rad2_per_m2 = 0.0;       ///< active α
     double alpha_bound_rad2_per_m2 = 0.0; ///< (29) at this configuration
     Vector3 x_Sd_m{Vector3::Zero()};
-    std::optional<MotorSetPoint> inverse; ///< (18), where it has an answer
+    std::optional<MotorSetPoint> inverse; ///< (18), where it has a solution
     MotorSetPoint transpose;              ///< (23), (24)
-    MotorSetPoint used;                   ///< of the map in use; without an answer, no force
+    MotorSetPoint used;                   ///< of the active map; no force where it has no solution
     device::DeviceCommand command;        ///< e_W (10) and R̂ (7)
 };
 
-/// Remembers the device, and nothing of what went before.
+/// Holds the device's constants; has no state from tick to tick.
 class HapticLaw {
 public:
     explicit HapticLaw(const device::DeviceDescription &device);
 
-    /// θ, θ̇_f, x and J from what the encoders and the velocity filter say. RT-safe.
+    /// θ, θ̇_f, x and J from the readings of the encoders and the velocity filter. RT-safe.
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
-    /// @param global_alpha_rad2_per_m2  what AlphaMode::global takes. RT-safe.
+    /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
                                         double global_alpha_rad2_per_m2) const noexcept;
 
-    /// The static tip force (19) that a motor set-point has, its direction only. RT-safe.
+    /// The direction of the static tip force (19) of a motor set-point. RT-safe.
     [[nodiscard]] Vector3 force_direction(const Configuration &now,
                                           const MotorSetPoint &set_point) const noexcept;
 

@@ -14,8 +14,8 @@ namespace springdrive::control {
 
 namespace {
 
-/// Below this |det J| relative to the product of its columns' lengths the linkage counts as
-/// aligned: a set-point rate there would be round-off times a million.
+/// Below this |det J|, relative to the product of its columns' lengths, the linkage counts as
+/// singular: it would amplify round-off in a set-point rate a million times.
 constexpr double kSingularDeterminant = 1e-6;
 
 [[nodiscard]] bool is_singular(const Matrix3 &J) {

@@ -18,7 +18,7 @@
 
 namespace springdrive::control {
 
-/// Where the coupling K_θ is to be held, in tip space.
+/// The set-point of the coupling K_θ, in tip space.
 struct TipSetPoint {
     Vector3 x_Sd_m{Vector3::Zero()};
     Vector3 x_Sd_rate_m_per_s{Vector3::Zero()};
@@ -30,7 +30,7 @@ struct MotorSetPoint {
     Vector3 theta_Sd_rate_rad_per_s{Vector3::Zero()};
 };
 
-/// What the maps need to know of the present configuration.
+/// The present configuration, as far as the maps depend on it.
 struct Configuration {
     Vector3 theta_rad{Vector3::Zero()};
     Vector3 theta_rate_rad_per_s{Vector3::Zero()}; ///< θ̇_f, filtered
@@ -44,9 +44,9 @@ struct Configuration {
 ///
 ///   x_Sd = η x + (1 − η) x₀        ẋ_Sd = η ẋ + (1 − η) P ẋ
 ///
-/// Departs from the paper, which holds x₀ fixed (P = 0): there a frictionless surface would drag
-/// (docs/design.md, "Contact and maps"). `eta` is that of surface and tuning together, see
-/// `combined_eta`.
+/// This differs from the paper, which holds x₀ fixed (P = 0): with that, a frictionless surface
+/// would drag (docs/design.md, "Contact and maps"). `eta` is that of surface and tuning together,
+/// see `combined_eta`.
 [[nodiscard]] TipSetPoint contact_set_point(const Vector3 &tip_m,
                                             const Vector3 &tip_velocity_m_per_s,
                                             const contact::Contact &contact, double eta);
@@ -56,13 +56,13 @@ struct Configuration {
     return 1.0 - (1.0 - surface_eta) * (1.0 - tuning_eta);
 }
 
-/// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Nothing where x_Sd is out of reach
-/// or J singular; `no_force` is then the set-point to take.
+/// Inverse map (18): θ_Sd = N invkin(x_Sd), θ̇_Sd = J⁻¹ ẋ_Sd. Nothing where x_Sd is out of reach or
+/// J is singular; use `no_force` then.
 [[nodiscard]] std::optional<MotorSetPoint> inverse_map(const device::PhantomGeometry &geometry,
                                                        const Configuration &configuration,
                                                        const TipSetPoint &target);
 
-/// The set-point of free space (16), which goes with the device: no force results.
+/// The set-point of free space (16), which follows the device: no force results.
 [[nodiscard]] inline MotorSetPoint no_force(const Configuration &configuration) {
     return {configuration.theta_rad, configuration.theta_rate_rad_per_s};
 }
@@ -75,7 +75,7 @@ struct Configuration {
 /// The bound (29) on α at one configuration: λ_min(J⁻ᵀ W J⁻¹) = 1/λ_max(J W⁻¹ Jᵀ) [rad²/m²].
 [[nodiscard]] double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness);
 
-/// The least of (29) over a grid of `points_per_axis`³ points of the workspace box that the tip
+/// The minimum of (29) over a grid of `points_per_axis`³ points of the workspace box that the tip
 /// can reach [rad²/m²]. Takes milliseconds: not for the servo thread.
 [[nodiscard]] double global_alpha_bound(const device::DeviceDescription &device,
                                         int points_per_axis = 15);
@@ -90,8 +90,8 @@ struct Configuration {
 /// k_T of the three motors [N·m/A].
 [[nodiscard]] Vector3 torque_constants(const device::DeviceDescription &device);
 
-/// W: what one motor's K_θ (12) is at low frequency relative to the mean of all. With the same dR,
-/// K_P and K_D on every motor it goes with k_T (13).
+/// W: each motor's K_θ (12) at low frequency relative to the mean of all. With the same dR, K_P and
+/// K_D on every motor it is proportional to k_T (13).
 [[nodiscard]] Vector3 relative_stiffness(const device::DeviceDescription &device);
 
 } // namespace springdrive::control

@@ -1,14 +1,15 @@
-// What people perceive of a force, by the paper.
+// Limits of human force perception, according to the paper.
 #pragma once
 
 namespace springdrive::control {
 
-// Both in its section V, which quotes them.
+// Both are quoted in its section V.
 
-/// From here on people notice that a force's direction is wrong.
+/// From this angle on people notice an error in a force's direction.
 inline constexpr double kNoticeable_deg = 25.0;
 
-/// Up to here they perceive forces by their hand's motion: the upper end of 20 to 30 Hz.
+/// Up to this frequency they perceive forces kinaesthetically, by the motion of their hand: the
+/// upper end of 20 to 30 Hz.
 inline constexpr double kPerceived_Hz = 30.0;
 
 } // namespace springdrive::control

@@ -1,4 +1,4 @@
-// What is tuned live: the six parameters, and which maps they act through.
+// The live tuning: the six parameters, and the maps through which they act.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ enum class MotionMap : std::uint8_t {
     transpose, ///< (23), (24): a sphere, scaled by α
 };
 
-/// Where α of (23) comes from.
+/// The source of α in (23).
 enum class AlphaMode : std::uint8_t {
     on_the_fly, ///< the bound (29) at the present configuration
-    global,     ///< the least of (29) over the workspace
+    global,     ///< the minimum of (29) over the workspace
     by_hand,    ///< Tuning::alpha_rad2_per_m2
 };
 
@@ -25,7 +25,7 @@ struct Tuning {
     double K_D_Vs_per_rad = 0.01;      ///< K_D of (10)
     double lambda_rad_per_s = 1000.0;  ///< λ, cutoff of the velocity filter
     double alpha_rad2_per_m2 = 3000.0; ///< α of (23), used when `alpha_mode` is by_hand
-    double eta = 0.0;                  ///< η of (30), on top of the surface's own
+    double eta = 0.0;                  ///< η of (30), in addition to the surface's own
     MotionMap map = MotionMap::transpose;
     AlphaMode alpha_mode = AlphaMode::on_the_fly;
 

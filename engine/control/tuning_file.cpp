@@ -42,14 +42,13 @@ AlphaMode read_alpha_mode(StrictTomlTable &file) {
     return *mode;
 }
 
-/// The name of a delay in this file: `key`, or what it was called when d was a whole number.
+/// The key of a delay in this file: `key`, or its name from when d was a whole number.
 std::string_view delay_key(StrictTomlTable &table, std::string_view key, std::string_view before) {
     if (!table.has(before)) {
         return key;
     }
     if (table.has(key)) {
-        table.refuse(before,
-                     "is what " + std::string(key) + " was called before; keep one of them");
+        table.refuse(before, "is the old name of " + std::string(key) + "; keep only one of them");
     }
     return before;
 }
@@ -72,7 +71,7 @@ TuningMargins read_margins(StrictTomlTable table) {
     return margins;
 }
 
-/// The shortest digits that give the same number again.
+/// The fewest digits that read back as the same number.
 std::string digits(double value) {
     std::array<char, 32> text{};
     const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);

@@ -18,14 +18,14 @@ class VelocityFilter {
 public:
     VelocityFilter() = default;
 
-    /// As it stands after angles at which it said `velocity_rad_per_s`.
+    /// Continues from these angles with this filtered velocity.
     VelocityFilter(const Vector3 &theta_rad, const Vector3 &velocity_rad_per_s)
         : theta_rad_(theta_rad), velocity_rad_per_s_(velocity_rad_per_s) {}
 
     [[nodiscard]] const Vector3 &theta_rad() const { return theta_rad_; }
     [[nodiscard]] const Vector3 &velocity_rad_per_s() const { return velocity_rad_per_s_; }
 
-    /// Starts anew, at rest.
+    /// Restarts at rest.
     void reset(const Vector3 &theta_rad) noexcept {
         theta_rad_ = theta_rad;
         velocity_rad_per_s_.setZero();

@@ -1,4 +1,4 @@
-// A virtual wall as force-controlled devices render it, for a current drive to compare with.
+// A virtual wall as force-controlled devices render it, for the comparison with a current drive.
 #pragma once
 
 #include "base/vector.h"
@@ -14,8 +14,8 @@ struct VirtualWall {
     double damping_Ns_per_m = 0.0;
 };
 
-/// F = (1 − η) (K (x₀ − x) − B ẋ_f) on the tip [N]; zero where nothing is touched. A surface, which
-/// has a normal, pushes along that and never pulls.
+/// F = (1 − η) (K (x₀ − x) − B ẋ_f) on the tip [N]; zero where nothing is touched. A surface has a
+/// normal: it pushes along that and never pulls.
 [[nodiscard]] inline Vector3 wall_force_N(const VirtualWall &wall, const Configuration &now,
                                           const contact::Contact &contact, double eta) {
     if (!contact.touching) {

@@ -18,7 +18,7 @@
 namespace springdrive::control {
 namespace {
 
-/// Both devices, with the motors of their data sheet and with motors that are not alike.
+/// Both devices, with the motors of their data sheets and with unequal motors.
 std::vector<device::DeviceDescription> devices_and_unequal_ones() {
     std::vector<device::DeviceDescription> devices{testing::phantom_1_0(),
                                                    testing::phantom_premium_1_5()};
@@ -101,7 +101,7 @@ double largest_stretch(const device::DeviceDescription &device, const Vector3 &q
     return Eigen::JacobiSVD<Matrix3>(stretch).singularValues()[0];
 }
 
-TEST(Alpha, GlobalIsTheLeastOverTheWorkspaceGrid) {
+TEST(Alpha, GlobalIsTheMinimumOverTheWorkspaceGrid) {
     constexpr int kPoints = 7;
     for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const Vector3 weights = relative_stiffness(device);
@@ -130,7 +130,7 @@ TEST(Alpha, GlobalIsWithinTheBoundBetweenTheGridPointsToo) {
             least = std::min(least, alpha_bound(device::motor_jacobian(device.geometry, q),
                                                 relative_stiffness(device)));
         }
-        // The grid may miss the true least by what α changes over half its pitch.
+        // The grid may miss the true minimum by the change of α over half its pitch.
         EXPECT_LT(global, 1.02 * least);
         EXPECT_GT(global, 0.8 * least);
     }

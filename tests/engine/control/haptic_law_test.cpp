@@ -1,4 +1,4 @@
-// Covers engine/control/haptic_law.cpp: the parts put together as (30), (18) or (23), (10) say.
+// Covers engine/control/haptic_law.cpp: its parts combined as in (30), (18) or (23), (10).
 #include "engine/control/haptic_law.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -81,7 +81,7 @@ TEST_F(HapticLawTest, InFreeSpaceItOnlyCancelsTheBackEmf) {
             const LawOutcome found = law(now, free, tuning, kGlobalAlpha);
             EXPECT_EQ(found.eta, 1.0);
             EXPECT_LT((found.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-9);
-            // The same on a surface through which one passes: η = 1 by the tuning.
+            // The same on a penetrable surface: η = 1 by the tuning.
             tuning.eta = 1.0;
             const LawOutcome clear = law(now, any_contact(now), tuning, kGlobalAlpha);
             EXPECT_LT((clear.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-9);
@@ -124,7 +124,7 @@ TEST_F(HapticLawTest, TheInverseMapGoesToWhereTheLinkageReachesTheSetPoint) {
         const Vector3 q_Sd_rad =
             found.used.theta_Sd_rad.cwiseQuotient(device.geometry.transmission_ratio);
         EXPECT_LT((device::tip_position_m(device.geometry, q_Sd_rad) - found.x_Sd_m).norm(), 1e-12);
-        // ẋ_Sd: what of the tip's motion the contact allows, and η of the rest.
+        // ẋ_Sd: the part of the tip's motion that the contact allows, and η times the rest.
         const Vector3 x_rate = now.J * now.theta_rate_rad_per_s;
         const Vector3 set_rate = now.J * found.used.theta_Sd_rate_rad_per_s;
         const Vector3 n = contact.normal;
@@ -152,7 +152,7 @@ TEST_F(HapticLawTest, EWIsDriftCompensationOfTheMapInUse) {
     }
 }
 
-TEST_F(HapticLawTest, AlphaComesFromWhereTheTuningSays) {
+TEST_F(HapticLawTest, AlphaComesFromTheSourceInTheTuning) {
     const Configuration now = any_configuration();
     const contact::Contact contact = any_contact(now);
     Tuning tuning;
@@ -167,7 +167,7 @@ TEST_F(HapticLawTest, AlphaComesFromWhereTheTuningSays) {
     EXPECT_EQ(found.alpha_rad2_per_m2, found.alpha_bound_rad2_per_m2);
 }
 
-TEST_F(HapticLawTest, TheBoundIsTheLeastStiffnessOfAnyDirection) {
+TEST_F(HapticLawTest, TheBoundIsTheMinimumStiffnessOverDirections) {
     // (29) by brute force: 1/α is the largest |Jᵀ u|² of any unit vector u.
     for (int run = 0; run < 20; ++run) {
         const Configuration now = any_configuration();
@@ -183,23 +183,23 @@ TEST_F(HapticLawTest, TheBoundIsTheLeastStiffnessOfAnyDirection) {
     }
 }
 
-TEST_F(HapticLawTest, WithoutAnAnswerTheInverseMapGivesNoForce) {
+TEST_F(HapticLawTest, WithoutASolutionTheInverseMapGivesNoForce) {
     const Configuration now = any_configuration();
     contact::Contact contact = any_contact(now);
     contact.eta = 0.0;
-    contact.x0_m = Vector3(0.0, 1.0, 0.0); // a metre up: nobody reaches that
+    contact.x0_m = Vector3(0.0, 1.0, 0.0); // a metre up: out of reach
     Tuning tuning;
     tuning.map = MotionMap::inverse;
     const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
     EXPECT_FALSE(found.inverse.has_value());
     EXPECT_LT((found.command.e_W_V - k_T * now.theta_rate_rad_per_s).norm(), 1e-12);
     EXPECT_EQ(found.used.theta_Sd_rad, now.theta_rad);
-    // The transpose map has one all the same.
+    // The transpose map still gives a force.
     tuning.map = MotionMap::transpose;
     EXPECT_GT(law(now, contact, tuning, kGlobalAlpha).command.e_W_V.norm(), 1.0);
 }
 
-TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
+TEST_F(HapticLawTest, RHatLeavesTheRequestedResidualAndNeverNone) {
     const Configuration now = any_configuration();
     for (const auto &[dR_Ohm, R_hat_Ohm] :
          {std::pair(0.5, 1.68), std::pair(2.18, 0.0), std::pair(3.0, 0.0), std::pair(0.02, 2.16),
@@ -212,7 +212,7 @@ TEST_F(HapticLawTest, RHatLeavesTheResidualThatWasAskedForAndNeverNone) {
     }
 }
 
-TEST_F(HapticLawTest, RHatIsOfEachMotorsOwnResistance) {
+TEST_F(HapticLawTest, RHatUsesEachMotorsOwnResistance) {
     const double cold_Ohm = device.motor[0].resistance_Ohm;
     const Vector3 resistance_Ohm = cold_Ohm * Vector3(1.0, 1.2, 0.9);
     for (std::size_t j = 0; j < device.motor.size(); ++j) {
@@ -236,7 +236,7 @@ TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
     }
 }
 
-TEST_F(HapticLawTest, RemembersNothing) {
+TEST_F(HapticLawTest, HasNoState) {
     const Configuration now = any_configuration();
     const contact::Contact contact = any_contact(now);
     const Vector3 first_V = law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V;

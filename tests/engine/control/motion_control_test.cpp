@@ -64,7 +64,7 @@ PlanarError largest_planar_error(const device::DeviceDescription &device, double
     const Configuration now =
         at(device, Vector3(0.0, q2_deg * kRadiansPerDegree, q3_deg * kRadiansPerDegree));
     const Vector3 weights = relative_stiffness(device);
-    // Small enough for J⁻¹ to stand for invkin: its curvature bends by less than 1e-4/l = 0.04°.
+    // Small enough for J⁻¹ to replace invkin: its curvature bends by less than 1e-4/l = 0.04°.
     constexpr double kPenetration_m = 1e-6;
     PlanarError largest;
     for (int step = 0; step < 3600; ++step) {
@@ -101,7 +101,7 @@ TEST(MotionControl, LargestErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
 
 TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
     // docs/design.md, "Linkage and motors": α = N²/(l²(1 + |sin(q₃ − q₂)|)) for the two joints. The
-    // base joint's own eigenvalue is N₁²/r², so the bound for all three is the lesser of the two.
+    // base joint's own eigenvalue is N₁²/r², so the bound for all three is the smaller of the two.
     const device::DeviceDescription device = testing::phantom_1_0();
     const double l = device.geometry.upper_arm_m;
     std::mt19937_64 random(6);
@@ -118,7 +118,7 @@ TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
     }
 }
 
-TEST(MotionControl, FreeSpaceAsksForNothing) {
+TEST(MotionControl, FreeSpaceGivesNoForce) {
     // (16): x_Sd = x and ẋ_Sd = ẋ leave only e_W = k_T θ̇_f, with either map.
     const device::DeviceDescription device = testing::phantom_1_0();
     const Vector3 k_T = torque_constants(device);
@@ -139,7 +139,7 @@ TEST(MotionControl, FreeSpaceAsksForNothing) {
     }
 }
 
-TEST(MotionControl, SlidingIsNotHeldBack) {
+TEST(MotionControl, SlidingIsNotResisted) {
     // On a frictionless face the set-point moves along: no force resists tangential motion.
     const device::DeviceDescription device = testing::phantom_1_0();
     Configuration now = at(device, Vector3(0.2, 0.1, -0.3));
@@ -151,14 +151,14 @@ TEST(MotionControl, SlidingIsNotHeldBack) {
     EXPECT_LT((target.x_Sd_rate_m_per_s - (0.1 * tangent - 0.25 * 0.05 * normal)).norm(), 1e-15);
 }
 
-TEST(MotionControl, SurfaceAndTuningMultiplyTheirStiffness) {
+TEST(MotionControl, StiffnessFractionsOfSurfaceAndTuningMultiply) {
     EXPECT_EQ(combined_eta(0.0, 0.0), 0.0);
     EXPECT_EQ(combined_eta(1.0, 0.3), 1.0);
     EXPECT_EQ(combined_eta(0.3, 1.0), 1.0);
     EXPECT_DOUBLE_EQ(combined_eta(0.5, 0.5), 0.75);
 }
 
-TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
+TEST(MotionControl, TheInverseMapHasNoSolutionWhereTheLinksAlign) {
     const device::DeviceDescription device = testing::phantom_1_0();
     // q₃ − q₂ = −90°: folded onto each other (docs/design.md, "Where methods fail").
     const Configuration now =
@@ -169,7 +169,7 @@ TEST(MotionControl, TheInverseMapGivesUpWhereTheLinksAlign) {
     const Configuration good = at(device, Vector3::Zero());
     EXPECT_FALSE(inverse_map(device.geometry, good, {Vector3(1.0, 0.0, 0.0), Vector3::Zero()}));
     EXPECT_TRUE(inverse_map(device.geometry, good, {step_m, Vector3::Zero()}));
-    // What is taken instead asks for no more than free space does.
+    // The replacement gives no more than free space.
     const Vector3 k_T = torque_constants(device);
     Configuration moving = now;
     moving.theta_rate_rad_per_s = Vector3(1.0, -2.0, 3.0);
@@ -192,7 +192,7 @@ TEST(DriftCompensation, IsTheSumOfItsThreeTerms) {
     EXPECT_DOUBLE_EQ(e_W[2], 0.90 + 0.0 - 1000.0);
 }
 
-TEST(ForceDirection, IsExactForSmallAnglesAndSilentForNoForce) {
+TEST(ForceDirection, IsExactForSmallAnglesAndNaNWithoutForce) {
     const Vector3 normal = Vector3::UnitY();
     EXPECT_DOUBLE_EQ(direction_error_rad(Vector3(3e-9, 3.0, 0.0), normal), 1e-9);
     EXPECT_DOUBLE_EQ(direction_error_rad(Vector3(0.0, -2.0, 0.0), normal), std::numbers::pi);

@@ -57,7 +57,7 @@ TEST(TuningFile, FirmIsTheDefault) {
     }
 }
 
-TEST(TuningFile, RefusesWhatItDoesNotKnowOrCannotBe) {
+TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
     EXPECT_NE(complaint("dR_Ohm", "dr_Ohm").find("dR_Ohm is missing"), std::string::npos);
     EXPECT_NE(complaint("dR_Ohm = 0.5", "dR_Ohm = 0.0").find("0.02 to 2.18"), std::string::npos);
     EXPECT_NE(complaint("eta = 0.0", "eta = nan").find("eta"), std::string::npos);
@@ -152,8 +152,8 @@ TEST(TuningFile, ADescriptionStaysOnItsLine) {
     EXPECT_EQ(written_and_read(file).description, "two lines and a tab");
 }
 
-/// Files of before d was a real number stay of use.
-TEST(TuningFile, ReadsWhatDelaysWereCalledBefore) {
+/// Files from before d was a real number can still be read.
+TEST(TuningFile, ReadsTheOldNamesOfDelays) {
     TuningFile file;
     file.margins = TuningMargins{1000.0, 3.0, 1.5, 2, 0.25, 0.5, "firm", 0.75};
     std::ostringstream out;
@@ -175,7 +175,7 @@ TEST(TuningFile, ReadsWhatDelaysWereCalledBefore) {
     EXPECT_EQ(read.margins->more_delay_periods, 2);
 }
 
-/// The complaint about a file with good margins in which `from` stands as `to`.
+/// The error for a file with valid margins in which `from` is replaced by `to`.
 std::string complaint_about_margins(const std::string &from, const std::string &to) {
     TuningFile file;
     file.margins = TuningMargins{1000.0, 1, 1.5, 2, 0.25, 0.5, "firm", 0.75};
@@ -195,7 +195,7 @@ std::string complaint_about_margins(const std::string &from, const std::string &
     return "";
 }
 
-TEST(TuningFile, RefusesMarginsThatCannotBeWithTheirLine) {
+TEST(TuningFile, RefusesInvalidMarginsWithTheirLine) {
     struct Bad {
         std::string from;
         std::string to;
@@ -210,9 +210,9 @@ TEST(TuningFile, RefusesMarginsThatCannotBeWithTheirLine) {
         {"delay_periods = 1.0", "", "margins.delay_periods is missing"},
         {"delay_periods = 1.0", "delay_samples = -1", ":14: margins.delay_samples"},
         {"delay_periods = 1.0", "delay_periods = 1.0\ndelay_samples = 1",
-         ":15: margins.delay_samples is what delay_periods was called before"},
+         ":15: margins.delay_samples is the old name of delay_periods"},
         {"more_delay_periods = 2", "more_delay_periods = 2\nmore_delay_samples = 2",
-         ":17: margins.more_delay_samples is what more_delay_periods was called before"},
+         ":17: margins.more_delay_samples is the old name of more_delay_periods"},
         {"more_delay_periods = 2", "more_delay_periods = 1.5", "whole"},
         {"gain = 1.5", "gain = 0.9", ":15: margins.gain"},
         {"gain = 1.5", "gain = nan", ":15: margins.gain"},
