@@ -35,14 +35,14 @@ Eigen::Matrix2cd tip_stiffness(const PlanarContact &contact, control::MotionMap 
 }
 
 double phasor_direction_error_rad(const Eigen::Vector2cd &force, const Vector2 &normal) {
-    // The rest of F beside its part along n: exact for small angles, where an arc cosine is not.
+    // From the parts of F across and along n: exact for small angles, unlike an arc cosine.
     const std::complex<double> along = normal.x() * force.x() + normal.y() * force.y();
     const std::complex<double> across = normal.x() * force.y() - normal.y() * force.x();
     return std::atan2(std::abs(across), std::abs(along));
 }
 
 double worst_direction_error_rad(const Eigen::Matrix2cd &tip_stiffness) {
-    constexpr int kNormals = 720; // over half a turn: a normal and its opposite err alike
+    constexpr int kNormals = 720; // over half a turn: opposite normals have the same error
     double worst = 0.0;
     for (int i = 0; i < kNormals; ++i) {
         const Vector2 n = direction_at(std::numbers::pi * i / kNormals);

@@ -1,5 +1,5 @@
-// The hands that a device must be stable with: from a fingertip that hardly touches it to a firm
-// grip. A device is stable only if every one of them finds it so.
+// The hands with which a device must be stable: from a fingertip that barely touches it to a firm
+// grip. A device counts as stable only if it is with every one of them.
 //
 // The values are assumed, of the order that the literature on grips gives; the middle of the family
 // is the relaxed pen grip of `HandParameters`, its ends are farther by a factor of 5 in mass and
@@ -15,7 +15,8 @@
 
 namespace springdrive::loops {
 
-/// What of a hand matters to small motions about rest: a mass on the tip, tied to the ground.
+/// The linear model of a hand for small motions about rest: a mass on the tip, tied to the ground
+/// by spring and damper.
 struct Hand {
     std::string name;
     double mass_kg = 0.0;
@@ -36,7 +37,7 @@ struct Hand {
             relaxed.stiffness_N_per_m * std::pow(10.0, way)};
 }
 
-/// For people: "light hand", "hand of firmness 0.25", "no hand".
+/// Text for messages: "light hand", "hand of firmness 0.25", "no hand".
 [[nodiscard]] inline std::string hand_text(const std::string &name) {
     return name.ends_with("hand")          ? name
            : name.starts_with("firmness ") ? "hand of " + name

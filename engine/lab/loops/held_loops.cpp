@@ -13,10 +13,10 @@ namespace springdrive::loops {
 
 namespace {
 
-/// Between rigid and free; most of the failures are at the ends.
+/// From rigid to free; most failures are near the ends.
 constexpr std::array kEtas{0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0};
 
-/// A grid of the workspace's reachable points, as joint angles, and the case's own.
+/// Joint angles at a grid of reachable points of the workspace, and those of the case.
 std::vector<Vector3> configurations(const StabilityCase &which) {
     std::vector<Vector3> all{which.q_rad};
     const device::Workspace &box = which.device.workspace;
@@ -33,7 +33,7 @@ std::vector<Vector3> configurations(const StabilityCase &which) {
     return all;
 }
 
-/// Hands evenly between two, by ratio; `count` with the first and without the last.
+/// Hands between two, spaced by equal ratios: `count` of them with the first and without the last.
 void add_hands_between(std::vector<Hand> &all, const Hand &first, const Hand &last, int count) {
     all.push_back(first);
     for (int i = 1; i < count; ++i) {
@@ -50,9 +50,9 @@ bool is_there(const Hand &hand) {
     return hand.mass_kg > 0.0 && hand.damping_Ns_per_m > 0.0 && hand.stiffness_N_per_m > 0.0;
 }
 
-/// A family's hands with those between them, `count` times as many: one of these may resonate where
-/// its neighbours do not, in free space above all, where no gain has a margin.
-std::vector<Hand> finely(const std::vector<Hand> &hands, int count) {
+/// A family's hands with others between them, `count` times as many: one of these may resonate
+/// where its neighbours do not, above all in free space, where no gain has a margin.
+std::vector<Hand> with_hands_between(const std::vector<Hand> &hands, int count) {
     std::vector<Hand> all;
     for (std::size_t i = 0; i < hands.size(); ++i) {
         if (i + 1 < hands.size() && is_there(hands[i]) && is_there(hands[i + 1])) {
@@ -77,17 +77,17 @@ void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMemb
 } // namespace
 
 HeldLoops::HeldLoops(const StabilityCase &which) {
-    constexpr int kFinelyOfOne = 10;
-    constexpr int kFinelyOfThree = 2; // these take twenty times as long
+    constexpr int kDivisionsOneMotor = 10;
+    constexpr int kDivisionsThreeMotors = 2; // these loops take twenty times as long
     StabilityCase each = which;
     each.freedom = Freedom::one_motor;
-    each.hands = finely(which.hands, kFinelyOfOne);
+    each.hands = with_hands_between(which.hands, kDivisionsOneMotor);
     for (const LoopMember &member : members(each)) {
         add_loops(loops_, each, member);
     }
     if (!which.rotor) {
         each.freedom = Freedom::three_motors;
-        each.hands = finely(which.hands, kFinelyOfThree);
+        each.hands = with_hands_between(which.hands, kDivisionsThreeMotors);
         for (const Vector3 &q_rad : configurations(which)) {
             each.q_rad = q_rad;
             for (const LoopMember &member : members(each)) {
@@ -106,7 +106,7 @@ double HeldLoops::largest_eigenvalue(std::size_t index, const Gains &gains) cons
 }
 
 bool HeldLoops::is_stable(std::size_t index, const Gains &gains) const {
-    // In free space no gain acts: a mass without any friction coasts, and no tuning can help it.
+    // In free space no gain acts: a mass without friction coasts, whatever the tuning.
     const double most =
         loops_[index].eta < 1.0 ? 1.0 - kEigenvalueRoundOff : 1.0 + kEigenvalueRoundOff;
     return largest_eigenvalue(index, gains) < most;

@@ -1,6 +1,6 @@
-// Every loop that a tuning has to keep stable, ready to be tried with gain after gain: each hand
-// and those between, at each configuration, each motor by itself and all together, at any η from
-// rigid to free.
+// Every loop that a tuning has to keep stable, prepared for trying many gains: each hand and those
+// between, at each configuration, each motor alone and all together, at values of η from rigid to
+// free.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -11,7 +11,7 @@
 
 namespace springdrive::loops {
 
-/// One loop: what moves, and how much of its motion the law takes for an error.
+/// One loop: the load, and the share of its motion that the law treats as an error.
 struct HeldLoop {
     LinearLoop loop;
     Eigen::MatrixXd share; ///< see `held_share`, η included
@@ -21,17 +21,17 @@ struct HeldLoop {
 
 class HeldLoops {
 public:
-    /// @param which  its gains, η and freedom do not matter. One motor at a time, and three at a
-    ///        grid of configurations in the workspace, unless it has a rotor of its own.
+    /// @param which  its gains, η and freedom are ignored. One motor at a time, and all three at a
+    ///        grid of configurations in the workspace unless the case has a rotor of its own.
     explicit HeldLoops(const StabilityCase &which);
 
-    // Of gains that are tried; dR, servo rate and delay are those that the loops were made for.
+    // Gains vary between calls; dR, servo rate and delay are those of the case.
 
-    /// The first that is unstable, or `count()`. Those that failed lately are tried first.
-    /// Not thread-safe, as it remembers them.
+    /// The first unstable loop, or `count()`. Loops that failed recently are tried first. Not
+    /// thread-safe, as it keeps their order.
     [[nodiscard]] std::size_t first_unstable(const Gains &gains);
 
-    /// Whether all of some loops are stable.
+    /// Whether all of the given loops are stable.
     [[nodiscard]] bool are_stable(const std::vector<std::size_t> &some, const Gains &gains) const;
 
     [[nodiscard]] bool is_stable(std::size_t loop, const Gains &gains) const;

@@ -39,14 +39,15 @@ private:
     Index count_;
 };
 
-/// An orthonormal basis of the positions that law or load pull back, one column for each.
+/// An orthonormal basis of the positions on which law or load exert a restoring force, one column
+/// for each.
 MatrixXd pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffness) {
     const auto weighed = [](const MatrixXd &pull) -> MatrixXd {
         const double scale = pull.squaredNorm();
         return scale > 0.0 ? MatrixXd(pull.transpose() * pull / scale)
                            : MatrixXd::Zero(pull.cols(), pull.cols());
     };
-    // Of squares, so that a direction counts as pulled from 1e-6 of the strongest pull on.
+    // On squared values: a direction counts as pulled from 1e-6 of the strongest pull on.
     constexpr double kPulled = 1e-12;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(weighed(per_position) +
                                                          weighed(stiffness));
@@ -60,7 +61,7 @@ Complex one_minus_turn(double x) {
     return {2.0 * half * half, std::sin(x)};
 }
 
-/// H(jω): what holding a sample for T, d periods late, makes of it.
+/// H(jω): the frequency response of a zero-order hold that is d periods late.
 Complex hold(double omega_rad_per_s, double period_s, double delay_periods) {
     const double x = omega_rad_per_s * period_s;
     if (x == 0.0) {
@@ -69,7 +70,7 @@ Complex hold(double omega_rad_per_s, double period_s, double delay_periods) {
     return std::polar(1.0, -x * delay_periods) * one_minus_turn(x) / Complex(0.0, x);
 }
 
-/// D(e^(jωT)): what the velocity filter makes of an angle.
+/// D(e^(jωT)): the frequency response of the velocity filter.
 Complex filtered_rate(double omega_rad_per_s, double pole, double period_s) {
     const Complex difference = one_minus_turn(omega_rad_per_s * period_s);
     // 1 − a z⁻¹ = (1 − a) + a (1 − z⁻¹)

@@ -1,11 +1,11 @@
 // The loop of motors that share a load under a sampled, linear law: docs/design.md, "Sampled forms"
-// for any number of motors, near rest. Whoever asks whether a loop is stable, or what it renders
-// over frequency, asks here.
+// for any number of motors, near rest. Stability and rendered stiffness over frequency are computed
+// here.
 //
-// Between samples the plant is linear and what the servo commands stands still, but for one step
+// Between samples the plant is linear and the servo's command is constant, except for one step
 // where the delay has a fraction, so that its motion over a period is exact; the velocity filter
-// and the held outputs are difference equations. Together they are one matrix that takes the state
-// at one sample to the state at the next, and its eigenvalues decide.
+// and the held outputs are difference equations. Together they are one matrix that maps the state
+// at one sample to the state at the next, and its eigenvalues decide stability.
 #pragma once
 
 #include "device/core/motor/motor.h"
@@ -15,7 +15,7 @@
 
 namespace springdrive::loops {
 
-/// What moves, in motor coordinates: M θ̈ = T i − B θ̇ − K θ, and what drives it:
+/// The load in motor coordinates: M θ̈ = T i − B θ̇ − K θ, and its drives:
 /// di/dt = W_i i + W_θ̇ θ̇ + W_u u, with u the servo's command, one for each motor.
 struct DrivenLoad {
     Eigen::MatrixXd inertia_kg_m2;             ///< M, symmetric and positive definite
@@ -26,30 +26,30 @@ struct DrivenLoad {
     Eigen::VectorXd current_rate_per_velocity; ///< that of W_θ̇: −k_T/L behind a spring drive
     Eigen::VectorXd current_rate_per_command;  ///< that of W_u: 1/L behind a spring drive
 
-    /// Without inertia, damping and stiffness yet; nothing drives it.
+    /// All zero: inertia, damping, stiffness and drives are still to be set.
     [[nodiscard]] static DrivenLoad of(Eigen::Index motors);
 
     /// (11): behind an amplifier that leaves dR of the winding, driven in volts.
     void put_behind_spring_drive(Eigen::Index motor, const device::MotorParameters &parameters,
                                  double dR_Ohm);
-    /// Behind an amplifier that makes the current follow, driven in amperes.
+    /// Behind an amplifier that controls the current, driven in amperes.
     void put_behind_current_drive(Eigen::Index motor, const device::MotorParameters &parameters,
                                   double bandwidth_rad_per_s);
 
     [[nodiscard]] Eigen::Index motors() const { return torque_Nm_per_A.size(); }
 };
 
-/// The load over one period: [θ, θ̇, i] after it from [θ, θ̇, i, u] before, u standing still.
+/// The load over one period: [θ, θ̇, i] after it from [θ, θ̇, i, u] before, with u constant.
 [[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s);
 
-/// The load over one period of a servo whose commands come d late. For whole d the same as above.
-/// Else [θ, θ̇, i] after it from [θ, θ̇, i, u_old, u_new] before, d = n + f, with u_old = u[k−n−1] in
-/// force for the first f T and u_new = u[k−n] from then on: exact over both parts.
+/// The load over one period of a servo whose commands are d periods late. For whole d the same as
+/// above. Otherwise [θ, θ̇, i] after it from [θ, θ̇, i, u_old, u_new] before, d = n + f, with u_old
+/// = u[k−n−1] active for the first f T and u_new = u[k−n] after that: exact over both parts.
 [[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s,
                                            double delay_periods);
 
-/// What the servo does with what it reads: u[k] = V v[k] + P θ[k], applied from (k + d) T to
-/// (k + d + 1) T, with v[k] = a v[k−1] + (1 − a)(θ[k] − θ[k−1])/T.
+/// The servo's law: u[k] = V v[k] + P θ[k], applied from (k + d) T to (k + d + 1) T, with
+/// v[k] = a v[k−1] + (1 − a)(θ[k] − θ[k−1])/T.
 struct SampledLaw {
     Eigen::MatrixXd per_velocity; ///< V
     Eigen::MatrixXd per_position; ///< P
@@ -75,12 +75,12 @@ struct Sampling {
     double delay_periods = 0.0;
 };
 
-/// (10) under (17), for motors of which the law takes the share A of a motion for an error and
-/// follows the rest: V = k_T (I − A) − K_D A, P = −K_P A.
+/// (10) under (17), where the law treats the share A of a motion as an error and follows the rest:
+/// V = k_T (I − A) − K_D A, P = −K_P A.
 [[nodiscard]] SampledLaw drift_compensation(const Eigen::VectorXd &k_T, const Gains &gains,
                                             const Eigen::MatrixXd &A, const Sampling &sampling);
 
-/// Where the states of the map over one period begin, in blocks of one for each motor.
+/// Where the states of the map over one period begin, in blocks of one entry for each motor.
 struct StateBlock {
     enum Start : Eigen::Index { theta, moved, rate, current, velocity, first_held };
 };
@@ -89,28 +89,27 @@ struct StateBlock {
 ///
 ///   [ θ[k],  θ[k] − θ[k−1],  θ̇[k],  i[k],  v[k−1],  u[k−1] … u[k−⌈d⌉] ]
 ///
-/// each for all motors. The difference stands in the place of θ[k−1], the same states in other
-/// coordinates: so position alone, where nothing pulls it back, can be left out exactly.
-/// @param load  as `sampled_load` gives it for the law's delay, and for the time until the next
-/// sample:
-///              the law's period, which is the time since the last one, unless a servo comes late
+/// each for all motors. The difference replaces θ[k−1], the same states in other coordinates: so
+/// position alone, where nothing pulls it back, can be left out exactly.
+/// @param load  the result of `sampled_load` for the law's delay over the time until the next
+///              sample: the law's period, the time since the last one, unless a servo is late
 [[nodiscard]] Eigen::MatrixXd one_period_map(const Eigen::MatrixXd &load, const SampledLaw &law);
 
-/// Whether law or load, with its K, pull back on θ in every direction.
+/// Whether law or load, with its K, exert a restoring torque on θ in every direction.
 [[nodiscard]] bool pulls_on_all_positions(const Eigen::MatrixXd &per_position,
                                           const Eigen::MatrixXd &stiffness_Nm_per_rad);
 
-/// The largest |eigenvalue| of that map: by how much the slowest mode shrinks or grows in a period.
-/// In directions in which neither the law nor a spring pulls on θ, the motors may rest anywhere;
-/// their eigenvalues of exactly 1 do not count.
+/// The largest |eigenvalue| of that map: the factor by which the slowest mode decays or grows in a
+/// period. In directions in which neither the law nor a spring pulls on θ, the motors may rest
+/// anywhere; their eigenvalues of exactly 1 do not count.
 /// @param stiffness_Nm_per_rad  K of the load
 [[nodiscard]] double largest_eigenvalue(const Eigen::MatrixXd &map, const SampledLaw &law,
                                         const Eigen::MatrixXd &stiffness_Nm_per_rad);
 
-/// What is left of 1 − |λ| by round-off where a mode neither grows nor dies.
+/// Round-off of 1 − |λ| for a mode that neither grows nor decays.
 inline constexpr double kEigenvalueRoundOff = 1e-10;
 
-/// A load that is worked out for one sampling, to be tried under law after law.
+/// A load discretised for one sampling, to be tried under many laws.
 class LinearLoop {
 public:
     LinearLoop(DrivenLoad load, const Sampling &sampling);
@@ -118,10 +117,10 @@ public:
     [[nodiscard]] const DrivenLoad &load() const { return load_; }
     [[nodiscard]] const Sampling &sampling() const { return sampling_; }
 
-    // Of a law with that sampling, which is asserted.
+    // For a law with that sampling, which is asserted.
     [[nodiscard]] Eigen::MatrixXd one_period_map(const SampledLaw &law) const;
     [[nodiscard]] double largest_eigenvalue(const SampledLaw &law) const;
-    /// Whether every motion dies out.
+    /// Whether every motion decays.
     [[nodiscard]] bool is_stable(const SampledLaw &law) const {
         return largest_eigenvalue(law) < 1.0 - kEigenvalueRoundOff;
     }
@@ -137,12 +136,12 @@ private:
 ///   K_m = −T (jω − W_i)⁻¹ [ W_θ̇ jω + W_u H(jω) (V D(e^(jωT)) + P) ]
 ///   H(jω) = e^(−jωdT) (1 − e^(−jωT))/(jωT),   D(z) = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹))
 ///
-/// Of the load only what drives it enters.
+/// Of the load only the drives enter.
 [[nodiscard]] Eigen::MatrixXcd motor_stiffness(const DrivenLoad &load, const SampledLaw &law,
                                                double omega_rad_per_s);
 
-/// How a load pulls back on slow motions under a law, whose currents have time to follow: K, and
-/// what the command makes of P [N·m/rad].
+/// The stiffness of load and law for motions so slow that the currents follow: K plus the static
+/// torque that P commands [N·m/rad].
 [[nodiscard]] Eigen::MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law);
 
 } // namespace springdrive::loops

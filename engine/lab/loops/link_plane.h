@@ -1,6 +1,6 @@
-// The plane of the links, for a device whose base joint is locked: what figures 3, 5, 6 and 7 show.
+// The plane of the links, for a device whose base joint is locked, as in figures 3, 5, 6 and 7.
 //
-// Its axes are outward, level from the base joint's axis towards the tip, and up. The motors in it
+// Its axes are outward (horizontal, from the base joint's axis towards the tip) and up. Its motors
 // are those of q₂ and q₃.
 #pragma once
 

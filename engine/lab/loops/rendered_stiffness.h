@@ -1,7 +1,8 @@
 // The coupling K_θ between one rotor and a locked set-point, over frequency (Fig. 2).
 //
 // The paper writes K_θ = τ/θ, which is negative at rest: the motor pushes back. Here every
-// stiffness is −τ/θ, what a hand feels: a spring has phase 0°, a damper +90°, a mass ±180°.
+// stiffness is −τ/θ, as the hand experiences it: a spring has phase 0°, a damper +90°, a mass
+// ±180°.
 #pragma once
 
 #include "device/core/motor/motor.h"
@@ -12,7 +13,7 @@
 
 namespace springdrive::loops {
 
-/// One motor behind its spring-drive amplifier, and the servo that compensates its drift.
+/// One motor behind its spring-drive amplifier, with the servo that compensates its drift.
 struct SpringDrive {
     device::MotorParameters motor;
     control::Tuning
@@ -20,7 +21,7 @@ struct SpringDrive {
     double period_s = 1e-3;     ///< T, the servo period
     double delay_periods = 0.0; ///< d, periods from reading θ to applying e_W; not negative
 
-    /// The dR that results when the tuning's is asked for [Ω].
+    /// The dR that results from the tuning's setting [Ω].
     [[nodiscard]] double dR_Ohm() const {
         return device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
     }
@@ -32,8 +33,8 @@ struct SpringDrive {
 [[nodiscard]] std::complex<double> analytic_stiffness(const SpringDrive &drive,
                                                       double omega_rad_per_s);
 
-/// The same with the servo's period and delay [N·m/rad], docs/design.md, "Sampled forms": the part
-/// of the torque at ω, while θ turns at ω alone.
+/// The same with the servo's period and delay [N·m/rad], docs/design.md, "Sampled forms": the
+/// component of the torque at ω, while θ oscillates at ω alone.
 ///
 ///   K_θ(jω) = k_T/(jωL + dR) · [ k_T jω + C(e^(jωT)) H(jω) ],   a = e^(−λT)
 ///   C(z) = K_P + K_D (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)),   H(jω) = e^(−jωdT) (1 − e^(−jωT))/(jωT)

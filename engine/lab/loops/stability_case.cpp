@@ -52,7 +52,7 @@ Linkage linkage(const StabilityCase &which) {
             Matrix3((device.friction.viscous_Nms_per_rad * per_N.cwiseAbs2()).asDiagonal())};
 }
 
-/// JᵀJ: what a mass, damper or spring at the tip is at the motors.
+/// JᵀJ: reflects a mass, damper or spring at the tip to the motors.
 MatrixXd squared_levers(const StabilityCase &which, const LoopMember &member) {
     const Matrix3 J = jacobian(which);
     return picked(J.transpose() * J, moving(which, member));

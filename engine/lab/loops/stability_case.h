@@ -1,5 +1,5 @@
-// What is asked of stability: a device, what drives it, how it is sampled, where it stands and who
-// holds it.
+// The subject of a stability analysis: a device, its drive, sampling and configuration, and the
+// hands that hold it.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -17,26 +17,26 @@
 
 namespace springdrive::loops {
 
-/// What may move.
+/// Which motors move.
 enum class Freedom : std::uint8_t {
-    one_motor,    ///< each motor by itself, the other joints standing still: the paper's 1-DOF
+    one_motor,    ///< each motor alone, the other joints locked: the paper's 1-DOF
     three_motors, ///< the whole linkage
 };
 
 struct StabilityCase {
     device::DeviceDescription device;
     device::AmplifierKind drive = device::AmplifierKind::spring_drive;
-    control::Tuning tuning;    ///< a current drive takes its λ and η only
+    control::Tuning tuning;    ///< a current drive uses only its λ and η
     control::VirtualWall wall; ///< of a current drive
     double period_s = 1e-3;
     double delay_periods = 0.0;
     Vector3 q_rad = device::default_pose_rad();
     Freedom freedom = Freedom::one_motor;
     std::vector<Hand> hands = hand_family();
-    /// One motor that moves this instead of the device; its own rotor is in it.
+    /// One motor with this load instead of the device; its own rotor is included.
     std::optional<device::RotorLoad> rotor;
-    /// The net resistance in force where it is not what a drive can be set to: that of a winding
-    /// which has cooled, say. It may be negative.
+    /// The actual net resistance where it differs from what a drive can be set to, for example
+    /// after a winding has cooled. It may be negative.
     std::optional<double> net_resistance_Ohm;
 
     /// dR of a motor.
@@ -46,39 +46,39 @@ struct StabilityCase {
     [[nodiscard]] Sampling sampling() const { return {period_s, delay_periods}; }
 };
 
-/// Each motor of a device by itself, at the zero pose, without a hand and under K_P, K_D and η
-/// alone: a mode of the transpose map with eigenvalue a of α JᵀJ is the loop with η = 1 − a.
+/// Each motor of a device alone, at the zero pose, without a hand and under K_P, K_D and η only: a
+/// mode of the transpose map with eigenvalue a of α JᵀJ is the loop with η = 1 − a.
 [[nodiscard]] StabilityCase motors_alone(const device::DeviceDescription &device,
                                          const control::Tuning &tuning);
 
-/// One of the loops that all must be stable.
+/// One of the loops that must all be stable.
 struct LoopMember {
-    int motor = 0; ///< the one that moves; with three, not looked at
+    int motor = 0; ///< the one that moves; ignored with three
     Hand hand;
 };
 
 /// Each hand with each motor, or with all at once.
 [[nodiscard]] std::vector<LoopMember> members(const StabilityCase &which);
 
-/// How much of a motion the law takes for an error: (1 − η) G C J with G the map and C = I, the tip
-/// held at a point in all directions. With the transpose map that is (1 − η) α W⁻¹ Jᵀ J, with the
-/// inverse one (1 − η) I; for one motor the largest eigenvalue of these.
+/// The share of a motion that the law treats as an error: (1 − η) G C J with G the map and C = I,
+/// the tip held at a point in all directions. With the transpose map this is (1 − η) α W⁻¹ Jᵀ J,
+/// with the inverse map (1 − η) I; for one motor, its largest eigenvalue.
 [[nodiscard]] Eigen::MatrixXd held_share(const StabilityCase &which);
 
-/// What moves about a configuration, in motor coordinates: rotors, linkage and hand. Weight, and
-/// what Coriolis forces do, are of no account near rest.
+/// The load at a configuration, in motor coordinates: rotors, linkage and hand. Weight and Coriolis
+/// forces are negligible near rest.
 [[nodiscard]] DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member);
 
-/// What the servo makes of it: (10), (18) or (23), and (30), or the wall of a current drive.
+/// The servo's law for it: (10), (18) or (23), and (30), or the wall of a current drive.
 [[nodiscard]] SampledLaw sampled_law(const StabilityCase &which, const LoopMember &member);
 
-/// One member's load, sampled as the case has it, to be tried under laws.
+/// One member's load with the case's sampling, to be tried under laws.
 [[nodiscard]] LinearLoop linear_loop(const StabilityCase &which, const LoopMember &member);
 
 /// The largest |eigenvalue| of one member's loop, see linear_loop.h.
 [[nodiscard]] double largest_eigenvalue(const StabilityCase &which, const LoopMember &member);
 
-/// The member nearest to instability, or farthest beyond.
+/// The member nearest to instability, or farthest beyond it.
 struct WorstMember {
     LoopMember member;
     double eigenvalue = 0.0;
@@ -91,7 +91,7 @@ struct WorstMember {
 
 [[nodiscard]] WorstMember worst_member(const StabilityCase &which);
 
-/// Whether every motion of every member dies out, by the eigenvalues.
+/// Whether every motion of every member decays, by the eigenvalues.
 [[nodiscard]] bool is_stable(const StabilityCase &which);
 
 } // namespace springdrive::loops

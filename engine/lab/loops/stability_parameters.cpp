@@ -19,7 +19,7 @@ device::RotorLoad rotor_of(const StabilityCase &which) {
             load.stiffness_Nm_per_rad(0, 0)};
 }
 
-/// A property of the hand belongs to one hand: the first that there is, or a relaxed one.
+/// A property of the hand belongs to one hand: the only one of the case, or a relaxed one.
 Hand the_hand(const StabilityCase &which) {
     const bool one = which.hands.size() == 1;
     Hand hand = one ? which.hands.front() : hand_of_firmness(0.5);
@@ -59,7 +59,7 @@ const std::array<StabilityParameter, 15> kList{{
     {"dR", "dR", "Ω", -100.0, 100.0, 0.01, 2.18, true,
      [](const Case &c) { return c.dR_Ohm(c.device.motor[1]); },
      [](Case &c, double value) { c.net_resistance_Ohm = value; },
-     "residual resistance (7), that of a winding cooler than tuned too: below 0"},
+     "residual resistance (7); below 0 for a winding cooler than when tuned"},
     {"alpha", "α", "rad²/m²", 0.0, 1e7, 100.0, 1e5, true,
      get_tuning<&control::Tuning::alpha_rad2_per_m2>,
      [](Case &c, double value) {
@@ -76,7 +76,7 @@ const std::array<StabilityParameter, 15> kList{{
     {"eta", "η", "–", 0.0, 1.0, 0.0, 1.0, false, get_tuning<&control::Tuning::eta>,
      set_tuning<&control::Tuning::eta>, "0 rigid, 1 free space (30)"},
     {"hand-mass", "m of the hand", "kg", 0.0, 100.0, 1e-3, 10.0, true, get_hand<&Hand::mass_kg>,
-     set_hand<&Hand::mass_kg>, "mass of one hand on the tip, instead of the six"},
+     set_hand<&Hand::mass_kg>, "mass of one hand on the tip, instead of the six of the family"},
     {"hand-damping", "b of the hand", "N·s/m", 0.0, 1e4, 0.01, 100.0, true,
      get_hand<&Hand::damping_Ns_per_m>, set_hand<&Hand::damping_Ns_per_m>, "damping of one hand"},
     {"hand-stiffness", "k of the hand", "N/m", 0.0, 1e6, 1.0, 1e5, true,

@@ -1,4 +1,4 @@
-// What stability can be asked about, one by one: the list that command line, maps and tables read.
+// The parameters of a stability analysis: the list that command line, maps and tables read.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -14,9 +14,9 @@ struct StabilityParameter {
     std::string_view name; ///< on the command line
     std::string_view symbol;
     std::string_view unit; ///< "–" where it has none
-    double lowest = 0.0;   ///< of what makes sense, inclusive
+    double lowest = 0.0;   ///< of the meaningful range, inclusive
     double highest = 0.0;
-    double from = 0.0; ///< where to look for limits, unless told otherwise
+    double from = 0.0; ///< default range of the search for limits
     double to = 0.0;
     bool logarithmic = false;
     double (*get)(const StabilityCase &) = nullptr;
@@ -26,10 +26,10 @@ struct StabilityParameter {
 
 [[nodiscard]] std::span<const StabilityParameter> stability_parameters();
 
-/// Nothing for a name that there is not.
+/// Null for an unknown name.
 [[nodiscard]] const StabilityParameter *stability_parameter_named(std::string_view name);
 
-/// All names, with commas between.
+/// All names, separated by commas.
 [[nodiscard]] std::string names_of_stability_parameters();
 
 /// Why the parameter cannot have the value, with its range; empty when it can.

@@ -14,8 +14,8 @@ namespace springdrive::loops {
 
 namespace {
 
-/// The links count as aligned when a motor's turn moves the tip, across the other's way, by less
-/// than this share of its length: 0.006 degrees from the singular configuration.
+/// The links count as aligned when the tip's motions by the two motors are parallel up to an angle
+/// with this sine: 0.006 degrees from the singular configuration.
 constexpr double kLeastSine = 1e-4;
 
 /// (1 − η) K_DC (13) of the two motors that move the tip in its plane.
@@ -39,12 +39,12 @@ PlanarStiffness planar_stiffness(const device::DeviceDescription &device,
     const Matrix2 J = planar_jacobian(device.geometry, q_rad);
     if (!(std::abs(J.determinant()) > kLeastSine * J.col(0).norm() * J.col(1).norm())) {
         throw InputError("the links are aligned at these joint angles, where the tip's stiffness "
-                         "has no bound; choose q3 - q2 further from 90 and -90 degrees");
+                         "is unbounded; choose q3 - q2 farther from 90 and -90 degrees");
     }
     PlanarStiffness stiffness;
     stiffness.K_q_Nm_per_rad = planar_stiffness_Nm_per_rad(device, tuning);
     if (!(stiffness.K_q_Nm_per_rad.minCoeff() > 0.0)) {
-        throw InputError("the tuning has no static stiffness, so that no force answers a "
+        throw InputError("the tuning has no static stiffness, so no force results from a "
                          "displacement; choose K_P above 0 and eta below 1");
     }
     const Matrix2 J_inverse = J.inverse();

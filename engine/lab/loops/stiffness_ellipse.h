@@ -10,7 +10,7 @@
 
 namespace springdrive::loops {
 
-/// Both stiffnesses of a device whose base is locked [N/m]: the force of a unit displacement.
+/// The stiffnesses of both maps for a device whose base is locked [N/m]: force per displacement.
 struct PlanarStiffness {
     Matrix2 inverse;                  ///< (21), with K_q diagonal where motors differ
     Matrix2 transpose;                ///< (27): α k̄ I
@@ -18,24 +18,24 @@ struct PlanarStiffness {
     Vector2 K_q_Nm_per_rad{0.0, 0.0}; ///< diagonal of (20), for the motors of q₂ and q₃
 };
 
-/// At rest: K_q = (1 − η) K_DC of each motor (13), and α as large as (29) lets it be.
+/// At rest: K_q = (1 − η) K_DC of each motor (13), and α as large as (29) allows.
 /// @throw InputError where the links are aligned, or where the tuning has no static stiffness.
 [[nodiscard]] PlanarStiffness planar_stiffness(const device::DeviceDescription &device,
                                                const control::Tuning &tuning, const Vector3 &q_rad);
 
-/// A displacement's direction and the forces that answer it.
+/// A displacement's direction and the forces that result.
 struct EllipsePoint {
     double angle_rad = 0.0; ///< of the displacement
     Vector2 inverse_N_per_m{0.0, 0.0};
     Vector2 transpose_N_per_m{0.0, 0.0};
 };
 
-/// Once around: the ends of K n for the unit vectors n, `points` of them and the first once more.
-/// The semi-axes are the eigenvalues of K.
+/// One full turn: K n for `points` unit vectors n, and the first once more. The semi-axes are the
+/// eigenvalues of K.
 [[nodiscard]] std::vector<EllipsePoint> stiffness_ellipses(const PlanarStiffness &stiffness,
                                                            int points);
 
-/// The angle from a normal to the force of the inverse map against it, for a small penetration.
+/// The angle from a normal to the inverse map's force, for a small penetration along that normal.
 [[nodiscard]] double inverse_direction_error_rad(const PlanarStiffness &stiffness,
                                                  double normal_rad);
 

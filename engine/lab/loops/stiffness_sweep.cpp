@@ -23,13 +23,13 @@ constexpr long kLeastTicks = 1000;
 constexpr double kGreatestStep_rad = 0.02;      ///< ωh
 constexpr double kTimeConstantsToSettle = 14.0; ///< e^(−14) < 1e-6
 
-/// What is applied over one period.
+/// The voltages applied over one period.
 struct AppliedVolts {
     double first_V = 0.0;  ///< e_W[k−n−1], for f T
     double second_V = 0.0; ///< e_W[k−n], for the rest
 };
 
-/// The servo of one motor: what it reads becomes the e_W that is applied from now on.
+/// The servo of one motor: turns each reading into the e_W that is applied from then on.
 class LockedServo {
 public:
     LockedServo(const SpringDrive &drive, double encoder_quantum_rad)
@@ -57,7 +57,7 @@ private:
     double pole_;
     Vector3 k_T_;
     std::deque<double> held_V_;      ///< e_W[k−n−1] and later
-    control::VelocityFilter filter_; ///< of three motors that all move alike
+    control::VelocityFilter filter_; ///< of three motors with identical motions
     control::Configuration reading_;
     const control::MotorSetPoint locked_{};
 };
@@ -91,7 +91,7 @@ std::vector<SweepPart> parts_of_period(const SpringDrive &drive, double turn_a_t
     return parts;
 }
 
-/// Ticks until nothing is left of how the run began.
+/// Ticks until the initial transient has decayed.
 long settling_ticks(const SpringDrive &drive) {
     const double slowest_s =
         std::max(drive.motor.inductance_H / drive.dR_Ohm(), 1.0 / drive.tuning.lambda_rad_per_s);
@@ -113,10 +113,10 @@ std::complex<double> measured_stiffness(const SpringDrive &drive, SweepWindow wi
     const double turn_a_tick =
         2.0 * pi * static_cast<double>(window.periods) / static_cast<double>(window.ticks);
     std::vector<SweepPart> parts = parts_of_period(drive, turn_a_tick);
-    // e^(jωt) a share of a period after a tick, kept within one turn: as true at the end as at the
-    // beginning.
+    // e^(jωt) a share of a period after a tick, reduced to one turn, so that its accuracy does not
+    // degrade with time.
     const auto phasor = [&](long tick, const SweepPart &part, long step) {
-        if (parts.size() == 1) { // steps as long as each other: whole numbers of them
+        if (parts.size() == 1) { // equal steps: exact in integers
             const long steps = window.ticks * part.steps;
             const long within = (tick * part.steps + step) % steps * window.periods % steps;
             return std::polar(1.0,

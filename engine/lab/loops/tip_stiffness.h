@@ -1,4 +1,4 @@
-// What a sampled law renders at the tip over frequency, with either drive.
+// The stiffness that a sampled law renders at the tip over frequency, with either drive.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -9,7 +9,7 @@ namespace springdrive::loops {
 
 /// The part along `direction` of the force against a tip that a vice moves along it at ω, per
 /// displacement [N/m]; a spring has phase 0°, a damper +90°. All motors, at the case's
-/// configuration, rigid contact or as its η has it:
+/// configuration and with its η:
 ///
 ///   K_x = J⁻ᵀ K_m J⁻¹
 ///
@@ -17,12 +17,13 @@ namespace springdrive::loops {
 [[nodiscard]] std::complex<double> tip_stiffness(const StabilityCase &which,
                                                  const Vector3 &direction, double omega_rad_per_s);
 
-/// The same as ω goes to infinity: the inductive stiffness (14) of a spring drive, nothing of a
+/// The limit as ω goes to infinity: the inductive stiffness (14) of a spring drive, zero for a
 /// current drive [N/m].
 [[nodiscard]] double inductive_tip_stiffness(const StabilityCase &which, const Vector3 &direction);
 
-/// What one count of one encoder does to the tip's force within a period, through gains, filter and
-/// winding, all else at rest: the largest of the three encoders [N]. More of it is felt as a buzz.
+/// The change of the tip's force within a period from one count of one encoder, through gains,
+/// filter and winding, all else at rest: the largest of the three encoders [N]. A large value is
+/// felt as a buzz.
 [[nodiscard]] double force_of_a_count_N(const StabilityCase &which);
 
 } // namespace springdrive::loops

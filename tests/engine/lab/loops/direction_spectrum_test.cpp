@@ -75,7 +75,7 @@ TEST(DirectionSpectrum, TendsToTheContinuousFormAtFirstOrder) {
 }
 
 TEST(DirectionSpectrum, OneMotorAloneIsTheSampledForm) {
-    // A = I: nothing is left free, and (26) is (20).
+    // A = I: no share is free, and (26) is (20).
     PlanarContact contact = contact_with();
     contact.J = 0.012 * Matrix2::Identity();
     contact.alpha_rad2_per_m2 = 1.0 / (0.012 * 0.012);
@@ -94,7 +94,7 @@ TEST(DirectionSpectrum, OneMotorAloneIsTheSampledForm) {
 TEST(DirectionSpectrum, SphereAtRestAndEllipsoidFarAboveTheFilter) {
     PlanarContact contact = contact_with();
     set_servo(contact, 1000.0, 1e-9, 0); // as good as continuous
-    // ω/λ = 1e-6 takes the free motors' part down to k_T ω/λ · ω/K_P.
+    // ω/λ = 1e-6 reduces the free motors' part to k_T ω/λ · ω/K_P.
     const Eigen::Matrix2cd at_rest = tip_stiffness(contact, control::MotionMap::transpose, 1e-3);
     const double sphere = contact.alpha_rad2_per_m2 *
                           contact.drive[0].motor.torque_constant_Nm_per_A *
@@ -111,7 +111,7 @@ TEST(DirectionSpectrum, SphereAtRestAndEllipsoidFarAboveTheFilter) {
     EXPECT_NEAR(worst_direction_error_rad(fast) / kRadiansPerDegree, 35.0, 0.1); // |q₃ − q₂|
 }
 
-TEST(DirectionSpectrum, InverseMapErrsAlikeAtEveryFrequency) {
+TEST(DirectionSpectrum, InverseMapHasTheSameErrorAtEveryFrequency) {
     const PlanarContact contact = contact_with();
     for (const double omega : {1.0, 50.0, 1000.0, 6000.0}) {
         // A normal within 1/8° of the worst; the error is flat there.
@@ -157,7 +157,7 @@ Eigen::Vector2cd brute_force(const PlanarContact &contact, const Vector2 &n, int
     std::deque<Vector3> held(static_cast<std::size_t>(drive.delay_periods) + 1, Vector3::Zero());
     Vector2 current_A = Vector2::Zero();
     Eigen::Vector2cd sum = Eigen::Vector2cd::Zero();
-    for (int k = -ticks; k < ticks; ++k) { // the first window lets the transient die
+    for (int k = -ticks; k < ticks; ++k) { // the first window lets the transient decay
         const double t = k * T;
         now.theta_rad << 0.0, theta_at(t);
         now.theta_rate_rad_per_s = filter.update(now.theta_rad, pole, T);
@@ -184,9 +184,9 @@ Eigen::Vector2cd brute_force(const PlanarContact &contact, const Vector2 &n, int
     return 2.0 * sum / (kSubSteps * ticks); // cos ωt has half its amplitude at +ω
 }
 
-TEST(DirectionSpectrum, IsWhatTheServosLawDoes) {
-    // Held against the servo's own functions on exactly integrated windings, motors alike and not.
-    // A sub-step takes (ωh)²/8 from a sine, at 200 Hz 1.2e-4.
+TEST(DirectionSpectrum, AgreesWithTheServosLaw) {
+    // Compared with the servo's own functions on exactly integrated windings, with equal and
+    // unequal motors. A sub-step takes (ωh)²/8 from a sine, at 200 Hz 1.2e-4.
     for (const double third_k_T : {1.0, 1.2}) {
         PlanarContact contact = contact_with(third_k_T);
         set_servo(contact, 800.0, 1e-3, 1);

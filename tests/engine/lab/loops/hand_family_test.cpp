@@ -14,7 +14,7 @@ TEST(HandFamily, HasTheRelaxedGripInItsMiddle) {
     EXPECT_DOUBLE_EQ(middle.stiffness_N_per_m, relaxed.stiffness_N_per_m);
 }
 
-TEST(HandFamily, EndsAreFartherByWhatIsSaid) {
+TEST(HandFamily, EndsAreFartherByTheStatedFactors) {
     const Hand middle = hand_of_firmness(0.5);
     for (const double firmness : {0.0, 1.0}) {
         const Hand end = hand_of_firmness(firmness);
@@ -40,7 +40,7 @@ TEST(HandFamily, GrowsFirmerFromOneToTheNext) {
     }
 }
 
-TEST(HandFamily, BeginsWithNobody) {
+TEST(HandFamily, BeginsWithoutAHand) {
     const Hand nobody = hand_family().front();
     EXPECT_EQ(nobody.mass_kg, 0.0);
     EXPECT_EQ(nobody.damping_Ns_per_m, 0.0);

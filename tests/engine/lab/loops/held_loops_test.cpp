@@ -43,7 +43,7 @@ TEST(HeldLoops, HasEveryHandAndEta) {
 }
 
 /// The loops of one motor at a time are those of the case, and of the whole at its configuration.
-TEST(HeldLoops, JudgesAsTheCaseDoes) {
+TEST(HeldLoops, AgreesWithTheCase) {
     std::mt19937_64 random(41);
     for (int i = 0; i < 20; ++i) {
         testing::Draw draw(random);
@@ -60,7 +60,7 @@ TEST(HeldLoops, JudgesAsTheCaseDoes) {
             for (const double eta : {0.0, 0.5, 1.0}) {
                 which.tuning.eta = eta;
                 const Eigen::Index size = freedom == Freedom::one_motor ? 1 : 3;
-                // The case's own configuration comes first, with hands as finely as this.
+                // The case's own configuration comes first, with this subdivision of hands.
                 which.hands = hand_family(size == 1 ? 41 : 9);
                 const std::size_t wanted = members(which).size();
                 std::size_t seen = 0;
@@ -94,7 +94,7 @@ TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
     EXPECT_TRUE(loops.are_stable({}, {1e9, 1e9, 1e3}));
 }
 
-TEST(HeldLoops, StandWithinTheWorkspace) {
+TEST(HeldLoops, LieWithinTheWorkspace) {
     // Every configuration beyond the case's own is where the device can be.
     const HeldLoops loops(testing::firm());
     std::size_t three = 0;
@@ -115,7 +115,7 @@ TEST(HeldLoops, StandWithinTheWorkspace) {
     EXPECT_EQ(three / of_one, reachable);
 }
 
-TEST(HeldLoops, OfARotorByItselfAreOnlyItsOwn) {
+TEST(HeldLoops, OfASeparateRotorAreOnlyItsOwn) {
     StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-5, 1e-4, 0.0};
     const HeldLoops loops(which);

@@ -137,7 +137,7 @@ TEST(SampledLoad, OfAWholeDelayIsTheSameToTheLastBit) {
     }
 }
 
-/// The servo as docs/design.md, "Sampled forms" words it, sample by sample.
+/// The servo of docs/design.md, "Sampled forms", sample by sample.
 TEST(OnePeriodMap, IsTheServoSampleBySample) {
     std::mt19937_64 random(2);
     for (const double delay : {0.0, 1.0, 2.0, 5.0, 0.3, 0.999, 1.5, 3.001}) {
@@ -175,7 +175,7 @@ TEST(OnePeriodMap, IsTheServoSampleBySample) {
     }
 }
 
-TEST(OnePeriodMap, DoesNotCareHowMotorsAreNumbered) {
+TEST(OnePeriodMap, IsIndependentOfTheOrderOfMotors) {
     std::mt19937_64 random(3);
     const Eigen::Matrix3d other{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}};
     for (int i = 0; i < 10; ++i) {
@@ -207,7 +207,7 @@ TEST(OnePeriodMap, DoesNotCareHowMotorsAreNumbered) {
     }
 }
 
-/// A motor by itself, as sampled_loop_test.cpp has proved it.
+/// A single motor, as verified in sampled_loop_test.cpp.
 SampledLoop random_loop(std::mt19937_64 &random) {
     testing::Draw draw(random);
     SampledLoop loop;
@@ -260,9 +260,9 @@ TEST(LinearLoop, DecoupledMotorsAreAsManyLoopsOfOne) {
     }
 }
 
-/// A delay a little below or above a whole number is as good as that number. The slope is the same
-/// on both sides, too: a command reaches θ through its rate and the current, so that θ does not
-/// feel at the next sample what changes at the very end of a period.
+/// A delay slightly below or above a whole number gives the same as that number. The slope is the
+/// same on both sides, too: a command reaches θ through the current and its rate, so that a change
+/// at the very end of a period does not affect θ at the next sample.
 TEST(LinearLoop, DelaysMeetAtWholeNumbersWithoutAStepOrAKink) {
     std::mt19937_64 random(13);
     for (int i = 0; i < 30; ++i) {
@@ -312,11 +312,11 @@ TEST(LargestEigenvalue, DirectionsThatNothingPullsBackDoNotCount) {
     }
 }
 
-TEST(LargestEigenvalue, AFreeMassThatMovesOnForEverCounts) {
+TEST(LargestEigenvalue, AFreeMassThatCoastsForEverCounts) {
     DrivenLoad load;
     load.inertia_kg_m2 = MatrixXd::Identity(3, 3) * 1e-5;
     load.damping_Nms_per_rad = load.stiffness_Nm_per_rad = MatrixXd::Zero(3, 3);
-    load.torque_Nm_per_A = VectorXd::Zero(3); // motors that are open
+    load.torque_Nm_per_A = VectorXd::Zero(3); // motors with open windings
     load.current_rate_per_current = VectorXd::Constant(3, -1000.0);
     load.current_rate_per_velocity = VectorXd::Constant(3, -100.0);
     load.current_rate_per_command = VectorXd::Constant(3, 4000.0);
@@ -326,7 +326,7 @@ TEST(LargestEigenvalue, AFreeMassThatMovesOnForEverCounts) {
     EXPECT_NEAR(largest(load, law), 1.0, 1e-9);
     load.damping_Nms_per_rad.diagonal().setConstant(1e-4);
     EXPECT_NEAR(largest(load, law), std::exp(-1e-4 / 1e-5 * 1e-3), 1e-9); // e^(−bT/J)
-    // A spring to the ground is a pull, too, along its own direction.
+    // A spring to the ground pulls as well, along its own direction.
     load.stiffness_Nm_per_rad(2, 2) = 1e-3;
     EXPECT_GT(largest(load, law), std::exp(-0.01) + 1e-6) << "b/J is 10, √(k/J) is 10: slower";
 }

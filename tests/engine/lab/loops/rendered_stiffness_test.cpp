@@ -32,7 +32,7 @@ SpringDrive random_drive(std::mt19937 &random) {
     return drive;
 }
 
-/// C(s) of (10): what the servo makes of θ, in volts per radian.
+/// C(s) of (10): the servo's response to θ, in volts per radian.
 Complex servo(const control::Tuning &tuning, Complex s) {
     const double lambda = tuning.lambda_rad_per_s;
     return tuning.K_P_V_per_rad + tuning.K_D_Vs_per_rad * s * lambda / (s + lambda);
@@ -119,7 +119,7 @@ TEST(RenderedStiffness, SampledFormTendsToTheAnalyticAtFirstOrder) {
     }
 }
 
-/// What is left at ω of e^(jωkT) held from (k + d) T to (k + d + 1) T: its Fourier series over a
+/// The component at ω of e^(jωkT) held from (k + d) T to (k + d + 1) T: its Fourier series over a
 /// time of whole periods of both, by the midpoint rule.
 Complex held_turn(double delay, int turns, int ticks) {
     constexpr int kPoints = 1000; // in a period; all delays below end at one of them
@@ -133,7 +133,7 @@ Complex held_turn(double delay, int turns, int ticks) {
     return sum;
 }
 
-TEST(RenderedStiffness, HoldsWhatComesLateByAnyPartOfAPeriod) {
+TEST(RenderedStiffness, HoldsCommandsLateByAnyFractionOfAPeriod) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     drive.tuning.K_D_Vs_per_rad = 0.0;
@@ -144,8 +144,7 @@ TEST(RenderedStiffness, HoldsWhatComesLateByAnyPartOfAPeriod) {
             const double omega = 2.0 * std::numbers::pi * turns / (kTicks * drive.period_s);
             const Complex s(0.0, omega);
             const double k_T = drive.motor.torque_constant_Nm_per_A;
-            // C is K_P alone: what the hold makes of it is left of K_θ without winding and
-            // back-EMF.
+            // C is K_P alone: without winding and back-EMF, K_θ is the response of the hold.
             const Complex volts = sampled_stiffness(drive, omega) *
                                   (drive.motor.inductance_H * s + drive.dR_Ohm()) / k_T;
             const Complex held = (volts - k_T * s) / drive.tuning.K_P_V_per_rad;

@@ -1,5 +1,4 @@
-// Covers engine/lab/loops/linear_loop.cpp with one motor, and so what tests/support/sampled_loop.h
-// makes of it.
+// Covers engine/lab/loops/linear_loop.cpp with one motor, and so tests/support/sampled_loop.h.
 #include "tests/support/sampled_loop.h"
 
 #include "tests/support/devices.h"
@@ -16,7 +15,7 @@
 namespace springdrive::loops {
 namespace {
 
-/// Where `stable` turns false between a value that is and one that is not, to 1e-7 of itself.
+/// Where `stable` turns false between a stable value and an unstable one, to 1e-7 of itself.
 double stability_limit(double stable, double unstable, const std::function<bool(double)> &holds) {
     while (std::abs(unstable - stable) > 1e-7 * std::abs(stable)) {
         const double middle = 0.5 * (stable + unstable);
@@ -43,13 +42,13 @@ SampledLoop firm_loop() {
     return loop;
 }
 
-/// The same loop in time, with Runge-Kutta steps in the place of the matrix exponential.
+/// The same loop in time, with Runge-Kutta steps instead of the matrix exponential.
 class BruteForce {
 public:
     explicit BruteForce(const SampledLoop &loop)
         : loop_(loop), held_V_(static_cast<std::size_t>(loop.drive.delay_periods), 0.0) {}
 
-    /// The largest |θ| over so many periods.
+    /// The largest |θ| over a number of periods.
     double run(int periods) {
         double largest_rad = 0.0;
         for (int k = 0; k < periods; ++k) {
@@ -125,7 +124,7 @@ TEST(SampledLoop, AgreesWithASimulationOnBothSidesOfTheLine) {
         const double limit = K_P_limit(loop);
         ASSERT_GT(limit, 0.01) << "unstable without K_P: says nothing";
         ASSERT_LT(limit, 1e3);
-        // 5 % beside the line the slowest mode moves by more than a factor 2 in 3000 periods.
+        // 5 % from the limit the slowest mode changes by more than a factor 2 in 3000 periods.
         BruteForce below(with_K_P(loop, 0.95 * limit));
         const double below_at_first = below.run(500);
         EXPECT_LT(below.run(3000), 1.001 * below_at_first);
@@ -182,7 +181,7 @@ TEST(SampledLoop, IsASampledVirtualWallWhenTheWindingIsFast) {
                 const double all_damping = b + device::series_damping_Nms_per_rad(
                                                    loop.drive.motor, loop.drive.tuning.dR_Ohm);
                 const double truth = wall_limit(J, all_damping, T);
-                // L/(dR T) is 1e-5 and less, and counts as a delay; a light wall feels it more.
+                // L/(dR T) is 1e-5 and less, and acts as a delay; a light wall is affected more.
                 EXPECT_NEAR(wall_stiffness_limit(loop), truth, 1e-4 * truth)
                     << "J " << J << " b " << b << " T " << T;
             }
@@ -195,7 +194,7 @@ TEST(SampledLoop, HeavyWallReachesColgateAndSchenkelsLimit) {
     const double b =
         1e-3 + device::series_damping_Nms_per_rad(loop.drive.motor, loop.drive.tuning.dR_Ohm);
     const double truth = 2.0 * b / loop.drive.period_s;
-    // To bT/(6J) = 2e-6, and 4e-5 by which `is_stable` wants so slow a motion to shrink.
+    // To bT/(6J) = 2e-6, and 4e-5 from the decay that `is_stable` requires of so slow a motion.
     EXPECT_NEAR(wall_stiffness_limit(loop), truth, 1e-4 * truth);
 }
 
@@ -218,7 +217,7 @@ TEST(SampledLoop, FastServoMeetsRouthAndHurwitz) {
                 return 1.0 - K_P_limit(loop) / truth;
             };
             const double coarse = miss(8e-6);
-            // The hold is a delay of T/2: the limit falls short of the truth at first order.
+            // The hold is a delay of T/2: the limit is too low at first order.
             EXPECT_GT(coarse, 0.0);
             EXPECT_LT(coarse, 0.05);
             EXPECT_NEAR(std::log2(coarse / miss(4e-6)), 1.0, 0.1) << "b " << b << " dR " << dR;
@@ -235,7 +234,7 @@ TEST(SampledLoop, FreeSpaceMayRestAnywhereButNotMoveOn) {
     loop.device.damping_Nms_per_rad = 0.0;
     EXPECT_FALSE(is_stable(loop));
     EXPECT_NEAR(largest_eigenvalue(loop), 1.0, 1e-12);
-    // A hand's spring leaves no place to rest but one.
+    // A hand's spring leaves only one place of rest.
     loop.hand = {1e-5, 1e-4, 0.01};
     EXPECT_TRUE(is_stable(loop));
 }

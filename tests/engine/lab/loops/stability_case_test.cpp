@@ -63,7 +63,7 @@ TEST(HeldShare, TheGlobalScaleExceedsNoBound) {
     const device::DeviceDescription device = phantom_1_0();
     const Vector3 half_m = 0.5 * device.workspace.size_m;
     double largest = 0.0;
-    // The corners and middles of the box are points of the grid that the bound is taken over.
+    // The corners and middles of the box are points of the grid over which the bound is taken.
     for (int i = 0; i < 27; ++i) {
         const int layer = i / 9 - 1;
         const Vector3 share(i % 3 - 1, i / 3 % 3 - 1, layer);
@@ -114,7 +114,7 @@ TEST(DrivenLoad, HasTheEnergyOfAllThatMoves) {
     }
 }
 
-TEST(DrivenLoad, AMotorByItselfIsItsOwnEntryOfTheWhole) {
+TEST(DrivenLoad, OfOneMotorIsItsEntryOfTheWhole) {
     const StabilityCase whole = three_motors(phantom_1_0(), {0.2, 0.3, -0.1});
     StabilityCase one = whole;
     one.freedom = Freedom::one_motor;
@@ -129,7 +129,7 @@ TEST(DrivenLoad, AMotorByItselfIsItsOwnEntryOfTheWhole) {
     }
 }
 
-/// A loop of one motor as sampled_loop_test.cpp has proved it.
+/// A loop of one motor, as verified in sampled_loop_test.cpp.
 SampledLoop loop_of(const StabilityCase &which, const LoopMember &member, double share) {
     SampledLoop loop;
     loop.drive.motor = which.device.motor[static_cast<std::size_t>(member.motor)];
@@ -166,9 +166,9 @@ TEST(StabilityCase, OneMotorIsTheSampledLoop) {
     }
 }
 
-/// Where the links stand square to each other and q₂ = q₃, no motor feels another's: neither by
-/// inertia nor by the hand.
-TEST(StabilityCase, ALinkageThatIsSquareIsThreeLoopsOfOneMotor) {
+/// Where the links are perpendicular and q₂ = q₃, the motors are decoupled, both in inertia and
+/// through the hand.
+TEST(StabilityCase, APerpendicularLinkageIsThreeLoopsOfOneMotor) {
     std::mt19937_64 random(4);
     testing::Draw draw(random);
     for (int i = 0; i < 20; ++i) {
@@ -184,7 +184,7 @@ TEST(StabilityCase, ALinkageThatIsSquareIsThreeLoopsOfOneMotor) {
             truth = std::max(truth, largest_eigenvalue(loop_of(which, {j, hand}, share(j, j))));
         }
         EXPECT_NEAR(largest_eigenvalue(which, {0, hand}), truth, 1e-9);
-        which.q_rad[2] -= 0.3; // elsewhere they feel each other
+        which.q_rad[2] -= 0.3; // elsewhere they are coupled
         EXPECT_GT(std::abs(driven_load(which, {0, hand}).inertia_kg_m2(1, 2)), 1e-8);
     }
 }
@@ -217,7 +217,7 @@ TEST(StabilityCase, TheWorstMemberIsTheWorst) {
     EXPECT_FALSE(is_stable(which));
 }
 
-TEST(StabilityCase, ANetResistanceTakesThePlaceOfTheTunings) {
+TEST(StabilityCase, ANetResistanceReplacesTheTunings) {
     StabilityCase which;
     which.device = phantom_1_0();
     const device::MotorParameters &motor = which.device.motor[0];

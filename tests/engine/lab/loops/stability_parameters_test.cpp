@@ -14,7 +14,7 @@
 namespace springdrive::loops {
 namespace {
 
-TEST(StabilityParameters, HaveNamesOfTheirOwn) {
+TEST(StabilityParameters, HaveUniqueNames) {
     std::set<std::string_view> names;
     for (const StabilityParameter &parameter : stability_parameters()) {
         EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
@@ -50,7 +50,7 @@ TEST(StabilityParameters, LeaveTheOthersAlone) {
     }
 }
 
-TEST(StabilityParameters, LookWithinTheirRange) {
+TEST(StabilityParameters, SearchWithinTheirRange) {
     for (const StabilityParameter &parameter : stability_parameters()) {
         EXPECT_LT(parameter.from, parameter.to) << parameter.name;
         EXPECT_EQ(what_is_wrong_with(parameter, parameter.from), "") << parameter.name;
@@ -58,7 +58,7 @@ TEST(StabilityParameters, LookWithinTheirRange) {
     }
 }
 
-TEST(StabilityParameters, RefuseWhatTheyCannotBeWithTheirRange) {
+TEST(StabilityParameters, RefuseInvalidValuesWithTheirRange) {
     const double infinity = std::numeric_limits<double>::infinity();
     for (const StabilityParameter &parameter : stability_parameters()) {
         EXPECT_EQ(what_is_wrong_with(parameter, parameter.lowest), "") << parameter.name;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kRoundOff = 1e-12; // a dozen operations on numbers of one size
 
-/// Configurations well within what the links can do.
+/// Configurations well within the range of the links.
 class RandomConfigurations {
 public:
     Vector3 next() {
@@ -56,7 +56,7 @@ TEST(StiffnessEllipse, TheCircleIsInscribed) {
     // (28) with equality: the circle's radius is the ellipse's small semi-axis, found here by
     // going around instead of by eigenvalues.
     constexpr int kPoints = 36'000;
-    const double missed = std::pow(std::numbers::pi / kPoints, 2); // by a point off the axis
+    const double missed = std::pow(std::numbers::pi / kPoints, 2); // by a point next to the axis
     RandomConfigurations random;
     for (const device::DeviceDescription &device :
          {testing::phantom_1_0(), testing::phantom_premium_1_5()}) {
@@ -114,7 +114,7 @@ TEST(StiffnessEllipse, ForcesFollowFromTorquesOfTheHeldMotors) {
             inverse_direction_error_rad(stiffness, 0.1 * i),
             std::remainder(std::atan2(force.y(), force.x()) - 0.1 * i, 2.0 * std::numbers::pi),
             10.0 * kRoundOff);
-        // Isotropic all the same, and within the ellipse.
+        // Still isotropic, and within the ellipse.
         const Eigen::SelfAdjointEigenSolver<Matrix2> inverse(stiffness.inverse);
         EXPECT_LT(stiffness.transpose(0, 0), inverse.eigenvalues().maxCoeff());
     }
@@ -122,7 +122,7 @@ TEST(StiffnessEllipse, ForcesFollowFromTorquesOfTheHeldMotors) {
 
 TEST(StiffnessEllipse, TheLargestErrorIsTheAngleBetweenTheLinks) {
     // docs/design.md, "Linkage and motors", by going around: near its maximum the error is flat,
-    // and a normal that misses it by 0.01° errs by the square of that.
+    // and a normal 0.01° from it has an error of the square of that.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {-60.0, -45.0, -30.0, -15.0, 0.0, 20.0, 50.0}) {
         const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, 20.0 + fold_deg);
@@ -136,7 +136,7 @@ TEST(StiffnessEllipse, TheLargestErrorIsTheAngleBetweenTheLinks) {
     }
 }
 
-TEST(StiffnessEllipse, RefusesWhatHasNoAnswer) {
+TEST(StiffnessEllipse, RefusesCasesWithoutASolution) {
     const device::DeviceDescription device = testing::phantom_1_0();
     const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, -15.0);
     EXPECT_THROW(static_cast<void>(planar_stiffness(device, control::Tuning{},

@@ -35,7 +35,7 @@ SpringDrive random_drive(std::mt19937 &random, const device::MotorParameters &mo
     return drive;
 }
 
-/// Tunings under which the motor, with what it carries of the device, comes to rest by itself.
+/// Tunings under which the motor with its load comes to rest by itself.
 std::vector<SpringDrive> stable_drives(std::size_t count) {
     std::mt19937 random(5);
     const device::DeviceDescription device = testing::phantom_1_0();
@@ -66,7 +66,7 @@ TEST(StiffnessSweep, MeasuredAgreesWithSampledForRandomStableTunings) {
     RecordProperty("largest_difference", std::to_string(largest_difference));
 }
 
-TEST(StiffnessSweep, ADelayTheSampledFormDoesNotKnowOfWouldBeSeen) {
+TEST(StiffnessSweep, DetectsADelayThatTheSampledFormLacks) {
     for (SpringDrive drive : stable_drives(5)) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
@@ -98,21 +98,21 @@ TEST(StiffnessSweep, MeetsWholeDelaysFromBothSides) {
         const std::complex<double> at_one = measured_stiffness(drive, window);
         for (const double aside : {-1e-9, 1e-9}) {
             drive.delay_periods = 1.0 + aside;
-            // A part of a period with a step of its own changes the sub-steps not at all; the delay
-            // does, by 1e-9 of 0.6 rad. Times how much parts may cancel.
+            // A part of a period with its own step does not change the sub-steps; the delay does,
+            // by 1e-9 of 0.6 rad. Times the possible cancellation of parts.
             EXPECT_LT(std::abs(measured_stiffness(drive, window) - at_one),
                       1e-7 * std::abs(at_one));
         }
     }
 }
 
-TEST(StiffnessSweep, AFractionTheSampledFormDoesNotKnowOfWouldBeSeen) {
+TEST(StiffnessSweep, DetectsAFractionThatTheSampledFormLacks) {
     for (SpringDrive drive : stable_drives(5)) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
         const std::complex<double> truth = sampled_stiffness(drive, omega);
         drive.delay_periods += 0.1;
-        // A tenth of what a whole period makes, above; five times what sub-steps do.
+        // A tenth of the effect of a whole period above; five times that of the sub-steps.
         EXPECT_GT(std::abs(measured_stiffness(drive, window) / truth - 1.0), 1e-3);
     }
 }
@@ -148,7 +148,7 @@ TEST(StiffnessSweep, AnEncoderBlursByNoMoreThanItsQuantum) {
     }
 }
 
-TEST(SweepWindow, HoldsWholePeriodsAndTicksNearTheFrequencyAskedFor) {
+TEST(SweepWindow, HoldsWholePeriodsAndTicksNearTheRequestedFrequency) {
     std::mt19937 random(6);
     for (int i = 0; i < 2000; ++i) {
         const double period_s = 1.0 / std::uniform_real_distribution<double>(250.0, 1e4)(random);
@@ -166,7 +166,7 @@ TEST(SweepWindow, HoldsWholePeriodsAndTicksNearTheFrequencyAskedFor) {
     EXPECT_GT(half.frequency_hz(1e-3), 499.0);
 }
 
-TEST(StiffnessCsv, HasTheColumnsThatTheManualNames) {
+TEST(StiffnessCsv, HasTheDocumentedColumns) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     std::ostringstream text;

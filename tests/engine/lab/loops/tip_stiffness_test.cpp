@@ -25,7 +25,7 @@ StabilityCase wall() {
 
 const Vector3 kSlanted = Vector3(0.3, 0.8, -0.5).normalized();
 
-/// With all motors held alike and the inverse map, the tip has K_θ through J⁻¹: (21).
+/// With equal motors and the inverse map, the tip has K_θ through J⁻¹: (21).
 TEST(TipStiffness, IsTheSampledCouplingThroughTheInverseMap) {
     StabilityCase which = testing::firm();
     which.tuning.map = control::MotionMap::inverse;
@@ -65,12 +65,12 @@ TEST(TipStiffness, TendsToTheInductanceAlone) {
     const auto off = [&](double omega) {
         return std::abs(std::abs(tip_stiffness(which, kSlanted, omega)) / limit - 1.0);
     };
-    // What is left goes with dR/(ωL), in quadrature, and with the hold's 1/(ωT).
+    // The remainder is of order dR/(ωL), in quadrature, and of the hold's 1/(ωT).
     EXPECT_LT(off(1e6), 1e-2);
     EXPECT_LT(off(1e8), 1e-4);
 }
 
-TEST(TipStiffness, OfACurrentDriveIsItsWallAtRestAndNothingInTheEnd) {
+TEST(TipStiffness, OfACurrentDriveIsItsWallAtRestAndZeroAtHighFrequency) {
     const StabilityCase which = wall();
     EXPECT_NEAR(tip_stiffness(which, kSlanted, 0.0).real(), 800.0, 1e-6);
     EXPECT_LT(std::abs(tip_stiffness(which, kSlanted, 1e8)), 1e-2);
@@ -80,9 +80,9 @@ TEST(TipStiffness, OfACurrentDriveIsItsWallAtRestAndNothingInTheEnd) {
     EXPECT_NEAR(tip_stiffness(which, kSlanted, omega).imag(), 5.0 * omega, 0.2 * 5.0 * omega);
 }
 
-/// A wall's count: K and the filtered rate's B, by the lever of the worst motor, less what the
-/// amplifier's 2 kHz leave out of a millisecond.
-TEST(ForceOfACount, IsTheWallsOverACountsWay) {
+/// The force of a count with a wall: K and the filtered rate's B, by the lever of the worst motor,
+/// reduced by the amplifier's bandwidth of 2 kHz within a millisecond.
+TEST(ForceOfACount, IsTheWallsForceOverTheTipsMotionOfACount) {
     const StabilityCase which = wall();
     const double count_rad = 2.0 * std::numbers::pi / which.device.encoder_counts_per_turn;
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
@@ -94,8 +94,8 @@ TEST(ForceOfACount, IsTheWallsOverACountsWay) {
     EXPECT_NEAR(force_of_a_count_N(which), truth, 1e-9 * truth);
 }
 
-/// With the inverse map each motor holds itself: its volts through dR and L for a period, (11) with
-/// a rotor that hardly moves meanwhile.
+/// With the inverse map the motors are independent: the voltage through dR and L for a period, (11)
+/// with a rotor that hardly moves in that time.
 TEST(ForceOfACount, IsTheGainsThroughTheWinding) {
     StabilityCase which = testing::firm();
     which.tuning.map = control::MotionMap::inverse;
@@ -110,7 +110,7 @@ TEST(ForceOfACount, IsTheGainsThroughTheWinding) {
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     const double truth = motor.torque_constant_Nm_per_A * current_A *
                          Matrix3(J.transpose().inverse()).colwise().norm().maxCoeff();
-    // In a millisecond a rotor does move: its back-EMF takes some of it, K_L T²/J at most.
+    // In a millisecond a rotor does move: its back-EMF reduces the current by K_L T²/J at most.
     EXPECT_LT(force_of_a_count_N(which), truth);
     EXPECT_GT(force_of_a_count_N(which), 0.8 * truth);
 }
