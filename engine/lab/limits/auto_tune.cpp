@@ -21,8 +21,8 @@ const control::Parameter &parameter(double control::Tuning::*value) {
                          [value](const control::Parameter &each) { return each.value == value; });
 }
 
-/// A pair of K_D and λ, each as a share of the way through its range: λ by its logarithm, K_D by
-/// its square root, so that small ones are told apart.
+/// A pair of K_D and λ, each as a fraction of its range: λ on a logarithmic scale, K_D by its
+/// square root, to resolve small values.
 struct Place {
     double K_D = 0.0;
     double lambda = 0.0;
@@ -35,12 +35,12 @@ struct Place {
     }
 };
 
-constexpr int kGrid = 17;                        // places along K_D, and along λ
+constexpr int kGrid = 17;                        // points along K_D, and along λ
 constexpr double kFirstStep = 0.5 / (kGrid - 1); // between them
 
-/// Looks at ever smaller grids about the best place so far, which `best` tells.
+/// Searches ever smaller grids around the best place so far, which `best` returns.
 template <typename Look, typename Best>
-void closer_and_closer(double step, const Look &look_at, const Best &best) {
+void refine_grid(double step, const Look &look_at, const Best &best) {
     constexpr int kAround = 2; // to each side
     constexpr int kRounds = 7;
     for (int round = 0; round < kRounds; ++round, step *= 0.5) {
@@ -54,7 +54,7 @@ void closer_and_closer(double step, const Look &look_at, const Best &best) {
     }
 }
 
-/// The largest K_P of each place, for loops that grow as failures are found.
+/// Finds the largest K_P of each place, by the loops found critical so far.
 class Search {
 public:
     Search(loops::HeldLoops &loops, const AutoTuneRequest &request)
@@ -62,19 +62,19 @@ public:
 
     struct Best {
         Place place;
-        double K_P = -1.0; ///< negative: not even without K_P
+        double K_P = -1.0; ///< negative: unstable even without K_P
     };
 
-    /// Tries a place, and keeps it where it is better than all before.
+    /// Tries a place, and keeps it if it is better than all before.
     void look_at(const Place &place) {
         if (best_.K_P > 0.0 && !loops_.are_stable(critical_, with_margin(place, best_.K_P))) {
-            return; // not even as stiff as the best: most places
+            return; // less stiff than the best: most places
         }
         double K_P = largest(place);
         while (K_P >= 0.0 && is_better(place, K_P)) {
             const std::size_t failed = loops_.first_unstable(with_margin(place, K_P));
             if (failed == loops_.count()) {
-                // A loop may be stable with larger gains and not with these.
+                // A loop may be stable with larger gains but not with these.
                 if (loops_.first_unstable(place.gains(K_P)) == loops_.count()) {
                     best_ = {place, K_P};
                 }
@@ -93,12 +93,12 @@ public:
                loops_.first_unstable(place.gains(K_P)) == loops_.count();
     }
 
-    /// For a K_P below the best, the place near the best at which the slowest of the critical
-    /// motions dies out soonest: what counts stir up lasts least there.
+    /// For a K_P below the best, the place near the best at which the slowest of the critical modes
+    /// decays fastest: there, vibration excited by encoder counts decays soonest.
     [[nodiscard]] Place calmest(double K_P) const {
         Place calmest = best_.place;
         double least = slowest(calmest, K_P);
-        closer_and_closer(
+        refine_grid(
             kFirstStep,
             [&](const Place &place) {
                 const double eigenvalue = slowest(place, K_P);
@@ -112,8 +112,8 @@ public:
     }
 
 private:
-    /// Stiffer counts; of the equally stiff, which the range of K_P leaves, the one whose slowest
-    /// critical motion dies out sooner.
+    /// Stiffer is better; among equally stiff ones at the end of K_P's range, the one whose slowest
+    /// critical mode decays faster.
     [[nodiscard]] bool is_better(const Place &place, double K_P) const {
         return K_P > best_.K_P ||
                (K_P == best_.K_P && slowest(place, K_P) < slowest(best_.place, K_P));
@@ -135,7 +135,7 @@ private:
         return gains;
     }
 
-    /// For the critical loops alone.
+    /// For the critical loops only.
     [[nodiscard]] double largest(const Place &place) const {
         const auto holds = [&](double K_P) {
             return loops_.are_stable(critical_, with_margin(place, K_P));
@@ -149,7 +149,7 @@ private:
     loops::HeldLoops &loops_;
     double margin_;
     double greatest_K_P_;
-    /// Loops that were found to limit K_P; the first is likely to.
+    /// Loops found to limit K_P; the first is a likely one.
     std::vector<std::size_t> critical_{0};
     Best best_;
 };
@@ -157,27 +157,27 @@ private:
 using Progress = std::function<bool(double)>;
 
 constexpr double kShareOfGrid = 0.6;   // of the time
-constexpr double kShareOfSearch = 0.8; // grid and what follows it
+constexpr double kShareOfSearch = 0.8; // grid and refinement
 
-void tell(const Progress &progress, double share) {
+void report_progress(const Progress &progress, double share) {
     if (!progress(share)) {
-        throw InputError("tuning was given up");
+        throw InputError("tuning was cancelled");
     }
 }
 
-/// A grid over all pairs, then smaller and smaller grids about the best so far.
+/// A grid over all pairs, then ever smaller grids around the best so far.
 void search(Search &places, const Progress &progress) {
     for (int i = 0; i < kGrid; ++i) {
         for (int j = 0; j < kGrid; ++j) {
             places.look_at(
                 {static_cast<double>(i) / (kGrid - 1), static_cast<double>(j) / (kGrid - 1)});
-            tell(progress, kShareOfGrid * (i * kGrid + j + 1) / (kGrid * kGrid));
+            report_progress(progress, kShareOfGrid * (i * kGrid + j + 1) / (kGrid * kGrid));
         }
     }
-    closer_and_closer(
+    refine_grid(
         kFirstStep, [&](const Place &place) { places.look_at(place); },
         [&] {
-            tell(progress, kShareOfGrid);
+            report_progress(progress, kShareOfGrid);
             return places.best().place;
         });
 }
@@ -245,7 +245,7 @@ control::TuningMargins margins_of(loops::HeldLoops &loops, const loops::Stabilit
     return margins;
 }
 
-/// Whether trials come to rest, of each motor by itself and of the linkage where it stands.
+/// Whether trials come to rest, of each motor alone and of the linkage at its configuration.
 bool rests(loops::StabilityCase which) {
     const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     which.freedom = loops::Freedom::one_motor;
@@ -264,7 +264,7 @@ control::Tuning with_gains(control::Tuning tuning, const loops::Gains &gains) {
     return tuning;
 }
 
-/// Places beside one, each by itself within the ranges.
+/// Places near one, clamped to the ranges.
 std::vector<Place> beside(const Place &place) {
     constexpr double kStep = 0.1;
     std::vector<Place> all;
@@ -277,11 +277,11 @@ std::vector<Place> beside(const Place &place) {
     return all;
 }
 
-/// The stiffest at which trials come to rest: K_P is lowered by hundredths until they do, at the
-/// best place or at the calmest. Where that takes more than a tenth, the line is none of the
-/// loops', and others beside the calmest are tried as well. Writes the tuning and returns the share
-/// of K_P taken back.
-/// @throw InputError where none does
+/// The stiffest tuning at which trials come to rest: K_P is lowered in steps of one per cent until
+/// they do, at the best or the calmest place. Where more than ten per cent are needed, the linear
+/// loops are not the limit, and places near the calmest are tried as well. Writes the tuning and
+/// returns the share by which K_P was reduced.
+/// @throw InputError where no tuning does
 double take_back(Search &places, const loops::StabilityCase &which, control::Tuning &tuning,
                  const Progress &progress) {
     constexpr double kFew = 0.9;
@@ -293,7 +293,7 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
         return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
     };
     while (share > kLeast) {
-        tell(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
+        report_progress(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
         if (holds(places.best().place)) {
             return 1.0 - share;
         }
@@ -306,7 +306,7 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
         share *= share > kFew ? 0.99 : 0.98;
     }
     throw InputError(
-        "no tuning comes to rest with the counts of these encoders; raise dR, or lower "
+        "no tuning comes to rest with the resolution of these encoders; raise dR, or lower "
         "the delay");
 }
 
@@ -314,8 +314,8 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
 
 AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
     if (!(request.margin >= 1.0 && request.margin <= kGreatestMargin)) {
-        throw InputError("the margin must be from 1 to 10: the factor by which the gains might "
-                         "be larger yet");
+        throw InputError("the margin must be from 1 to 10: the factor by which the gains could be "
+                         "raised before a loop becomes unstable");
     }
     loops::HeldLoops loops(request.which);
     Search places(loops, request);

@@ -15,7 +15,7 @@ namespace springdrive::limits {
 
 namespace {
 
-/// Here K_P may be whatever is stable, beyond what tuning files and panels offer.
+/// Here K_P is limited by stability only, not by the range of tuning files and panels.
 constexpr double kNoBound_V_per_rad = 1000.0;
 
 double stiffness_at(const loops::StabilityCase &which, double frequency_hz) {
@@ -52,7 +52,7 @@ DriveComparison compare_drives(const loops::StabilityCase &which, double margin,
     try {
         both.tuning = spring.tuning = auto_tune({spring, margin, kNoBound_V_per_rad}).tuning;
         both.spring = quality(spring);
-    } catch (const InputError &) { // nothing is stable: that is an answer, too
+    } catch (const InputError &) { // no tuning is stable: a valid result
         both.spring_is_stable = false;
     }
     here.drive = device::AmplifierKind::current_drive;
@@ -76,11 +76,11 @@ std::vector<DriveComparison> compare_drives(const loops::StabilityCase &which, d
                                             const std::vector<ServoSetting> &settings,
                                             const std::function<void(double)> &progress) {
     std::vector<DriveComparison> all(settings.size());
-    std::mutex telling;
+    std::mutex progress_mutex;
     std::size_t done = 0;
     for_each_in_parallel(all.size(), all_processors(), [&](std::size_t i) {
         all[i] = compare_drives(which, margin, settings[i]);
-        const std::lock_guard lock(telling);
+        const std::lock_guard lock(progress_mutex);
         progress(static_cast<double>(++done) / static_cast<double>(all.size()));
     });
     return all;

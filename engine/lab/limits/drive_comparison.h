@@ -1,5 +1,5 @@
-// Spring drive against current drive, each at its own stable best on the same device, servo, delay,
-// encoder and hands: the paper's claim, checked.
+// Spring drive against current drive, each with its best stable tuning on the same device, servo,
+// delay, encoder and hands: a test of the paper's claim.
 #pragma once
 
 #include "engine/lab/limits/auto_tune.h"
@@ -11,7 +11,7 @@
 
 namespace springdrive::limits {
 
-/// One servo.
+/// Servo rate, delay and dR of one comparison.
 struct ServoSetting {
     double servo_hz = 1000.0;
     double delay_periods = 0.0;
@@ -20,45 +20,46 @@ struct ServoSetting {
     bool operator==(const ServoSetting &) const = default;
 };
 
-/// What one drive renders along the vertical at the case's configuration.
+/// Properties of one drive along the vertical at the case's configuration.
 struct DriveQuality {
     double K_DC_N_per_m = 0.0;          ///< static, along the normal
-    double K_30_N_per_m = 0.0;          ///< |stiffness| at 30 Hz, the limit of the sense of force
-    double K_300_N_per_m = 0.0;         ///< at 300 Hz, where vibration is felt best
-    double K_HF_N_per_m = 0.0;          ///< as the frequency goes to infinity: (14), or none
+    double K_30_N_per_m = 0.0;          ///< |stiffness| at 30 Hz, the limit of kinaesthetic
+                                        ///< perception
+    double K_300_N_per_m = 0.0;         ///< at 300 Hz, where vibration is perceived best
+    double K_HF_N_per_m = 0.0;          ///< as the frequency goes to infinity: (14), or 0
     double rate_hardness_N_per_m = 0.0; ///< see `Impact`
     double apparent_mass_kg = 0.0;      ///< in free space
-    double count_N = 0.0; ///< what one count of one encoder does to the tip's force in a period
+    double count_N = 0.0; ///< change of the tip's force in a period from one count of one encoder
 };
 
 struct DriveComparison {
     ServoSetting setting;
-    bool spring_is_stable = true; ///< false: no tuning at all is, with the margin asked for
+    bool spring_is_stable = true; ///< false: no tuning is, with the requested margin
     control::Tuning tuning;       ///< of the spring drive
     TunedWall wall;               ///< of the current drive
-    TunedWall quiet_wall;         ///< of one whose counts are felt no more than the spring drive's
+    TunedWall quiet_wall;         ///< of one with no larger count force than the spring drive
     DriveQuality spring;
     DriveQuality current;
     DriveQuality quiet_current;
 };
 
 /// @param which   its device, configuration and hands
-/// @param margin  that both leave, see `AutoTuneRequest`
+/// @param margin  of both drives, see `AutoTuneRequest`
 [[nodiscard]] DriveComparison compare_drives(const loops::StabilityCase &which, double margin,
                                              const ServoSetting &setting);
 
-/// All settings, on all processors. @param progress  told a share from 0 to 1
+/// All settings, on all processors. @param progress  receives a share from 0 to 1
 [[nodiscard]] std::vector<DriveComparison>
 compare_drives(const loops::StabilityCase &which, double margin,
                const std::vector<ServoSetting> &settings,
                const std::function<void(double)> &progress);
 
-/// Servo rates from 250 Hz to 10 kHz, without and with a delay, and a small and a middling dR.
+/// Servo rates from 250 Hz to 10 kHz, without and with a delay, and with a small and a medium dR.
 [[nodiscard]] std::vector<ServoSetting> usual_settings();
 
 void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> &all);
 
-/// The same for people, and in which of the settings the spring drive is not the better one.
+/// The same as a readable table, with marks where the spring drive is not the better one.
 void write_comparison_table(std::ostream &out, const std::vector<DriveComparison> &all);
 
 } // namespace springdrive::limits

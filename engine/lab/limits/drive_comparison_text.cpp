@@ -1,4 +1,4 @@
-// How a comparison of the drives is told.
+// The outputs of drive_comparison.h.
 #include "base/print.h"
 #include "engine/lab/limits/drive_comparison.h"
 
@@ -13,7 +13,7 @@ struct Quality {
     const char *name;
     const char *label;
     double DriveQuality::*value;
-    double in_table; ///< what a value is multiplied with there
+    double in_table; ///< factor of the value in the table
     bool more_is_better;
 };
 
@@ -31,7 +31,7 @@ constexpr std::array<Quality, 7> kQualities{{
 struct Drive {
     const char *name;
     DriveQuality DriveComparison::*quality;
-    TunedWall DriveComparison::*wall; ///< null of the spring drive
+    TunedWall DriveComparison::*wall; ///< null for the spring drive
 };
 
 constexpr std::array<Drive, 3> kDrives{{
@@ -40,8 +40,8 @@ constexpr std::array<Drive, 3> kDrives{{
     {"current, as quiet", &DriveComparison::quiet_current, &DriveComparison::quiet_wall},
 }};
 
-/// Whether there is anything to tell of a drive: where no spring drive is stable, a current drive
-/// cannot be as quiet as that either.
+/// Whether there are results for a drive: where no spring drive is stable, there is no current
+/// drive as quiet as it either.
 bool is_there(const DriveComparison &all, const Drive &drive) {
     return all.spring_is_stable || drive.quality == &DriveComparison::current;
 }
@@ -91,11 +91,11 @@ void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> 
 
 void write_comparison_table(std::ostream &out, const std::vector<DriveComparison> &all) {
     out << "Along the vertical: stiffness and rate-hardness in N/mm, mass in free space in g, the "
-           "force of one\nencoder count in N. \"As quiet\": its counts are felt no more than the "
-           "spring drive's.\nA + stands where a current drive is better than the spring drive.\n"
-           "Searched: K_P up to 1000 V/rad, more than tuning files hold, K_D up to 0.1 V·s/rad, λ "
-           "up to 5000 rad/s,\nK up to 1e6 N/m, B from 0.1 to 300 N·s/m. The motors' peak current "
-           "bounds rate-hardness.\n\n"
+           "force of one\nencoder count in N. \"As quiet\": one count changes its force no more "
+           "than the spring drive's.\nA + marks where a current drive is better than the spring "
+           "drive.\nSearched: K_P up to 1000 V/rad, more than tuning files allow, K_D up to 0.1 "
+           "V·s/rad, λ up to 5000 rad/s,\nK up to 1e6 N/m, B from 0.1 to 300 N·s/m. The motors' "
+           "peak current limits rate-hardness.\n\n"
            "| servo | drive ";
     for (const Quality &quality : kQualities) {
         print(out, "| {} ", quality.label);

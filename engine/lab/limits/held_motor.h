@@ -1,5 +1,5 @@
-// A motor whose rotor stands still behind a spring drive: its static current (11) warms it, and a
-// guard limits the R̂ that it is given.
+// A motor with a locked rotor behind a spring drive: its static current (11) warms it, and a guard
+// limits its R̂.
 #pragma once
 
 #include "device/core/motor/motor.h"
@@ -12,21 +12,21 @@ namespace springdrive::limits {
 
 class HeldMotor {
 public:
-    /// Winding and housing start as warm as the air.
-    /// @param theta_rad  where the rotor stands
-    /// @param step_s     how long each `advance` lasts
+    /// Winding and housing start at the air's temperature.
+    /// @param theta_rad  the rotor's angle
+    /// @param step_s duration of each `advance`
     HeldMotor(const device::MotorParameters &motor, const device::AmplifierParameters &amplifier,
               double theta_rad, double ambient_C, double step_s)
         : motor_(motor), theta_rad_(theta_rad), temperature_(motor.thermal, ambient_C, step_s),
           guard_(motor, amplifier.greatest_cancelled_Ohm, step_s) {}
 
-    /// As the operator does it: R̂ = R(T, θ) − dR (7).
+    /// Sets R̂ = R(T, θ) − dR (7), as the operator does.
     void tune(double dR_Ohm) {
         R_hat_asked_Ohm_ = resistance_Ohm() - device::residual_resistance_Ohm(motor_, dR_Ohm);
     }
     void apply(double e_W_V) { e_W_V_ = e_W_V; }
 
-    /// One step with the current of its beginning.
+    /// One step with the current at its start.
     void advance() {
         const double current = current_A();
         temperature_.update(current * current * resistance_Ohm());
@@ -48,9 +48,9 @@ public:
     [[nodiscard]] double least_dR_unlimited_Ohm() const {
         return device::least_resistance_Ohm(motor_, winding_C()) - R_hat_asked_Ohm_;
     }
-    /// (11) at rest, were the supply without bounds.
+    /// (11) at rest, with an unlimited supply.
     [[nodiscard]] double asked_current_A() const { return e_W_V_ / dR_Ohm(); }
-    /// As much of it as the supply drives through R.
+    /// The same, limited to what the supply drives through R.
     [[nodiscard]] double current_A() const {
         const double rail_A = motor_.supply_V / resistance_Ohm();
         return std::clamp(asked_current_A(), -rail_A, rail_A);

@@ -32,7 +32,7 @@ double motors_push_N(const loops::StabilityCase &which,
     return (J.transpose().inverse() * torque_Nm).y();
 }
 
-/// One impact on a wall that is `lower_m` farther down than where the approach usually ends.
+/// One impact on a wall `lower_m` below the nominal end of the approach.
 Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double lower_m) {
     constexpr double kSoonest_s = 0.001;
     constexpr double kWatched_s = 0.01;
@@ -95,7 +95,7 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
     rig::PhantomPlant plant(phantom);
     rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::brakes);
     loop.tick();
-    // F = m a + b v + c along the vertical, by the parts of force and motion at 5 Hz.
+    // F = m a + b v + c along the vertical, from the components of force and motion at 5 Hz.
     double force_in = 0.0;
     double force_square = 0.0;
     double way_in = 0.0;
@@ -112,7 +112,7 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
             way_square += truth.tip_m.y() * std::cos(omega * truth.time_s);
         }
     }
-    // Of F/x the part in phase is −m ω².
+    // The component of F/x in phase is −m ω².
     const double ratio = (force_in * way_in + force_square * way_square) /
                          (way_in * way_in + way_square * way_square);
     return -ratio / (omega * omega);

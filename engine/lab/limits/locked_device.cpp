@@ -31,7 +31,7 @@ Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
         }
         const bool measures = rig.truth().time_s > rig::ViceOptions::kMeasureFrom_s;
         if (measures && (sample.held_back.force || sample.held_back.voltage)) {
-            throw InputError("locked device: the servo held the force back to keep within its "
+            throw InputError("locked device: the servo reduced the force to stay within its "
                              "limits; choose a softer tuning or another configuration");
         }
         sum -= rig.truth().hand_force_N;

@@ -13,7 +13,8 @@ namespace {
 
 using Holds = std::function<bool(double)>;
 
-/// Values to try about a prediction: 0 is the prediction, above 0 lies instability.
+/// Values to try around a prediction: 0 is the prediction, positive shares lie on its unstable
+/// side.
 class Places {
 public:
     Places(const loops::StabilityParameter &parameter, const StabilityLimit &limit)
@@ -21,7 +22,7 @@ public:
 
     /// @param share  of the prediction
     [[nodiscard]] double value(double share) const {
-        constexpr double kOfZero = 1e-9; // which has no shares
+        constexpr double kOfZero = 1e-9; // where a share would be zero
         const double away = share * std::max(std::abs(at_), kOfZero);
         return std::clamp(at_ + outward_ * away, parameter_.lowest, parameter_.highest);
     }
@@ -38,7 +39,7 @@ double by_doubling(const Places &places, int place) {
                                    : std::copysign(0.01 * std::exp2(std::abs(place) - 1), place));
 }
 
-/// From the prediction to the side on which a trial tells otherwise than there.
+/// From the prediction outwards to the nearest value at which a trial has the opposite result.
 std::optional<Bracket> nearest_bracket(const Places &places, const Holds &holds) {
     constexpr int kFarthestInward = 7;  // 64 %
     constexpr int kFarthestOutward = 9; // 256 %
@@ -62,7 +63,7 @@ constexpr int kStart = -7;      ///< half the prediction
 constexpr int kInnermost = -11; ///< a tenth of it
 constexpr int kOutermost = 19;  ///< four times it
 
-/// Steps of a tenth, of a twentieth about the prediction, and farther out of a fifth of the way.
+/// Steps of a tenth inside, of a twentieth near the prediction, and growing by a fifth farther out.
 double evenly(const Places &places, int place) {
     constexpr double kStep = 0.05;
     constexpr int kEven = 4; // to either side
@@ -73,7 +74,7 @@ double evenly(const Places &places, int place) {
     return places.value(kStep * steps);
 }
 
-/// The first that fails, from well inside outwards.
+/// The first value that fails, from well inside outwards.
 /// @param predicted  whether a value is stable by the eigenvalues
 std::optional<Bracket> first_bracket(const Places &places, const Holds &holds,
                                      const Holds &predicted) {
@@ -91,7 +92,7 @@ std::optional<Bracket> first_bracket(const Places &places, const Holds &holds,
                 return Bracket{value(in), value(in + 1)};
             }
         }
-        do { // it rests in the middle only, or nowhere
+        do { // it comes to rest in the middle only, or nowhere
             ++place;
         } while (place <= 0 && !holds(value(place)));
         if (place > 0) {
@@ -106,7 +107,7 @@ std::optional<Bracket> first_bracket(const Places &places, const Holds &holds,
     return std::nullopt;
 }
 
-/// All members at a value; those that failed last first, so that failures are soon found.
+/// All members at a value; those that failed recently come first, so that failures are found early.
 class Members {
 public:
     Members(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
@@ -125,7 +126,7 @@ public:
 
     bool hold(double value) { return hold_from(members_.begin(), value); }
 
-    /// All but the one that failed last, which is then another where one of these fails.
+    /// All but the one that failed last; where one of these fails, it becomes that one.
     bool others_hold(double value) { return hold_from(members_.begin() + 1, value); }
 
     /// The one that failed last.
@@ -145,7 +146,7 @@ private:
     }
 
     [[nodiscard]] Trial trial(const loops::StabilityCase &there, loops::LoopMember &member) const {
-        if (there.hands.size() == 1) { // its properties may be what is varied
+        if (there.hands.size() == 1) { // its properties may be the varied parameter
             member.hand = there.hands.front();
         }
         return simulated(there, member, options_);
@@ -157,11 +158,13 @@ private:
     std::vector<loops::LoopMember> members_;
 };
 
-/// To 1e-3, of the member that fails last; and of another where that one fails earlier yet.
+/// The limit to 1e-3 for the member that failed last, and for another member where that one fails
+/// even earlier.
 double limit_within(const Bracket &bracket, Members &members) {
     Bracket left = bracket;
     for (;;) {
-        std::optional<double> line; // a value at which the motion stays: no need to look closer
+        std::optional<double> line; // a value at which the motion persists: no need to search more
+                                    // closely
         const auto holds = [&](double value) {
             if (!line) {
                 const Trial trial = members.critical(value);

@@ -18,7 +18,7 @@ loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityPara
     return which;
 }
 
-/// The values of a range, evenly spread by the parameter's own scale.
+/// The values of a range, evenly spaced on the parameter's scale.
 std::vector<double> scan(const loops::StabilityParameter &parameter, const ParameterRange &range) {
     std::vector<double> values;
     const bool by_ratio = parameter.logarithmic && range.from > 0.0;

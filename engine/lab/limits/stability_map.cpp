@@ -11,13 +11,14 @@ namespace springdrive::limits {
 
 namespace {
 
-/// All of one motor at a time; of the whole linkage, which takes fifty times as long, the worst.
+/// All members with one motor at a time; only the worst with the whole linkage, which takes fifty
+/// times as long.
 std::size_t tried(const loops::StabilityCase &which, std::size_t all) {
     constexpr std::size_t kOfLinkage = 2;
     return which.freedom == loops::Freedom::one_motor ? all : std::min(all, kOfLinkage);
 }
 
-/// What of a rotor's speed the tip has at most.
+/// The largest ratio of tip speed to rotor speed.
 double lever_m(const loops::StabilityCase &which, const loops::LoopMember &member) {
     const Matrix3 J = device::motor_jacobian(which.device.geometry, which.q_rad);
     return which.freedom == loops::Freedom::one_motor ? J.col(member.motor).norm()
@@ -59,14 +60,14 @@ std::vector<MapCell> stability_map(const loops::StabilityCase &which, const MapA
             cells.push_back({at_x, at_y, 0.0, true, 0.0});
         }
     }
-    std::mutex telling;
+    std::mutex progress_mutex;
     std::size_t done = 0;
     for_each_in_parallel(cells.size(), all_processors(), [&](std::size_t i) {
         loops::StabilityCase there = which;
         x.parameter->set(there, cells[i].x);
         y.parameter->set(there, cells[i].y);
         fill(cells[i], there);
-        const std::lock_guard lock(telling);
+        const std::lock_guard lock(progress_mutex);
         progress(static_cast<double>(++done) / static_cast<double>(cells.size()));
     });
     return cells;

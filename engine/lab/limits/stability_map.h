@@ -1,4 +1,4 @@
-// Stability over two parameters: the prediction's line, and the field that trials leave behind.
+// Stability over two parameters: the predicted boundary, and the motion that remains in trials.
 #pragma once
 
 #include "engine/lab/limits/stability_limits.h"
@@ -12,11 +12,11 @@ namespace springdrive::limits {
 struct MapAxis {
     const loops::StabilityParameter *parameter = nullptr;
     ParameterRange range;
-    int steps = 40; ///< values, the ends included
+    int steps = 40; ///< number of values, ends included
 
-    /// Evenly spread by the parameter's own scale.
+    /// Evenly spaced on the parameter's scale.
     [[nodiscard]] std::vector<double> values() const;
-    /// Ranges that are narrow, or reach down to 0, are spread by differences instead.
+    /// Narrow ranges, and those that reach down to 0, are spaced linearly instead.
     [[nodiscard]] bool is_logarithmic() const {
         return parameter->logarithmic && range.from > 0.0 && range.to > 4.0 * range.from;
     }
@@ -27,16 +27,16 @@ struct MapCell {
     double y = 0.0;
     double eigenvalue = 0.0; ///< the largest of all members
     bool stable = true;      ///< by trial
-    /// The tip's greatest speed in the last tenth of a second of the worst trial [m/s].
+    /// The tip's maximum speed in the last tenth of a second of the worst trial [m/s].
     double remaining_m_per_s = 0.0;
 };
 
 /// Row by row, x running fastest, on all processors.
 ///
-/// A trial lets go of the tip a millimetre aside and watches for a second. The members are tried
-/// in the order in which they are predicted to fail, until one does; of the whole linkage, whose
-/// trials take long, the two worst.
-/// @param progress  told a share from 0 to 1, from one thread at a time
+/// A trial releases the tip a millimetre from rest and records its motion for a second. The members
+/// are tried in the order in which they are predicted to fail, until one does; with the whole
+/// linkage, whose trials take long, only the two worst.
+/// @param progress  receives a share from 0 to 1, from one thread at a time
 [[nodiscard]] std::vector<MapCell> stability_map(const loops::StabilityCase &which,
                                                  const MapAxis &x, const MapAxis &y,
                                                  const std::function<void(double)> &progress);

@@ -17,28 +17,27 @@ namespace springdrive::limits {
 
 namespace {
 
-/// @param start_rad  how far motors are from rest at first, about
+/// @param start_rad  approximate initial distance of the motors from rest
 rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_rad) {
-    // Modes lie below 1e4 rad/s, or little above. Without a supply that ends, the linkage would
-    // else find a bound of its own, whirling round, before growth is seen.
+    // Modes lie below 1e4 rad/s or little above. Without supply limits the linkage would otherwise
+    // saturate by whirling round before growth is detected.
     constexpr double kGreatestRate_per_s = 1e7;
     rig::RingdownOptions how;
     how.longest_s = options.longest_s;
     how.patience_s = options.patience_s;
     how.greatest = kGreatestRate_per_s * start_rad;
-    // Encoders keep small motions up at a steady size, whose measured slope is near zero.
+    // Encoders can sustain small motions of constant amplitude, whose measured slope is near zero.
     how.least_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;
     return how;
 }
 
-/// Half a period of the slowest oscillation that command and load make of a motion at low
-/// frequency; zero where they make none.
+/// Half a period of the slowest oscillation of load and command at low frequency; zero without one.
 double slowest_half_period_s(const loops::DrivenLoad &load, const loops::SampledLaw &law) {
     const Eigen::VectorXd squares =
         Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(loops::static_stiffness(load, law)))
             .eigenvalues()
             .real();
-    constexpr double kFree = 1e-9; // of the stiffest: round-off of a direction that nothing holds
+    constexpr double kFree = 1e-9; // of the stiffest: round-off of an unconstrained direction
     double least = HUGE_VAL;
     for (const double square : squares) {
         least = square > kFree * squares.cwiseAbs().maxCoeff() ? std::min(least, square) : least;
@@ -46,13 +45,13 @@ double slowest_half_period_s(const loops::DrivenLoad &load, const loops::Sampled
     return std::numbers::pi / std::sqrt(least);
 }
 
-/// How a member's motion is watched.
+/// How a member's motion is observed.
 struct Watch {
     rig::RingdownOptions ringdown;
-    double flicker_s = 0.0; ///< how long nothing but a flicker is rest
+    double flicker_s = 0.0; ///< how long a mere flicker must last to count as rest
 };
 
-/// @param start_rad  how far motors are from rest at first, about
+/// @param start_rad  approximate initial distance of the motors from rest
 Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &member,
                    const TrialOptions &options, double start_rad) {
     const double half_period_s =
@@ -65,7 +64,7 @@ Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &m
     if (half_period_s > 0.0) {
         ringdown.longest_s = std::max(ringdown.longest_s, kWindows * ringdown.window_s);
     }
-    // Not where a slow motion turns, nor before a delay lets it begin.
+    // Longer than the turning point of a slow motion, and than the delay before it begins.
     constexpr double kLasting_s = 0.4;
     constexpr double kSamples = 20.0;
     watch.flicker_s = std::max(
@@ -73,14 +72,14 @@ Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &m
     return watch;
 }
 
-/// What there is to see of a motion at a sample.
+/// The observed motion at a sample.
 struct Motion {
     Vector3 theta_rad;
-    double rate_rad_per_s = 0.0; ///< the greatest of all motors
+    double rate_rad_per_s = 0.0; ///< the largest of all motors
 };
 
-/// @param count_rad  of an encoder; 0 where there is none
-/// @param tick  moves on by a period and returns the true motion
+/// @param count_rad  of an encoder; 0 without quantisation
+/// @param tick  advances by a period and returns the true motion
 template <typename Tick>
 Trial watched(const Watch &watch, double count_rad, double period_s, const Tick &tick) {
     constexpr double kCounts = 2.0;
@@ -92,7 +91,7 @@ Trial watched(const Watch &watch, double count_rad, double period_s, const Tick 
         more = ringdown.watch(motion.rate_rad_per_s);
     }
     const bool dies_out = ringdown.dies_out();
-    while (!dies_out && flicker.may_be_all() && !flicker.is_all()) { // it may just have begun
+    while (!dies_out && flicker.may_be_all() && !flicker.is_all()) { // rest may just have begun
         flicker.watch(tick().theta_rad);
     }
     return {dies_out || flicker.is_all(), ringdown.stays(), ringdown.growth_per_s(),

@@ -21,7 +21,7 @@ namespace {
 constexpr double kLongestThermalStep_s = 0.01;
 constexpr double kLongestHold_s = 86400.0;
 constexpr int kMostRows = 100000;
-constexpr double kLargestK_P_V_per_rad = 1e6; ///< far beyond any that is stable
+constexpr double kLargestK_P_V_per_rad = 1e6; ///< far beyond any stable one
 
 [[nodiscard]] Vector3 of_each(const std::array<HeldMotor, 3> &motors,
                               double (HeldMotor::*value)() const) {
@@ -82,8 +82,8 @@ private:
         return control::static_tip_force(J_, k_T_, of_each(motors_, &HeldMotor::current_A));
     }
 
-    /// θ_Sd − θ of (23) for a set-point along the normal, so far away that the tip renders the
-    /// force asked for. How far that is goes with 1/α and does not matter to motors that are held.
+    /// θ_Sd − θ of (23) for a set-point along the normal, at the distance at which the tip renders
+    /// the requested force. That distance is proportional to 1/α and does not affect locked motors.
     [[nodiscard]] Vector3 theta_gap_rad(const Vector3 &W) const {
         control::Configuration now;
         now.J = J_;
@@ -94,8 +94,8 @@ private:
         const double force_N =
             control::static_tip_force(J_, static_stiffness_Nm_per_rad(), gap_rad).norm();
         if (!(std::isfinite(force_N) && force_N > 0.0)) {
-            throw InputError("the linkage is singular at this q and renders no force; hold it "
-                             "elsewhere");
+            throw InputError("the linkage is singular at this q and renders no force; choose "
+                             "another configuration");
         }
         return options_.force_N / force_N * gap_rad;
     }
@@ -121,19 +121,20 @@ private:
     long steps_ = 0;
 };
 
-/// The start asks the most of a motor: from then on dR only rises, and the current falls.
+/// The start is the most demanding moment for a motor: from then on dR only rises, and the current
+/// falls.
 void HeldDevice::check_currents() const {
     for (std::size_t j = 0; j < motors_.size(); ++j) {
         const device::MotorParameters &motor = motors_[j].parameters();
         const double current_A = std::abs(motors_[j].asked_current_A());
-        const double bearable_A =
+        const double limit_A =
             std::min(motor.peak_current_A, motor.supply_V / motors_[j].resistance_Ohm());
-        if (!(current_A <= bearable_A)) {
+        if (!(current_A <= limit_A)) {
             throw InputError(fmt::format(
                 "a hold of {:.3g} N needs {:.3g} A of motor {}, whose peak current and supply "
                 "allow {:.3g} A; hold at most {:.3g} N",
-                options_.force_N, current_A, j + 1, bearable_A,
-                options_.force_N * bearable_A / current_A));
+                options_.force_N, current_A, j + 1, limit_A,
+                options_.force_N * limit_A / current_A));
         }
     }
 }

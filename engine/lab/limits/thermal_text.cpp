@@ -12,7 +12,7 @@ namespace springdrive::limits {
 
 namespace {
 
-/// Enough for a table to show the course of a phase.
+/// Enough to show the course of a phase.
 constexpr std::size_t kTableRows = 11;
 
 const char *name(ThermalPhase phase) { return phase == ThermalPhase::hold ? "hold" : "cool"; }
@@ -47,7 +47,7 @@ Rows of_phase(const Rows &rows, ThermalPhase phase) {
     return some;
 }
 
-/// A few rows, evenly spread, first and last among them.
+/// A few evenly spaced rows, including the first and the last.
 Rows thinned(const Rows &rows) {
     if (rows.size() <= kTableRows) {
         return rows;
@@ -94,18 +94,18 @@ void write_hold(std::ostream &out, const Rows &hold) {
     const Vector3 share = last.K_DC_Nm_per_rad.cwiseQuotient(first.K_DC_Nm_per_rad);
     Eigen::Index softest = 0;
     const double left = share.minCoeff(&softest);
-    print(
-        out,
-        "K_DC of motor {} fell to {:.0f} % of what it was, the force from {:.2f} N to {:.2f} N.\n",
-        softest + 1, 100.0 * left, first.tip_force_N, last.tip_force_N);
+    print(out,
+          "K_DC of motor {} fell to {:.0f} % of its initial value, the force from {:.2f} N to "
+          "{:.2f} N.\n",
+          softest + 1, 100.0 * left, first.tip_force_N, last.tip_force_N);
     if (last.tripped) {
         print(out,
-              "At {:.1f} s the safety monitor trips: a winding may be hotter than it can bear.\n",
+              "At {:.1f} s the safety monitor trips: a winding may exceed its temperature limit.\n",
               last.time_s);
     }
 }
 
-/// What becomes of R̂ tuned hot, in words.
+/// The summary of R̂ tuned hot.
 void write_verdict(std::ostream &out, const Rows &cool) {
     Vector3 least_unlimited = cool.front().least_dR_unlimited_Ohm;
     Vector3 least = cool.front().least_dR_Ohm;
@@ -115,7 +115,7 @@ void write_verdict(std::ostream &out, const Rows &cool) {
     }
     Eigen::Index worst = 0;
     const double worst_Ohm = least_unlimited.minCoeff(&worst);
-    print(out, "Without a limit on R̂, dR of motor {} comes down to {:.3f} Ω", worst + 1, worst_Ohm);
+    print(out, "Without a limit on R̂, dR of motor {} falls to {:.3f} Ω", worst + 1, worst_Ohm);
     const auto over_cancelled = std::find_if(cool.begin(), cool.end(), [](const ThermalRow &row) {
         return !std::isnan(row.growth_time_s);
     });
@@ -123,11 +123,11 @@ void write_verdict(std::ostream &out, const Rows &cool) {
         print(out, ": over-cancelled from {:.0f} s on, until its current grows e-fold in {:.1f} ms",
               over_cancelled->time_s, 1e3 * cool.back().growth_time_s);
     }
-    print(out, ".\nWith it no dR comes below {:.3f} Ω.\n", least.minCoeff());
+    print(out, ".\nWith it no dR falls below {:.3f} Ω.\n", least.minCoeff());
 }
 
 void write_cool(std::ostream &out, const Rows &cool) {
-    out << "\nR̂ is tuned again on the hot motors, the contact let go; dR at the worst angle\n"
+    out << "\nR̂ is tuned again on the hot motors, the contact released; dR at the worst angle\n"
            "    time         winding °C         dR Ω without limit       dR Ω with limit     "
            "L/|dR|\n"
            "       s      1      2      3       1      2      3       1      2      3      ms\n";

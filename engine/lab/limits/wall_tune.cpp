@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kFastest_rad_per_s = 5000.0; // as for the spring drive
 
-/// Values that differ by the same factor.
+/// Values spaced by a constant factor.
 std::vector<double> by_ratio(double from, double to, int count) {
     std::vector<double> values;
     values.reserve(static_cast<std::size_t>(count));
@@ -24,9 +24,9 @@ std::vector<double> by_ratio(double from, double to, int count) {
     return values;
 }
 
-/// A loop whose plant is worked out already.
+/// A loop whose plant is already discretised.
 struct ReadyLoop {
-    loops::StabilityCase which; ///< its freedom counts
+    loops::StabilityCase which; ///< its freedom is used
     loops::LoopMember member;
     loops::LinearLoop loop;
 };
@@ -46,7 +46,7 @@ public:
         tried_.freedom = loops::Freedom::one_motor;
     }
 
-    /// The largest K with this B and λ, where that is better than all before.
+    /// The largest K with this B and λ, if it is better than all before.
     void look_at(double B_Ns_per_m, double lambda_rad_per_s) {
         const double softest = std::max(kSoftest_N_per_m, 1.01 * best_.wall.stiffness_N_per_m);
         const auto wall = [&](double K) { return control::VirtualWall{K, B_Ns_per_m}; };
@@ -72,7 +72,8 @@ private:
     static constexpr double kSoftest_N_per_m = 1.0;
     static constexpr double kStiffest_N_per_m = 1e6;
 
-    /// The largest value that holds between one that does and one that may not, to a factor.
+    /// The largest value that holds, between one that does and one that may not, to within a
+    /// factor.
     template <typename Holds>
     static double largest(double stable, double unstable, double factor, const Holds &value_holds) {
         return bisect(
@@ -100,7 +101,7 @@ private:
         }
         for (std::size_t i = 0; i < loops_.size(); ++i) {
             if (!is_stable(loops_[i], wall, lambda_rad_per_s)) {
-                // Who fails now is likely to fail next.
+                // A member that fails now is likely to fail again.
                 std::rotate(loops_.begin(), loops_.begin() + static_cast<std::ptrdiff_t>(i),
                             loops_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
                 return false;
@@ -137,7 +138,7 @@ TunedWall tuned_wall(loops::StabilityCase which, double margin, double greatest_
         }
     }
     double factor = 1.2;
-    while (factor > 1.02) { // closer and closer
+    while (factor > 1.02) { // ever finer steps
         const TunedWall centre = search.best();
         for (const double of_B : {1.0 / factor, 1.0, factor}) {
             for (const double of_lambda : {1.0 / factor, 1.0, factor}) {

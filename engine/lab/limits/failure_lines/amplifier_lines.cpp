@@ -10,10 +10,10 @@ namespace springdrive::limits {
 
 namespace {
 
-/// Whether the simulated amplifier gives what (11) settles at, i = (e_W − k_T θ̇)/dR.
+/// Whether the simulated amplifier settles at the current of (11), i = (e_W − k_T θ̇)/dR.
 bool settles(const device::MotorParameters &motor, double e_W_V, double rate_rad_per_s) {
     constexpr int kSteps = 2000;
-    constexpr double kStep_s = 50e-6; // in all some 200 times L/dR
+    constexpr double kStep_s = 50e-6; // some 200 times L/dR in total
     constexpr double kOff_A = 1e-5;
     const double dR_Ohm = control::Tuning{}.dR_Ohm;
     device::DriveState now{motor.resistance_Ohm, 0.0, rate_rad_per_s, true};
@@ -27,28 +27,27 @@ bool settles(const device::MotorParameters &motor, double e_W_V, double rate_rad
 }
 
 /// K_P (θ_Sd − θ)/dR reaches the peak current, or what the supply drives through R at standstill.
-TriedLine standing(const device::MotorParameters &motor) {
+TriedLine at_standstill(const device::MotorParameters &motor) {
     const control::Tuning tuning;
     const double greatest_A = std::min(motor.peak_current_A, motor.supply_V / motor.resistance_Ohm);
-    return {
-        {kMotorMethod,
-         "θ_Sd − θ above",
-         "°",
-         "tuning firm, rotor held: the amplifier gives no more than " + with_unit(greatest_A, "A"),
-         kDegreesPerRadian * greatest_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
-         {},
-         {}},
-        1e-2,
-        1e3,
-        false,
-        [=](double error_deg) {
-            return settles(motor, tuning.K_P_V_per_rad * error_deg / kDegreesPerRadian, 0.0);
-        }};
+    return {{kMotorMethod,
+             "θ_Sd − θ above",
+             "°",
+             "tuning firm, rotor held: the amplifier is limited to " + with_unit(greatest_A, "A"),
+             kDegreesPerRadian * greatest_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
+             {},
+             {}},
+            1e-2,
+            1e3,
+            false,
+            [=](double error_deg) {
+                return settles(motor, tuning.K_P_V_per_rad * error_deg / kDegreesPerRadian, 0.0);
+            }};
 }
 
-/// e_A = R̂ i + e_W reaches the supply at i = (e_W − k_T θ̇)/dR: the faster a rotor comes back to its
-/// set-point, the more of the supply is back-EMF's.
-TriedLine coming_back(const device::MotorParameters &motor) {
+/// e_A = R̂ i + e_W reaches the supply at i = (e_W − k_T θ̇)/dR: the faster a rotor returns to its
+/// set-point, the more of the supply the back-EMF takes.
+TriedLine returning(const device::MotorParameters &motor) {
     constexpr double kRate_rad_per_s = 100.0;
     const control::Tuning tuning;
     const double back_emf_V = motor.torque_constant_Nm_per_A * kRate_rad_per_s;
@@ -59,8 +58,8 @@ TriedLine coming_back(const device::MotorParameters &motor) {
     return {{kMotorMethod,
              "θ_Sd − θ above",
              "°",
-             "tuning firm, rotor coming back at " + with_unit(kRate_rad_per_s, "rad/s") +
-                 ": R̂ i + e_W at the supply of " + with_unit(motor.supply_V, "V"),
+             "tuning firm, rotor returning at " + with_unit(kRate_rad_per_s, "rad/s") +
+                 ": R̂ i + e_W reaches the supply of " + with_unit(motor.supply_V, "V"),
              kDegreesPerRadian * (e_W_V + damping_V) / tuning.K_P_V_per_rad,
              {},
              {}},
@@ -76,7 +75,7 @@ TriedLine coming_back(const device::MotorParameters &motor) {
 } // namespace
 
 std::vector<TriedLine> amplifier_lines(const device::DeviceDescription &device) {
-    return {standing(device.motor[1]), coming_back(device.motor[1])};
+    return {at_standstill(device.motor[1]), returning(device.motor[1])};
 }
 
 } // namespace springdrive::limits

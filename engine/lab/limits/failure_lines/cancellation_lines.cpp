@@ -17,7 +17,7 @@ namespace {
 constexpr const char *kCancellationMethod = "resistance cancellation (6)";
 constexpr double kSmall_A = 1e-3;
 
-/// What becomes of a small current in a winding of that resistance, behind the real amplifier.
+/// The remainder of a small current in a winding of that resistance behind the amplifier.
 double current_after_A(const device::MotorParameters &motor, double resistance_Ohm,
                        double R_hat_Ohm, double time_s) {
     constexpr int kSteps = 1000;
@@ -29,12 +29,12 @@ double current_after_A(const device::MotorParameters &motor, double resistance_O
     return now.current_A;
 }
 
-bool dies_out(const device::MotorParameters &motor, double resistance_Ohm, double R_hat_Ohm) {
+bool decays(const device::MotorParameters &motor, double resistance_Ohm, double R_hat_Ohm) {
     constexpr double kWatched_s = 0.1;
     return current_after_A(motor, resistance_Ohm, R_hat_Ohm, kWatched_s) < kSmall_A;
 }
 
-/// Where R(T, θ) is least.
+/// The angle at which R(T, θ) is smallest.
 double worst_angle_rad(const device::MotorParameters &motor) {
     return std::numbers::pi / motor.commutator_segments;
 }
@@ -55,12 +55,12 @@ TriedLine cold_winding(device::MotorParameters motor) {
             -40.0,
             false,
             [=](double winding_C) {
-                return dies_out(motor, device::winding_resistance_Ohm(motor, winding_C, 0.0),
-                                R_hat_Ohm);
+                return decays(motor, device::winding_resistance_Ohm(motor, winding_C, 0.0),
+                              R_hat_Ohm);
             }};
 }
 
-/// R̂ tuned where the commutator's ripple is in the middle; then the rotor turns.
+/// R̂ is tuned at the middle of the commutator's ripple; then the rotor turns.
 TriedLine commutator(const device::MotorParameters &motor) {
     constexpr int kAngles = 64; // of one ripple
     return {{kCancellationMethod,
@@ -76,10 +76,10 @@ TriedLine commutator(const device::MotorParameters &motor) {
             [=](double dR_Ohm) {
                 for (int i = 0; i < kAngles; ++i) {
                     const double theta_rad = 2.0 * i * worst_angle_rad(motor) / kAngles;
-                    if (!dies_out(motor,
-                                  device::winding_resistance_Ohm(
-                                      motor, device::kReferenceTemperature_C, theta_rad),
-                                  motor.resistance_Ohm - dR_Ohm)) {
+                    if (!decays(motor,
+                                device::winding_resistance_Ohm(
+                                    motor, device::kReferenceTemperature_C, theta_rad),
+                                motor.resistance_Ohm - dR_Ohm)) {
                         return false;
                     }
                 }
@@ -107,7 +107,7 @@ TriedLine growth(const device::MotorParameters &motor) {
     return tried;
 }
 
-/// Asked for all of R, the guard gives what a winding in the coldest air bears, less a reserve.
+/// When all of R is requested, the guard allows R of a winding in the coldest air, less a reserve.
 TriedLine guarded(const device::DeviceDescription &device) {
     const device::MotorParameters &motor = device.motor[1];
     const double rise_per_K = motor.resistance_rise_per_K;
@@ -119,7 +119,7 @@ TriedLine guarded(const device::DeviceDescription &device) {
     return {{fmt::format("{}, guarded", kCancellationMethod),
              "winding cooler than",
              "°C",
-             fmt::format("dR 0 asked for, worst angle; the guard counts on air of {} or more",
+             fmt::format("dR 0 requested, worst angle; the guard assumes air of {} or more",
                          with_unit(device::kColdestAir_C, "°C")),
              device::kReferenceTemperature_C +
                  ((1.0 - device::kLeastResidualShare) * coldest - 1.0) / rise_per_K,
@@ -129,7 +129,7 @@ TriedLine guarded(const device::DeviceDescription &device) {
             -40.0,
             false,
             [=](double winding_C) {
-                return dies_out(
+                return decays(
                     motor, device::winding_resistance_Ohm(motor, winding_C, worst_angle_rad(motor)),
                     std::min(motor.resistance_Ohm, R_hat_Ohm));
             }};

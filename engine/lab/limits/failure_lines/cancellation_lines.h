@@ -6,8 +6,9 @@
 
 namespace springdrive::limits {
 
-/// Of the second motor, its rotor held: a small current behind the amplifier grows where R̂ exceeds
-/// R(T, θ), by cold, by the commutator or by mistake; and what the winding guard makes of it.
+/// For the second motor, its rotor held: a small current behind the amplifier grows where R̂
+/// exceeds R(T, θ), because of cold, of the commutator or of a wrong setting; without and with the
+/// winding guard.
 [[nodiscard]] std::vector<TriedLine> cancellation_lines(const device::DeviceDescription &device);
 
 } // namespace springdrive::limits

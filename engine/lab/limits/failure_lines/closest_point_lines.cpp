@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char *kClosest = "closest point (penalty)";
 
-/// A tip that is pressed more than half way through a plate is nearer to its other side.
+/// A tip pressed more than half way through a plate is nearer to the plate's other side.
 TriedLine closest_point_in_a_plate() {
     const auto finder = std::make_shared<rig::ClosestPointFinder>(plate(kPlate_m));
     return {{kClosest, "pressed in deeper than", "mm", plate_text(), 1e3 * 0.5 * kPlate_m, {}, {}},
@@ -23,7 +23,8 @@ TriedLine closest_point_in_a_plate() {
             }};
 }
 
-/// And so is one that comes so fast that the first tick which finds it inside finds it there.
+/// The same holds for a tip so fast that it is already there in the first tick that finds it
+/// inside.
 TriedLine closest_point_of_a_fast_tip() {
     constexpr int kPhases = 64;
     const auto finder = std::make_shared<rig::ClosestPointFinder>(plate(kPlate_m));
@@ -42,7 +43,7 @@ TriedLine closest_point_of_a_fast_tip() {
     return {{kClosest,
              "tip faster than",
              "m/s",
-             plate_text() + ", 1 kHz: thrown out behind it, at the worst moment of a tick",
+             plate_text() + ", 1 kHz: expelled on the far side, at the worst phase of a tick",
              0.5 * kPlate_m / kTickPeriod_s,
              {},
              {}},
@@ -60,7 +61,7 @@ TriedLine closest_point_of_a_fast_tip() {
             }};
 }
 
-/// At the rim of a face the next face is nearer than the one that was pressed.
+/// Near the rim of a face the next face is nearer than the pressed one.
 TriedLine closest_point_near_an_edge() {
     constexpr double kDepth_m = 2e-3;
     const auto finder = std::make_shared<rig::ClosestPointFinder>(plate(kHalfPlate_m));

@@ -1,4 +1,4 @@
-// Where a penalty method fails, which asks for the closest point of a mesh.
+// Where a penalty method fails, which uses the closest point of a mesh.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"

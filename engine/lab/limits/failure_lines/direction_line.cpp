@@ -49,16 +49,16 @@ double predicted_deg(const loops::PlanarContact &contact, double frequency_hz) {
                contact, control::MotionMap::transpose, rate_rad_per_s(frequency_hz)));
 }
 
-/// Windings of motors whose rotors stand still, but for one that is shaken.
-class ShakenRotors final : public rig::Plant {
+/// Windings of motors whose rotors are locked, except for one that vibrates.
+class VibratingRotors final : public rig::Plant {
 public:
-    static constexpr double kAmplitude_rad = 1e-5; ///< so small that J stands still
+    static constexpr double kAmplitude_rad = 1e-5; ///< so small that J is constant
 
-    /// What the currents are told to at the end of each sub-step.
+    /// Receives the currents at the end of each sub-step.
     using Watch = std::function<void(double time_s, const Vector3 &current_A)>;
 
-    ShakenRotors(const device::DeviceDescription &device, const Vector3 &rest_rad,
-                 Eigen::Index shaken, double omega_rad_per_s, double period_s, Watch watch)
+    VibratingRotors(const device::DeviceDescription &device, const Vector3 &rest_rad,
+                    Eigen::Index shaken, double omega_rad_per_s, double period_s, Watch watch)
         : device_(device), rest_rad_(rest_rad), shaken_(shaken), omega_(omega_rad_per_s),
           period_s_(period_s), watch_(std::move(watch)) {}
 
@@ -104,8 +104,8 @@ private:
     Vector3 current_A_{Vector3::Zero()};
 };
 
-/// −τ of all motors per way of the one that is shaken while the law holds the tip at a point, as a
-/// phasor [N·m/rad]. Once what the start left has died out, the current's part at ω is weighed by a
+/// −τ of all motors per angle of the vibrating one while the law holds the tip at a point, as a
+/// phasor [N·m/rad]. After the initial transient, the current's component at ω is weighted by a
 /// Hann window, which suppresses all other frequencies.
 Eigen::Vector3cd motor_stiffness(const loops::StabilityCase &which, Eigen::Index shaken,
                                  double omega_rad_per_s) {
@@ -124,8 +124,8 @@ Eigen::Vector3cd motor_stiffness(const loops::StabilityCase &which, Eigen::Index
     law.device = which.device;
     law.period_s = which.period_s;
     law.rests_at_rad = device::motor_from_joint(which.device.geometry, which.q_rad);
-    ShakenRotors rotors(which.device, *law.rests_at_rad, shaken, omega_rad_per_s, which.period_s,
-                        correlate);
+    VibratingRotors rotors(which.device, *law.rests_at_rad, shaken, omega_rad_per_s, which.period_s,
+                           correlate);
     rig::LawRig loop(rotors, law,
                      rig::tied_to(device::tip_position_m(which.device.geometry, which.q_rad)),
                      rig::FirstCommand::answers);
@@ -133,7 +133,7 @@ Eigen::Vector3cd motor_stiffness(const loops::StabilityCase &which, Eigen::Index
         loop.tick();
     }
     // A cosine of that amplitude has half of it at ω.
-    return -2.0 / (weights * ShakenRotors::kAmplitude_rad) *
+    return -2.0 / (weights * VibratingRotors::kAmplitude_rad) *
            control::torque_constants(which.device).cast<std::complex<double>>().cwiseProduct(sum);
 }
 
@@ -159,10 +159,10 @@ TriedLine direction_line(const loops::StabilityCase &which) {
         });
     return {
         {"transpose kinematics (23)",
-         "directions of force above",
+         "wrong force direction above",
          "Hz",
          fmt::format(
-             "vibration turned by {:g}° from the worst normal, tuning firm, 1 kHz; λ is {}",
+             "force of a vibration {:g}° off the worst normal, tuning firm, 1 kHz; λ is {}",
              control::kNoticeable_deg,
              with_unit(std::round(control::Tuning{}.lambda_rad_per_s / (2.0 * std::numbers::pi)),
                        "Hz")),

@@ -1,4 +1,4 @@
-// Where the transpose map (23) no longer shapes stiffness: directions of force above about λ.
+// Where the transpose map (23) no longer shapes the stiffness: the force's direction above about λ.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -6,9 +6,9 @@
 
 namespace springdrive::limits {
 
-/// The frequency of vibration above which forces are turned away from the normal by more than what
-/// the paper quotes as perceptible. Predicted by the sampled form of direction_spectrum.h, measured
-/// by shaking the motors under the law itself.
+/// The frequency of vibration above which forces deviate from the normal by more than the angle
+/// that the paper quotes as perceptible. Predicted by the sampled form of direction_spectrum.h,
+/// measured by vibrating the motors under the law itself.
 [[nodiscard]] TriedLine direction_line(const loops::StabilityCase &which);
 
 } // namespace springdrive::limits

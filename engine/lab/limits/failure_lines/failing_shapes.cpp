@@ -9,7 +9,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kHalf_m = 0.05; ///< of what has no other size
+constexpr double kHalf_m = 0.05; ///< of shapes without another size
 
 contact::TriangleSoup nothing() {
     contact::TriangleSoup soup;
@@ -56,7 +56,7 @@ contact::TriangleSoup pit(int faces, double opening_rad) {
         }
         return soup;
     }
-    // The middle of each face rises under the opening's half angle; its corners reach further out.
+    // The middle of each face rises at the opening's half angle; its corners reach farther out.
     const double turn_rad = 2.0 * std::numbers::pi / faces;
     const double reach = out / std::cos(0.5 * turn_rad);
     const auto rim = [&](int i) {

@@ -23,7 +23,7 @@ double last_value(const TriedLine &tried, double fails_at) {
     return last_that_holds({tried.holds_at, fails_at}, tried.resolution, tried.holds);
 }
 
-/// The first value that fails, from where it should hold on; nothing where none does.
+/// The first value that fails, from `holds_at` on; nothing where none does.
 std::optional<double> first_failure(const TriedLine &tried) {
     constexpr int kValues = 12;
     const double ratio = tried.fails_at / tried.holds_at;

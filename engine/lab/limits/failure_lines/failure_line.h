@@ -1,5 +1,5 @@
-// One line at which a method fails: what is predicted, and the trial that finds it in the code that
-// runs.
+// One limit at which a method fails: its prediction, and the trial that finds it in the running
+// code.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace springdrive::limits {
 
-/// To so much of its value a line is looked for, where nothing else is said.
+/// Default relative resolution of the search for a limit.
 constexpr double kLineResolution = 1e-6;
 
 /// One row of the table.
@@ -17,26 +17,26 @@ struct FailureLine {
     std::string method;
     std::string fails; ///< "K_P above"
     std::string unit;
-    std::string setting; ///< what else it depends on, or what was tried in vain
+    std::string setting; ///< what else it depends on, or the range tried without a failure
     std::optional<double> predicted;
-    std::optional<double> measured;          ///< without what the prediction does not know
+    std::optional<double> measured;          ///< only with effects that the prediction includes
     std::optional<double> measured_as_it_is; ///< with counts, supply and friction
 };
 
 /// A row that is not measured yet. Values are in the row's unit.
 struct TriedLine {
     FailureLine line;
-    double holds_at = 0.0; ///< where to look for the line: from here
+    double holds_at = 0.0; ///< the search range: from here
     double fails_at = 0.0; ///< to here
     bool whole = false;    ///< only whole numbers can be tried
     std::function<bool(double)> holds{};
-    /// In place of the three above, for what is a value rather than a line.
+    /// Instead of the above, for a row that is a value rather than a limit.
     std::function<std::optional<double>()> reading{};
-    double resolution = kLineResolution; ///< to so much of its value the line is looked for
+    double resolution = kLineResolution; ///< relative resolution of the search
 };
 
-/// The row, measured. Where even `fails_at` holds, values between are tried as well, by equal
-/// factors where both ends have one sign; nothing is measured where all hold.
+/// The row, measured. Where even `fails_at` holds, values between are tried as well, spaced by
+/// equal factors where both ends have the same sign; `measured` is empty where all hold.
 [[nodiscard]] FailureLine measured(const TriedLine &tried);
 
 /// "0.1 Ω".

@@ -24,7 +24,7 @@ namespace springdrive::limits {
 
 namespace {
 
-/// Where the limits of sampled loops have their place among the others.
+/// The groups of rows, with the limits of sampled loops between them.
 enum class Kind : std::uint8_t {
     cancellation,
     inverse,
@@ -70,7 +70,7 @@ std::vector<TriedLine> tried_lines(const loops::StabilityCase &which, Kind kind)
     return lines;
 }
 
-/// What the rows have in common: all else is as they say.
+/// The settings that all rows share; each row sets the rest.
 loops::StabilityCase common(const loops::StabilityCase &which) {
     loops::StabilityCase plain;
     plain.device = which.device;

@@ -1,4 +1,4 @@
-// Where methods fail, each line predicted and measured: the table of docs/stability.md.
+// Where methods fail, each limit predicted and measured: the table of docs/stability.md.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -9,15 +9,15 @@
 namespace springdrive::limits {
 
 /// Every method of the design, on one device.
-/// @param which  its device, configuration and hands; tunings are those of each row
-/// @param progress  told a share from 0 to 1
+/// @param which  its device, configuration and hands are used; each row has its own tuning
+/// @param progress  receives a share from 0 to 1
 [[nodiscard]] std::vector<FailureLine> failure_lines(const loops::StabilityCase &which,
                                                      const std::function<void(double)> &progress);
 
-/// Those that are found by trials, not measured yet: all but the limits of sampled loops.
+/// The rows found by trials, not measured yet: all except the limits of sampled loops.
 [[nodiscard]] std::vector<TriedLine> tried_lines(const loops::StabilityCase &which);
 
-/// As a Markdown table, of four digits.
+/// As a Markdown table with four digits.
 void write_failure_lines(std::ostream &out, const std::vector<FailureLine> &lines);
 
 /// The same table as CSV, with all digits.

@@ -14,8 +14,9 @@ namespace springdrive::limits {
 
 namespace {
 
-/// The upper estimate of a winding, T = (winding, housing) above the warmest air, under a steady
-/// current: dT/dt = A T + h, whose heat i² R(T) at the commutator's worst angle grows with T.
+/// The upper estimate of the temperatures T = (winding, housing) above the warmest air, under a
+/// constant current: dT/dt = A T + h, whose heat i² R(T) at the commutator's worst angle grows with
+/// T.
 struct Warming {
     Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
     Eigen::Vector2d h = Eigen::Vector2d::Zero();
@@ -35,7 +36,7 @@ struct Warming {
                winding_J_per_K;
     }
 
-    /// Of the winding, by the two modes of A.
+    /// The winding's temperature, by the two modes of A.
     [[nodiscard]] double winding_C(double time_s) const {
         const Eigen::Vector2d rest = A.inverse() * h; // T = (e^(At) − 1) A⁻¹ h
         const Eigen::EigenSolver<Eigen::Matrix2d> modes(A);
@@ -47,8 +48,8 @@ struct Warming {
     }
 };
 
-/// When the safety monitor stops a device one of whose motors carries that current [s]; nothing
-/// where it does not within `longest_s`.
+/// The time after which the safety monitor stops a device with that current in one motor [s];
+/// nothing where it does not within `longest_s`.
 std::optional<double> trips_after_s(const device::DeviceDescription &device, double current_A,
                                     double period_s, double longest_s) {
     servo::SafetyMonitor monitor(device, period_s);
@@ -90,9 +91,9 @@ TriedLine hot_after(const device::DeviceDescription &device) {
     return tried;
 }
 
-/// What it bears for good warms it by (R_wh + R_ha) i² R(T).
+/// The continuous current warms the winding by (R_wh + R_ha) i² R(T).
 TriedLine hot_in_the_end(const device::DeviceDescription &device) {
-    constexpr double kPeriod_s = 1.0; // a hundredth of what the winding settles in, at any time
+    constexpr double kPeriod_s = 1.0; // under a tenth of the winding's time constant of 12 s
     constexpr double kLongest_s = 20'000.0;
     const device::MotorParameters &motor = device.motor[1];
     const device::ThermalParameters &t = motor.thermal;
@@ -102,7 +103,7 @@ TriedLine hot_in_the_end(const device::DeviceDescription &device) {
                                       (t.greatest_winding_C - device::kReferenceTemperature_C));
     return {
         {kMotorMethod,
-         "held for good above",
+         "continuous current above",
          "A",
          "winding at " + with_unit(t.greatest_winding_C, "°C") + " by the upper estimate",
          std::sqrt(rise_K / ((t.winding_housing_K_per_W + t.housing_ambient_K_per_W) * hot_Ohm)),
@@ -114,10 +115,10 @@ TriedLine hot_in_the_end(const device::DeviceDescription &device) {
         [=](double current_A) { return !trips_after_s(device, current_A, kPeriod_s, kLongest_s); }};
 }
 
-/// What is left of K_DC (13) when e_W has stood at the motor for a time: the current (11) falls as
-/// R rises, and with it the heat. Winding and housing by Runge and Kutta's rule, from where R is
-/// stated.
-/// @param ripple  R at the commutator's angle over R, 1 without ripple
+/// The share of K_DC (13) that remains after e_W has been applied for a time: the current (11)
+/// falls as R rises, and with it the heat. Winding and housing are integrated by Runge-Kutta 4,
+/// from the temperature at which R is specified.
+/// @param ripple  R at the commutator's angle divided by R; 1 without ripple
 double stiffness_left(const device::MotorParameters &motor, double current_A, double dR_Ohm,
                       double ripple, double time_s) {
     constexpr int kSteps = 200; // 0.3 s each in a minute, against the winding's 12 s: 10⁻⁸
@@ -153,7 +154,7 @@ TriedLine warm_contact(const device::DeviceDescription &device) {
     options.seconds = 60.0;
     const device::MotorParameters &motor = device.motor[kMotor];
     const Vector3 theta_rad = device::motor_from_joint(device.geometry, options.q_rad);
-    // What the linkage asks of the motor for that force along the normal.
+    // The motor's torque for that force along the normal.
     const double torque_Nm =
         options.force_N * device::motor_jacobian(device.geometry, options.q_rad)
                               .col(kMotor)

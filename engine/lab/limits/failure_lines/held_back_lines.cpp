@@ -12,14 +12,14 @@ namespace springdrive::limits {
 
 namespace {
 
-/// The law's command at one configuration, put through the limiter.
+/// The law's command at one configuration, passed through the limiter.
 class LimitedLaw {
 public:
     LimitedLaw(const device::DeviceDescription &device, const Vector3 &q_rad)
         : device_(device), law_(device),
           theta_rad_(device::motor_from_joint(device.geometry, q_rad)) {}
 
-    /// Pressed in by so much, at rest.
+    /// Pressed in by `depth_m`, at rest.
     [[nodiscard]] servo::ActiveLimits pressed(double depth_m, const Vector3 &normal) const {
         const control::Configuration now = law_.configuration(theta_rad_, Vector3::Zero());
         contact::Contact contact;
@@ -59,13 +59,13 @@ private:
     Vector3 theta_rad_;
 };
 
-/// r of the kinematics: from the base's axis to the tip.
+/// r of the kinematics: the distance of the tip from the base's axis.
 double radius_m(const device::PhantomGeometry &geometry, const Vector3 &q_rad) {
     return geometry.upper_arm_m * std::cos(q_rad[1]) + geometry.forearm_m * std::sin(q_rad[2]);
 }
 
-/// (29) where l₁ = l₂ = l and N₂ = N₃ = N: the greatest singular values of J are r/N₁ and
-/// l √(1 + |sin(q₃ − q₂)|)/N.
+/// (29) where l₁ = l₂ = l and N₂ = N₃ = N: the largest singular values of J are r/N₁ and l √(1 +
+/// |sin(q₃ − q₂)|)/N.
 std::optional<double> bound_of_even_links(const device::PhantomGeometry &geometry,
                                           const Vector3 &q_rad) {
     const double N = geometry.transmission_ratio[1];
@@ -78,7 +78,7 @@ std::optional<double> bound_of_even_links(const device::PhantomGeometry &geometr
                           l_m * l_m / (N * N) * (1.0 + std::abs(std::sin(q_rad[2] - q_rad[1]))));
 }
 
-/// The least residual that the limiter reckons with: at the commutator's worst angle.
+/// The smallest residual resistance that the limiter assumes: at the commutator's worst angle.
 double worst_dR_Ohm(const device::MotorParameters &motor) {
     return control::Tuning{}.dR_Ohm - motor.commutation_ripple * motor.resistance_Ohm;
 }
@@ -98,7 +98,7 @@ TriedLine too_much_force(const device::DeviceDescription &device, const Vector3 
              "pressed deeper than",
              "mm",
              "tuning firm, upwards: 95 % of " + with_unit(device.limits.tip_force_N, "N") +
-                 ", the force grows no more",
+                 ", where the force saturates",
              predicted_mm,
              {},
              {}},
@@ -108,7 +108,7 @@ TriedLine too_much_force(const device::DeviceDescription &device, const Vector3 
             [=](double depth_mm) { return !law.pressed(1e-3 * depth_mm, Vector3::UnitY()).force; }};
 }
 
-/// Far out, a push to the side takes more of the base's motor than the force's limit would allow.
+/// Far out, a sideways push reaches the current limit of the base's motor before the force limit.
 TriedLine too_much_current(const device::DeviceDescription &device) {
     const Vector3 stretched_rad(0.0, 0.0, 50.0 * kRadiansPerDegree);
     const device::MotorParameters &motor = device.motor[0];
@@ -136,14 +136,14 @@ TriedLine too_much_current(const device::DeviceDescription &device) {
             [=](double depth_mm) { return !law.pressed(1e-3 * depth_mm, Vector3::UnitX()).force; }};
 }
 
-/// Free space is free as long as e_W can cancel the back-EMF k_T θ̇.
+/// Free motion is free of force as long as e_W can cancel the back-EMF k_T θ̇.
 TriedLine too_much_voltage(const device::DeviceDescription &device, const Vector3 &q_rad) {
     const device::MotorParameters &motor = device.motor[1];
     const LimitedLaw law(device, q_rad);
     return {{kMotorMethod,
              "free motion faster than",
              "rad/s",
-             "e_W at the supply of " + with_unit(motor.supply_V, "V"),
+             "e_W reaches the supply of " + with_unit(motor.supply_V, "V"),
              motor.supply_V / motor.torque_constant_Nm_per_A,
              {},
              {}},

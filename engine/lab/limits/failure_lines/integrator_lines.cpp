@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kMicro = 1e6;
 constexpr double kShortest_s = 1e-6;
-constexpr double kLongest_s = 1.0; ///< tried where no line is known
+constexpr double kLongest_s = 1.0; ///< tried where no limit is known
 
-/// |R(z)| of the classical method of fourth order.
+/// |R(z)| of the classical fourth-order method.
 double runge_kutta_growth(std::complex<double> z) {
     return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
 }
 
-/// The winding alone, by a method that steps one state on.
+/// The winding alone, by a method for a single state.
 template <typename Step>
 TriedLine held_rotor(const char *method, const device::MotorParameters &motor, double net_Ohm,
                      const std::string &setting, double times_L_over_R, const Step &step) {
@@ -45,9 +45,9 @@ TriedLine held_rotor(const char *method, const device::MotorParameters &motor, d
             }};
 }
 
-/// Whether the mode's energy shrinks, by a method that steps the plant on. The links are held,
-/// whose own modes are others.
-template <typename Step> bool dies_out(const ContactMode &mode, const Step &step) {
+/// Whether the mode's energy decays under a method for the whole plant. The links, which have modes
+/// of their own, are held.
+template <typename Step> bool energy_decays(const ContactMode &mode, const Step &step) {
     constexpr int kSteps = 5000;
     constexpr double kSurely = 1e6;
     rig::PlantState y = mode.start();
@@ -95,21 +95,22 @@ TriedLine explicit_euler(const ContactMode &mode) {
     const std::complex<double> root = mode.eigenvalue();
     return contact_line("explicit Euler", -2.0 * root.real() / std::norm(root), [=](double h) {
         const rig::PlantEquations f = mode.equations();
-        return dies_out(mode, [&](const rig::PlantState &y) {
+        return energy_decays(mode, [&](const rig::PlantState &y) {
             return rig::explicit_euler_step(
                 [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
         });
     });
 }
 
-/// With x and y what rotor and winding lose in a step, (2 − x)(2 − y) = (hω)²: 2/ω without losses.
+/// With x and y the relative losses of rotor and winding in a step, (2 − x)(2 − y) = (hω)²: 2/ω
+/// without losses.
 TriedLine semi_implicit_euler(const ContactMode &mode) {
     const double losses = mode.winding_per_s() + mode.rotor_per_s();
     const double a = mode.omega_squared() - mode.winding_per_s() * mode.rotor_per_s();
     const double h_s = (std::sqrt(losses * losses + 4.0 * a) - losses) / a;
     TriedLine line = contact_line("semi-implicit Euler", h_s, [=](double h) {
         const rig::PlantEquations f = mode.equations();
-        return dies_out(mode, [&](const rig::PlantState &y) {
+        return energy_decays(mode, [&](const rig::PlantState &y) {
             return rig::semi_implicit_euler_step(
                 [&](double t, const rig::PlantState &at) { return f.momentum_rates(t, at); },
                 [&](double, const rig::PlantState &at) { return f.position_rates(at); }, 0.0, y, h);
@@ -127,7 +128,7 @@ TriedLine runge_kutta(const ContactMode &mode) {
                         [&](double h) { return runge_kutta_growth(h * root) <= 1.0; });
     return contact_line("Runge-Kutta 4", h_s, [=](double h) {
         const rig::PlantEquations f = mode.equations();
-        return dies_out(mode, [&](const rig::PlantState &y) {
+        return energy_decays(mode, [&](const rig::PlantState &y) {
             return rig::runge_kutta_step(
                 [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
         });
@@ -140,15 +141,15 @@ TriedLine implicit_midpoint(const ContactMode &mode) {
         const auto rates = [&](double t, const rig::PlantState &at) { return f.rates(t, at); };
         rig::ImplicitMidpoint<rig::PlantState> midpoint;
         midpoint.prepare(rates, 0.0, mode.start(), h);
-        return dies_out(mode, [&](const rig::PlantState &y) {
+        return energy_decays(mode, [&](const rig::PlantState &y) {
             return midpoint.step(rates, 0.0, y)
                 .value_or(rig::PlantState::Constant(std::numeric_limits<double>::quiet_NaN()));
         });
     });
 }
 
-/// Its energy may not rise by more than round-off.
-TriedLine ours(const ContactMode &mode) {
+/// The simulated device: its energy may not rise by more than round-off.
+TriedLine simulated_device(const ContactMode &mode) {
     return no_line("ours (exact in energy)", [=](double h) {
         constexpr int kSteps = 1000;
         constexpr double kRoundOff = 1e-9;
@@ -194,7 +195,7 @@ std::vector<TriedLine> integrator_lines(const loops::StabilityCase &which) {
                    fourth),
         runge_kutta(mode),
         implicit_midpoint(mode),
-        ours(mode)};
+        simulated_device(mode)};
 }
 
 } // namespace springdrive::limits

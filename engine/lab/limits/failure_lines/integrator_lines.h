@@ -1,4 +1,4 @@
-// The steps at which integrators of the plant go unstable.
+// The steps above which integrators of the plant are unstable.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -6,8 +6,8 @@
 
 namespace springdrive::limits {
 
-/// Of a winding with its rotor held, and of the contact mode: a rotor with what it carries against
-/// the inductive stiffness K_L (4) of a winding whose set-point stands still.
+/// For a winding with its rotor held, and for the contact mode: a rotor with its load against the
+/// inductive stiffness K_L (4) of a winding with a constant set-point.
 [[nodiscard]] std::vector<TriedLine> integrator_lines(const loops::StabilityCase &which);
 
 } // namespace springdrive::limits

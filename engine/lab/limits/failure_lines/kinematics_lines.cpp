@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char *kKinematicsMethod = "inverse kinematics (18)";
 constexpr double kStraight_deg = 90.0; ///< where the links are aligned
-constexpr double kTimes = 5.0;         ///< this much farther than usual is far
-constexpr double kWay_m = 1e-7;        ///< so short that J alone counts
+constexpr double kTimes = 5.0;         ///< the amplification that counts as a failure
+constexpr double kWay_m = 1e-7;        ///< so short that the map is linear
 
 /// With l₁ = l₂ and N₂ = N₃ there are closed forms.
 std::optional<double> if_links_are_even(const device::DeviceDescription &device, double predicted) {
@@ -30,8 +30,9 @@ control::Configuration at_rest(const device::DeviceDescription &device, const Ve
         device::motor_from_joint(device.geometry, q_rad), Vector3::Zero());
 }
 
-/// The greatest way of the motors' set-point per way of the tip's, over directions in the links'
-/// plane [rad/m]; infinite where (18) has no answer for one of them. The upper arm is level.
+/// The largest displacement of the motors' set-point per displacement of the tip's, over directions
+/// in the links' plane [rad/m]; infinite where (18) has no solution for one of them. The upper arm
+/// is level.
 double set_point_reach(const device::DeviceDescription &device, double fold_deg, double way_m) {
     constexpr int kDirections = 720;
     const control::Configuration now =
@@ -49,15 +50,15 @@ double set_point_reach(const device::DeviceDescription &device, double fold_deg,
     return greatest;
 }
 
-/// Near q₃ − q₂ = 90° J⁻¹ grows without bound: the least singular value of J is
-/// l √(1 − |sin(q₃ − q₂)|)/N with l₁ = l₂ = l and N₂ = N₃ = N.
+/// Near q₃ − q₂ = 90° J⁻¹ grows without bound: the smallest singular value of J is l √(1 − |sin(q₃
+/// − q₂)|)/N with l₁ = l₂ = l and N₂ = N₃ = N.
 TriedLine exploding(const device::DeviceDescription &device) {
     const double square = set_point_reach(device, 0.0, kWay_m);
     return {
         {kKinematicsMethod,
          "q₃ − q₂ above",
          "°",
-         "set-points go 5 times as far as at q₃ = q₂",
+         "set-points move 5 times as far as at q₃ = q₂",
          if_links_are_even(device, kDegreesPerRadian * std::asin(1.0 - 1.0 / (kTimes * kTimes))),
          {},
          {}},
@@ -69,7 +70,7 @@ TriedLine exploding(const device::DeviceDescription &device) {
         }};
 }
 
-/// A set-point farther out than both links reach, l √(2 (1 + sin(q₃ − q₂))) from the shoulder.
+/// A set-point beyond the reach of both links, l √(2 (1 + sin(q₃ − q₂))) from the shoulder.
 TriedLine unreachable(const device::DeviceDescription &device) {
     constexpr double kOut_m = 1e-3;
     const double share = 2.0 - kOut_m / device.geometry.upper_arm_m;
@@ -87,8 +88,8 @@ TriedLine unreachable(const device::DeviceDescription &device) {
         [=](double fold_deg) { return std::isfinite(set_point_reach(device, fold_deg, kOut_m)); }};
 }
 
-/// How far the base's set-point turns for a way to the side, at r = l₁ cos q₂: the forearm hangs
-/// down [rad].
+/// How far the base's set-point turns for a sideways displacement, at r = l₁ cos q₂, with the
+/// forearm hanging down [rad].
 double turn_rad(const device::DeviceDescription &device, double r_m) {
     const double l1_m = device.geometry.upper_arm_m;
     const control::Configuration now =
@@ -98,14 +99,14 @@ double turn_rad(const device::DeviceDescription &device, double r_m) {
     return found ? std::abs(found->theta_Sd_rad[0] - now.theta_rad[0]) : HUGE_VAL;
 }
 
-/// Near the base's axis a set-point to the side turns the base far: N/r.
+/// Near the base's axis a sideways set-point turns the base far: N/r.
 TriedLine base_axis(const device::DeviceDescription &device) {
     const double l1_mm = 1e3 * device.geometry.upper_arm_m;
     const double usual_rad = turn_rad(device, device.geometry.upper_arm_m);
     return {{kKinematicsMethod,
              "r below",
              "mm",
-             "the base's set-point goes 5 times as far as at r = l₁",
+             "the base's set-point moves 5 times as far as at r = l₁",
              l1_mm / kTimes,
              {},
              {}},

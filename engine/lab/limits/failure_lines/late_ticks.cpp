@@ -13,13 +13,13 @@ double late_ticks_eigenvalue(const loops::StabilityCase &which, const loops::Loo
     SPRINGDRIVE_ASSERT_AUDIT(loops::pulls_on_all_positions(
         loops::sampled_law(which, member).per_position, load.stiffness_Nm_per_rad));
     const double T = which.period_s;
-    // What a tick makes of the way since the last one goes with the time since the last one.
+    // A tick differentiates the motion since the last one over the time since the last one.
     const auto law = [&](int periods) {
         loops::StabilityCase at = which;
         at.period_s = periods * T;
         return loops::sampled_law(at, member);
     };
-    // Each tick's command stands until the next one.
+    // Each tick's command is held until the next one.
     const Eigen::MatrixXd until_late =
         loops::one_period_map(loops::sampled_load(load, (1 + missed) * T), law(1));
     const Eigen::MatrixXd until_on_time =

@@ -13,14 +13,14 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kHand_N = 40.0;   ///< the most that it presses with
-constexpr double kContact_s = 0.2; ///< by then the tip has left the walls
+constexpr double kHand_N = 40.0;   ///< the maximum force with which it presses
+constexpr double kContact_s = 0.2; ///< the tip has left the walls by then
 
 long ticks_in(double time_s, const loops::StabilityCase &which) {
     return std::lround(time_s / which.period_s);
 }
 
-/// K_x = α k̄ (27) where all motors are alike.
+/// K_x = α k̄ (27) where all motors are equal.
 double tip_stiffness_N_per_m(const loops::StabilityCase &which) {
     const double alpha =
         control::alpha_bound(device::motor_jacobian(which.device.geometry, which.q_rad),
@@ -28,8 +28,8 @@ double tip_stiffness_N_per_m(const loops::StabilityCase &which) {
     return alpha * control::mean_static_stiffness_Nm_per_rad(which.device, which.tuning);
 }
 
-/// The greatest speed of the tip per newton of the force that it was pressed with, by the linear
-/// loop that nobody holds: from rest in a corner until it has left all three walls [m/s/N].
+/// The maximum speed of the tip per newton of the pressing force, by the linear loop without a
+/// hand: from rest in a corner until it has left all three walls [m/s/N].
 double speed_per_force(const loops::StabilityCase &which) {
     loops::StabilityCase alone = which;
     alone.hands = {loops::no_hand()};
@@ -57,12 +57,12 @@ double speed_per_force(const loops::StabilityCase &which) {
     return greatest;
 }
 
-bool is_borne(const loops::StabilityCase &which, double force_N, double limit_m_per_s) {
+bool keeps_running(const loops::StabilityCase &which, double force_N, double limit_m_per_s) {
     const double K = tip_stiffness_N_per_m(which);
     const double hand_N_per_m = which.hands.front().stiffness_N_per_m;
     PressedCorner corner(which, kHand_N);
     corner.inputs.limits.tip_speed_m_per_s = limit_m_per_s;
-    corner.press(force_N * (K + hand_N_per_m) / K); // hand and contact are two springs in a row
+    corner.press(force_N * (K + hand_N_per_m) / K); // hand and contact are two springs in series
     if (corner.has_tripped()) {
         return false;
     }
@@ -76,11 +76,11 @@ bool is_borne(const loops::StabilityCase &which, double force_N, double limit_m_
 
 TriedLine line_at(const loops::StabilityCase &which, double limit_m_per_s,
                   const std::string &setting) {
-    constexpr double kMost_N = 7.0; // less than the limiter lets through
+    constexpr double kMost_N = 7.0; // less than the limiter's maximum
     constexpr double kResolution = 1e-4;
     const double predicted_N = limit_m_per_s / speed_per_force(which);
     TriedLine tried{{"servo",
-                     "a hand lets go, pressing more than",
+                     "hand released while pressing with more than",
                      "N",
                      setting,
                      predicted_N < kMost_N ? std::optional(predicted_N) : std::nullopt,
@@ -89,7 +89,7 @@ TriedLine line_at(const loops::StabilityCase &which, double limit_m_per_s,
                     0.5,
                     kMost_N,
                     false,
-                    [=](double force_N) { return is_borne(which, force_N, limit_m_per_s); }};
+                    [=](double force_N) { return keeps_running(which, force_N, limit_m_per_s); }};
     tried.resolution = kResolution;
     return tried;
 }
@@ -103,11 +103,12 @@ std::vector<TriedLine> letting_go_lines(const loops::StabilityCase &which) {
     firm.freedom = loops::Freedom::three_motors;
     firm.hands = {loops::hand_of_firmness(1.0)};
     const double limit_m_per_s = firm.device.limits.tip_speed_m_per_s;
-    return {line_at(firm, limit_m_per_s,
-                    "tuning firm, tip speed limited to " + with_unit(limit_m_per_s, "m/s") +
-                        "; tried up to 7 N"),
-            line_at(firm, kLowered_m_per_s,
-                    "tuning firm, that limit lowered to " + with_unit(kLowered_m_per_s, "m/s"))};
+    return {
+        line_at(firm, limit_m_per_s,
+                "tuning firm, tip speed limited to " + with_unit(limit_m_per_s, "m/s") +
+                    "; tried up to 7 N"),
+        line_at(firm, kLowered_m_per_s,
+                "tuning firm, tip speed limit lowered to " + with_unit(kLowered_m_per_s, "m/s"))};
 }
 
 } // namespace springdrive::limits

@@ -1,4 +1,4 @@
-// What becomes of a device whose hand lets go while it presses.
+// What happens when a pressing hand releases the device.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -6,9 +6,9 @@
 
 namespace springdrive::limits {
 
-/// The contact then throws the tip out. From which force on that trips the limit of tip speed: as
-/// the device file has it, and as somebody lowered it.
-/// @param which  its hands are not looked at: a firm one presses
+/// The contact then expels the tip. The force from which on that trips the limit of tip speed: with
+/// the limit of the device file, and with a lower one.
+/// @param which  its hands are ignored: a firm one presses
 [[nodiscard]] std::vector<TriedLine> letting_go_lines(const loops::StabilityCase &which);
 
 } // namespace springdrive::limits

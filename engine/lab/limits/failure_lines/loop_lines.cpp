@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char *kDrift = "drift compensation (10)";
 
-/// Limits of one parameter of a loop.
+/// The limits of one parameter of a loop.
 void add_limits(std::vector<FailureLine> &lines, const std::string &method,
                 const loops::StabilityCase &which, const std::string &name,
                 const std::string &setting) {
@@ -28,7 +28,7 @@ void add_limits(std::vector<FailureLine> &lines, const std::string &method,
     }
 }
 
-/// What one count of an encoder makes of e_W.
+/// The change of e_W from one encoder count.
 FailureLine noise_of_a_count(const loops::StabilityCase &which) {
     const control::Tuning tuning;
     const double count_rad = which.device.rad_per_count();
@@ -40,7 +40,7 @@ FailureLine noise_of_a_count(const loops::StabilityCase &which) {
     const Vector3 e_W_V =
         control::drift_compensation_V(control::torque_constants(which.device), tuning, now, {});
     return {kDrift,
-            "a count makes",
+            "e_W changes per count by",
             "mV",
             "(K_P + K_D (1 − a)/T) Δ, tuning firm, 1 kHz",
             1e3 * count_rad *
@@ -60,7 +60,7 @@ std::vector<FailureLine> drift_lines(const loops::StabilityCase &which,
         add_limits(lines, kDrift, firm, name, "tuning firm, 1 kHz");
         step();
     }
-    loops::StabilityCase filtered = firm; // K_D holds what K_P alone would not
+    loops::StabilityCase filtered = firm; // stable only with K_D, not with K_P alone
     filtered.tuning.K_P_V_per_rad = 20.0;
     filtered.tuning.K_D_Vs_per_rad = 0.03;
     filtered.delay_periods = 1;
@@ -76,7 +76,7 @@ std::vector<FailureLine> alpha_lines(const loops::StabilityCase &which) {
     loops::StabilityCase three = which;
     three.freedom = loops::Freedom::three_motors;
     three.tuning = control::Tuning{};
-    three.tuning.K_P_V_per_rad = 20.0; // near what (29) leaves room for
+    three.tuning.K_P_V_per_rad = 20.0; // near the largest that is stable at the bound (29)
     const double bound =
         control::alpha_bound(device::motor_jacobian(which.device.geometry, which.q_rad),
                              control::relative_stiffness(which.device));
@@ -95,7 +95,7 @@ std::vector<FailureLine> wall_lines(const loops::StabilityCase &which) {
     const double lever_m = device::motor_jacobian(which.device.geometry, which.q_rad).col(1).norm();
     const double lag_s =
         1.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
-    // 2b/T, for a command that comes d periods late and an amplifier that lags.
+    // 2b/T, corrected for a delay of d periods and for the amplifier's lag.
     const auto line = [&](int delay) {
         const double late_s = wall.period_s * (1.0 + 2.0 * delay) + 2.0 * lag_s;
         return with_unit(

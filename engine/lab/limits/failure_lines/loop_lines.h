@@ -1,5 +1,5 @@
-// Where sampled loops go unstable: drift compensation (10), the scale of the transpose map (23),
-// and the virtual wall of a current drive.
+// Where sampled loops become unstable: drift compensation (10), the scale of the transpose map
+// (23), and the virtual wall of a current drive.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -7,8 +7,8 @@
 
 namespace springdrive::limits {
 
-/// Each of a loop's limits, by eigenvalues and by trying, as `stability_limits` has them; and what
-/// a count of the encoder makes of e_W.
+/// Each limit of a loop, by eigenvalues and by trials, from `stability_limits`; and the change of
+/// e_W per encoder count.
 /// @param step  called `kDriftSteps` times in all
 [[nodiscard]] std::vector<FailureLine> drift_lines(const loops::StabilityCase &which,
                                                    const std::function<void()> &step);

@@ -8,13 +8,13 @@ namespace springdrive::limits {
 
 inline constexpr const char *kMotorMethod = "motor";
 
-/// What the amplifier cannot give.
+/// Limits of the amplifier.
 [[nodiscard]] std::vector<TriedLine> amplifier_lines(const device::DeviceDescription &device);
 
-/// Where the servo's last stage holds e_W back before anything is reached.
+/// Where the servo's last stage limits e_W before the motor's or the device's limits are reached.
 [[nodiscard]] std::vector<TriedLine> held_back_lines(const loops::StabilityCase &which);
 
-/// How warm windings may get, and what warmth makes of a held contact.
+/// Limits of winding temperature, and the effect of warming on a held contact.
 [[nodiscard]] std::vector<TriedLine> heat_lines(const device::DeviceDescription &device);
 
 } // namespace springdrive::limits

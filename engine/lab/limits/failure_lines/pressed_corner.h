@@ -1,5 +1,5 @@
-// A servo on a simulated device, in a corner of three walls, which holds the tip at a point, or in
-// free space off it.
+// A servo on a simulated device with its tip in a corner of three walls, which holds it at a point,
+// or in free space near it.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -9,15 +9,15 @@ namespace springdrive::limits {
 
 class PressedCorner : public rig::ServoRig {
 public:
-    /// The servo runs, and the tip is at rest in free space a little off the corner.
+    /// Starts the servo, with the tip at rest in free space near the corner.
     /// @param which  device, tuning, period, delay and configuration; hands[0] holds
-    /// @param hand_force_N  the most that it presses with
+    /// @param hand_force_N  the maximum force with which it presses
     explicit PressedCorner(const loops::StabilityCase &which, double hand_force_N = 20.0);
 
-    /// Until the tip rests in the corner, pressed against all three walls.
+    /// Runs until the tip rests in the corner, pressed against all three walls.
     /// @param force_N  by which the hand's spring is stretched
     void press(double force_N);
-    /// The hand wants to be a little elsewhere, from the next tick on.
+    /// Shifts the hand's target by 0.1 mm from the next tick on.
     void nudge();
 
 private:

@@ -1,4 +1,4 @@
-// The plate that tips are pressed into, to find where a method loses it.
+// The plate into which tips are pressed to find where a method loses contact.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"
@@ -22,7 +22,7 @@ inline constexpr double kHalfPlate_m = 0.05;
                           {kHalfPlate_m, 0.0, kHalfPlate_m});
 }
 
-/// Beside the diagonals of faces, and off their middles.
+/// Away from the diagonals and the middles of faces.
 inline const Vector3 kAside_m(0.01, 0.0, 0.02);
 
 [[nodiscard]] inline Vector3 at_height(double y_m) { return kAside_m + y_m * Vector3::UnitY(); }

@@ -16,15 +16,15 @@ namespace {
 
 constexpr const char *kProxy = "proxy";
 
-/// Whether the proxy still stands right above a level surface at y = 0, within more than
-/// preparation moves any vertex by to weld it to another, and much less than is felt.
+/// Whether the proxy is still straight above a level surface at y = 0, within a tolerance that
+/// exceeds the moves of vertex welding and is far below perception.
 bool stands_above(const contact::Contact &contact, const Vector3 &tip_m) {
     constexpr double kOff_m = 1e-6;
     const Vector3 above(tip_m.x(), contact::kClearance_m, tip_m.z());
     return contact.touching && (contact.x0_m - above).norm() < kOff_m;
 }
 
-/// Straight through, at one speed, from above.
+/// Whether the proxy stays on the surface while the tip moves straight through it from above.
 bool is_held(const contact::HapticSurface &surface, double speed_m_per_s) {
     constexpr int kTicks = 50;
     contact::Proxy proxy;
@@ -91,7 +91,7 @@ TriedLine proxy_on_a_crack() {
             }};
 }
 
-/// Beside each triangle of a sphere, and on it, some that are a line or a point.
+/// A mesh with added triangles that are a line or a point.
 contact::TriangleSoup with_degenerate(contact::TriangleSoup soup, double share) {
     const std::size_t sound = soup.triangles.size();
     const auto wanted =
@@ -114,9 +114,9 @@ TriedLine proxy_on_degenerate_triangles() {
     constexpr double kOff_m = 1e-12;
     const contact::TriangleSoup sphere = rig::icosphere(kDivisions, rig::kTestSphereRadius_m);
     return {{kProxy,
-             "triangles without an area, more than",
+             "more degenerate triangles than",
              "%",
-             "a sphere, held as without them; tried up to 90 % of all",
+             "a sphere, same contact as without them; tried up to 90 % of all",
              {},
              {},
              {}},
@@ -145,7 +145,7 @@ TriedLine proxy_on_degenerate_triangles() {
             }};
 }
 
-/// Pressed into the bottom of a pit it rests where all faces are kept clear of: kClearance over the
+/// Pressed into the bottom of a pit, it rests at the clearance from all faces: kClearance over the
 /// sine of the half opening above the edge or corner.
 TriedLine proxy_in_a_pit(const char *fails, int faces) {
     constexpr double kNarrowest_deg = 1.0;
@@ -162,7 +162,7 @@ TriedLine proxy_in_a_pit(const char *fails, int faces) {
                 contact::Proxy proxy;
                 proxy.reset({0.0, 0.01, along_m});
                 contact::Contact contact;
-                for (int i = 1; i <= 100; ++i) { // sliding down one face, then the other
+                for (int i = 1; i <= 100; ++i) { // slides down one face, then the other
                     const double swing_m = 1e-3 * std::sin(0.2 * i) * (100 - i) / 100.0;
                     contact = proxy.update(surface, {swing_m, 0.01 - 1.2e-4 * i, along_m});
                 }
@@ -173,13 +173,13 @@ TriedLine proxy_in_a_pit(const char *fails, int faces) {
             }};
 }
 
-/// Nothing holds it until it has come out; then it does.
+/// Free until it has left the plate, held from then on.
 TriedLine proxy_that_starts_inside() {
     const auto surface = std::make_shared<contact::HapticSurface>(plate(kHalfPlate_m));
     return {{kProxy,
              "starts inside deeper than",
              "mm",
-             "a plate of 50 mm: free on its way out, held from then on; tried to its middle",
+             "a plate of 50 mm: free until it has left, held from then on; tried to its middle",
              {},
              {},
              {}},

@@ -25,12 +25,12 @@ loops::StabilityCase firm_in_a_hand(const loops::StabilityCase &which) {
     return firm;
 }
 
-/// Deadlines missed in a row that the monitor bears.
+/// The number of consecutive missed deadlines that the monitor tolerates.
 int missed_limit(const loops::StabilityCase &which) {
     return static_cast<int>(std::floor(which.device.limits.late_s / which.period_s + 1e-6));
 }
 
-/// One tick is late by so much. The first limit + 1 periods of it are too many.
+/// One tick is late. From limit + 1 periods on, the monitor trips.
 TriedLine late_tick(const loops::StabilityCase &which) {
     const double period_ms = kMilli * which.period_s;
     const int limit = missed_limit(which);
@@ -56,9 +56,9 @@ TriedLine late_tick(const loops::StabilityCase &which) {
     return tried;
 }
 
-/// Whether a nudged tip comes to rest in the corner, with every other tick late. What the finest
-/// encoders keep up is a ten-thousandth of the nudge.
-bool dies_out(const loops::StabilityCase &which, int missed) {
+/// Whether a displaced tip comes to rest in the corner, with every other tick late. The motion that
+/// the finest encoders sustain is a ten-thousandth of the displacement.
+bool motion_decays(const loops::StabilityCase &which, int missed) {
     constexpr double kForce_N = 2.0;
     constexpr double kWatched_s = 3.0;
     constexpr double kEarly_s = 0.2;
@@ -80,7 +80,7 @@ bool dies_out(const loops::StabilityCase &which, int missed) {
     return !corner.has_tripped() && late < 0.5 * early;
 }
 
-/// Jitter at its worst: on time, late, on time, late.
+/// Worst-case jitter: on time, late, on time, late.
 TriedLine every_other_tick_late(const loops::StabilityCase &which) {
     const int most = missed_limit(which);
     int predicted = 0;
@@ -98,10 +98,10 @@ TriedLine every_other_tick_late(const loops::StabilityCase &which) {
             0.0,
             static_cast<double>(most),
             true,
-            [=](double missed) { return dies_out(which, static_cast<int>(missed)); }};
+            [=](double missed) { return motion_decays(which, static_cast<int>(missed)); }};
 }
 
-/// Answers that come late are a longer d: by whole periods, as frames that miss their tick.
+/// Late answers increase d by whole periods, as USB frames that miss their tick do.
 TriedLine late_answers(const loops::StabilityCase &which) {
     const auto delayed = [=](int periods) {
         loops::StabilityCase late = which;
@@ -124,12 +124,12 @@ TriedLine late_answers(const loops::StabilityCase &which) {
             0.0,
             static_cast<double>(simulated::SimulationOptions::kLongestDelay),
             true,
-            [=](double periods) { return dies_out(delayed(static_cast<int>(periods)), 0); }};
+            [=](double periods) { return motion_decays(delayed(static_cast<int>(periods)), 0); }};
 }
 
-/// Whether the servo runs on after so many reads in a row in which its device fails so.
-bool outlives(const loops::StabilityCase &which, rig::FaultKind fault, double reads) {
-    constexpr int kTicks = 30; // more than reads are tried, and a few to see it
+/// Whether the servo keeps running after that many consecutive reads with the fault.
+bool survives(const loops::StabilityCase &which, rig::FaultKind fault, double reads) {
+    constexpr int kTicks = 30; // more than the reads tried, with a few to detect the trip
     PressedCorner corner(which, 0.0);
     corner.device().commit({fault, Vector3::Zero(), static_cast<std::uint64_t>(reads)});
     for (int i = 0; i < kTicks; ++i) {
@@ -138,42 +138,43 @@ bool outlives(const loops::StabilityCase &which, rig::FaultKind fault, double re
     return !corner.has_tripped();
 }
 
-/// A device that is gone stops the servo at once.
+/// A lost device stops the servo at once.
 TriedLine lost_device(const loops::StabilityCase &which) {
     return {{kServoMethod,
-             "device lost, ticks more than",
+             "device lost for more ticks than",
              "–",
-             "unplugged, say; no command can reach it",
+             "for example unplugged; no command can reach it",
              0.0,
              {},
              {}},
             0.0,
             10.0,
             true,
-            [=](double lost) { return outlives(which, rig::FaultKind::lost, lost); }};
+            [=](double lost) { return survives(which, rig::FaultKind::lost, lost); }};
 }
 
-/// One that only keeps silent is waited for as long as the budget lasts: the last command stands.
+/// The servo waits for a silent device until the budget is exhausted; the last command stays
+/// active.
 TriedLine missing_answers(const loops::StabilityCase &which) {
     const double budget = which.device.limits.stale_s / which.period_s;
     return {{kServoMethod,
              "measurements missing in a row, more than",
              "–",
-             "1 kHz; the last command stands meanwhile",
+             "1 kHz; the last command stays active meanwhile",
              std::floor(budget + 1e-6),
              {},
              {}},
             0.0,
             3.0 * budget,
             true,
-            [=](double missing) { return outlives(which, rig::FaultKind::absent, missing); }};
+            [=](double missing) { return survives(which, rig::FaultKind::absent, missing); }};
 }
 
-/// The tick that sees it commands braking before it ends.
+/// The tick that detects the loss commands braking before it ends.
 TriedLine volts_off(const loops::StabilityCase &which) {
     TriedLine tried;
     tried.line = {kServoMethod,
-                  "volts off after",
+                  "voltage off after",
                   "periods",
                   "the device is lost while a relaxed hand presses",
                   0.0,
@@ -194,14 +195,14 @@ TriedLine volts_off(const loops::StabilityCase &which) {
     return tried;
 }
 
-/// A tip that a new scene puts inside a block is free until it has come out.
+/// A tip that is inside a block after a change of scene is free until it has left.
 TriedLine new_scene(const loops::StabilityCase &which) {
     constexpr double kHalfBlock_m = 0.1;
     constexpr double kDeepest_m = 0.05;
     return {{"proxy",
              "scene switched in contact, inside deeper than",
              "mm",
-             "pressed by a relaxed hand; free, and nothing trips; tried up to 50 mm",
+             "pressed by a relaxed hand; stays free, nothing trips; tried up to 50 mm",
              {},
              {},
              {}},
@@ -231,14 +232,14 @@ TriedLine silent_window(const loops::StabilityCase &which) {
     tried.line = {kServoMethod,
                   "window silent for longer than",
                   "s",
-                  "its heartbeat stands still",
+                  "its heartbeat stops",
                   which.device.limits.window_silence_s,
                   {},
                   {}};
     tried.reading = [=]() -> std::optional<double> {
         PressedCorner corner(which, 0.0);
         corner.inputs.heartbeat = 7;
-        corner.tick(); // the last beat
+        corner.tick(); // the last heartbeat
         for (long ticks = 1; ticks < 100'000; ++ticks) {
             if (corner.tick(); corner.has_tripped()) {
                 return static_cast<double>(ticks - 1) * which.period_s;

@@ -1,5 +1,5 @@
 // Where the servo fails, or stops before it does: missed ticks, jitter, a late or lost device, a
-// window that hangs, a scene that changes and a hand that lets go.
+// hung window, a change of scene and a hand that releases.
 #pragma once
 
 #include "engine/lab/limits/failure_lines/failure_line.h"

@@ -1,5 +1,5 @@
-// Covers engine/lab/limits/auto_tune.cpp: against a search that tries everything, and
-// hands that were not in the family. Some seconds for each of twenty devices.
+// Covers engine/lab/limits/auto_tune.cpp: against an exhaustive search, and with hands that were
+// not in the family. Some seconds for each of twenty devices.
 #include "engine/lab/limits/auto_tune.h"
 
 #include "base/input_error.h"
@@ -54,7 +54,7 @@ AutoTuneRequest random_request(std::mt19937_64 &random) {
     return request;
 }
 
-/// The n-th request of those that have a tuning at all.
+/// The n-th of the requests for which a tuning exists.
 struct Tuned {
     AutoTuneRequest request;
     AutoTuned found;
@@ -68,13 +68,14 @@ Tuned tuned_device(int seed) {
         try {
             tuned.found = auto_tune(tuned.request);
             return tuned;
-        } catch (const InputError &) { // nothing is stable there: the next
+        } catch (const InputError &) { // no stable tuning: the next
         }
     }
 }
 
-/// The stiffest on a grid over K_P, K_D and λ that keeps the five hands and none stable with the
-/// margin. Hands between those, which a tuning has to bear as well, could only make it less.
+/// The stiffest on a grid over K_P, K_D and λ that is stable with the margin for the five hands and
+/// without a hand. The hands between those, with which a tuning must be stable as well, could only
+/// reduce it.
 class EverythingTried {
 public:
     EverythingTried(const loops::HeldLoops &loops, double margin) : loops_(loops), margin_(margin) {
@@ -151,7 +152,7 @@ private:
         gains.K_D_Vs_per_rad *= margin_;
         for (std::size_t i = 0; i < order_.size(); ++i) {
             if (!loops_.is_stable(order_[i], gains)) {
-                std::swap(order_[i], order_[i / 2]); // what fails often moves forward
+                std::swap(order_[i], order_[i / 2]); // loops that fail often move forward
                 return false;
             }
         }
@@ -165,7 +166,7 @@ private:
 
 class AutoTuneSearch : public ::testing::TestWithParam<int> {};
 
-/// All of the family's hands, finely, at any η: without the search's own list of loops.
+/// The family's hands with others between them, at any η, without the search's own list of loops.
 void expect_stable_in_every_hand(loops::StabilityCase which, std::mt19937_64 &random) {
     which.hands = loops::hand_family(41);
     const Vector3 own_rad = which.q_rad;
@@ -194,19 +195,19 @@ void expect_some_at_rest(loops::StabilityCase which, std::mt19937_64 &random) {
     }
 }
 
-TEST_P(AutoTuneSearch, NearlyReachesTheBestThatThereIsAndNoHandShakesIt) {
+TEST_P(AutoTuneSearch, NearlyReachesTheOptimumAndIsStableWithEveryHand) {
     const Tuned tuned = tuned_device(GetParam());
     loops::StabilityCase which = tuned.request.which;
     which.tuning = tuned.found.tuning;
     const loops::HeldLoops loops(which);
     EverythingTried everything(loops, tuned.request.margin);
     const double best = everything.stiffest_K_P();
-    const double found = which.tuning.K_P_V_per_rad; // also after what was taken back
+    const double found = which.tuning.K_P_V_per_rad; // after the reduction, if any
     std::printf("%.0f Hz, delay %g, dR %.2f Ω, margin %.2f: K_P %.3f, by trying all %.3f, "
                 "taken back %.0f %%\n",
                 1.0 / which.period_s, which.delay_periods, which.tuning.dR_Ohm,
                 tuned.request.margin, found, best, 100.0 * tuned.found.taken_back);
-    // Where that is not reached, it must be the counts that keep all others from rest.
+    // Where that is not reached, the counts must keep all other tunings from rest.
     constexpr double kShare = 0.95;
     EXPECT_TRUE(found >= kShare * best || !everything.any_rests(found / kShare, which));
     std::mt19937_64 random(static_cast<unsigned>(GetParam()));

@@ -1,4 +1,4 @@
-// Covers engine/lab/limits/auto_tune.cpp; auto_tune_search_test.cpp has what takes long.
+// Covers engine/lab/limits/auto_tune.cpp; auto_tune_search_test.cpp has the slow tests.
 #include "engine/lab/limits/auto_tune.h"
 
 #include "base/input_error.h"
@@ -40,7 +40,7 @@ bool holds(const loops::StabilityCase &which, double gain) {
                                  which.tuning.lambda_rad_per_s}) == loops.count();
 }
 
-/// One found tuning that several tests look at.
+/// One found tuning that several tests share.
 class FoundTuning : public ::testing::Test {
 protected:
     static void SetUpTestSuite() {
@@ -53,7 +53,7 @@ protected:
 AutoTuneRequest FoundTuning::request; // NOLINT(cert-err58-cpp)
 AutoTuned FoundTuning::found;         // NOLINT(cert-err58-cpp)
 
-TEST_F(FoundTuning, IsATuning) {
+TEST_F(FoundTuning, IsValid) {
     EXPECT_EQ(what_is_wrong_with(found.tuning), "");
     EXPECT_EQ(found.tuning.eta, 0.0);
     EXPECT_EQ(found.tuning.dR_Ohm, 0.5);
@@ -62,7 +62,7 @@ TEST_F(FoundTuning, IsATuning) {
     EXPECT_EQ(found.loops, loops::HeldLoops(request.which).count());
 }
 
-TEST_F(FoundTuning, HasTheMarginAskedForAndNoMore) {
+TEST_F(FoundTuning, HasTheRequestedMarginAndNoMore) {
     const loops::StabilityCase which = tuned(request, found.tuning);
     EXPECT_GE(found.margins.gain, request.margin * (1.0 - 1e-3));
     EXPECT_TRUE(holds(which, found.margins.gain));
@@ -72,7 +72,7 @@ TEST_F(FoundTuning, HasTheMarginAskedForAndNoMore) {
     }
 }
 
-TEST_F(FoundTuning, HasTheDelayMarginSaid) {
+TEST_F(FoundTuning, HasTheReportedDelayMargin) {
     loops::StabilityCase which = tuned(request, found.tuning);
     which.delay_periods += found.margins.more_delay_periods;
     EXPECT_TRUE(holds(which, 1.0));
@@ -82,7 +82,7 @@ TEST_F(FoundTuning, HasTheDelayMarginSaid) {
     EXPECT_NEAR(found.margins.servo_hz, 1000.0, 1e-9);
 }
 
-TEST_F(FoundTuning, HasTheMarginOfResistanceSaid) {
+TEST_F(FoundTuning, HasTheReportedResistanceMargin) {
     loops::StabilityCase which = tuned(request, found.tuning);
     which.net_resistance_Ohm = found.margins.least_dR_Ohm;
     EXPECT_TRUE(holds(which, 1.0));
@@ -90,7 +90,7 @@ TEST_F(FoundTuning, HasTheMarginOfResistanceSaid) {
     EXPECT_FALSE(holds(which, 1.0));
 }
 
-TEST_F(FoundTuning, HasTheStiffnessSaid) {
+TEST_F(FoundTuning, HasTheReportedStiffness) {
     const double k_T = request.which.device.motor[0].torque_constant_Nm_per_A;
     EXPECT_DOUBLE_EQ(found.margins.K_DC_Nm_per_rad,
                      k_T * found.tuning.K_P_V_per_rad / 0.5); // (13)
@@ -116,7 +116,7 @@ TEST_F(FoundTuning, AWiderMarginIsSofter) {
     EXPECT_GE(softer.margins.gain, 2.0 * (1.0 - 1e-3));
 }
 
-/// Every hand of the family, finely, at any η.
+/// Every hand of the family and others between them, at any η.
 void expect_stable_in_every_hand(loops::StabilityCase which) {
     which.hands = loops::hand_family(41);
     for (int i = 0; i <= 20; ++i) {
@@ -127,8 +127,9 @@ void expect_stable_in_every_hand(loops::StabilityCase which) {
     }
 }
 
-/// Between the family's five hands there are others: this motor in free space shakes a hand of
-/// firmness 0.2, but none of the five, if the filter is slow enough for gains to be high.
+/// Between the family's five hands there are others: in free space this motor is unstable with a
+/// hand of firmness 0.2, but with none of the five, if the filter is slow enough for gains to be
+/// high.
 TEST(AutoTune, IsStableInHandsBetweenTheFive) {
     AutoTuneRequest request = request_for(798.0, 3, 0.0393656);
     request.margin = 2.41629;
@@ -160,7 +161,7 @@ TEST(AutoTune, IsStableInHandsThatItWasNotGiven) {
     }
 }
 
-TEST(AutoTune, TellsItsProgressAndMayBeGivenUp) {
+TEST(AutoTune, ReportsItsProgressAndCanBeCancelled) {
     std::vector<double> told;
     EXPECT_THROW(static_cast<void>(auto_tune(request_for(1000.0, 1, 0.5),
                                              [&told](double share) {
@@ -181,7 +182,7 @@ std::string complaint(const AutoTuneRequest &request) {
     return "";
 }
 
-TEST(AutoTune, RefusesMarginsThatCannotBe) {
+TEST(AutoTune, RefusesInvalidMargins) {
     AutoTuneRequest request = request_for(1000.0, 0, 0.5);
     for (const double bad : {0.0, 0.999, 10.001, std::nan(""), HUGE_VAL, -1.3}) {
         request.margin = bad;
@@ -189,7 +190,7 @@ TEST(AutoTune, RefusesMarginsThatCannotBe) {
     }
 }
 
-TEST(AutoTune, SaysWhereNothingIsStable) {
+TEST(AutoTune, ReportsWhereNothingIsStable) {
     // An over-cancelled winding has no stable free space, whatever the gains.
     AutoTuneRequest request = request_for(1000.0, 0, 0.5);
     request.which.net_resistance_Ohm = -0.5;

@@ -1,5 +1,5 @@
-// Covers engine/lab/limits for delays that are no whole number of periods: a sample of what
-// stability_agreement_test.cpp does with a hundred loops.
+// Covers engine/lab/limits for delays that are no whole number of periods: a subset of
+// stability_agreement_test.cpp, which tries a hundred loops.
 #include "tests/support/delayed_limits.h"
 
 #include <gtest/gtest.h>

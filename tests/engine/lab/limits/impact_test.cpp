@@ -17,12 +17,12 @@ loops::StabilityCase held_firmly() {
     loops::StabilityCase which;
     which.device = testing::phantom_1_0();
     which.period_s = 1e-4;
-    which.hands = {{"leading", 0.0, 200.0, 20000.0}}; // goes on as it came
+    which.hands = {{"leading", 0.0, 200.0, 20000.0}}; // continues at its speed
     return which;
 }
 
-/// A spring alone: the force grows by K times the way, so that rate over speed is K, but for the
-/// half of a sample by which it is late at first.
+/// A spring alone: the force grows by K times the displacement, so that rate over speed is K,
+/// except for the initial lag of half a sample.
 TEST(Impact, OfAPlainSpringIsItsStiffness) {
     loops::StabilityCase which = held_firmly();
     which.drive = device::AmplifierKind::current_drive;
@@ -44,8 +44,8 @@ TEST(Impact, GrowsWithTheWall) {
     }
 }
 
-/// M, rotors and all, through J along the vertical: what an unpowered current drive is to a hand
-/// that leads along a line.
+/// M with rotors, through J along the vertical: the mass of an unpowered current drive for a hand
+/// that guides it along a line.
 TEST(ApparentMass, OfACurrentDriveIsTheLinkagesOwn) {
     loops::StabilityCase which = held_firmly();
     which.drive = device::AmplifierKind::current_drive;

@@ -29,8 +29,8 @@ LockedDeviceOptions without_effects(const Vector3 &q_rad) {
     return options;
 }
 
-/// The normal against which the inverse map errs most, counter-clockwise. With the stiffnesses
-/// k₁ < k₂ along the ellipse's axes it lies at atan(√(k₁/k₂)) from the first.
+/// The normal with the largest error of the inverse map, counter-clockwise. With the stiffnesses k₁
+/// < k₂ along the ellipse's axes it lies at atan(√(k₁/k₂)) from the first.
 double worst_normal_rad(const device::DeviceDescription &device, const Vector3 &q_rad) {
     const Eigen::SelfAdjointEigenSolver<loops::Matrix2> K(
         loops::planar_stiffness(device, control::Tuning{}, q_rad).inverse);
@@ -39,8 +39,8 @@ double worst_normal_rad(const device::DeviceDescription &device, const Vector3 &
     return std::atan2(soft.y(), soft.x()) + std::atan(std::sqrt(ratio));
 }
 
-TEST(LockedDevice, InverseErrsByTheAngleBetweenTheLinks) {
-    // Fig. 6's amplitude for five configurations: 0.1° is what is asked for.
+TEST(LockedDevice, ErrorOfTheInverseMapIsTheAngleBetweenTheLinks) {
+    // Fig. 6's amplitude for five configurations: 0.1° is required.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {0.0, -15.0, -30.0, -45.0, -60.0}) {
         const LockedDeviceOptions options = without_effects(folded(fold_deg));
@@ -84,8 +84,8 @@ TEST(LockedDevice, ForcesAreThoseOfTheStiffnessEllipse) {
     }
 }
 
-TEST(LockedDevice, TransposeErrsLittleOnAnImperfectDevice) {
-    // 5° is what is allowed; above a tenth of a degree somewhere, or the effects are not in.
+TEST(LockedDevice, ErrorOfTheTransposeMapIsSmallOnAnImperfectDevice) {
+    // 5° is allowed; above a tenth of a degree somewhere, or the effects are missing.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double fold_deg : {0.0, -15.0, -30.0, -45.0, -60.0}) {
         LockedDeviceOptions options;
@@ -105,7 +105,7 @@ TEST(LockedDevice, TransposeErrsLittleOnAnImperfectDevice) {
     }
 }
 
-TEST(LockedDevice, ATripIsSaid) {
+TEST(LockedDevice, ATripIsReported) {
     const device::DeviceDescription device = testing::phantom_1_0();
     LockedDeviceOptions options;
     options.q_rad = folded(-35.0);
@@ -132,8 +132,8 @@ TEST(LockedDevice, RefusesAnglesThatTheJointsCannotTurnTo) {
 }
 
 TEST(LockedDevice, HarmlessPenetrationKeepsWithinTheLimits) {
-    // Against brute force: no normal asks for more than half of either limit, and one for all of
-    // that half, unless the penetration is the largest there is.
+    // Against brute force: no normal requests more than half of either limit, and one requests all
+    // of that half, unless the penetration is the largest there is.
     const device::DeviceDescription device = testing::phantom_premium_1_5();
     for (const double K_P : {0.5, 6.0, 20.0}) {
         control::Tuning tuning;

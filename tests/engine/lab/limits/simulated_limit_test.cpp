@@ -27,7 +27,7 @@ TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {
         const std::optional<double> found = simulated_limit(testing::firm(), kp, limit, options);
         ASSERT_TRUE(found);
         EXPECT_TRUE(is_stable_simulated(testing::with(testing::firm(), kp, *found), options));
-        // To 1e-3 of the larger end of the bracket; trials are the same each time.
+        // To 1e-3 of the larger end of the bracket; trials are deterministic.
         bool fails = false;
         for (const double beyond : {1.0005, 1.0011, 1.002}) {
             fails = fails || !is_stable_simulated(
@@ -37,7 +37,7 @@ TEST(SimulatedLimit, HasAllMembersStableAndOneThatIsNotBeyond) {
     }
 }
 
-/// With counts a loop rests, rattles and rests again along T. All of a grid below the limit rests.
+/// With counts a loop rests, vibrates and rests again along T. All of a grid below the limit rest.
 TEST(SimulatedLimit, WithCountsIsTheFirstFromTheStableSide) {
     const loops::StabilityParameter &T = testing::named("T");
     const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
@@ -55,7 +55,7 @@ TEST(SimulatedLimit, WithCountsIsTheFirstFromTheStableSide) {
             break;
         }
     }
-    // There are places farther out that rest.
+    // Some values farther out rest.
     bool rests_again = false;
     for (double value = 1.01 * *found; value < limit.predicted && !rests_again; value *= 1.01) {
         rests_again = is_stable_simulated(testing::with(testing::firm(), T, value), options);
@@ -63,8 +63,8 @@ TEST(SimulatedLimit, WithCountsIsTheFirstFromTheStableSide) {
     EXPECT_TRUE(rests_again);
 }
 
-/// The verdicts are the trials' own: with a wrong prediction the same limit is found.
-TEST(SimulatedLimit, DoesNotBelieveThePrediction) {
+/// The results are those of the trials: with a wrong prediction the same limit is found.
+TEST(SimulatedLimit, IsIndependentOfThePrediction) {
     const loops::StabilityParameter &kp = testing::named("kp");
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
@@ -79,7 +79,7 @@ TEST(SimulatedLimit, DoesNotBelieveThePrediction) {
     }
 }
 
-TEST(SimulatedLimit, StandsForTheLowerEndToo) {
+TEST(SimulatedLimit, WorksForALowerLimitToo) {
     const loops::StabilityParameter &dR = testing::named("dR");
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
@@ -91,7 +91,7 @@ TEST(SimulatedLimit, StandsForTheLowerEndToo) {
     const std::optional<double> counts =
         simulated_limit(which, dR, limit, TrialOptions::with(SimulationEffects::electronics()));
     ASSERT_TRUE(counts);
-    EXPECT_GT(*counts, limit.predicted); // earlier: counts keep a loop rattling
+    EXPECT_GT(*counts, limit.predicted); // earlier: counts sustain vibration
 }
 
 TEST(SimulatedLimit, OfADelayHasItsSides) {
@@ -108,8 +108,8 @@ TEST(SimulatedLimit, OfADelayHasItsSides) {
     }
 }
 
-TEST(SimulatedLimit, MayNotBeThere) {
-    // Friction holds a soft wall's device where it is, far beyond the line.
+TEST(SimulatedLimit, MayNotExist) {
+    // Friction holds the device at a soft wall, far beyond the limit.
     loops::StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;
     which.hands = {loops::no_hand()};
@@ -119,7 +119,7 @@ TEST(SimulatedLimit, MayNotBeThere) {
 }
 
 /// A soft wall without damping, the whole linkage: all modes are slow, and the one that grows is
-/// hidden behind the others at first. What is told of it in half a minute.
+/// masked by the others at first. Observed for half a minute.
 TEST(SimulatedLimit, IsNearForSlowMotionsToo) {
     loops::StabilityCase which = testing::firm();
     which.drive = device::AmplifierKind::current_drive;

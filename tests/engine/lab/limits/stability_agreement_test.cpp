@@ -27,7 +27,7 @@ struct Found {
     StabilityLimit limit;
 };
 
-/// Random loops that have a limit along one parameter; each in its turn.
+/// Random loops with a limit along one parameter; the parameters take turns.
 std::vector<Found> random_limits(int count, std::mt19937_64 &random) {
     std::vector<Found> all;
     for (std::size_t i = 0; static_cast<int>(all.size()) < count; ++i) {
@@ -44,8 +44,8 @@ std::vector<Found> random_limits(int count, std::mt19937_64 &random) {
     return all;
 }
 
-/// How much later than predicted a trial fails: 1 at the prediction, above 1 beyond it. Nothing
-/// where no trial differs nearby.
+/// Where trials fail relative to the prediction: 1 at the prediction, above 1 beyond it. Nothing
+/// where no trial nearby differs.
 std::optional<double> lateness(const Found &found, const TrialOptions &options) {
     const std::optional<double> tried =
         simulated_limit(found.which, *found.parameter, found.limit, options);
@@ -89,9 +89,9 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-/// Counts shake a loop that hardly dies out, friction calms it: so they fail earlier, and later.
-/// Most of them: where what a count is worth is small against what stays as chatter, the last
-/// digit's motion passes for rest a little beyond the line.
+/// Counts excite a loop with little damping, friction damps it: so they fail earlier and later,
+/// respectively. Most of them: where a count is small compared with the accepted chatter, motion of
+/// the last digit counts as rest slightly beyond the limit.
 TEST(StabilityAgreement, CountsFailEarlierAndFrictionLater) {
     const int count = testing::cases(40, 200);
     std::mt19937_64 random(32);
@@ -123,12 +123,12 @@ TEST(StabilityAgreement, CountsFailEarlierAndFrictionLater) {
     EXPECT_GT(share_of(with_counts, earlier), 2.0 * share_of(with_counts, later));
     EXPECT_GT(median(with_friction), 1.0);
     EXPECT_GT(share_of(with_friction, later), 2.0 * share_of(with_friction, earlier));
-    // Of the same loop: friction does not make it fail earlier, but for bisection's 1e-3.
+    // In the same loop friction does not make it fail earlier, within bisection's 1e-3.
     EXPECT_GT(share_of(friction_over_counts, [](double later_by) { return later_by > -2e-3; }),
               0.9);
 }
 
-/// Three motors anywhere in the workspace: both verdicts turn within 2 %.
+/// Three motors anywhere in the workspace: prediction and trials agree within 2 %.
 TEST(StabilityAgreement, ThreeMotorsWithinTwoPerCent) {
     std::mt19937_64 random(33);
     const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");

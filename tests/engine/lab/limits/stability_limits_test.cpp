@@ -20,7 +20,7 @@ ParameterRange whole_range(const loops::StabilityParameter &parameter) {
     return {parameter.from, parameter.to};
 }
 
-/// Bisection of our own, by Runge-Kutta alone, from a factor 1.3 on both sides.
+/// An independent bisection, by Runge-Kutta alone, from a factor 1.3 on both sides.
 double limit_by_runge_kutta(const loops::StabilityCase &which,
                             const loops::StabilityParameter &parameter,
                             const StabilityLimit &near) {
@@ -56,7 +56,7 @@ TEST(StabilityLimits, AreWhereRungeKuttaFindsThem) {
         }
         ++found;
         const double truth = limit_by_runge_kutta(which, parameter, limits.front());
-        // Bisection to 1e-3; a mode that dies out in 4400 periods more than it grows.
+        // Bisection to 1e-3, and the slow growth of a mode near the limit over 4400 periods.
         EXPECT_NEAR(limits.front().predicted, truth, 3e-3 * truth) << parameter.name;
         const std::optional<double> tried =
             simulated_limit(which, parameter, limits.front(), TrialOptions::linear());
@@ -85,12 +85,12 @@ TEST(StabilityLimits, ThePredictedOneHasAStableAndAnUnstableSide) {
     }
 }
 
-TEST(StabilityLimits, NamesWhoFailsFirst) {
+TEST(StabilityLimits, NamesTheMemberThatFailsFirst) {
     const loops::StabilityParameter &kp = testing::named("kp");
     const std::vector<StabilityLimit> limits =
         predicted_limits(testing::firm(), kp, whole_range(kp));
     ASSERT_EQ(limits.size(), 1U);
-    // Each motor and hand by itself: the least of their limits is the one of all.
+    // Each motor and hand alone: the smallest of their limits is that of all.
     double least = 1e9;
     loops::LoopMember who;
     for (const loops::LoopMember &member : loops::members(testing::firm())) {
@@ -113,7 +113,8 @@ TEST(StabilityLimits, NamesWhoFailsFirst) {
     EXPECT_TRUE(limits.front().stable_below);
 }
 
-/// A delay may be any number of periods: its limit lies between two whole ones, as these tell.
+/// A delay may be any number of periods: its limit lies between the stable and the unstable whole
+/// number.
 TEST(StabilityLimits, OfADelayLieBetweenWholePeriods) {
     const loops::StabilityParameter &d = testing::named("d");
     const std::vector<StabilityLimit> limits = stability_limits(testing::firm(), d, whole_range(d));
@@ -173,8 +174,8 @@ TEST(StabilityLimits, HaveEveryKindOfTrial) {
     const StabilityLimit &limit = limits.front();
     ASSERT_TRUE(limit.simulated_linear && limit.simulated && limit.simulated_all);
     EXPECT_NEAR(*limit.simulated_linear, limit.predicted, 0.02 * limit.predicted);
-    EXPECT_LT(*limit.simulated, limit.predicted);      // counts keep a loop rattling
-    EXPECT_GT(*limit.simulated_all, *limit.simulated); // friction ends that
+    EXPECT_LT(*limit.simulated, limit.predicted);      // counts sustain vibration
+    EXPECT_GT(*limit.simulated_all, *limit.simulated); // friction damps it
 }
 
 } // namespace

@@ -32,14 +32,14 @@ TEST(MapAxis, SpreadsValuesByTheParametersScale) {
     EXPECT_EQ(gains[2], 10.0);
     const std::vector<double> from_zero = axis("kp", 0.0, 10.0, 3).values();
     EXPECT_EQ(from_zero, (std::vector<double>{0.0, 5.0, 10.0})); // 0 has no logarithm
-    // A narrow range is spread evenly, for which numbers can be written beside it.
+    // A narrow range is spaced linearly, which gives round numbers on the axis.
     EXPECT_EQ(axis("kp", 10.0, 30.0, 3).values(), (std::vector<double>{10.0, 20.0, 30.0}));
     EXPECT_EQ(axis("d", 1.0, 4.0, 7).values(),
               (std::vector<double>{1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0}));
     EXPECT_EQ(axis("eta", 0.0, 1.0, 5).values().size(), 5U);
 }
 
-TEST(StabilityMap, EveryCellIsWhatSingleCallsSay) {
+TEST(StabilityMap, EveryCellMatchesSingleCalls) {
     const MapAxis x = axis("kp", 2.0, 200.0, 6);
     const MapAxis y = axis("dR", 0.1, 2.0, 4);
     const std::vector<MapCell> cells = stability_map(testing::firm(), x, y, [](double) {});
@@ -60,7 +60,7 @@ TEST(StabilityMap, EveryCellIsWhatSingleCallsSay) {
     EXPECT_LT(stable, 20);
 }
 
-TEST(StabilityMap, TellsTheTipsSpeedThatRemains) {
+TEST(StabilityMap, ReportsTheTipsRemainingSpeed) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.rotor = device::RotorLoad{1e-5, 1e-5, 0.0};
@@ -91,7 +91,7 @@ TEST(StabilityMap, OfTheWholeLinkage) {
     EXPECT_GT(cells.back().remaining_m_per_s, cells.front().remaining_m_per_s);
 }
 
-TEST(StabilityMap, TellsItsProgress) {
+TEST(StabilityMap, ReportsItsProgress) {
     std::vector<double> told;
     const std::vector<MapCell> cells =
         stability_map(testing::firm(), axis("kp", 1.0, 3.0, 3), axis("kd", 0.001, 0.003, 3),

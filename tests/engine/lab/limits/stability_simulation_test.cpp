@@ -17,19 +17,19 @@ double predicted_growth_per_s(const loops::StabilityCase &which, const loops::Lo
     return std::log(loops::largest_eigenvalue(which, member)) / which.period_s;
 }
 
-TEST(StabilitySimulation, GrowsAndDiesAsFastAsTheEigenvalueSays) {
+TEST(StabilitySimulation, GrowsAndDecaysAtTheRateOfTheEigenvalue) {
     std::mt19937_64 random(21);
     int compared = 0;
     while (compared < 30) {
         const loops::StabilityCase which = testing::random_rotor_loop(random);
         const loops::LoopMember member = loops::members(which).front();
         const double truth = predicted_growth_per_s(which, member);
-        if (std::abs(truth) > 3.0) { // such end before the slowest mode stands alone
+        if (std::abs(truth) > 3.0) { // these end before the slowest mode dominates
             continue;
         }
         ++compared;
         const Trial trial = simulated(which, member, TrialOptions::linear());
-        // Sub-steps of 50 µs have 1e-3 of phase; windows catch the crests of slow modes unevenly.
+        // Sub-steps of 50 µs have 1e-3 of phase; windows sample the crests of slow modes unevenly.
         EXPECT_NEAR(trial.growth_per_s, truth, 0.1 + 0.05 * std::abs(truth));
         EXPECT_EQ(trial.stable, trial.growth_per_s < 0.0);
     }
@@ -59,7 +59,7 @@ TEST(StabilitySimulation, AnyRateAndDelay) {
             which.period_s = period_s;
             which.delay_periods = delay;
             which.hands = {loops::no_hand()};
-            // Slow enough in position for any of them: a limp spring on a heavy rotor.
+            // Slow enough in position for any of them: a soft spring on a heavy rotor.
             which.rotor = device::RotorLoad{1e-3, 1e-3, 0.0};
             which.tuning.K_D_Vs_per_rad = 0.0;
             which.tuning.dR_Ohm = 2.0;
@@ -74,8 +74,9 @@ TEST(StabilitySimulation, AnyRateAndDelay) {
     }
 }
 
-/// Where the links are square, three motors under the inverse map are three motors by themselves.
-TEST(StabilitySimulation, ThreeMotorsAreThreeTimesOneWhereTheyDoNotFeelEachOther) {
+/// Where the links are perpendicular, three motors under the inverse map are three independent
+/// motors.
+TEST(StabilitySimulation, ThreeMotorsAreThreeTimesOneWhereTheyAreDecoupled) {
     loops::StabilityCase three = testing::firm();
     three.q_rad = {0.0, 0.1, 0.1};
     three.tuning.map = control::MotionMap::inverse;
@@ -107,13 +108,13 @@ TEST(StabilitySimulation, EveryMemberCounts) {
     loops::StabilityCase which = testing::firm();
     which.tuning.K_P_V_per_rad = 29.5; // just stable
     EXPECT_TRUE(is_stable_simulated(which, TrialOptions::linear()));
-    which.tuning.K_P_V_per_rad = 30.5; // without a hand not, with a firm one yes
+    which.tuning.K_P_V_per_rad = 30.5; // unstable without a hand, stable with a firm one
     EXPECT_FALSE(is_stable_simulated(which, TrialOptions::linear()));
     which.hands = {loops::hand_of_firmness(1.0)};
     EXPECT_TRUE(is_stable_simulated(which, TrialOptions::linear()));
 }
 
-TEST(StabilitySimulation, OnTheLineAMotionStays) {
+TEST(StabilitySimulation, AtTheLimitAMotionPersists) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     const loops::LoopMember third{2, loops::no_hand()};
@@ -124,7 +125,7 @@ TEST(StabilitySimulation, OnTheLineAMotionStays) {
         (loops::largest_eigenvalue(which, third) < 1.0 ? stable : unstable) =
             which.tuning.K_P_V_per_rad;
     }
-    // Sub-steps of 50 µs move the simulated line by some 1e-4: (ωh)²/12 of its phase.
+    // Sub-steps of 50 µs move the simulated limit by some 1e-4: (ωh)²/12 of its phase.
     bool stays = false;
     for (double share = 0.999; share < 1.001; share += 1e-4) {
         which.tuning.K_P_V_per_rad = share * stable;
@@ -137,20 +138,20 @@ TEST(StabilitySimulation, OnTheLineAMotionStays) {
     }
 }
 
-TEST(StabilitySimulation, RestsOnItsCountsSoonerThanItIsWatched) {
+TEST(StabilitySimulation, RestsOnItsCountsBeforeTheObservationEnds) {
     loops::StabilityCase which = testing::firm();
     which.freedom = loops::Freedom::three_motors;
     const loops::LoopMember member{0, loops::no_hand()};
     const TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     EXPECT_TRUE(simulated(which, member, options).stable);
-    // Even where a slope would not tell: too short for the windows of one.
+    // Even where the run is too short to measure a slope.
     TrialOptions brief = options;
     brief.longest_s = 0.7;
     brief.patience_s = 0.0;
     EXPECT_TRUE(simulated(which, member, brief).stable);
 }
 
-TEST(StabilitySimulation, CountsKeepALoopRattlingThatHardlyDiesOut) {
+TEST(StabilitySimulation, CountsSustainVibrationOfALoopWithLittleDamping) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 29.5;
@@ -161,7 +162,7 @@ TEST(StabilitySimulation, CountsKeepALoopRattlingThatHardlyDiesOut) {
     EXPECT_TRUE(simulated(which, third, TrialOptions::with(SimulationEffects::all())).stable);
 }
 
-TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
+TEST(StabilitySimulation, SaturationBoundsADivergingMotion) {
     loops::StabilityCase which = testing::firm();
     which.tuning.K_P_V_per_rad = 60.0;
     const loops::LoopMember member{2, loops::no_hand()};
@@ -171,14 +172,14 @@ TEST(StabilitySimulation, SaturationBoundsWhatWouldRunAway) {
     EXPECT_FALSE(free.stable);
     EXPECT_FALSE(bound.stable);
     EXPECT_LT(bound.growth_per_s, 1.0);
-    // Not faster than the supply lets a motor run.
+    // Not faster than the supply allows a motor to run.
     EXPECT_LT(bound.last_rate_rad_per_s,
               which.device.motor[2].supply_V / which.device.motor[2].torque_constant_Nm_per_A);
 }
 
-/// A nudge of a hundredth of a newton is less than the joints hold, 0.04 N, and far from the
-/// supply. So friction alone keeps it where it is, and limits alone change nothing.
-TEST(StabilitySimulation, EachEffectIsTheOneAskedFor) {
+/// A push of a hundredth of a newton is less than the joints' friction of 0.04 N, and far from the
+/// supply limits. So friction alone prevents motion, and limits alone change nothing.
+TEST(StabilitySimulation, EachEffectIsTheRequestedOne) {
     loops::StabilityCase which = testing::firm();
     const loops::LoopMember member{2, loops::no_hand()};
     for (const loops::Freedom freedom : {loops::Freedom::one_motor, loops::Freedom::three_motors}) {
@@ -195,7 +196,7 @@ TEST(StabilitySimulation, EachEffectIsTheOneAskedFor) {
     }
 }
 
-TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
+TEST(StabilitySimulation, WithExtremeGainsItDoesNotRest) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 1e4;
@@ -208,8 +209,8 @@ TEST(StabilitySimulation, WithGainsBeyondAllMeasureItDoesNotRest) {
     }
 }
 
-/// At a period as long as counts are watched for a flicker, a single look would see none.
-TEST(StabilitySimulation, ASlowServoThatTossesItsRotorDoesNotRest) {
+/// At a period as long as the observation of a flicker, a single sample would show none.
+TEST(StabilitySimulation, ASlowServoWithAnOscillatingRotorDoesNotRest) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
     which.tuning.K_P_V_per_rad = 1e4;

@@ -49,8 +49,8 @@ Vector3 currents_A(const device::DeviceDescription &d, const ThermalHoldOptions 
            d.motor[0].torque_constant_Nm_per_A;
 }
 
-/// Where a winding ends at R̂ fixed: T = T_a + i² R(T, θ) (R_wh + R_ha) with i = e_W/(R(T, θ) − R̂),
-/// found by bisection.
+/// Final temperature of a winding with fixed R̂: T = T_a + i² R(T, θ) (R_wh + R_ha) with i =
+/// e_W/(R(T, θ) − R̂), found by bisection.
 double final_winding_C(const device::MotorParameters &motor, double theta, double e_W_V,
                        double R_hat_Ohm, double air_C) {
     const double K_per_W =
@@ -66,7 +66,7 @@ double final_winding_C(const device::MotorParameters &motor, double theta, doubl
     return low_C;
 }
 
-TEST(ThermalHold, StartsAsAskedForAndAsTuned) {
+TEST(ThermalHold, StartsAsRequestedAndAsTuned) {
     for (const Vector3 &direction : {Vector3(0, 1, 0), Vector3(0, -3, 0), Vector3(1, 2, -1)}) {
         ThermalHoldOptions options = hold(1.2, 10.0);
         options.direction = direction;
@@ -81,7 +81,7 @@ TEST(ThermalHold, StartsAsAskedForAndAsTuned) {
     }
 }
 
-TEST(ThermalHold, EndsWhereTheHeatBalanceSays) {
+TEST(ThermalHold, EndsAtTheHeatBalance) {
     const device::DeviceDescription d = device();
     const ThermalHoldOptions options = hold(1.2, kLong_s);
     const ThermalRow last = last_of(thermal_hold(d, options), ThermalPhase::hold);
@@ -98,9 +98,9 @@ TEST(ThermalHold, EndsWhereTheHeatBalanceSays) {
     EXPECT_GT(last.winding_C.maxCoeff(), 35.0); // not vacuous
 }
 
-TEST(ThermalHold, WarmsAlongTheWayOfAnIntegration) {
-    // One motor, tiny explicit steps of the two heat balances. The hold's power stands still for
-    // 10 ms: behind by half of that on the way up, at some 1 K/s in the beginning.
+TEST(ThermalHold, WarmsAsAnIndependentIntegration) {
+    // One motor, tiny explicit steps of the two heat balances. The hold's power is constant for 10
+    // ms: a lag of half of that while warming, initially at some 1 K/s.
     const device::DeviceDescription d = device();
     const ThermalHoldOptions options = hold(2.0, 20.0);
     const ThermalRow last = last_of(thermal_hold(d, options), ThermalPhase::hold);
@@ -151,7 +151,7 @@ TEST(ThermalHold, ResistanceAndStiffnessFollowTheTemperature) {
     EXPECT_GT(hot.direction_error_rad, 0.01);
 }
 
-TEST(ThermalHold, MotorsThatWarmAlikeKeepTheDirection) {
+TEST(ThermalHold, MotorsThatWarmEquallyKeepTheDirection) {
     device::DeviceDescription d = device();
     for (device::MotorParameters &motor : d.motor) {
         motor.commutation_ripple = 0.0;
@@ -237,12 +237,12 @@ TEST(ThermalHold, EndsWhereTheSafetyMonitorTrips) {
     EXPECT_LT(rows.back().time_s, kLong_s);
     EXPECT_TRUE(std::none_of(rows.begin(), rows.end() - 1,
                              [](const ThermalRow &row) { return row.tripped; }));
-    // The upper estimate errs to the safe side: by the air, and by what that makes of R.
+    // The upper estimate errs on the safe side: by the air temperature, and by its effect on R.
     EXPECT_LT(rows.back().winding_C.maxCoeff(), 100.0);
     EXPECT_GT(rows.back().winding_C.maxCoeff(), 75.0);
 }
 
-TEST(ThermalHold, RefusesWhatCannotBe) {
+TEST(ThermalHold, RefusesInvalidOptions) {
     const device::DeviceDescription d = device();
     const auto refused = [&d](const ThermalHoldOptions &options) {
         try {
@@ -321,7 +321,7 @@ TEST(ThermalHold, WritesEveryRowAndColumn) {
     EXPECT_EQ(count, 120U);
 }
 
-TEST(ThermalHold, TellsItsStoryInWords) {
+TEST(ThermalHold, WritesASummary) {
     const auto table = [](ThermalHoldOptions options, double dR_Ohm) {
         options.tuning.dR_Ohm = dR_Ohm;
         std::ostringstream text;

@@ -42,7 +42,7 @@ TEST(TunedWall, LeavesItsMarginAndNoMore) {
     ASSERT_GT(tuned.wall.stiffness_N_per_m, 100.0);
     EXPECT_TRUE(holds(with(tuned, 1.0)));
     EXPECT_TRUE(holds(with(tuned, 0.999 * kMargin)));
-    // K alone a tenth larger has the margin no longer: it is the largest with its B and λ.
+    // With K alone a tenth larger the margin is lost: it is the largest with its B and λ.
     loops::StabilityCase stiffer = with(tuned, kMargin);
     stiffer.wall.stiffness_N_per_m *= 1.1;
     EXPECT_FALSE(holds(stiffer));
@@ -50,8 +50,9 @@ TEST(TunedWall, LeavesItsMarginAndNoMore) {
                                     TrialOptions::with(SimulationEffects::electronics())));
 }
 
-/// Over a grid of its own: no K_B_λ beats it by more than what its own grid leaves between points.
-TEST(TunedWall, IsTheStiffestThereIs) {
+/// Over an independent grid: no combination of K, B and λ exceeds it by more than the spacing of
+/// its own grid.
+TEST(TunedWall, IsTheStiffest) {
     const TunedWall tuned = tuned_wall(late_servo(), kMargin);
     for (int i = 0; i < 14; ++i) {
         const double B = std::pow(1.35, i); // up to 50
@@ -63,7 +64,7 @@ TEST(TunedWall, IsTheStiffestThereIs) {
     }
 }
 
-TEST(TunedWall, KeepsToWhatACountMayDo) {
+TEST(TunedWall, RespectsTheLimitOnTheForceOfACount) {
     const double loud_N = loops::force_of_a_count_N(with(tuned_wall(late_servo(), kMargin), 1.0));
     const TunedWall quiet = tuned_wall(late_servo(), kMargin, 0.25 * loud_N);
     ASSERT_GT(quiet.wall.stiffness_N_per_m, 0.0);

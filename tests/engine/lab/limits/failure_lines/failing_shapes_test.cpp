@@ -49,7 +49,7 @@ TEST(FailingShapes, FacesOfAPitStandAtItsAngle) {
     }
 }
 
-TEST(FailingShapes, ACrackIsAsWideAsAskedFor) {
+TEST(FailingShapes, ACrackHasTheRequestedWidth) {
     const contact::TriangleSoup soup = cracked_sheet(1e-3);
     double nearest_m = HUGE_VAL;
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {

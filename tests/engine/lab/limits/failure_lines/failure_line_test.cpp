@@ -12,7 +12,7 @@ TriedLine tried(double holds_at, double fails_at, const std::function<bool(doubl
     return {{"method", "above", "m", "setting", {}, {}, {}}, holds_at, fails_at, false, holds};
 }
 
-TEST(MeasuredLine, IsNoneWhereEverythingHolds) {
+TEST(MeasuredLine, IsEmptyWhereEverythingHolds) {
     EXPECT_EQ(measured(tried(1.0, 1e3, [](double) { return true; })).measured, std::nullopt);
 }
 

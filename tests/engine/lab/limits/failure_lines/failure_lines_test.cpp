@@ -1,6 +1,6 @@
-// Covers engine/lab/limits/failure_lines: each line that is found by trials is crossed from both
-// sides of where it is predicted, and where none is, none is found. The limits of sampled loops are
-// in loop_lines_test.cpp.
+// Covers engine/lab/limits/failure_lines: each limit found by trials is crossed from both sides of
+// its prediction, and where none is predicted, none is found. The limits of sampled loops are in
+// loop_lines_test.cpp.
 #include "engine/lab/limits/failure_lines/failure_lines.h"
 
 #include "tests/support/devices.h"
@@ -16,9 +16,9 @@
 namespace springdrive::limits {
 namespace {
 
-/// Both sides are so far from the line. Trials of some seconds do not tell less apart; what the
-/// linear prediction of a hand that lets go leaves out is the filter's lag and the way between two
-/// samples, some 0.5 %.
+/// Relative distance of both sides from the limit. Trials of some seconds do not resolve less; the
+/// linear prediction of a released hand lacks the filter's lag and the motion between two samples,
+/// some 0.5 %.
 constexpr double kAside = 0.01;
 
 void expect_crossing(const TriedLine &tried) {
@@ -39,8 +39,8 @@ void expect_as_predicted(const TriedLine &tried) {
         const std::optional<double> read = tried.reading();
         ASSERT_TRUE(read.has_value());
         ASSERT_TRUE(tried.line.predicted.has_value());
-        // The commutator's angle, up to 2 % of R, is in the heat of a held contact and not in its
-        // prediction; and a tick is in what is counted by ticks.
+        // The commutator's angle, up to 2 % of R, affects the heat of a held contact but not its
+        // prediction; values counted in ticks have a tolerance of one tick.
         EXPECT_NEAR(*read, *tried.line.predicted, 3e-3 * *tried.line.predicted);
     } else if (tried.line.predicted) {
         expect_crossing(tried);
@@ -57,8 +57,8 @@ TEST(FailureLines, AreWhereTheyArePredicted) {
     }
 }
 
-/// What is predicted from a device's parameters is so for another device, too. Its links are
-/// uneven, for which some lines have no closed form.
+/// Predictions from a device's parameters hold for another device, too. Its links are unequal, for
+/// which some limits have no closed form.
 TEST(FailureLines, OfAnotherDeviceAreWhereTheyArePredicted) {
     loops::StabilityCase which;
     which.device = testing::phantom_premium_1_5();
@@ -110,14 +110,14 @@ TEST(FailureLines, TheTableHoldsEveryRowAndWhatWasPredicted) {
         if (line.predicted && line.measured) {
             EXPECT_NEAR(*line.measured, *line.predicted, 0.02 * std::abs(*line.predicted));
         } else {
-            EXPECT_FALSE(line.predicted); // what is predicted is found
+            EXPECT_FALSE(line.predicted); // every predicted limit is found
         }
     }
     EXPECT_EQ(lines.size(), tried_lines(testing::firm()).size() + of_loops);
     EXPECT_EQ(of_loops, 10U);
 }
 
-TEST(FailureLines, TheTableIsForTheHandAskedFor) {
+TEST(FailureLines, TheTableIsForTheRequestedHand) {
     loops::StabilityCase gripped = testing::firm();
     gripped.hands = {loops::hand_of_firmness(1.0)};
     const std::vector<FailureLine> lines = failure_lines(gripped, [](double) {});
@@ -129,7 +129,7 @@ TEST(FailureLines, TheTableIsForTheHandAskedFor) {
     };
     EXPECT_TRUE(loops::is_stable(at(gripped, 0.99)));
     EXPECT_FALSE(loops::is_stable(at(gripped, 1.01)));
-    EXPECT_FALSE(loops::is_stable(at(testing::firm(), 0.99))); // some other hand bears less
+    EXPECT_FALSE(loops::is_stable(at(testing::firm(), 0.99))); // another hand is less stable
 }
 
 TEST(FailureLines, AreWrittenAsMarkdownAndAsCsv) {

@@ -18,13 +18,13 @@ loops::StabilityCase three_motors_in_a_hand() {
     return which;
 }
 
-TEST(LateTicks, ThatAreNotLateAreTwoOfThePlainLoop) {
+TEST(LateTicks, WithoutLatenessAreTwoTicksOfThePlainLoop) {
     loops::StabilityCase which = three_motors_in_a_hand();
     for (const double K_P : {1.0, 6.0, 25.0, 60.0}) {
         which.tuning.K_P_V_per_rad = K_P;
         const loops::LoopMember member = loops::members(which).front();
         const double once = loops::largest_eigenvalue(which, member);
-        // Double roots of the square root are known to half of the digits.
+        // Double roots are accurate to half of the digits.
         EXPECT_NEAR(late_ticks_eigenvalue(which, member, 0), once * once, 1e-7) << K_P;
     }
 }

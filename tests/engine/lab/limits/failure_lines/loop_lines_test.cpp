@@ -1,5 +1,5 @@
-// Covers engine/lab/limits/failure_lines/loop_lines.cpp: each line that a loop can cross
-// (docs/design.md, "Where methods fail"), from both sides, predicted and tried.
+// Covers engine/lab/limits/failure_lines/loop_lines.cpp: each limit of a loop (docs/design.md,
+// "Where methods fail"), crossed from both sides, by prediction and by trials.
 #include "engine/lab/limits/failure_lines/loop_lines.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -33,7 +33,7 @@ double last_that_holds(double stable, double unstable, const std::function<bool(
     return stable;
 }
 
-/// Both verdicts 2 % inside and 2 % outside of a limit.
+/// Prediction and trial 2 % inside and 2 % outside of a limit.
 void expect_crossing(const loops::StabilityCase &which, std::string_view name, double limit,
                      bool stable_below = true, double longest_s = 3.0) {
     TrialOptions options = TrialOptions::linear();
@@ -44,7 +44,7 @@ void expect_crossing(const loops::StabilityCase &which, std::string_view name, d
     EXPECT_TRUE(loops::is_stable(inside)) << name;
     EXPECT_TRUE(is_stable_simulated(inside, options)) << name;
     EXPECT_FALSE(loops::is_stable(outside)) << name;
-    // The one who fails, not everybody before him.
+    // Only the member that fails, not all before it.
     EXPECT_FALSE(simulated(outside, loops::worst_member(outside).member, options).stable) << name;
 }
 
@@ -83,7 +83,7 @@ TEST(LoopLines, ADelayThatIsTooLong) {
     const StabilityLimit limit = only_limit(testing::firm(), "d", 0.0, 8.0);
     EXPECT_TRUE(limit.stable_below);
     expect_crossing(testing::firm(), "d", limit.predicted);
-    // At this delay it is K_P, too, that is at its limit.
+    // At this delay K_P is at its limit, too.
     loops::StabilityCase which = testing::firm();
     which.delay_periods = limit.predicted;
     const double K_P = which.tuning.K_P_V_per_rad;
@@ -101,8 +101,8 @@ TEST(LoopLines, AResidualThatIsTooSmallForTheGains) {
     expect_crossing(testing::firm(), "dR", limit.predicted, false);
 }
 
-/// Resistance cancellation (6) fails at dR = 0: held fast, without gains, the current decays by
-/// dR/L or grows by it.
+/// Resistance cancellation (6) fails at dR = 0: with the rotor held and without gains, the current
+/// decays or grows at the rate dR/L.
 TEST(LoopLines, AnOverCancelledWindingThatIsHeld) {
     loops::StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-3, 6.3, 1e4}; // a vice
@@ -110,30 +110,30 @@ TEST(LoopLines, AnOverCancelledWindingThatIsHeld) {
     which.tuning.K_P_V_per_rad = which.tuning.K_D_Vs_per_rad = 0.0;
     const loops::LoopMember member = loops::members(which).front();
     const double L = which.device.motor[1].inductance_H;
-    for (const double dR : {0.1, 0.002, -0.002, -0.1}) { // of 2.18 Ω: within 0.1 %, and farther
+    for (const double dR : {0.1, 0.002, -0.002, -0.1}) { // within 0.1 % of 2.18 Ω, and farther
         which.net_resistance_Ohm = dR;
         EXPECT_EQ(loops::is_stable(which), dR > 0.0) << dR;
         const Trial trial = simulated(which, member, TrialOptions::linear());
         EXPECT_EQ(trial.stable, dR > 0.0) << dR;
-        if (std::abs(dR) < 0.01) { // else it is over before the start is forgotten
+        if (std::abs(dR) < 0.01) { // otherwise it ends before the initial transient has decayed
             EXPECT_NEAR(trial.growth_per_s, -dR / L, 0.01 * std::abs(dR) / L) << dR;
         }
     }
 }
 
-/// (29) and what it promises: at the bound the largest mode is the inverse map's, and α may exceed
-/// the bound only by what one motor's gains have in hand.
+/// (29) and its consequence: at the bound the largest mode is the inverse map's, and α may exceed
+/// the bound only by the margin of one motor's gains.
 TEST(LoopLines, AlphaAboveItsBound) {
     loops::StabilityCase three = testing::firm();
     three.freedom = loops::Freedom::three_motors;
-    three.q_rad = {0.0, 0.1, 0.1}; // square, so that each mode is a motor of its own
+    three.q_rad = {0.0, 0.1, 0.1}; // perpendicular links, so that each mode is one motor
     three.hands = {loops::no_hand()};
     loops::StabilityCase inverse = three;
     inverse.tuning.map = control::MotionMap::inverse;
     const Matrix3 J = device::motor_jacobian(three.device.geometry, three.q_rad);
     const Vector3 W = control::relative_stiffness(three.device);
     const double bound = control::alpha_bound(J, W);
-    // Gains just below, then just above what the inverse map bears.
+    // Gains just below, then just above the limit of the inverse map.
     for (const double gain : {0.9, 1.1}) {
         double K_P = last_that_holds(
             1.0, 200.0, [&](double value) { return loops::is_stable(with(inverse, "kp", value)); });
@@ -164,8 +164,8 @@ TEST(LoopLines, AlphaAboveItsBound) {
     }
 }
 
-/// What (29) is for: with K_P within what the inverse map bears, a motor's own limit of α is the
-/// bound times its margin.
+/// The purpose of (29): with K_P within the limit of the inverse map, a motor's own limit of α is
+/// the bound times its margin.
 TEST(LoopLines, AlphaOfOneMotorHasItsGainsMargin) {
     loops::StabilityCase which = testing::firm();
     which.hands = {loops::no_hand()};
@@ -211,8 +211,8 @@ TEST(LoopLines, TheWallOfACurrentDrive) {
     }
 }
 
-/// Colgate and Schenkel: a wall below 2b/T is passive, so that no hand shakes it; well above, one
-/// that is heavy enough does.
+/// Colgate and Schenkel: a wall below 2b/T is passive, so that it is stable with every hand; well
+/// above, a heavy enough hand makes it unstable.
 TEST(LoopLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
     for (const double b : {1e-4, 1e-3, 1e-2}) {
         loops::StabilityCase which = wall_of_current_drive(2e-6, b);
@@ -220,7 +220,7 @@ TEST(LoopLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
         which.hands = loops::hand_family(21);
         which.wall.stiffness_N_per_m = 0.98 * passive;
         EXPECT_TRUE(loops::is_stable(which)) << b;
-        // A pure mass as the hand comes nearest to the line.
+        // A hand that is a pure mass comes nearest to the limit.
         which.hands = {{"mass", 100.0, 0.0, 0.0}};
         which.wall.stiffness_N_per_m = 1.02 * passive;
         EXPECT_FALSE(loops::is_stable(which)) << b;
@@ -229,8 +229,8 @@ TEST(LoopLines, ColgateAndSchenkelsWallIsStableInEveryHand) {
     }
 }
 
-/// Delay lowers it: for a heavy mass, where the phase of wall and damper meet at low frequency,
-/// K (T/2 + dT) < b.
+/// Delay lowers the limit: for a heavy mass, where the phases of wall and damper meet at low
+/// frequency, K (T/2 + dT) < b.
 TEST(LoopLines, ADelayedWallFailsEarlier) {
     for (const double delay : {0.0, 0.3, 0.9, 1.0, 1.5, 2.0, 3.7, 4.0}) {
         loops::StabilityCase which = wall_of_current_drive(2e-6, 1e-2);
@@ -242,7 +242,7 @@ TEST(LoopLines, ADelayedWallFailsEarlier) {
     }
 }
 
-/// What the table says of a line is where both verdicts turn, at the tuning that the row names.
+/// The values of a row are where prediction and trial change, at the tuning that the row names.
 void expect_row(const FailureLine &line, const std::string &fails,
                 const loops::StabilityCase &which, std::string_view name,
                 bool stable_below = true) {
@@ -270,7 +270,8 @@ TEST(LoopLines, RowsOfDriftCompensationAreWhereVerdictsTurn) {
     filtered.tuning.K_D_Vs_per_rad = 0.03;
     filtered.delay_periods = 1.0;
     expect_row(lines[5], "λ below", filtered, "lambda", false);
-    // A count of 2π/(4 · 500 · gear) has K_P of it at once, and K_D of it over a period, filtered.
+    // A count of 2π/(4 · 500 · gear) acts through K_P at once, and through K_D over a period,
+    // filtered.
     const control::Tuning tuning;
     const double count_rad = asked.device.rad_per_count();
     const double share = -std::expm1(-tuning.lambda_rad_per_s * 1e-3);
@@ -299,8 +300,8 @@ TEST(LoopLines, RowsOfTheWallAreWhereVerdictsTurnAndFallWithTheDelay) {
     wall.wall = {1.0, 0.0};
     for (const FailureLine &line : lines) {
         expect_row(line, "K above", wall, "wall-stiffness");
-        // Passivity's K (T/2 + dT + 1/ω) < b, ω the amplifier's bandwidth: a mass that nobody holds
-        // needs no more, and no less but for the terms of second order in its frequency.
+        // Passivity's K (T/2 + dT + 1/ω) < b, ω the amplifier's bandwidth: for a mass without a
+        // hand it is also necessary, up to terms of second order in its frequency.
         const double late_s =
             1e-3 * (0.5 + wall.delay_periods) +
             1.0 / (2.0 * std::numbers::pi * wall.device.amplifier.current_bandwidth_hz);
