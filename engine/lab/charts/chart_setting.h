@@ -1,4 +1,4 @@
-// What the work-precision charts are of, and how their makers tell how far they are.
+// The settings of the work-precision charts, and the progress reports of their makers.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -11,10 +11,10 @@ namespace springdrive::charts {
 struct ChartSetting {
     device::DeviceDescription device;
     control::Tuning tuning;
-    int repeats = 5; ///< how often each time is taken, at least once
+    int repeats = 5; ///< how often each time is measured, at least once
 };
 
-/// Told how far a chart is, as a share of 1.
+/// Receives the progress of a chart, from 0 to 1.
 using ChartProgress = std::function<void(double share)>;
 
 } // namespace springdrive::charts

@@ -20,7 +20,7 @@ struct ChartMaker {
     rig::WorkPrecisionChart (*make)(const ChartSetting &, const ChartProgress &);
 };
 
-/// @throw InputError from `make` for a setting that gives no answer.
+/// @throw InputError from `make` for a setting without a result.
 inline constexpr std::array kCharts{
     ChartMaker{"integrators", integrator_chart},
     ChartMaker{"integrators_vice", stiff_integrator_chart},

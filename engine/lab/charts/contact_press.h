@@ -1,10 +1,10 @@
-// The experiment of the charts of integrators and of plant models: a tip at rest just on a hard
-// plate, which a hand then presses into it within some milliseconds, with the control law of the
-// paper, (30), (23) and (10), in the loop.
+// The experiment of the charts of integrators and of plant models: a tip at rest on the surface of
+// a hard plate, which a hand then presses into it within a few milliseconds, with the control law
+// of the paper, (30), (23) and (10), in the loop.
 //
-// The constraint holds both ways, so that nothing switches. What a hand's target does between two
-// samples is steady; e_W is held: between samples the plant is smooth, but for Coulomb friction
-// where a press has it.
+// The constraint is bilateral, so that nothing switches. Between two samples a hand's target moves
+// uniformly and e_W is held: the plant is smooth there, except for Coulomb friction where a press
+// has it.
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
@@ -25,7 +25,7 @@ namespace springdrive::charts {
     return static_cast<int>(press.simulation.path->points().size()) - 1;
 }
 
-/// What was commanded and what came of it, a row for each period.
+/// Commands and resulting forces, one for each period.
 struct PressRecord {
     std::vector<simulated::PlantCommand> commands;
     std::vector<Vector3> force_N;
@@ -33,14 +33,15 @@ struct PressRecord {
     [[nodiscard]] double greatest_force_N() const;
 };
 
-/// A plant that somebody's integrator carries on. `advance` is what is timed.
+/// A plant advanced by one of the integrators. `advance` is what is timed.
 class PressedPlant : public rig::Plant {
 public:
-    /// At the end of the last period, or its mean, as the plant gives it.
+    /// The force at the end of the last period, or its mean over the period, depending on the
+    /// plant.
     [[nodiscard]] virtual Vector3 force_N() const = 0;
 };
 
-/// Makes one at rest at the start.
+/// Makes a plant at rest at the start.
 using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
 
 /// The servo of a press, answering to where the plant stands.
@@ -55,8 +56,8 @@ using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
 [[nodiscard]] rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                                    const NewPlant &new_plant, int sub_steps, int repeats);
 
-/// The root mean square of the force's error over all periods [N], a vector's norm at each.
-/// Infinite where forces are not finite, or ten times the largest of the reference: it ran away.
+/// The root mean square over all periods of the norm of the force's error [N]. Infinite where the
+/// run diverged: forces not finite, or ten times the largest of the reference.
 [[nodiscard]] double force_error_N(const PressRecord &record, const PressRecord &reference);
 
 } // namespace springdrive::charts

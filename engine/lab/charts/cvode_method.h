@@ -6,8 +6,8 @@
 namespace springdrive::charts {
 
 enum class CvodeMethod : std::uint8_t {
-    adams, ///< up to order 12, for what is not stiff
-    bdf,   ///< up to order 5, for what is stiff
+    adams, ///< up to order 12, for non-stiff problems
+    bdf,   ///< up to order 5, for stiff problems
 };
 
 } // namespace springdrive::charts

@@ -1,4 +1,4 @@
-// CVODE's own objects for a set of equations, given back where they go out of scope.
+// CVODE's objects for a set of equations, freed at the end of their scope.
 #pragma once
 
 #include "engine/lab/charts/cvode_method.h"
@@ -17,7 +17,7 @@ namespace springdrive::charts::cvode {
 inline constexpr long kMostSteps = 1'000'000;
 inline constexpr double kAbsoluteShare = 1e-2; ///< of the relative tolerance
 
-/// What CVODE hands out, given back at the end of its scope.
+/// An object allocated by CVODE, freed at the end of its scope.
 template <typename Handle, void (*Free)(Handle)> class Owned {
 public:
     explicit Owned(Handle handle) : handle_(handle) {
@@ -51,18 +51,18 @@ inline void check(int status, const char *call) {
     }
 }
 
-/// @tparam State  an Eigen vector of as many numbers
+/// @tparam State  an Eigen vector of that size
 template <typename State> Eigen::Map<State> view(N_Vector vector) {
     return Eigen::Map<State>(N_VGetArrayPointer(vector), N_VGetLength(vector));
 }
 
-/// CVODE at work on ẏ = f(t, y), from one start after another.
+/// CVODE on ẏ = f(t, y), restarted as often as needed.
 /// @tparam State  the Eigen vector that y is
 template <typename State> class Session {
 public:
     /// @param relative_tolerance  of every step; in absolute terms `kAbsoluteShare` of it
-    /// @param rates  f(t, y); it and any root function get what was given to `restart`
-    /// @param size  of y, where State does not tell
+    /// @param rates  f(t, y); it and any root function receive the pointer passed to `restart`
+    /// @param size  of y, where State is dynamic
     Session(CvodeMethod method, double relative_tolerance, CVRhsFn rates,
             Eigen::Index size = State::RowsAtCompileTime)
         : context_(new_context()), y_(N_VNew_Serial(size, context_.get())),
@@ -79,7 +79,7 @@ public:
         check(CVodeSetMaxNumSteps(cvode_.get(), kMostSteps), "CVodeSetMaxNumSteps");
     }
 
-    /// Begins anew at `start_s` and does not look beyond `end_s`.
+    /// Restarts at `start_s` and does not step beyond `end_s`.
     void restart(double start_s, double end_s, const State &y, void *given) {
         view<State>(y_.get()) = y;
         check(CVodeReInit(cvode_.get(), start_s, y_.get()), "CVodeReInit");
@@ -87,7 +87,7 @@ public:
         check(CVodeSetStopTime(cvode_.get(), end_s), "CVodeSetStopTime");
     }
 
-    /// Goes on to `end_s`, or to where a root function crosses zero. What it returns is CVODE's.
+    /// Integrates to `end_s`, or to where a root function crosses zero. Returns CVODE's status.
     int run(double end_s, double &reached_s) {
         const int status = CVode(cvode_.get(), end_s, y_.get(), &reached_s, CV_NORMAL);
         check(status, "CVode");

@@ -1,4 +1,5 @@
-// CVODE (SUNDIALS) on the plant's equations: the reference of the integrators' chart, and a peer.
+// CVODE (SUNDIALS) on the plant's equations: the reference of the integrators' chart, and one of
+// the methods compared.
 #pragma once
 
 #include "engine/lab/charts/cvode_method.h"
@@ -17,8 +18,9 @@ public:
     CvodeSolver(const CvodeSolver &) = delete;
     CvodeSolver &operator=(const CvodeSolver &) = delete;
 
-    /// y at `end_s`, from `y` at `start_s`. Starts anew, as inputs leap where a period begins.
-    /// @throw std::runtime_error where CVODE gives up
+    /// y at `end_s`, from `y` at `start_s`. Restarts, as inputs are discontinuous at the start of a
+    /// period.
+    /// @throw std::runtime_error where CVODE fails
     [[nodiscard]] rig::PlantState advance(const rig::PlantEquations &equations, double start_s,
                                           double end_s, const rig::PlantState &y);
 

@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::array<double, 6> kFrictionTolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
 
-/// Of friction that is smoothed for CVODE.
+/// Settings of CVODE with smoothed friction.
 struct Smoothing {
     double tolerance = 0.0;
     double width_rad_per_s = 0.0;
 };
 
-/// The best of a grid of tolerances and widths, a decade from one to the next, for the PHANTOM 1.0:
-/// narrower friction costs more there, and wider friction errs more.
+/// The best of a grid of tolerances and widths in decades, for the PHANTOM 1.0: narrower friction
+/// costs more there, and wider friction has a larger error.
 constexpr std::array<Smoothing, 6> kSmoothings{
     {{1e-2, 1e-3}, {1e-3, 1e-4}, {1e-4, 1e-5}, {1e-5, 1e-6}, {1e-6, 1e-6}, {1e-7, 1e-7}}};
 
@@ -29,7 +29,7 @@ rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
     const IntegratorTrial trial(press_of(setting, rig::sticking_press()));
     rig::WorkPrecisionChart chart;
     chart.name = "integrators_friction";
-    chart.title = "Integrators of the plant in hard contact, where friction holds and lets go";
+    chart.title = "Integrators of the plant in hard contact with stick-slip friction";
     chart.cost_label = "processor time per simulated millisecond";
     chart.error_label = "error of the force over the transient, r.m.s. against CVODE at 1e-12 (N)";
     const double lines = kIntegrators.size() + 2.0;

@@ -1,10 +1,10 @@
-// The plant's integrators where joints stick and slip: a tip that is pressed onto a plate against
-// Coulomb friction, held still and let go. What a step costs against the error of the force, as in
+// The plant's integrators where joints stick and slip: a tip is pressed onto a plate against
+// Coulomb friction, held and released. The cost of a step against the error of the force, as in
 // integrator_chart.h.
 //
-// Friction is τ_c sign(q̇) to explicit methods. Methods that need a smooth f get τ_c tanh(q̇/width),
-// as narrow as they bear it. Ours has real sticking, and so has CVODE where it goes from one change
-// of sticking and sliding to the next, which at a tight tolerance is the reference, too.
+// Explicit methods use friction τ_c sign(q̇). Methods that need a smooth f use τ_c tanh(q̇/width),
+// as narrow as they tolerate. The simulated device has true sticking, and so has CVODE restarted at
+// each transition between sticking and sliding, which at a tight tolerance is also the reference.
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
@@ -12,11 +12,11 @@
 
 namespace springdrive::charts {
 
-/// @throw InputError where the device does not reach the place of the press
+/// @throw InputError where the press is out of the device's reach
 [[nodiscard]] rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
                                                                 const ChartProgress &progress);
 
-/// Steps of the chart, in a servo period: down to about 16 µs at 1 kHz.
+/// Maximum number of steps in a servo period: down to about 16 µs at 1 kHz.
 inline constexpr int kMostFrictionSubSteps = 64;
 
 } // namespace springdrive::charts

@@ -1,4 +1,4 @@
-// The plants of a press that integrators carry on: theirs, by the equations, and ours.
+// The plants of a press, advanced by integrators: those by the equations, and the simulated device.
 #pragma once
 
 #include "device/core/phantom/kinematics.h"
@@ -15,7 +15,7 @@
 
 namespace springdrive::charts {
 
-/// All that the peers have in common: the equations, what goes into them, where they stand.
+/// The common part of the plants by equations: the equations, their inputs and state.
 class EquationPlant : public PressedPlant {
 public:
     EquationPlant(const rig::Scenario &press, const rig::PlantEquations &equations,
@@ -46,7 +46,7 @@ private:
     std::size_t period_ = 0;
 };
 
-/// Equal steps by one of the explicit methods.
+/// Equal steps of one of the explicit methods.
 template <Integrator integrator> class ExplicitPlant final : public EquationPlant {
 public:
     template <typename... Common>
@@ -85,7 +85,7 @@ private:
     int sub_steps_;
 };
 
-/// Newton's matrix is that of the period's start.
+/// The Newton matrix is computed at the start of the period.
 class MidpointPlant final : public EquationPlant {
 public:
     template <typename... Common>
@@ -114,7 +114,7 @@ private:
     rig::ImplicitMidpoint<rig::PlantState> midpoint_;
 };
 
-/// By CvodeSolver or StickSlipSolver.
+/// Integrated by CvodeSolver or StickSlipSolver.
 template <typename Solver> class SolvedPlant final : public EquationPlant {
 public:
     template <typename... Common>
@@ -129,7 +129,7 @@ private:
     Solver solver_;
 };
 
-/// The law sees the angles themselves, as it does with the peers, not counts.
+/// The law reads the exact angles, as with the other plants, not counts.
 class OurPlant final : public PressedPlant {
 public:
     OurPlant(const rig::Scenario &press, const simulated::SimulationOptions &options,

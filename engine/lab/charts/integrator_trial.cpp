@@ -35,8 +35,9 @@ rig::PlantState state_at(const rig::Scenario &press) {
     const std::optional<Vector3> q_rad =
         device::joint_angles_rad(press.device.geometry, press.start_m);
     if (!q_rad) {
-        throw InputError("integrators' chart: the press cannot start where the tip does not reach; "
-                         "choose a device whose workspace box is within reach");
+        throw InputError(
+            "integrators' chart: the press starts at a point that the tip cannot reach; "
+            "choose a device whose workspace box is within reach");
     }
     rig::PlantState start = rig::PlantState::Zero();
     start.head<3>() = *q_rad;
@@ -140,7 +141,7 @@ rig::WorkPoint IntegratorTrial::reference_point(double relative_tolerance, int r
 
 rig::WorkPoint IntegratorTrial::solved_point(const NewPlant &new_plant, double relative_tolerance,
                                              int repeats) const {
-    constexpr int kSubSteps = 16; // about what it takes of its own
+    constexpr int kSubSteps = 16; // about the number that it chooses itself
     rig::WorkPoint point;
     point.setting = tolerance_text(relative_tolerance);
     try {
@@ -148,7 +149,7 @@ rig::WorkPoint IntegratorTrial::solved_point(const NewPlant &new_plant, double r
         point.error = force_error_N(record, reference_);
         point.stable = std::isfinite(point.error);
         point.cost = press_cost(press_, record, new_plant, kSubSteps, repeats);
-    } catch (const std::runtime_error &) { // it gave up
+    } catch (const std::runtime_error &) { // it failed
         point.error = std::numeric_limits<double>::infinity();
         point.stable = false;
     }

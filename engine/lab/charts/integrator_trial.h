@@ -1,5 +1,5 @@
 // One press (contact_press.h) of the plant (plant_equations.h) by many integrators, against CVODE
-// at a tight tolerance. "Ours" is the simulated device itself, as it runs.
+// at a tight tolerance. "Ours" is the simulated device itself.
 #pragma once
 
 #include "engine/lab/charts/contact_press.h"
@@ -45,21 +45,21 @@ public:
     [[nodiscard]] const rig::Scenario &press() const { return press_; }
     [[nodiscard]] const PressRecord &reference() const { return reference_; }
 
-    /// With so many equal steps in a servo period. Friction turns round over a `width` [rad/s], or
-    /// jumps where that is 0; ours always has it real.
+    /// With `sub_steps` equal steps in a servo period. Friction changes sign over a `width`
+    /// [rad/s], or jumps where that is 0; the simulated device always has true friction.
     [[nodiscard]] NewPlant plant(Integrator integrator, int sub_steps, double width = 0.0) const;
     [[nodiscard]] NewPlant cvode_plant(CvodeMethod method, double relative_tolerance,
                                        double width = 0.0) const;
 
-    /// What the reference is made with: CVODE, under friction from one change of sticking and
-    /// sliding to the next.
+    /// The plant of the reference: CVODE, with friction restarted at each transition between
+    /// sticking and sliding.
     [[nodiscard]] NewPlant reference_plant(CvodeMethod method, double relative_tolerance) const;
 
-    /// The width of friction in which a joint at the start comes to rest at the rate 1/`step_s`:
-    /// about as narrow as the implicit midpoint's iterations bear at that step.
+    /// The width of friction at which a joint at the start comes to rest at the rate 1/`step_s`:
+    /// about the narrowest for which the implicit midpoint's iterations converge at that step.
     [[nodiscard]] double friction_width_rad_per_s(double step_s) const;
 
-    /// The error in force [N], infinite where the integrator ran away.
+    /// The error of the force [N], infinite where the integrator diverged.
     [[nodiscard]] double error_N(Integrator integrator, int sub_steps) const;
 
     /// Points of a chart, without the name of their method.

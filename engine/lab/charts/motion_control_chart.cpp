@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kPointsPerAxis = 7;
 constexpr int kNormals = 60;
-constexpr int kRounds = 100; ///< over the workspace, for a time
+constexpr int kRounds = 100; ///< over the workspace, for one timing
 
 constexpr std::array<int, 5> kCountsPerTurn{256, 1024, 4096, 16'384, 65'536};
 constexpr std::array<double, 5> kAlphas_rad2_per_m2{1000.0, 2000.0, 4000.0, 8000.0, 16'000.0};
@@ -44,12 +44,12 @@ std::array<NamedMethod, 4> methods(const ChartSetting &setting) {
 
 void check_static_stiffness(const control::Tuning &tuning) {
     if (!(tuning.K_P_V_per_rad > 0.0 && tuning.eta < 1.0)) {
-        throw InputError("the tuning has no static stiffness, so that no force answers a "
+        throw InputError("the tuning has no static stiffness, so no force results from a "
                          "displacement; choose K_P above 0 and eta below 1");
     }
 }
 
-/// The whole law of one tick after the other, each at another place.
+/// The whole law, tick by tick, each at another place.
 rig::Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
                        const std::vector<Vector3> &places_rad) {
     const control::HapticLaw law(setting.device);
@@ -78,7 +78,7 @@ rig::Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
     });
 }
 
-/// The least angle that 99 of 100 do not exceed, over all places and normals [rad].
+/// The 99th percentile of the angle over all places and normals [rad].
 double direction_error_99_rad(const ChartSetting &setting, const MotionMethod &method,
                               const std::vector<Vector3> &places_rad, int counts_per_turn) {
     std::vector<double> errors_rad;
@@ -94,7 +94,7 @@ double direction_error_99_rad(const ChartSetting &setting, const MotionMethod &m
     return errors_rad[static_cast<std::size_t>(at)];
 }
 
-/// How far the tip gives along the normal to a newton along it, in the mean [m/N].
+/// The mean compliance of the tip along the normal [m/N].
 double mean_give_m_per_N(const ChartSetting &setting, const MotionMethod &method,
                          const std::vector<Vector3> &places_rad) {
     double sum = 0.0;
@@ -121,7 +121,7 @@ std::string alpha_text(double alpha_rad2_per_m2) {
     return "α " + std::to_string(std::lround(alpha_rad2_per_m2));
 }
 
-/// What α is, or from where to where it goes over the workspace.
+/// The value of α, or its range over the workspace.
 std::string setting_text(const ChartSetting &setting, const MotionMethod &method,
                          const std::vector<Vector3> &places_rad) {
     if (method.map == control::MotionMap::inverse) {
@@ -182,7 +182,7 @@ rig::WorkPrecisionChart motion_stiffness_chart(const ChartSetting &setting,
     chart.name = "motion_stiffness";
     chart.title = "From the tip to the motors: usable stiffness, " + setting.device.name;
     chart.cost_label = "processor time per tick, from θ to e_W";
-    chart.error_label = "how far a wall gives way, mean (m/N)";
+    chart.error_label = "mean compliance of a wall (m/N)";
     double done = 0.0;
     for (NamedMethod named : methods(setting)) {
         const rig::Cost cost = cost_of_tick(setting, named.method, places_rad);

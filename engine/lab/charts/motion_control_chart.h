@@ -1,8 +1,8 @@
 // The maps from the tip's set-point to the motors': inverse (18), and transpose (23) with α at its
-// bound (29) in each tick, at the least bound of the workspace, or set by hand.
+// bound (29) in each tick, at the minimum bound of the workspace, or set by hand.
 //
-// The cost is that of a tick's whole law, from θ to e_W with this map alone. Forces are those at
-// rest, over the workspace and over surfaces that face all ways. A cross is an α at which the
+// The cost is that of a tick's whole law, from θ to e_W, with only this map. Forces are those at
+// rest, over the workspace and over surfaces of all orientations. A cross is an α at which the
 // servo's loop is unstable somewhere in the workspace.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace springdrive::charts {
 [[nodiscard]] rig::WorkPrecisionChart motion_direction_chart(const ChartSetting &setting,
                                                              const ChartProgress &progress);
 
-/// How far a wall gives way to a newton. The transpose with α by hand has a point for each α.
+/// The mean compliance of a wall. The transpose map with α by hand has a point for each α.
 /// @throw InputError for a tuning without static stiffness.
 [[nodiscard]] rig::WorkPrecisionChart motion_stiffness_chart(const ChartSetting &setting,
                                                              const ChartProgress &progress);

@@ -22,7 +22,7 @@ control::Configuration at_rest(const device::DeviceDescription &device, const Ve
 }
 
 /// To the nearest count.
-Vector3 as_encoders_tell(const Vector3 &theta_rad, int counts_per_turn) {
+Vector3 quantised(const Vector3 &theta_rad, int counts_per_turn) {
     if (counts_per_turn == 0) {
         return theta_rad;
     }
@@ -30,13 +30,13 @@ Vector3 as_encoders_tell(const Vector3 &theta_rad, int counts_per_turn) {
     return (counts_per_rad * theta_rad).array().round() / counts_per_rad;
 }
 
-/// On the wall, nearest to where the tip is believed to be.
+/// The point of the wall nearest to the tip as the encoders show it.
 Vector3 proxy_m(const Vector3 &true_tip_m, const Vector3 &believed_tip_m, const HeldTip &tip) {
     const double height_m = tip.depth_m + tip.normal.dot(true_tip_m - believed_tip_m);
     return believed_tip_m + height_m * tip.normal;
 }
 
-/// The part of a displacement that each mode of the map answers.
+/// The share of a displacement that each mode of the map opposes.
 Vector3 mode_shares(const device::DeviceDescription &device, const MotionMethod &method,
                     const Matrix3 &J) {
     if (method.map == control::MotionMap::inverse) {
@@ -73,7 +73,7 @@ Vector3 force_on_holder_N(const device::DeviceDescription &device, const control
     const control::Configuration truth =
         at_rest(device, device::motor_from_joint(device.geometry, tip.q_rad));
     const control::Configuration believed =
-        at_rest(device, as_encoders_tell(truth.theta_rad, tip.counts_per_turn));
+        at_rest(device, quantised(truth.theta_rad, tip.counts_per_turn));
     contact::Contact contact;
     contact.x0_m = proxy_m(truth.tip_m, believed.tip_m, tip);
     const control::TipSetPoint target =

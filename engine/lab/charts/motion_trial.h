@@ -1,5 +1,5 @@
-// What each way from a tip's set-point to the motors' makes of a surface, at rest: which force
-// answers a tip held inside, wherever it is in the workspace and whichever way the surface faces.
+// The static force of each map from the tip's set-point to the motors' on a tip held inside a
+// surface, at any place of the workspace and for any orientation of the surface.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -19,7 +19,7 @@ struct MotionMethod {
 };
 
 /// The set-point that a method commands.
-/// @return nothing where the inverse map has no answer
+/// @return nothing where the inverse map has no solution
 [[nodiscard]] std::optional<control::MotorSetPoint>
 motor_set_point(const device::DeviceDescription &device, const MotionMethod &method,
                 const control::Configuration &now, const control::TipSetPoint &target);
@@ -29,12 +29,12 @@ struct HeldTip {
     Vector3 q_rad{Vector3::Zero()};
     Vector3 normal{Vector3::UnitY()}; ///< unit, out of the wall
     double depth_m = 1e-3;            ///< inside
-    int counts_per_turn = 0;          ///< of the encoders that the method reads; 0: exact
+    int counts_per_turn = 0;          ///< of the encoders; 0: exact
 };
 
 /// The force of the device on what holds it [N], by (19) and (22): J⁻ᵀ K_q (θ_Sd − θ) with K_q
-/// diagonal, K_DC (13) of each motor. Method and proxy know θ as the encoders tell it; J⁻ᵀ is the
-/// device's own. Zero where the inverse map has no answer.
+/// diagonal, K_DC (13) of each motor. Method and proxy use θ as the encoders show it; J⁻ᵀ is exact.
+/// Zero where the inverse map has no solution.
 [[nodiscard]] Vector3 force_on_holder_N(const device::DeviceDescription &device,
                                         const control::Tuning &tuning, const MotionMethod &method,
                                         const HeldTip &tip);
@@ -43,12 +43,12 @@ struct HeldTip {
 [[nodiscard]] std::vector<Vector3> workspace_angles_rad(const device::DeviceDescription &device,
                                                         int points_per_axis);
 
-/// So many directions, spread evenly over the sphere.
+/// `count` directions, spread evenly over the sphere.
 [[nodiscard]] std::vector<Vector3> spread_normals(int count);
 
-/// Whether every mode of a method's contact dies out at a configuration: with a > 0 the eigenvalues
+/// Whether every mode of a method's contact decays at a configuration: with a > 0 the eigenvalues
 /// of α W⁻¹ JᵀJ, or 1 under the inverse map, each is the loop of one motor with η = 1 − a, as in
-/// docs/design.md, "Contact and maps". A mode turns several motors; it must be stable on each of
+/// docs/design.md, "Contact and maps". A mode moves several motors; it must be stable on each of
 /// them.
 [[nodiscard]] bool is_stable_at(const device::DeviceDescription &device,
                                 const control::Tuning &tuning, const MotionMethod &method,

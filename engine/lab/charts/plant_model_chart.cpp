@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<int, 7> kSubSteps{1, 2, 5, 10, 20, 50, 100};
 constexpr int kReferenceSubSteps = 1000;
 
-/// Its encoders are read in whole counts, at the start too.
+/// The law reads its encoders in whole counts, from the start on.
 class ModelPlant final : public PressedPlant {
 public:
     ModelPlant(const device::DeviceDescription &description,

@@ -16,7 +16,7 @@ namespace {
 /// Twenty seconds of touch at 1 kHz.
 constexpr std::size_t kTips = 20'000;
 
-/// Finer meshes are flat enough not to be cut any further.
+/// Finer meshes are flat enough to need no subdivision.
 constexpr int kFinestBentDivisions = 6;
 
 constexpr const char *kPenalty = "closest point (penalty)";
@@ -26,7 +26,7 @@ constexpr const char *kPrimitive = "proxy, analytic primitive";
 
 enum class Judged { depth, direction };
 
-/// Runs one method over all tips, against the clock and against the truth.
+/// Runs one method over all tips and measures its time and its error.
 template <typename Render>
 rig::WorkPoint trial_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
                            const Render &render) {
@@ -105,7 +105,7 @@ rig::WorkPrecisionChart proxy_chart(std::string name, const ChartSetting &settin
                                     const ChartProgress &progress) {
     rig::WorkPrecisionChart chart;
     chart.name = std::move(name);
-    chart.title = "Ways to touch " + trial.what;
+    chart.title = "Methods of rendering " + trial.what;
     chart.cost_label = "processor time per update";
     chart.error_label = judged == Judged::depth
                             ? "error of the penetration depth, 99th percentile (m)"

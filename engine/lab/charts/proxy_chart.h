@@ -1,8 +1,8 @@
-// Ways to render a contact, from meshes of 1,000 to 1,000,000 triangles of shapes whose truth is
-// known: the closest point of the mesh (a penalty method), the proxy, the proxy on a mesh bent by
-// its normals, and the proxy on the shape itself.
+// Methods of rendering a contact, on meshes of 1,000 to 1,000,000 triangles of shapes with known
+// formulas: the closest point of the mesh (a penalty method), the proxy, the proxy on a mesh curved
+// by its normals, and the proxy on the shape itself.
 //
-// The error is held against the shape's formula, at tips that were pushed in from a known point of
+// The error is relative to the shape's formula, at tips that were pushed in from a known point of
 // it by a known depth. A cross is a method that lets the tip out on the other side.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace springdrive::charts {
 [[nodiscard]] rig::WorkPrecisionChart sphere_direction_chart(const ChartSetting &setting,
                                                              const ChartProgress &progress);
 
-/// The error of the depth on the organic shape, which no primitive is like.
+/// The error of the depth on the organic shape, which no primitive resembles.
 [[nodiscard]] rig::WorkPrecisionChart organic_depth_chart(const ChartSetting &setting,
                                                           const ChartProgress &progress);
 

@@ -12,10 +12,10 @@ namespace springdrive::charts {
 
 namespace {
 
-/// Above the surface, where the proxy starts [m].
+/// Height above the surface at which the proxy starts [m].
 constexpr double kStartHeight_m = 0.01;
 
-/// The least value that 99 of 100 do not exceed; 0 of none.
+/// The 99th percentile; 0 for an empty list.
 double percentile_99(std::vector<double> values) {
     if (values.empty()) {
         return 0.0;

@@ -1,4 +1,4 @@
-// What each way to render a contact makes of a tip pressed into a surface.
+// The contact that each rendering method computes for a tip pressed into a surface.
 #pragma once
 
 #include "base/vector.h"
@@ -11,28 +11,28 @@
 
 namespace springdrive::charts {
 
-/// What is felt at a tip; nothing at all where the method believes it to be free.
+/// The rendered contact at a tip; all zero where the method takes the tip as free.
 struct RenderedTouch {
-    double depth_m = 0.0;            ///< under the surface, as the method sees it
+    double depth_m = 0.0;            ///< below the surface, according to the method
     Vector3 normal{Vector3::Zero()}; ///< unit, along which the tip is pushed out; zero when free
 };
 
-/// The proxy, from outside above the first tip to one after the other. The clearance that it keeps
-/// from every surface is not counted.
+/// The proxy: starts outside above the first tip and follows all tips. Its clearance from every
+/// surface is not counted.
 /// @pre there is a touch for each tip, and at least one
 void follow_with_proxy(const contact::HapticSurface &surface, std::span<const rig::PressedTip> tips,
                        std::span<RenderedTouch> touches);
 
-/// A penalty method: out to the closest point of the mesh.
+/// A penalty method: pushes out to the closest point of the mesh.
 /// @pre there is a touch for each tip
 void push_to_closest_point(rig::ClosestPointFinder &mesh, std::span<const rig::PressedTip> tips,
                            std::span<RenderedTouch> touches);
 
-/// How far from the truth the touches were.
+/// The errors of the touches.
 struct TouchErrors {
-    double depth_m = 0.0;       ///< 99th percentile of what depths are wrong by
-    double direction_rad = 0.0; ///< the same of normals, where something was felt
-    bool pops_through = false;  ///< some tip was pushed on, out of the surface's other side
+    double depth_m = 0.0;       ///< 99th percentile of the error of depths
+    double direction_rad = 0.0; ///< the same for normals, where there was contact
+    bool pops_through = false;  ///< some tip was pushed out of the surface's other side
 };
 
 /// @pre there is a touch for each tip, and at least one

@@ -34,7 +34,7 @@ std::string rate_text(int rate_Hz) {
 constexpr const char *kCostLabel =
     "processor time per millisecond of servo (10 µs are 1 % of a processor)";
 
-/// λ, kept within what it may be.
+/// λ, clamped to its range.
 double scaled_lambda(const control::Tuning &tuning, double factor) {
     const auto parameter = std::ranges::find(
         control::kParameters, &control::Tuning::lambda_rad_per_s, &control::Parameter::value);

@@ -1,8 +1,8 @@
-// Servo rates from 250 Hz to 20 kHz: how near the rendered stiffness comes to the paper's (12), how
-// true the force's direction is while the tip moves, and how much of a processor that takes.
+// Servo rates from 250 Hz to 20 kHz: the error of the rendered stiffness against the paper's (12),
+// the error of the force's direction while the tip moves, and the processor time.
 //
-// The cost is a measured tick of the whole servo, in contact, times the ticks in a millisecond.
-// A cross is a rate at which the loop is unstable on one of the device's motors.
+// The cost is the measured time of a tick of the whole servo in contact, times the ticks in a
+// millisecond. A cross is a rate at which the loop is unstable on one of the device's motors.
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
@@ -11,11 +11,11 @@
 namespace springdrive::charts {
 
 /// The stiffness against (12), measured by sine sweep on the simulated motor.
-/// @throw InputError where the safety monitor stops the servo that is timed.
+/// @throw InputError where the safety monitor stops the timed servo.
 [[nodiscard]] rig::WorkPrecisionChart servo_rate_stiffness_chart(const ChartSetting &setting,
                                                                  const ChartProgress &progress);
 
-/// The direction of the transpose map's force, at a third, once and three times the tuning's λ.
+/// The direction of the transpose map's force, at one third, one and three times the tuning's λ.
 /// @throw InputError as the one above, and for a tuning without static stiffness.
 [[nodiscard]] rig::WorkPrecisionChart servo_rate_direction_chart(const ChartSetting &setting,
                                                                  const ChartProgress &progress);

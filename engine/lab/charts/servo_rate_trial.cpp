@@ -21,21 +21,21 @@ namespace springdrive::charts {
 
 namespace {
 
-constexpr double kPeriod_s = 1e-3; ///< of the servo that is timed
+constexpr double kPeriod_s = 1e-3; ///< of the timed servo
 constexpr std::size_t kTicks = 8000;
 
-/// In the middle of the workspace.
+/// Joint angles in the middle of the workspace.
 Vector3 middle_angles_rad(const device::DeviceDescription &device) {
     return device::joint_angles_rad(device.geometry, device.workspace.centre_m)
         .value_or(Vector3::Zero());
 }
 
-/// What the servo measures, tick by tick.
+/// The servo's measurements, tick by tick.
 std::vector<device::Measurement> recorded_states(rig::ServoRig &rig) {
     std::vector<device::Measurement> states;
     for (std::size_t i = 0; i < kTicks; ++i) {
         if (rig.tick(); rig.has_tripped()) {
-            throw InputError("the safety monitor stops the servo while it is timed: " +
+            throw InputError("the safety monitor stopped the servo while it was timed: " +
                              servo::description(rig.last.safety) + "; choose another tuning");
         }
         states.push_back(rig.measured());

@@ -1,4 +1,4 @@
-// What a servo rate does to what is rendered, and what a tick of the servo costs.
+// The effect of the servo rate on the rendered stiffness, and the cost of a tick.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -8,12 +8,13 @@
 
 namespace springdrive::charts {
 
-/// The band in which the stiffness is held against (12): above it a hand holds rather than feels.
+/// The band in which the stiffness is compared with (12): above it the hand holds the tip rather
+/// than perceives its stiffness.
 inline constexpr double kLowestJudged_Hz = 2.0;
 inline constexpr double kHighestJudged_Hz = 100.0;
 
-/// |K_measured − K(12)|/|K(12)|, root mean square over frequencies of the band evenly spread over
-/// the logarithm. `points` of them, two at least.
+/// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies of the band, at least
+/// two, evenly spaced on a logarithmic scale.
 [[nodiscard]] double stiffness_error(const loops::SpringDrive &drive, int points);
 
 /// The largest angle between normal and force over all normals in the plane of the links, base
@@ -27,7 +28,7 @@ inline constexpr double kHighestJudged_Hz = 100.0;
                                            double delay_periods);
 
 /// A tick of the whole servo, from encoder counts to voltages, while the simulated hand slides over
-/// a sphere of 20,480 triangles. The device itself is not timed.
+/// a sphere of 20,480 triangles. The simulated device is not timed.
 /// @throw InputError where the safety monitor trips.
 [[nodiscard]] rig::Cost cost_of_servo_tick(const ChartSetting &setting);
 

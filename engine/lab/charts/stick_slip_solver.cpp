@@ -15,7 +15,7 @@ namespace springdrive::charts {
 namespace {
 
 constexpr int kJoints = 3;
-constexpr int kMostChanges = 10'000; ///< in a call
+constexpr int kMostChanges = 10'000; ///< per call
 constexpr std::array<int, 3> kModes{0, 1, -1};
 
 struct SlidingPlant {
@@ -34,7 +34,7 @@ int call_sliding_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *given
     return 0;
 }
 
-/// A value for each joint that becomes negative where it changes.
+/// A value for each joint that becomes negative where its mode changes.
 int call_roots(realtype time_s, N_Vector y, realtype *values, void *given) {
     const auto &plant = *static_cast<const SlidingPlant *>(given);
     const rig::PlantState now = cvode::view<rig::PlantState>(y);
@@ -49,7 +49,7 @@ int call_roots(realtype time_s, N_Vector y, realtype *values, void *given) {
     return 0;
 }
 
-/// By how much joints at rest do what does not go with itself [N·m].
+/// By how much the modes of joints at rest are inconsistent [N·m].
 double contradiction_Nm(const rig::PlantMechanics &mechanics, const Vector3 &coulomb_Nm,
                         const Vector3 &rate_rad_per_s, const StickSlipModes &modes) {
     const StickSlipMotion motion = stick_slip_motion(mechanics, coulomb_Nm, modes);
@@ -76,7 +76,7 @@ StickSlipMotion stick_slip_motion(const rig::PlantMechanics &mechanics, const Ve
     for (int j = 0; j < kJoints; ++j) {
         const int mode = modes[static_cast<std::size_t>(j)];
         right[j] -= mode * coulomb_Nm[j];
-        if (mode == 0) { // its equation is that it stays
+        if (mode == 0) { // its equation is zero acceleration
             system.row(j) = Vector3::Unit(j).transpose();
             right[j] = 0.0;
         }
@@ -156,11 +156,11 @@ rig::PlantState StickSlipSolver::advance(const rig::PlantEquations &equations, d
         for (std::size_t j = 0; j < found.size(); ++j) {
             released[j] = found[j] != 0 && plant.modes[j] == 0;
             if (found[j] != 0 && plant.modes[j] != 0) {
-                now[3 + static_cast<Eigen::Index>(j)] = 0.0; // to the last bit
+                now[3 + static_cast<Eigen::Index>(j)] = 0.0; // exactly
             }
         }
     }
-    throw std::runtime_error("sticking and sliding: changes without an end");
+    throw std::runtime_error("sticking and sliding: too many transitions");
 }
 
 } // namespace springdrive::charts

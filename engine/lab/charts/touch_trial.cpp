@@ -49,7 +49,7 @@ std::vector<Corners> divided(const std::vector<Corners> &coarse) {
     return fine;
 }
 
-/// Vertices are not shared; preparation finds that they stand at the same places.
+/// Vertices are not shared; mesh preparation welds them.
 contact::TriangleSoup plate_mesh(int divisions) {
     std::vector<Corners> triangles = box_triangles(rig::thin_plate_half_size_m());
     for (int i = 0; i < divisions; ++i) {

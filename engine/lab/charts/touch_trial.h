@@ -1,5 +1,5 @@
-// The shapes on which ways to render a contact are tried, each as meshes of any fineness and, where
-// there is one, as a primitive.
+// The shapes on which rendering methods are tried, each as meshes of any fineness and, where one
+// exists, as a primitive.
 #pragma once
 
 #include "engine/contact/mesh/triangle_soup.h"
@@ -18,12 +18,12 @@ struct TouchTrial {
     std::string what; ///< "a sphere of 50 mm"
     std::vector<rig::PressedTip> tips;
     std::function<contact::TriangleSoup(int divisions)>
-        mesh; ///< each more makes four triangles of one
-    std::function<Vector3(const Vector3 &vertex_m)> normal; ///< true one; none: nothing to bend
+        mesh; ///< each division makes four triangles of one
+    std::function<Vector3(const Vector3 &vertex_m)> normal; ///< exact normal; none: no curved mesh
     std::optional<contact::AnalyticShape> primitive;
 };
 
-/// Divisions that give from 1,000 to 1,000,000 triangles, roughly.
+/// Divisions for roughly 1,000 to 1,000,000 triangles.
 inline constexpr int kCoarsestDivisions = 3;
 inline constexpr int kFinestDivisions = 8;
 
@@ -31,9 +31,9 @@ inline constexpr int kFinestDivisions = 8;
 [[nodiscard]] TouchTrial organic_trial(std::size_t tips);
 [[nodiscard]] TouchTrial thin_plate_trial(std::size_t tips);
 
-/// A mesh with smooth shading as it is touched: bent by the true normals at its vertices, and cut
-/// until neighbouring facets differ by no more than half a degree, but into no more than two
-/// million in all, as scenes are.
+/// A mesh with smooth shading as it is touched: curved by the exact normals at its vertices, and
+/// subdivided until neighbouring facets differ by no more than half a degree, but into no more than
+/// two million in total, as scenes are.
 [[nodiscard]] contact::TriangleSoup bent(const contact::TriangleSoup &soup,
                                          const std::function<Vector3(const Vector3 &)> &normal);
 

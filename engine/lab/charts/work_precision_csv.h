@@ -8,9 +8,9 @@
 
 namespace springdrive::charts {
 
-/// method, setting, the cost's least, median and greatest [ns], error, stable (1 or 0) and the
+/// method, setting, the cost's minimum, median and maximum [ns], error, stable (1 or 0) and the
 /// machine, a row for each point. An error that is not finite becomes an empty cell. Text with a
-/// comma, a quote or an end of line in it stands in quotes (RFC 4180).
+/// comma, a quote or an end of line is quoted (RFC 4180).
 void write_work_precision_csv(std::ostream &out, const rig::WorkPrecisionChart &chart,
                               const std::string &machine);
 

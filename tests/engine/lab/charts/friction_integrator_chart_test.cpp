@@ -25,8 +25,7 @@ double error_N(const NewPlant &new_plant) {
     return force_error_N(run_press(trial().press(), new_plant), trial().reference());
 }
 
-/// How far the motors turn while the hand is held still, in the last quarter before it lets go
-/// [rad].
+/// How far the motors turn while the hand holds, in the last quarter before the release [rad].
 double turned_in_hold_rad(const NewPlant &new_plant) {
     const rig::Scenario &press = trial().press();
     const auto period_at = [&](double time_s) {
@@ -47,7 +46,7 @@ double turned_in_hold_rad(const NewPlant &new_plant) {
     return (greatest - least).maxCoeff();
 }
 
-TEST(StickingPress, PressesHoldsAndLetsGo) {
+TEST(StickingPress, PressesHoldsAndReleases) {
     const PressRecord &reference = trial().reference();
     const rig::Scenario &press = trial().press();
     EXPECT_GT(reference.greatest_force_N(), 2.0);
@@ -55,14 +54,14 @@ TEST(StickingPress, PressesHoldsAndLetsGo) {
     const auto released = static_cast<std::size_t>(
         std::lround(rig::sticking_press().release_s / press.simulation.servo_period_s));
     EXPECT_GT(reference.force_N[released - 1].dot(press.normal), 2.0);
-    EXPECT_LT(reference.force_N.back().norm(), 0.5); // what friction leaves of it
+    EXPECT_LT(reference.force_N.back().norm(), 0.5); // the rest is held by friction
 }
 
-TEST(StickingPress, HoldsTheJointsStillToTheLastBitWhereFrictionIsReal) {
+TEST(StickingPress, TrueFrictionHoldsTheJointsExactly) {
     EXPECT_EQ(turned_in_hold_rad(trial().reference_plant(CvodeMethod::adams, 1e-12)), 0.0);
     EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::ours, 10)), 0.0);
     EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::ours, 1)), 0.0);
-    // A sign chatters, and what is smooth creeps.
+    // Friction by the sign chatters, smoothed friction creeps.
     EXPECT_GT(turned_in_hold_rad(trial().plant(Integrator::runge_kutta, 10)), 0.0);
     EXPECT_GT(turned_in_hold_rad(trial().cvode_plant(CvodeMethod::bdf, 1e-6, 1e-4)), 0.0);
 }
@@ -74,14 +73,14 @@ TEST(FrictionReference, AgreesWithItselfByAnotherMethodAndByTolerance) {
 }
 
 TEST(FrictionReference, IsTheLimitOfSmoothedFriction) {
-    // Which knows nothing of sticking: ever narrower, it comes nearer in proportion.
+    // Smoothed friction has no sticking: its error is proportional to its width.
     const double wide_N = error_N(trial().cvode_plant(CvodeMethod::bdf, 1e-8, 1e-5));
     const double narrow_N = error_N(trial().cvode_plant(CvodeMethod::bdf, 1e-8, 1e-6));
     EXPECT_NEAR(wide_N / narrow_N, 10.0, 0.5);
     EXPECT_LT(narrow_N, 1e-4);
 }
 
-TEST(FrictionIntegrators, ComeNearerWithShorterSteps) {
+TEST(FrictionIntegrators, ConvergeWithShorterSteps) {
     for (const NamedIntegrator &named : kIntegrators) {
         const bool is_smoothed = named.integrator == Integrator::implicit_midpoint;
         const auto error_of = [&](int sub_steps) {
@@ -90,7 +89,8 @@ TEST(FrictionIntegrators, ComeNearerWithShorterSteps) {
                 trial().plant(named.integrator, sub_steps,
                               is_smoothed ? trial().friction_width_rad_per_s(step_s) : 0.0));
         };
-        // First order for the peers, whatever it is without friction; ours better than that.
+        // First order for the explicit and smoothed methods, whatever their order without friction;
+        // the simulated device is better.
         const double order = std::log2(error_of(8) / error_of(64)) / std::log2(8.0);
         if (named.integrator == Integrator::ours) {
             EXPECT_GT(order, 1.2);

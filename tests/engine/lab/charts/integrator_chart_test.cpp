@@ -65,10 +65,10 @@ TEST(ForceError, IsARootMeanSquareOrInfinite) {
     EXPECT_EQ(force_error_N(record, reference), std::numeric_limits<double>::infinity());
 }
 
-TEST(Integrators, MeetTheContactTransientAtTheirOrders) {
+TEST(Integrators, ConvergeOnTheContactTransientAtTheirOrders) {
     for (const IntegratorTrial *trial : {&pen_trial(), &vice_trial()}) {
         for (const NamedIntegrator &named : kIntegrators) {
-            // Where steps are short enough for the next order not to show.
+            // Where steps are short enough for the next order to be negligible.
             const bool slow = named.order < 2.0;
             const int sub_steps = slow ? 512 : 32;
             const double order = std::log2(trial->error_N(named.integrator, sub_steps) /
@@ -91,7 +91,7 @@ TEST(Cvode, AgreesWithItselfByAnotherMethodAndByTolerance) {
     }
 }
 
-TEST(Integrators, RunAwayWhereTheirStepIsTooLong) {
+TEST(Integrators, DivergeWhereTheirStepIsTooLong) {
     // With nothing cancelled 2 L/R is 218 µs: between 4 and 5 steps a period.
     ChartSetting braked = testing::quick_setting();
     braked.tuning.dR_Ohm = braked.device.motor[0].resistance_Ohm;
@@ -101,7 +101,7 @@ TEST(Integrators, RunAwayWhereTheirStepIsTooLong) {
     // And 2.785 L/R is 304 µs.
     EXPECT_FALSE(std::isfinite(trial.error_N(Integrator::runge_kutta, 3)));
     EXPECT_TRUE(std::isfinite(trial.error_N(Integrator::runge_kutta, 4)));
-    // The others do not run away at any step.
+    // The others do not diverge at any step.
     EXPECT_LT(trial.error_N(Integrator::ours, 1), trial.reference().greatest_force_N());
     EXPECT_LT(trial.error_N(Integrator::implicit_midpoint, 1),
               trial.reference().greatest_force_N());

@@ -21,7 +21,7 @@ std::map<std::string, std::vector<rig::WorkPoint>> lines_of(const rig::WorkPreci
     return lines;
 }
 
-TEST(MotionControlChart, FinerEncodersMakeTheTransposeTruerAndNotTheInverse) {
+TEST(MotionControlChart, FinerEncodersReduceTheErrorOfTheTransposeAndNotOfTheInverse) {
     auto lines = lines_of(motion_direction_chart(testing::quick_setting(), [](double) {}));
     ASSERT_EQ(lines.size(), 4U);
     for (const auto &[method, points] : lines) {
@@ -32,7 +32,7 @@ TEST(MotionControlChart, FinerEncodersMakeTheTransposeTruerAndNotTheInverse) {
             EXPECT_NEAR(ratio, is_inverse ? 1.0 : 4.0, is_inverse ? 0.05 : 1.5) << method;
         }
         if (is_inverse) {
-            EXPECT_GT(points.back().error, 25.0); // what people are said to notice
+            EXPECT_GT(points.back().error, 25.0); // the perceptible angle of the paper
         } else {
             EXPECT_LT(points.front().error, 0.2);
         }
@@ -46,9 +46,9 @@ TEST(MotionControlChart, GlobalAlphaIsSofterThanOnTheFlyAndThatThanTheInverse) {
     const double on_the_fly = lines["transpose (23), α on the fly"].front().error;
     const double global = lines["transpose, global α"].front().error;
     EXPECT_LT(inverse, on_the_fly); // (28)
-    EXPECT_LT(on_the_fly, global);  // the global α is the least of all
+    EXPECT_LT(on_the_fly, global);  // the global α is the minimum
     const std::vector<rig::WorkPoint> &by_hand = lines["transpose, α by hand"];
-    for (std::size_t i = 1; i < by_hand.size(); ++i) { // (27): twice the α, half the give
+    for (std::size_t i = 1; i < by_hand.size(); ++i) { // (27): twice the α, half the compliance
         EXPECT_NEAR(by_hand[i - 1].error / by_hand[i].error, 2.0, 1e-6);
         EXPECT_LE(by_hand[i].stable, by_hand[i - 1].stable);
     }

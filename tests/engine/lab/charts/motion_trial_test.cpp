@@ -24,7 +24,7 @@ MotionMethod by_hand(double alpha_rad2_per_m2) {
     return {control::MotionMap::transpose, control::AlphaMode::by_hand, alpha_rad2_per_m2};
 }
 
-TEST(MotionTrial, InverseErrsByQ3MinusQ2AtMostInTheLinksPlane) {
+TEST(MotionTrial, ErrorOfTheInverseIsAtMostQ3MinusQ2InTheLinksPlane) {
     // docs/design.md, "Linkage and motors": exact for l₁ = l₂ and N₂ = N₃, and small depths.
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const Vector3 &q_deg : {Vector3(0, 20, -15), Vector3(10, -10, 25), Vector3(-20, 5, 5)}) {
@@ -42,7 +42,7 @@ TEST(MotionTrial, InverseErrsByQ3MinusQ2AtMostInTheLinksPlane) {
     }
 }
 
-TEST(MotionTrial, TransposeErrsByRoundOffAndByTheEncodersQuantum) {
+TEST(MotionTrial, ErrorOfTheTransposeIsRoundOffAndTheEncodersQuantum) {
     for (const device::DeviceDescription &device :
          {testing::phantom_1_0(), testing::phantom_premium_1_5()}) {
         for (const Vector3 &q_rad : workspace_angles_rad(device, 4)) {
@@ -54,7 +54,8 @@ TEST(MotionTrial, TransposeErrsByRoundOffAndByTheEncodersQuantum) {
                         normal);
                 };
                 ASSERT_LT(error_rad(0), 1e-12);
-                // Half a count at a joint is π/(4096·11); the links turn it, no more than tenfold.
+                // Half a count at a joint is π/(4096·11); the links amplify it no more than
+                // tenfold.
                 ASSERT_LT(error_rad(4096), 10.0 * std::numbers::pi / (4096.0 * 11.0));
             }
         }
@@ -77,7 +78,7 @@ TEST(MotionTrial, StiffnessIsThatOf27And21) {
     }
 }
 
-TEST(MotionTrial, InverseWithoutAnAnswerGivesNoForce) {
+TEST(MotionTrial, InverseWithoutASolutionGivesNoForce) {
     const device::DeviceDescription device = testing::phantom_1_0();
     const Vector3 aligned_rad = kRadiansPerDegree * Vector3(0, -45, 45);
     EXPECT_TRUE(force_on_holder_N(device, control::Tuning{}, kInverse,
@@ -91,7 +92,7 @@ TEST(MotionTrial, StableUpToTheBoundAndUnstableFarAboveIt) {
         EXPECT_TRUE(is_stable_at(device, control::Tuning{}, kInverse, q_rad));
         EXPECT_TRUE(is_stable_at(device, control::Tuning{}, kOnTheFly, q_rad));
     }
-    // One mode's loop gain grows with α: there is one α at which it goes, and it stays gone.
+    // One mode's loop gain grows with α: it becomes unstable at one α and remains so above it.
     const Vector3 q_rad = kRadiansPerDegree * Vector3(0, 20, -15);
     bool was_stable = true;
     for (int i = 0; i < 42; ++i) {

@@ -30,7 +30,7 @@ const Lines &lines() {
     return found;
 }
 
-TEST(PlantModelChart, HasEveryModelWholeAndInThePlane) {
+TEST(PlantModelChart, HasEveryModelInFullAndInThePlane) {
     EXPECT_EQ(lines().size(), 2 * simulated::kPlantModels.size());
     for (const auto &[name, points] : lines()) {
         EXPECT_GE(points.size(), 5U) << name;
@@ -41,16 +41,16 @@ TEST(PlantModelChart, HasEveryModelWholeAndInThePlane) {
     }
 }
 
-TEST(PlantModelChart, AFullerModelIsNearerToTheTruth) {
+TEST(PlantModelChart, AFullerModelHasASmallerError) {
     const auto error_N = [](const char *model) { return lines().at(model).back().error; };
     EXPECT_LT(error_N("rigid_tip"), error_N("coupling"));
     EXPECT_LT(error_N("electromechanical"), error_N("rigid_tip"));
-    // Friction by itself brings nothing: what is missing is the give of the structure.
+    // Friction alone does not reduce the error: the compliance of the structure is missing.
     EXPECT_NEAR(error_N("rigid_links"), error_N("electromechanical"), 0.05);
-    EXPECT_LT(error_N("full"), 1e-3); // at 10 µs: below what a finger feels
+    EXPECT_LT(error_N("full"), 1e-3); // at 10 µs: below what a finger perceives
 }
 
-TEST(PlantModelChart, ThePlaneIsAsGoodAsTheWholeWhereNothingPushesSideways) {
+TEST(PlantModelChart, ThePlanarModelIsAsGoodWhereNothingPushesSideways) {
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         const std::string name(model.name);
         const std::vector<rig::WorkPoint> &whole = lines().at(name);

@@ -8,7 +8,7 @@
 namespace springdrive::charts {
 namespace {
 
-TEST(ProxyChart, ThinPlateIsAllCrossesForThePenaltyAndExactForTheProxy) {
+TEST(ProxyChart, OnAThinPlateThePenaltyAlwaysFailsAndTheProxyIsExact) {
     ChartSetting setting;
     setting.repeats = 1;
     double last_share = 0.0;

@@ -5,7 +5,7 @@
 
 namespace springdrive::testing {
 
-/// The PHANTOM 1.0, each cost measured once: for tests that look at errors.
+/// The PHANTOM 1.0, each cost measured once: for tests of errors.
 inline charts::ChartSetting quick_setting() {
     charts::ChartSetting setting;
     setting.device = phantom_1_0();

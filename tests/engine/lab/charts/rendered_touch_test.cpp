@@ -48,7 +48,7 @@ double half_angle_rad(const contact::TriangleSoup &soup) {
     return largest;
 }
 
-TEST(RenderedTouch, OfASphereMeshErrsByTheSagittaAndItsHalfAngle) {
+TEST(RenderedTouch, ErrorOnASphereMeshIsTheSagittaAndTheHalfAngle) {
     const TouchTrial trial = sphere_trial(kTips);
     for (const int divisions : {3, 4, 5}) {
         const contact::TriangleSoup soup = trial.mesh(divisions);
@@ -84,14 +84,14 @@ TEST(RenderedTouch, OfAPrimitiveIsExact) {
     EXPECT_LT(plate.depth_m, 1e-16);
 }
 
-TEST(RenderedTouch, OfABentMeshComesFromItsNormals) {
+TEST(RenderedTouch, OnACurvedMeshFollowsItsNormals) {
     const TouchTrial trial = sphere_trial(kTips);
     const contact::TriangleSoup coarse = trial.mesh(3);
     const TouchErrors flat = proxy_errors(trial, contact::HapticSurface(coarse));
     const TouchErrors curved =
         proxy_errors(trial, contact::HapticSurface(bent(coarse, trial.normal)));
     EXPECT_LT(curved.depth_m, 0.02 * flat.depth_m);
-    // Half of what neighbouring facets may differ by, but for corners: 0.5 degrees.
+    // Half of the allowed difference of 0.5 degrees between neighbouring facets, except at corners.
     EXPECT_LT(curved.direction_rad, 0.5 * std::numbers::pi / 180.0);
 }
 
@@ -107,7 +107,7 @@ TEST(RenderedTouch, PenaltyPopsThroughBeyondTheMiddleAndTheProxyNever) {
     }
 }
 
-TEST(RenderedTouch, WhatIsNotFeltErrsByItsWholeDepth) {
+TEST(RenderedTouch, ErrorOfAMissedContactIsItsWholeDepth) {
     const std::vector<rig::PressedTip> tips = rig::tips_in_sphere(10);
     const std::vector<RenderedTouch> nothing(tips.size());
     const TouchErrors errors = touch_errors(tips, nothing);
@@ -119,7 +119,7 @@ TEST(RenderedTouch, WhatIsNotFeltErrsByItsWholeDepth) {
     EXPECT_EQ(errors.direction_rad, 0.0);
 }
 
-TEST(RenderedTouch, TrialsHaveTheTrianglesThatTheySay) {
+TEST(RenderedTouch, TrialsHaveTheStatedNumberOfTriangles) {
     EXPECT_EQ(sphere_trial(1).mesh(kCoarsestDivisions).triangles.size(), 1280U);
     EXPECT_EQ(thin_plate_trial(1).mesh(kCoarsestDivisions).triangles.size(), 768U);
     const contact::MeshReport report = contact::HapticSurface(thin_plate_trial(1).mesh(3)).report();

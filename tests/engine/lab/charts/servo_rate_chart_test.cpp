@@ -8,7 +8,7 @@
 namespace springdrive::charts {
 namespace {
 
-TEST(ServoRateChart, FasterIsDearerAndTruer) {
+TEST(ServoRateChart, AFasterServoCostsMoreAndHasSmallerErrors) {
     ChartSetting setting;
     setting.device = testing::phantom_1_0();
     setting.repeats = 1;

@@ -50,7 +50,7 @@ TEST(ServoRateTrial, ErrorGoesToZeroAtFirstOrder) {
 }
 
 TEST(ServoRateTrial, DirectionTendsToThatOfTheContinuousServo) {
-    // The limit is what λ leaves; the way there is of first order in T.
+    // The limit is the error due to λ; convergence is of first order in T.
     const device::DeviceDescription device = testing::phantom_1_0();
     const auto error = [&](double rate_Hz) {
         return perceived_direction_error_rad(device, control::Tuning{}, 1.0 / rate_Hz);

@@ -29,8 +29,8 @@ rig::PlantMechanics random_mechanics(std::mt19937_64 &random) {
     return made;
 }
 
-/// What Gauss's principle of least constraint makes least: ½ aᵀ M a − τᵀ a + Σ τ_c |a| for joints
-/// that are at rest.
+/// The function that Gauss's principle of least constraint minimises: ½ aᵀ M a − τᵀ a + Σ τ_c |a|
+/// for joints at rest.
 double constraint(const rig::PlantMechanics &mechanics, const Vector3 &coulomb_Nm,
                   const Vector3 &acceleration) {
     const Matrix3 M = mechanics.inertia.matrix_kg_m2();
@@ -70,8 +70,7 @@ TEST(StickSlipModes, OfJointsThatMoveAreTheirDirections) {
         (StickSlipModes{1, -1, 1}));
 }
 
-/// A device that nothing drives or brakes but Coulomb friction, and the push of a hand without a
-/// mass.
+/// A device without drive and with Coulomb friction only, pushed by a hand without mass.
 struct Bare {
     device::DeviceDescription device = testing::phantom_1_0();
     simulated::SimulationOptions options;
@@ -93,7 +92,7 @@ struct Bare {
     }
 };
 
-TEST(StickSlipSolver, ACoastingBaseStopsWhereItShouldAndStays) {
+TEST(StickSlipSolver, ACoastingBaseStopsAtThePredictedPlaceAndStays) {
     // Slow enough for the links not to be thrown outwards: friction holds them.
     const Bare bare;
     const rig::PlantEquations equations = bare.equations(Vector3::Zero());
