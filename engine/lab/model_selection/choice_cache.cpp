@@ -35,7 +35,8 @@ void add_soup(Sha256 &digest, const contact::TriangleSoup &soup) {
     }
 }
 
-/// A shape by what it does to a few points about it: whatever it is, another one differs there.
+/// A shape is identified by its nearest points to a few points around it: different shapes differ
+/// there.
 void add_shape(Sha256 &digest, const contact::AnalyticShape &shape) {
     const Eigen::AlignedBox3d box = shape.bounds();
     digest.add(std::uint64_t{shape.size().index()});
@@ -118,9 +119,9 @@ std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder
     } catch (const InputError &) {
         return std::nullopt;
     } catch (const std::ios_base::failure &) {
-        return std::nullopt; // a folder in its place, say
+        return std::nullopt; // for example a folder in its place
     } catch (const nlohmann::ordered_json::exception &) {
-        return std::nullopt; // not there, or damaged: measured anew, and then written whole
+        return std::nullopt; // missing or damaged: measured and written again
     }
 }
 
@@ -143,7 +144,7 @@ bool write_model_choice(const std::filesystem::path &folder, const std::string &
         }
         std::filesystem::remove(unfinished, failed);
     } catch (const std::exception &) {
-        return false; // a cache that cannot be written is none
+        return false; // the cache is optional
     }
     return false;
 }

@@ -55,7 +55,7 @@ std::size_t index_of(const ModelAxis &axis, const std::string &name) {
             return i;
         }
     }
-    throw InputError("model choice: '" + name + "' is none of its " + axis.name + "s");
+    throw InputError("model choice: '" + name + "' is not one of its " + axis.name + " candidates");
 }
 
 ModelAxis axis_of(const Json &json) {
@@ -117,7 +117,7 @@ Json json_of(const ModelChoice &choice) {
 ModelChoice model_choice_of(const Json &json) {
     try {
         ModelChoice choice = read(json);
-        static_cast<void>(model_of(choice)); // refuses names that are none
+        static_cast<void>(model_of(choice)); // rejects unknown names
         return choice;
     } catch (const Json::exception &error) {
         throw InputError(std::string("model choice: cannot be read: ") + error.what());

@@ -1,4 +1,4 @@
-// Model choices as JSON: for `springdrive inspect` and for the files that remember them.
+// Model choices as JSON: for `springdrive inspect` and for the cache files.
 #pragma once
 
 #include "engine/lab/model_selection/model_choice.h"
@@ -10,7 +10,7 @@ namespace springdrive::model_selection {
 /// With names and units in the keys. An error that is not finite becomes null.
 [[nodiscard]] nlohmann::ordered_json json_of(const ModelChoice &choice);
 
-/// @throw InputError for what `json_of` would not have written.
+/// @throw InputError for JSON that `json_of` would not have written.
 [[nodiscard]] ModelChoice model_choice_of(const nlohmann::ordered_json &json);
 
 } // namespace springdrive::model_selection

@@ -14,7 +14,7 @@ bool is_cheaper(const Candidate &a, const Candidate &b) {
     return a.cost.least_ns < (1.0 - kSameCost) * b.cost.least_ns;
 }
 
-/// The cheapest that meets by itself. The fullest meets always, being what is measured against.
+/// The cheapest that meets on its own. The fullest always meets, being the reference.
 std::size_t cheapest_meeting(const ModelAxis &axis, const scene::ModelTolerance &tolerance) {
     const auto &all = axis.candidates;
     const auto share = [&](std::size_t i) { return share_of_tolerance(all[i].error, tolerance); };
@@ -33,8 +33,8 @@ std::size_t cheapest_meeting(const ModelAxis &axis, const scene::ModelTolerance 
     return best;
 }
 
-/// Clearly cheaper candidates that are worth a trial, the dearest first: that one whatever it is,
-/// and those that meet by themselves.
+/// Clearly cheaper candidates that are worth a trial, the most expensive first: that one in any
+/// case, and those that meet on their own.
 std::vector<std::size_t> cheaper_ones(const ModelAxis &axis, std::size_t than,
                                       const scene::ModelTolerance &tolerance) {
     std::vector<std::size_t> found;
@@ -55,7 +55,7 @@ std::vector<std::size_t> cheaper_ones(const ModelAxis &axis, std::size_t than,
     return found;
 }
 
-/// The cheapest of those that are nearer to the fullest.
+/// The cheapest of those with a smaller error.
 std::size_t next_better(const ModelAxis &axis, std::size_t than,
                         const scene::ModelTolerance &tolerance) {
     const double share = share_of_tolerance(axis.candidates[than].error, tolerance);
@@ -94,7 +94,7 @@ public:
     }
 
 private:
-    /// False where all are at their fullest.
+    /// False if all are already at their fullest.
     bool step_up() {
         std::optional<std::size_t> worst;
         double worst_share = 0.0;
@@ -112,7 +112,7 @@ private:
         return worst.has_value();
     }
 
-    /// True where something cheaper meets too, and was taken.
+    /// True if a cheaper candidate also meets, and was taken.
     bool step_down() {
         for (std::size_t i = 0; i < picks_.size(); ++i) {
             ModelAxis &axis = chosen_.axes[i];

@@ -12,12 +12,12 @@ namespace springdrive::model_selection {
 
 namespace {
 
-/// Nothing is simplified below this: a tetrahedron has four.
+/// Meshes are not simplified below this: a tetrahedron has four.
 constexpr std::size_t kFewestTriangles = 4;
-/// A simplification that leaves more than this of the one before is not worth a candidate.
+/// A simplification that leaves more than this share of the previous one is not a useful candidate.
 constexpr double kWorthwhile = 0.75;
 
-/// For each material the primitive that its triangles are.
+/// For each material the primitive that its triangles represent.
 std::vector<std::optional<PrimitiveFit>> primitives_of(const scene::Scene &scene) {
     std::vector<std::optional<PrimitiveFit>> fits;
     for (std::size_t i = 0; i < scene.surface.materials.size(); ++i) {
@@ -58,7 +58,8 @@ contact::HapticSurface with_primitives(const scene::Scene &scene) {
     return contact::HapticSurface(std::move(rest), std::move(shapes));
 }
 
-/// What is simplified: the smooth nodes' own triangles come before the many of their bending.
+/// The mesh to simplify: the original triangles of smooth nodes, rather than the many of their
+/// curved form.
 const contact::TriangleSoup &to_simplify(const scene::Scene &scene) {
     return scene.flat_surface.triangles.empty() ? scene.surface : scene.flat_surface;
 }

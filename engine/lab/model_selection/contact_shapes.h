@@ -1,4 +1,4 @@
-// The surfaces that a scene can be touched as.
+// The alternative touchable surfaces of a scene.
 #pragma once
 
 #include "engine/contact/proxy/haptic_surface.h"
@@ -9,11 +9,12 @@
 
 namespace springdrive::model_selection {
 
-/// What may stand for the scene's surface, from the simplest on; the last is what it asks for.
-/// Simplified meshes halve their triangles from one to the next for as long as that goes.
+/// The alternatives to the scene's surface, the simplest first; the last is the one that the scene
+/// specifies. Simplified meshes halve their triangles from one to the next as long as that is
+/// possible.
 [[nodiscard]] std::vector<ContactShape> contact_shapes_of(const scene::Scene &scene);
 
-/// The scene's surface as that shape, prepared for touch. Nodes that no primitive fits keep their
+/// The scene's surface in that form, prepared for touch. Nodes that no primitive fits keep their
 /// triangles.
 /// @throw InputError for a shape that the scene cannot be touched as: no node is a primitive, or
 ///        none is smooth.

@@ -1,4 +1,4 @@
-// What a session can run of a scene: how much of the device, how finely, what surface, what law.
+// The model of a scene that a session runs: plant effects, step, surface and motion controller.
 #pragma once
 
 #include "device/simulated/plant_model.h"
@@ -13,16 +13,16 @@
 
 namespace springdrive::model_selection {
 
-/// What is touched in place of a scene's surface.
+/// The surface that is touched instead of a scene's own.
 struct ContactShape {
     enum class Kind : std::uint8_t {
-        primitives, ///< plates, spheres, boxes, ... where a node's mesh is one
+        primitives, ///< plates, spheres, boxes, ... where a node's mesh represents one
         simplified, ///< a mesh of fewer triangles
-        flat,       ///< the file's triangles where the scene asks for a curved surface
-        given,      ///< what the scene asks for
+        flat,       ///< the file's triangles where the scene specifies a curved surface
+        given,      ///< the surface that the scene specifies
     };
     Kind kind = Kind::given;
-    int divisor = 1; ///< simplified: a triangle is left of so many
+    int divisor = 1; ///< simplified: one triangle remains of this many
 
     friend bool operator==(const ContactShape &, const ContactShape &) = default;
 };
@@ -31,7 +31,7 @@ struct ContactShape {
 [[nodiscard]] std::string name_of(const ContactShape &shape);
 [[nodiscard]] std::optional<ContactShape> contact_shape_named(std::string_view name);
 
-/// A way from the tip's set-point to the motors'.
+/// A map from the tip's set-point to the motors'.
 struct MotionController {
     std::string_view name;
     control::MotionMap map = control::MotionMap::transpose;
@@ -50,16 +50,16 @@ inline constexpr std::array<MotionController, 3> kMotionControllers{{
 /// One of `kPlantModels`; null where none has that name.
 [[nodiscard]] const simulated::PlantModel *plant_model_named(std::string_view name);
 
-/// One choice of each.
+/// One choice for each aspect.
 struct Model {
     simulated::PlantModel plant = simulated::kPlantModels.back();
-    int steps = 1; ///< of the plant, in a servo period
+    int steps = 1; ///< of the plant per servo period
     bool planar = false;
     ContactShape shape;
     MotionController controller = kMotionControllers.back();
 };
 
-/// What the simulated device has to be told of it. @pre the period is set
+/// Sets the options of the simulated device for the model. @pre the period is set
 void apply(const Model &model, simulated::SimulationOptions &simulation);
 
 /// The tuning with the model's motion controller in place of its own.

@@ -16,7 +16,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string &aspect, const std::string &name) {
     throw InputError("model choice: its " + aspect + " is '" + name +
-                     "', which this program does not know; measure it anew with --fresh");
+                     "', which this program does not know; measure it again with --fresh");
 }
 
 int number(const std::string &aspect, const std::string &text, int least) {

@@ -1,4 +1,4 @@
-// What was found for a scene: every candidate with its cost and error, and which are chosen.
+// The result for a scene: every candidate with its cost and error, and which are chosen.
 #pragma once
 
 #include "engine/lab/model_selection/choose.h"
@@ -16,13 +16,13 @@ namespace springdrive::model_selection {
 enum class ModelAspect : std::uint8_t { plant, steps, joints, surface, controller };
 inline constexpr std::size_t kModelAspects = 5;
 
-/// What was found. Names as in `kPlantModels`, `name_of(ContactShape)` and `kMotionControllers`;
-/// steps and joints are numbers.
+/// The result. Names as in `kPlantModels`, `name_of(ContactShape)` and `kMotionControllers`; steps
+/// and joints are numbers.
 struct ModelChoice {
     scene::ModelTolerance tolerance;
     std::vector<ModelAxis> axes; ///< one for each `ModelAspect`
     ModelError error;            ///< of the chosen model as a whole
-    double cost_ns = 0.0;        ///< of it, a servo tick: plant, proxy and map
+    double cost_ns = 0.0;        ///< of that model per servo tick: plant, proxy and map
     double fullest_cost_ns = 0.0;
     std::vector<std::string> remarks;
 
@@ -38,7 +38,8 @@ struct ModelChoice {
 /// @throw InputError for names and numbers that this program does not know, as from an old file.
 [[nodiscard]] Model model_of(const ModelChoice &choice);
 
-/// Why that candidate is or is not taken: "meets", "force 0.21 N > 0.05 N", "runs away".
+/// Why a candidate with that error is accepted or not: "meets", "force 0.21 N > 0.05 N", "runs
+/// away".
 [[nodiscard]] std::string verdict(const ModelError &error, const scene::ModelTolerance &tolerance);
 
 } // namespace springdrive::model_selection

@@ -16,11 +16,11 @@ namespace springdrive::model_selection {
 namespace {
 
 constexpr int kRepeats = 7;
-constexpr std::size_t kPlantTicks = 500; // enough of the path for a touch and a letting go
-constexpr std::size_t kPieceTicks = 25;  // timed at once
+constexpr std::size_t kPlantTicks = 500; // enough of the path for a touch and a release
+constexpr std::size_t kPieceTicks = 25;  // per timing
 
-/// What a tick costs where each repeat does the same. Every piece of it counts with the least of
-/// its times, so that what else the machine does in between is left out.
+/// The cost of a tick where each repeat does the same work. Every piece counts with the minimum of
+/// its times, which excludes interruptions by other work of the machine.
 class TickClock {
 public:
     explicit TickClock(std::size_t ticks) : least_ns_(ticks / kPieceTicks, kNever) {}
@@ -58,7 +58,7 @@ private:
     std::vector<double> sums_ns_;  ///< of each repeat
 };
 
-/// What the law does with one map alone.
+/// The law with one map only.
 class OneMap {
 public:
     OneMap(const ModelSetting &setting, const MotionController &controller)
@@ -96,7 +96,7 @@ private:
     double global_alpha_;
 };
 
-/// Lets `run(candidate, clock)` run once with each candidate, over and over again.
+/// Calls `run(candidate, clock)` for each candidate in turn, repeatedly.
 template <typename Run>
 std::vector<rig::Cost> costs_of(std::size_t candidates, std::size_t ticks, const Run &run) {
     std::vector<TickClock> clocks(candidates, TickClock(ticks));

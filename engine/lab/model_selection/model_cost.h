@@ -1,4 +1,4 @@
-// What the parts of a model cost in each servo tick, measured on this machine.
+// The cost of the parts of a model per servo tick, measured on this machine.
 #pragma once
 
 #include "engine/lab/model_selection/model_run.h"
@@ -8,7 +8,7 @@
 
 namespace springdrive::model_selection {
 
-// Candidates take turns, so that whatever else the machine does falls on all of them alike.
+// Candidates take turns, so that other load of the machine affects all of them alike.
 
 /// The device's exchange with each model [ns a tick], with the commands of a run.
 [[nodiscard]] std::vector<rig::Cost>
@@ -19,7 +19,7 @@ plant_costs(const ModelSetting &setting, const std::vector<Model> &models, const
 contact_costs(const std::vector<const contact::HapticSurface *> &surfaces, const ModelRun &run);
 
 /// From set-point of the tip to voltages [ns a tick], with configurations and contacts of a run: of
-/// each map alone. The servo finds the other map's answer too, for the panel that compares them.
+/// each map alone. The servo also evaluates the other map, for the panel that compares them.
 [[nodiscard]] std::vector<rig::Cost> control_costs(const ModelSetting &setting,
                                                    const std::vector<MotionController> &controllers,
                                                    const ModelRun &run);

@@ -13,7 +13,7 @@ namespace springdrive::model_selection {
 
 namespace {
 
-/// Fainter forces have no direction worth a name: five times the device's own friction.
+/// Weaker forces have no meaningful direction: five times the device's own friction.
 constexpr double kLeastForceWithDirection_N = 0.2;
 
 std::size_t ticks_of(const ModelSetting &setting) {
@@ -22,7 +22,7 @@ std::size_t ticks_of(const ModelSetting &setting) {
            1;
 }
 
-/// In place, from rest.
+/// Low-pass filtered, starting from zero.
 std::vector<Vector3> below(std::vector<Vector3> force_N, double bandwidth_hz, double period_s) {
     const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth_hz * period_s);
     Vector3 passed_N = Vector3::Zero();

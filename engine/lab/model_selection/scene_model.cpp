@@ -28,12 +28,12 @@ ModelSetting setting_of(const ModelQuestion &question, const contact::HapticSurf
             control::global_alpha_bound(question.device)};
 }
 
-/// A scene's models: what the candidates are, and what each combination of them is off and costs.
+/// A scene's models: the candidates, and the error and cost of each combination.
 class SceneModels {
 public:
     SceneModels(const ModelQuestion &question, const ModelProgress &progress)
         : question_(question), progress_(progress) {
-        tell("surfaces");
+        report_progress("surfaces");
         shapes_ = contact_shapes_of(*question.scene);
         for (const ContactShape &shape : shapes_) {
             stop_if_given_up();
@@ -49,7 +49,7 @@ public:
         setting_.emplace(setting_of(question, surfaces_.back()));
         trials_ = 1 + simulated::kPlantModels.size() + steps_.size() + joints_.size() +
                   shapes_.size() + kMotionControllers.size() + 3 * kModelAspects;
-        tell("fullest model");
+        report_progress("fullest model");
         fullest_ = run_model(*setting_, model(fullest_picks()), surfaces_.back());
     }
 
@@ -67,7 +67,7 @@ public:
         if (picks == fullest_picks()) {
             return {};
         }
-        tell("together");
+        report_progress("together");
         return error_of(picks);
     }
 
@@ -87,7 +87,7 @@ public:
         return axes;
     }
 
-    /// Of all that a model runs in a tick.
+    /// Of everything that a model runs in a tick.
     [[nodiscard]] double cost_ns(const Picks &picks) const {
         return costs(ModelAspect::plant, {picks})[0].least_ns +
                costs(ModelAspect::surface, {picks})[0].least_ns +
@@ -97,12 +97,12 @@ public:
     [[nodiscard]] bool touches() const { return fullest_.touches(); }
 
 private:
-    void tell(const std::string &what) {
+    void report_progress(const std::string &what) {
         if (progress_) {
-            const double share = static_cast<double>(told_) / static_cast<double>(trials_);
+            const double share = static_cast<double>(reports_) / static_cast<double>(trials_);
             progress_(what, std::min(share, 1.0));
         }
-        ++told_;
+        ++reports_;
     }
 
     [[nodiscard]] ModelError error_of(const Picks &picks) const {
@@ -111,7 +111,7 @@ private:
                            question_.scene->tolerance.bandwidth_hz);
     }
 
-    /// Of what that aspect decides, with each of the picks.
+    /// Of the part that the aspect decides, with each of the picks.
     [[nodiscard]] std::vector<rig::Cost> costs(ModelAspect aspect,
                                                const std::vector<Picks> &candidates) const {
         std::vector<Model> models;
@@ -144,10 +144,10 @@ private:
         for (std::size_t i = 0; i < size; ++i) {
             candidates[i][static_cast<std::size_t>(aspect)] = i;
         }
-        tell("what " + axis_name + " costs");
+        report_progress("what " + axis_name + " costs");
         const std::vector<rig::Cost> cost = costs(aspect, candidates);
         for (std::size_t i = 0; i < size; ++i) {
-            tell(axis_name + " " + name(i));
+            report_progress(axis_name + " " + name(i));
             const bool is_fullest = i + 1 == size;
             result.candidates.push_back(
                 {name(i), cost[i], is_fullest ? ModelError{} : error_of(candidates[i])});
@@ -164,18 +164,18 @@ private:
     std::optional<ModelSetting> setting_;
     ModelRun fullest_;
     std::size_t trials_ = 1;
-    std::size_t told_ = 0;
+    std::size_t reports_ = 0;
 };
 
 std::vector<std::string> remarks_on(const ModelChoice &choice, const SceneModels &models) {
     std::vector<std::string> remarks;
     if (!models.touches()) {
-        remarks.emplace_back("the hand that compares models did not touch the scene: what is "
-                             "chosen is right for free space only");
+        remarks.emplace_back("the hand path for the comparison did not touch the scene: the "
+                             "choice is valid for free space only");
     }
     const ModelAxis &joints = choice.axis(ModelAspect::joints);
     if (joints.candidates.size() > 1 && joints.chosen != 0) {
-        remarks.emplace_back("the scene says that it is planar, but its surface pushes sideways: "
+        remarks.emplace_back("the scene is declared planar, but its surface pushes sideways: "
                              "all three joints are simulated");
     }
     return remarks;

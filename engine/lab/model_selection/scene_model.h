@@ -11,7 +11,7 @@
 
 namespace springdrive::model_selection {
 
-/// What a choice is made for.
+/// The input of a choice.
 struct ModelQuestion {
     const scene::Scene *scene = nullptr;
     device::DeviceDescription device;
@@ -20,14 +20,14 @@ struct ModelQuestion {
     double delay_periods = 0.0;
 };
 
-/// Told what is being measured and how much of it all is done, from 0 to 1.
+/// Receives what is being measured and the overall progress, from 0 to 1.
 using ModelProgress = std::function<void(const std::string &what, double share)>;
 
-/// Lets a hand feel all over the scene (`feeling_hand`) with the fullest model and with each
-/// candidate in turn, and chooses by the rule of `choose_model`. Takes seconds.
+/// Lets a hand explore the scene (`feeling_hand`) with the fullest model and with each candidate in
+/// turn, and chooses by the rule of `choose_model`. Takes seconds.
 ///
 /// The fullest: the last of `kPlantModels` in sub-steps of 32 µs or less, the surface as the scene
-/// gives it, and the last of `kMotionControllers`.
+/// specifies it, and the last of `kMotionControllers`.
 [[nodiscard]] ModelChoice choose_scene_model(const ModelQuestion &question,
                                              const ModelProgress &progress = {});
 

@@ -15,11 +15,11 @@ namespace {
 
 using Point = std::array<float, 3>;
 
-/// Vertices in single precision, those at the same place being one: a mesh whose faces have
-/// corners of their own, for sharp normals, would come apart otherwise.
+/// Vertices in single precision, merged where they coincide: a mesh whose faces have their own
+/// vertices, for sharp normals, would otherwise come apart.
 struct WeldedVertices {
     std::vector<Point> places;
-    std::vector<Vector3> exact_m; ///< of each place, as the soup has it
+    std::vector<Vector3> exact_m; ///< of each place, in double precision
     std::vector<unsigned> place_of_vertex;
 
     explicit WeldedVertices(const contact::TriangleSoup &soup) {
@@ -41,7 +41,8 @@ struct WeldedVertices {
 
 std::vector<unsigned> fewer(const std::vector<unsigned> &indices, const WeldedVertices &vertices,
                             int divisor) {
-    constexpr float kAnyError = 1.0F; // of the extent: how far off it is, is measured by touch
+    constexpr float kAnyError = 1.0F; // relative to the extent: unlimited, as the error is measured
+                                      // by touch
     const std::size_t target = indices.size() / 3 / static_cast<std::size_t>(divisor) * 3;
     std::vector<unsigned> left(indices.size());
     left.resize(meshopt_simplify(left.data(), indices.data(), indices.size(),

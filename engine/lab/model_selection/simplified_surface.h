@@ -5,7 +5,7 @@
 
 namespace springdrive::model_selection {
 
-/// Each node's triangles reduced to a `divisor`th of their number, or as few as its topology
+/// Each node's triangles reduced to a `divisor`th of their number, or to as few as its topology
 /// allows: edges are collapsed where that moves the surface least (meshoptimizer). Closed surfaces
 /// stay closed, and materials are kept.
 /// @pre divisor >= 1

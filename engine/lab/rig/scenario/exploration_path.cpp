@@ -17,7 +17,8 @@ namespace {
 constexpr double kTick_s = 0.005; // of the path's points
 constexpr double kPi = std::numbers::pi;
 
-/// The figure seen from above: 2 : 3, so that it crosses the middle on many ways.
+/// The figure seen from above: frequency ratio 2 : 3, so that it crosses the middle in many
+/// directions.
 class Figure {
 public:
     Figure(const Vector3 &middle_m, const Vector3 &half_m) : middle_m_(middle_m), half_m_(half_m) {}
@@ -27,11 +28,11 @@ public:
                                    half_m_.z() * std::sin(3.0 * phase));
     }
 
-    /// The phase a piece of the way further on.
+    /// The phase `way_m` farther along the path.
     [[nodiscard]] double after(double phase, double way_m) const {
         const double slope_m = std::hypot(2.0 * half_m_.x() * std::cos(2.0 * phase),
                                           3.0 * half_m_.z() * std::cos(3.0 * phase));
-        const double least_m = 0.2 * std::max(half_m_.x(), half_m_.z()); // it turns round quickly
+        const double least_m = 0.2 * std::max(half_m_.x(), half_m_.z()); // it reverses quickly
         return phase + way_m / std::max({slope_m, least_m, 1e-4});
     }
 

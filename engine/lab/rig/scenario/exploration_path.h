@@ -13,13 +13,14 @@ namespace springdrive::rig {
 /// How it moves.
 struct Exploration {
     double rest_s = 0.05;            ///< at the start
-    double approach_s = 0.25;        ///< from there into the surface
+    double approach_s = 0.25;        ///< from the start into the surface
     double duration_s = 2.0;         ///< in all
-    double speed_m_per_s = 0.08;     ///< along the way seen from above
-    double least_depth_m = -0.001;   ///< below the surface, straight down: it lets go,
-    double greatest_depth_m = 0.007; ///< comes back and presses in, again and again,
-    double press_hz = 3.0;           ///< as often as this
-    double climb_m_per_s = 0.15; ///< no faster up or down: it runs into a wall before it is over it
+    double speed_m_per_s = 0.08;     ///< along the path seen from above
+    double least_depth_m = -0.001;   ///< below the surface, straight down: it leaves contact,
+    double greatest_depth_m = 0.007; ///< returns and presses in, repeatedly,
+    double press_hz = 3.0;           ///< at this frequency
+    double climb_m_per_s = 0.15; ///< maximum vertical speed: it runs into a wall before it rises
+                                 ///< over it
     bool planar = false;         ///< stays in the plane of its start, x = const
 };
 

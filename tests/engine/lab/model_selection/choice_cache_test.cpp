@@ -74,7 +74,7 @@ TEST(ChoiceJson, RefusesWhatItWouldNotHaveWritten) {
     EXPECT_THROW(static_cast<void>(model_choice_of("text")), InputError);
 }
 
-TEST(ChoiceCache, RemembersUnderItsKeyOnly) {
+TEST(ChoiceCache, ReturnsAChoiceUnderItsKeyOnly) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_1");
     const std::filesystem::path place = folder / "deep" / "er";
     EXPECT_FALSE(read_model_choice(place, kKey));
@@ -85,11 +85,11 @@ TEST(ChoiceCache, RemembersUnderItsKeyOnly) {
     EXPECT_FALSE(read_model_choice(place, std::string(64, 'b')));
     // The file's name holds the key's first part only; the whole of it is inside.
     EXPECT_FALSE(read_model_choice(place, std::string(16, 'a') + std::string(48, 'b')));
-    ASSERT_TRUE(write_model_choice(place, kKey, some_choice())); // over what is there
+    ASSERT_TRUE(write_model_choice(place, kKey, some_choice())); // replaces the existing file
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(place), {}), 1);
 }
 
-TEST(ChoiceCache, TakesADamagedFileForNone) {
+TEST(ChoiceCache, IgnoresADamagedFile) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_2");
     ASSERT_TRUE(write_model_choice(folder, kKey, some_choice()));
     const std::filesystem::path file = only_file_in(folder);
@@ -107,7 +107,7 @@ TEST(ChoiceCache, TakesADamagedFileForNone) {
     EXPECT_TRUE(read_model_choice(folder, kKey));
 }
 
-TEST(ChoiceCache, DoesWithoutAFolder) {
+TEST(ChoiceCache, WorksWithoutAFolder) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_3");
     const std::filesystem::path file = folder / "file";
     std::ofstream(file) << "in the way";
@@ -157,10 +157,10 @@ TEST(ChoiceCache, KeyChangesWithAllThatAChoiceDependsOn) {
     expect_other([](ModelQuestion &q) { q.delay_periods = 0.5; });
 }
 
-TEST(ChoiceCache, LiesWhereTheSystemKeepsCaches) {
+TEST(ChoiceCache, IsInTheSystemsCacheFolder) {
     setenv("XDG_CACHE_HOME", "/some/where", 1);
     EXPECT_EQ(model_cache_folder(), "/some/where/springdrive");
-    setenv("XDG_CACHE_HOME", "relative", 1); // not allowed there, so it does not count
+    setenv("XDG_CACHE_HOME", "relative", 1); // not allowed by the specification, so it is ignored
     setenv("HOME", "/home/somebody", 1);
     EXPECT_EQ(model_cache_folder(), "/home/somebody/.cache/springdrive");
     unsetenv("XDG_CACHE_HOME");

@@ -108,7 +108,7 @@ TEST(Choose, StepsUpWhereTheTwoTogetherMiss) {
         {}};
     const ModelAxis fine{"fine", {candidate("f1", 1, 0.05), candidate("full", 9, 0.0)}, 0, {}};
     const ChosenModel model = choose({coarse, fine});
-    EXPECT_EQ(chosen_of(model.axes[0]), "c2"); // it was farther off
+    EXPECT_EQ(chosen_of(model.axes[0]), "c2"); // it had the larger error
     EXPECT_EQ(chosen_of(model.axes[1]), "f1");
     EXPECT_NEAR(model.error.force_N, 0.08, 1e-15);
     ASSERT_EQ(model.axes[0].cheaper.size(), 1U);
@@ -124,11 +124,11 @@ TEST(Choose, StepsDownWhereErrorsCancel) {
         const double b = axes[1].candidates[picks[1]].error.force_N;
         return ModelError{std::abs(a - b), 0.0};
     });
-    EXPECT_EQ(chosen_of(model.axes[0]), "soft"); // misses by itself
+    EXPECT_EQ(chosen_of(model.axes[0]), "soft"); // misses on its own
     EXPECT_NEAR(model.error.force_N, 0.07, 1e-15);
 }
 
-TEST(Choose, MeetsAlwaysAndNoNextCheaperDoes) {
+TEST(Choose, AlwaysMeetsAndNoNextCheaperDoes) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> cost(1.0, 100.0);
     std::uniform_real_distribution<double> error(0.0, 0.3);

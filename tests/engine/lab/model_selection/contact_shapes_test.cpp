@@ -44,7 +44,7 @@ TEST(ContactShapes, EveryNodeThatIsAPrimitiveBecomesOneWithItsMaterial) {
     EXPECT_EQ(surface.materials()[1].eta, 0.4);
 }
 
-TEST(ContactShapes, WhatASceneHasNotIsNeitherOfferedNorMade) {
+TEST(ContactShapes, ShapesThatASceneLacksAreNeitherOfferedNorMade) {
     const scene::Scene scene = testing::own_scene("stepped_block");
     const std::vector<ContactShape> shapes = contact_shapes_of(scene);
     EXPECT_FALSE(has(shapes, Kind::primitives));
@@ -56,7 +56,7 @@ TEST(ContactShapes, WhatASceneHasNotIsNeitherOfferedNorMade) {
 TEST(ContactShapes, ASmoothSceneHasItsFlatTrianglesToo) {
     scene::GltfBuilder builder;
     const int positions = builder.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
-    // Normals that lean apart, as over a dome.
+    // Diverging normals, as on a dome.
     const int normals =
         builder.add_positions({-0.3F, -0.3F, 0.9F, 0.42F, -0.2F, 0.88F, -0.2F, 0.42F, 0.88F});
     builder.add_mesh(R"("attributes": {"POSITION": )" + std::to_string(positions) +
@@ -67,7 +67,7 @@ TEST(ContactShapes, ASmoothSceneHasItsFlatTrianglesToo) {
     EXPECT_GT(scene.surface.triangles.size(), 10U);
     EXPECT_TRUE(has(contact_shapes_of(scene), Kind::flat));
     EXPECT_EQ(haptic_surface_of(scene, {Kind::flat, 1}).report().triangles_given, 1U);
-    // Corners of a bent patch stay where they are: both surfaces are placed alike.
+    // The corners of a curved patch are unchanged: both surfaces have the same placement.
     for (const Vector3 &corner_m : scene.flat_surface.vertices_m) {
         const auto &bent = scene.surface.vertices_m;
         EXPECT_TRUE(std::ranges::any_of(

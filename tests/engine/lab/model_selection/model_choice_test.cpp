@@ -10,7 +10,7 @@
 namespace springdrive::model_selection {
 namespace {
 
-TEST(ModelChoice, GivesTheReasonInAFewWords) {
+TEST(ModelChoice, GivesAShortReason) {
     const scene::ModelTolerance tolerance{0.05, 2.0 * M_PI / 180.0, 100.0};
     const double degree = M_PI / 180.0;
     EXPECT_EQ(verdict({0.05, 0.0}, tolerance), "meets");

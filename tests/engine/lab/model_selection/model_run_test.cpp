@@ -17,7 +17,7 @@ namespace {
 constexpr double kBandwidth_hz = 100.0;
 constexpr double kPeriod_s = 1e-3;
 
-/// A run of forces that were never felt.
+/// A run with given forces.
 ModelRun run_of(std::size_t ticks, const std::function<Vector3(double time_s)> &force_N) {
     ModelRun run;
     for (std::size_t i = 0; i < ticks; ++i) {
@@ -44,7 +44,7 @@ TEST(ModelError, OfARunAgainstItselfIsZero) {
     }
 }
 
-TEST(ModelError, OfASineIsWhatTheLowPassLeavesOfIt) {
+TEST(ModelError, OfASineIsThatAfterTheLowPass) {
     for (const double frequency_hz : {1.0, 20.0, 100.0, 400.0}) {
         const double omega = 2.0 * std::numbers::pi * frequency_hz;
         const auto still = run_of(20'000, [](double) { return Vector3(0.0, 1.0, 0.0); });
@@ -56,7 +56,7 @@ TEST(ModelError, OfASineIsWhatTheLowPassLeavesOfIt) {
         const double gain = std::abs((1.0 - a) / (1.0 - a / z));
         const double expected_N = 0.3 * gain / std::sqrt(2.0);
         const ModelError error = model_error(moved, still, kPeriod_s, kBandwidth_hz);
-        // 20 s hold whole periods; what is left is the start from rest, 2 ms of 20 s.
+        // 20 s hold whole periods; the remaining error is the start from zero, 2 ms of 20 s.
         EXPECT_NEAR(error.force_N, expected_N, 1e-3 * expected_N + 1e-5) << frequency_hz;
     }
 }
@@ -75,7 +75,7 @@ TEST(ModelError, OfATurnedForceIsItsAngle) {
     }
 }
 
-TEST(ModelError, OfFaintForcesHasNoDirection) {
+TEST(ModelError, OfWeakForcesHasNoDirection) {
     const auto faint = run_of(100, [](double) { return Vector3(0.0, 0.19, 0.0); });
     const auto aside = run_of(100, [](double) { return Vector3(0.19, 0.0, 0.0); });
     EXPECT_EQ(model_error(faint, aside, kPeriod_s, kBandwidth_hz).direction_rad, 0.0);
@@ -89,7 +89,7 @@ TEST(ModelError, OfARunawayIsInfinite) {
               std::numeric_limits<double>::infinity());
 }
 
-TEST(ModelRun, ASimplifiedMeshIsFartherOffTheFewerItsTriangles) {
+TEST(ModelRun, ErrorOfASimplifiedMeshGrowsWithFewerTriangles) {
     const contact::TriangleSoup fine = testing::ball(5); // 20,480 triangles
     const contact::HapticSurface surface(fine);
     const ModelSetting setting = testing::exploring(surface, testing::box_of(fine));
@@ -118,7 +118,7 @@ TEST(ModelRun, StartsAtRestInFreeSpace) {
     EXPECT_EQ(run.contacts.front().x0_m, run.configurations.front().tip_m);
 }
 
-TEST(ModelRun, ASpherePrimitiveIsAsFarOffAsItsMeshIsCoarse) {
+TEST(ModelRun, ErrorBetweenASphereAndItsMeshGrowsWithCoarseness) {
     // The sagitta of its facets is 1/4 as large with each division, and the force follows it, down
     // to where an encoder's count or a joint's sticking decides: 0.02 N.
     double last_N = 10.0;
@@ -153,10 +153,10 @@ TEST(ModelRun, InThePlaneTwoJointsAreAsGoodAsThree) {
     ASSERT_TRUE(run.touches());
     const ModelError error =
         model_error(run_model(setting, two, surface), run, kPeriod_s, kBandwidth_hz);
-    EXPECT_LT(error.force_N, 1e-3); // what is left is a count of the base's encoder, if any
+    EXPECT_LT(error.force_N, 1e-3); // at most a count of the base's encoder
 }
 
-TEST(ModelCost, IsSaidOfEachCandidateInOrder) {
+TEST(ModelCost, IsReportedForEachCandidateInOrder) {
     const contact::HapticSurface surface(testing::ball(3));
     const ModelSetting setting = testing::exploring(surface, testing::box_of(testing::ball(3)));
     Model once;
@@ -171,7 +171,8 @@ TEST(ModelCost, IsSaidOfEachCandidateInOrder) {
     for (const std::vector<rig::Cost> &costs : all) {
         for (const rig::Cost &cost : costs) {
             EXPECT_GT(cost.least_ns, 0.0);
-            EXPECT_LE(cost.least_ns, cost.median_ns); // each piece's least, against a whole go
+            EXPECT_LE(cost.least_ns, cost.median_ns); // each piece's minimum, compared with a whole
+                                                      // repeat
             EXPECT_LE(cost.median_ns, cost.greatest_ns);
         }
     }

@@ -16,7 +16,7 @@ inline scene::Scene own_scene(const std::string &name) {
     return scene::load_gltf(assets() / "scenes" / (name + ".gltf"), phantom_1_0().workspace);
 }
 
-/// A sphere of 45 mm within reach, of so many divisions; see `icosphere`.
+/// A sphere of 45 mm within reach; for `divisions` see `icosphere`.
 inline contact::TriangleSoup ball(int divisions) {
     contact::TriangleSoup soup = rig::icosphere(divisions, 0.045);
     for (Vector3 &vertex_m : soup.vertices_m) {

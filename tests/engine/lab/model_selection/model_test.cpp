@@ -25,7 +25,7 @@ TEST(Model, EveryNameReadsBack) {
     }
 }
 
-TEST(Model, OtherNamesAreNone) {
+TEST(Model, OtherNamesAreUnknown) {
     for (const char *name : {"", "simplified", "simplified_", "simplified_1", "simplified_0",
                              "simplified_-2", "simplified_2x", "simplified_99999999999", "Given"}) {
         EXPECT_FALSE(contact_shape_named(name)) << name;
@@ -34,7 +34,7 @@ TEST(Model, OtherNamesAreNone) {
     EXPECT_EQ(plant_model_named("none"), nullptr);
 }
 
-TEST(Model, SetsWhatItDecidesOfASimulationAndNothingElse) {
+TEST(Model, SetsItsOwnOptionsOfASimulationAndNothingElse) {
     Model model;
     model.plant = *plant_model_named("coupling");
     model.steps = 8;

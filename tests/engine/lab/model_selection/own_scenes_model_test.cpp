@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kOwnScenes = {"plate",   "sphere",     "stepped_block",
                                              "organic", "compliance", "profile"};
 
-/// How far a model of the scene is off the fullest, measured here and now.
+/// The error of a model of the scene against the fullest, measured again.
 class Trial {
 public:
     explicit Trial(const scene::Scene &scene)

@@ -16,7 +16,7 @@ ModelChoice chosen_for(const scene::Scene &scene) {
     return choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0});
 }
 
-TEST(SceneModel, SaysOfEachCandidateWhatItCostsAndHowFarItIsOff) {
+TEST(SceneModel, ReportsCostAndErrorOfEachCandidate) {
     const scene::Scene scene = testing::own_scene("profile");
     std::vector<double> shares;
     const ModelChoice choice =
@@ -37,7 +37,7 @@ TEST(SceneModel, SaysOfEachCandidateWhatItCostsAndHowFarItIsOff) {
     EXPECT_EQ(model_of(choice).planar, choice.chosen(ModelAspect::joints) == "2");
 }
 
-TEST(SceneModel, WithoutRoomForErrorEveryAxisIsFreeOfIt) {
+TEST(SceneModel, WithZeroToleranceEveryAxisHasZeroError) {
     scene::Scene scene = testing::own_scene("plate");
     scene.tolerance = {1e-4, 1e-4, 200.0};
     const ModelChoice choice = chosen_for(scene);
@@ -62,7 +62,7 @@ TEST(SceneModel, ASurfaceThatPushesSidewaysKeepsThreeJointsWithARemark) {
     EXPECT_NE(choice.remarks[0].find("pushes sideways"), std::string::npos);
 }
 
-TEST(SceneModel, SaysWhereNothingWasTouched) {
+TEST(SceneModel, ReportsWhereNothingWasTouched) {
     scene::Scene scene = testing::own_scene("plate");
     for (Vector3 &vertex_m : scene.surface.vertices_m) {
         vertex_m.y() += 2.0;

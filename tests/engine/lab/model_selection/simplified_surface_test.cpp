@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadius_m = 0.05;
 
-/// The greatest distance of a triangle's middle from the sphere that the vertices lie on.
+/// The largest distance of a triangle's middle from the sphere on which the vertices lie.
 double greatest_sagitta_m(const contact::TriangleSoup &soup) {
     double greatest_m = 0.0;
     for (const auto &[a, b, c] : soup.triangles) {
@@ -50,7 +50,7 @@ TEST(SimplifiedSurface, IsFartherFromTheShapeTheFewerItsTriangles) {
     double last_m = greatest_sagitta_m(sphere);
     for (const int divisor : {4, 16, 64, 256}) {
         const double sagitta_m = greatest_sagitta_m(simplified(sphere, divisor));
-        EXPECT_GT(sagitta_m, 1.5 * last_m) << divisor; // by about 4, were the triangles regular
+        EXPECT_GT(sagitta_m, 1.5 * last_m) << divisor; // about 4 for regular triangles
         last_m = sagitta_m;
     }
 }
@@ -60,7 +60,7 @@ TEST(SimplifiedSurface, WithADivisorOfOneNothingIsLost) {
     EXPECT_EQ(simplified(sphere, 1).triangles.size(), sphere.triangles.size());
 }
 
-TEST(SimplifiedSurface, JoinsFacesThatHaveCornersOfTheirOwn) {
+TEST(SimplifiedSurface, JoinsFacesThatHaveTheirOwnVertices) {
     const contact::TriangleSoup sphere = rig::icosphere(4, kRadius_m);
     contact::TriangleSoup apart;
     apart.materials = sphere.materials;
