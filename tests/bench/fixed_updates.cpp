@@ -1,6 +1,6 @@
 // A fixed number of the proxy's updates over one fixed input, for tests/bench/count_instructions:
 //   fixed_updates INPUT UPDATES
-// Ends with an error if a contact is not of the kind that the input is for.
+// Ends with an error if a contact is not of the input's intended kind.
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/bench/touch_path.h"
@@ -62,14 +62,14 @@ std::vector<Vector3> spread_directions() {
     return directions;
 }
 
-/// The tip is through to another side of the sphere with each update.
+/// The tip crosses to another side of the sphere with each update.
 FixedInput leaping() {
     FixedInput input{sphere(), {}, pressed_tips_m(Relief::smooth, spread_directions()), {}, 1, 3};
     input.start_m = 1.5 * input.tips_m.front();
     return input;
 }
 
-/// Always at a place of which nothing is known yet.
+/// Always at a place with no neighbourhood yet.
 FixedInput gathering() {
     FixedInput input = leaping();
     for (const Vector3 &tip_m : input.tips_m) {
@@ -93,7 +93,7 @@ contact::TriangleSoup walls(int count) {
     return soup;
 }
 
-/// Behind two walls, to and fro along their edge, or behind three, about their corner.
+/// Behind two walls, back and forth along their edge, or behind three, about their corner.
 FixedInput between_walls(int count) {
     FixedInput input{walls(count), Vector3(0.01, 0.01, 0.01), {}, {}, count, count};
     // The walls y = 0 and x = 0 have the edge along z, the first two.
@@ -130,7 +130,7 @@ FixedInput input_named(std::string_view name) {
     throw std::invalid_argument("no input of that name");
 }
 
-/// Counted by its name; what it does besides the updates is a few instructions each.
+/// Counted by its name; its overhead is a few instructions per update.
 [[gnu::noinline]] int run_updates(contact::Proxy &proxy, const contact::HapticSurface &surface,
                                   const FixedInput &input, std::size_t updates) {
     int as_meant = 0;

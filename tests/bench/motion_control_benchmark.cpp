@@ -1,5 +1,5 @@
-// What control and plant cost on the servo thread: each step of the signal path from q to e_W over
-// the workspace, and a sub-step of the simulated device.
+// The cost of control and plant on the servo thread: each step of the signal path from q to e_W
+// over the workspace, and a sub-step of the simulated device.
 #include "device/core/phantom/dynamics.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
@@ -17,14 +17,15 @@ namespace {
 
 using namespace springdrive;
 
-/// Where the tip is, and a set-point 1 mm away that moves at 0.1 m/s.
+/// The tip's configuration, and a set-point 1 mm away that moves at 0.1 m/s.
 struct Place {
     Vector3 q_rad{Vector3::Zero()};
     control::Configuration now;
     control::TipSetPoint target;
 };
 
-/// As many places of the workspace as a benchmark goes round: enough that no branch is learnt.
+/// The number of workspace points that a benchmark cycles through: enough to defeat branch
+/// prediction.
 constexpr std::size_t kPlaces = 1024;
 
 const device::DeviceDescription &device() {
@@ -47,7 +48,7 @@ std::array<Place, kPlaces> make_places() {
     return places;
 }
 
-/// Times `work` on one place after the other.
+/// Times `work` on one point after another.
 template <typename Work> void over_the_workspace(benchmark::State &state, const Work &work) {
     static const std::array<Place, kPlaces> places = make_places();
     std::size_t next = 0;
@@ -104,7 +105,7 @@ void linkage_mass_matrix(benchmark::State &state) {
                        [&](const Place &at) { return device::mass_matrix(moments, at.q_rad); });
 }
 
-/// A period of `range(0)` sub-steps with all effects, the tip swung by 0.3 V against a hand.
+/// A period of `range(0)` sub-steps with all effects, the tip driven by 0.3 V against a hand.
 void plant(benchmark::State &state) {
     const auto steps = static_cast<double>(state.range(0));
     const double step_s = simulated::SimulationOptions{}.longest_step_s;
@@ -132,7 +133,7 @@ BENCHMARK(map_inverse);
 BENCHMARK(map_transpose);
 BENCHMARK(law);
 BENCHMARK(linkage_mass_matrix);
-// Sub-steps in a period, and whether the structure bends.
+// Sub-steps in a period, and whether the structure is compliant.
 BENCHMARK(plant)->Args({1, 0})->Args({1, 1})->Args({10, 0})->Args({10, 1});
 
 BENCHMARK_MAIN();

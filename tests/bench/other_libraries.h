@@ -1,5 +1,5 @@
-// The same surfaces asked by Embree and FCL, where those are installed: what a query costs that is
-// part of what the proxy does, and how exact its answer is.
+// Queries of the same surfaces by Embree and FCL, where those are installed: the cost of a query
+// that is part of the proxy's work, and its accuracy.
 #pragma once
 
 #include "base/vector.h"
@@ -11,9 +11,9 @@
 
 namespace springdrive::bench {
 
-/// What each query took, and what it answered.
+/// The times and results of the queries.
 struct Answers {
-    std::vector<double> floor_ns; ///< its least of `kRepeats`, as of the proxy's updates
+    std::vector<double> floor_ns; ///< its minimum of `kRepeats`, as for the proxy's updates
     std::vector<double> distances_m;
 };
 

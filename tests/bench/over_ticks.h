@@ -1,4 +1,4 @@
-// Times one piece of work on one recorded tick after the other, at places to be touched.
+// Times a piece of work on one recorded tick after another, at several places.
 #pragma once
 
 #include "tests/bench/recorded_touch.h"
@@ -26,8 +26,8 @@ template <auto work> void at_place(benchmark::State &state) {
     work(state, recorded_touch(place));
 }
 
-/// Goes round the ticks from RecordedTouch::kBefore to `end`. `begin` makes ready for the first of
-/// them, and is not timed.
+/// Cycles through the ticks from RecordedTouch::kBefore to `end`. `begin` prepares the first of
+/// them and is not timed.
 template <typename Begin, typename Work>
 void over_ticks(benchmark::State &state, std::size_t end, const Begin &begin, const Work &work) {
     std::size_t tick = end;

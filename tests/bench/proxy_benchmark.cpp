@@ -1,6 +1,6 @@
-// What the proxy costs beside Embree and FCL, as one Markdown table on standard output: a row for
-// each surface of engine/lab/rig/scenario/test_surfaces.h. docs/proxy.md tells what the columns
-// are.
+// The cost of the proxy compared with Embree and FCL, as one Markdown table on standard output: a
+// row for each surface of engine/lab/rig/scenario/test_surfaces.h. docs/proxy.md describes the
+// columns.
 //
 // Embree and FCL are optional (libembree-dev, libfcl-dev); without them their columns say so.
 #include "engine/contact/mesh/nearest.h"
@@ -32,7 +32,7 @@ using namespace springdrive::bench;
 constexpr std::array<std::size_t, 5> kTriangles{1280, 20480, 81920, 327680, 1310720};
 constexpr std::size_t kMostWhenQuick = 81920;
 
-/// How many tips each measurement takes, the path's first.
+/// The number of tips for each measurement, the path's first ones.
 struct Counts {
     int updates = 200'000;
     std::size_t cold = 2'000;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kSweptBytes = 96'000'000;
 constexpr std::size_t kCacheLineBytes = 64;
 
-/// A proxy that came to the first tip from outside.
+/// A proxy that has moved to the first tip from outside.
 contact::Proxy proxy_at(const contact::HapticSurface &surface, const Vector3 &tip_m) {
     contact::Proxy proxy;
     proxy.reset(1.5 * tip_m);
@@ -23,7 +23,7 @@ contact::Proxy proxy_at(const contact::HapticSurface &surface, const Vector3 &ti
     return proxy;
 }
 
-/// Drives everything else out of the caches.
+/// Evicts everything else from the caches.
 class Sweep {
 public:
     void operator()() {

@@ -1,5 +1,5 @@
-// A touch of the simulated device, played once and kept, so that what each step of a servo tick
-// costs can be measured on the states that it has to deal with.
+// A recorded touch of the simulated device, so that the cost of each step of a servo tick can be
+// measured on realistic states.
 #pragma once
 
 #include "engine/lab/rig/servo_rig.h"
@@ -12,7 +12,7 @@
 namespace springdrive::bench {
 
 struct RecordedTouch {
-    /// Until the gains are up and the hand is where it was sent to; not worth measuring.
+    /// Until the gains are up and the hand has reached its target; not measured.
     static constexpr std::size_t kBefore = 2500;
     static constexpr std::size_t kTicks = 8000; ///< with those before
 
@@ -21,13 +21,13 @@ struct RecordedTouch {
     std::vector<device::Measurement> states;
     std::vector<servo::ServoSample> samples;
 
-    /// Before its first tick; made anew, it goes the same way.
+    /// Before its first tick; a new one follows the same path.
     [[nodiscard]] std::unique_ptr<rig::ServoRig> rig() const;
 };
 
-/// Played when it is first asked for: "free", "plate", "organic", "sphere shape", or as
-/// `test_surface_named` has it.
-/// @throw std::runtime_error where it is not the touch that it should be
+/// Recorded at the first request: "free", "plate", "organic", "sphere shape", or a name of
+/// `test_surface_named`.
+/// @throw std::runtime_error where the recorded touch is not as expected
 [[nodiscard]] const RecordedTouch &recorded_touch(const std::string &name);
 
 } // namespace springdrive::bench

@@ -1,4 +1,4 @@
-// What a servo tick costs, whole and step by step, on the states of recorded touches: in free
+// The cost of a servo tick, whole and step by step, on the states of recorded touches: in free
 // space, on shapes, and on meshes from a handful of triangles to more than a million.
 //   build/release/servo_benchmark [--benchmark_filter=tick]
 // The steps are in servo_steps.cpp.
@@ -30,7 +30,7 @@ void tick_and_device(benchmark::State &state, const RecordedTouch &touch) {
         [&](std::size_t /*tick*/) { return rig->tick(); });
 }
 
-/// The servo alone: what the device measured is known.
+/// The servo alone, on recorded measurements.
 /// @param inputs  in turn, twenty ticks each
 template <std::size_t count>
 void update_with(benchmark::State &state, const RecordedTouch &touch,
@@ -53,7 +53,8 @@ void tick(benchmark::State &state, const RecordedTouch &touch) {
     update_with<1>(state, touch, {touch.rig()->inputs});
 }
 
-/// A slider that never rests: each tick the law is asked twice, before the change and after it.
+/// A constantly moving slider: the law is evaluated twice in each tick, before the change and after
+/// it.
 void tick_while_tuning(benchmark::State &state, const RecordedTouch &touch) {
     servo::ServoInputs inputs = touch.rig()->inputs;
     inputs.tuning.K_P_V_per_rad = 5.9;

@@ -1,5 +1,5 @@
-// What each step of a servo tick costs by itself: part of servo_benchmark. What
-// motion_control_benchmark and proxy_benchmark have in detail is here one step.
+// The cost of each step of a servo tick: part of servo_benchmark. The details of
+// motion_control_benchmark and proxy_benchmark are one step here.
 #include "base/sample_ring.h"
 #include "engine/control/force_direction.h"
 #include "engine/servo/bumpless_transfer.h"
@@ -16,7 +16,7 @@ namespace {
 using namespace springdrive;
 using namespace springdrive::bench;
 
-/// So few that a step's inputs stay in the processor's cache, as they do within a tick.
+/// Few enough for a step's inputs to stay in the processor's cache, as they do within a tick.
 constexpr std::size_t kEnd = RecordedTouch::kBefore + 1000;
 
 void nothing() {}
@@ -85,7 +85,8 @@ void step_law(benchmark::State &state, const RecordedTouch &touch) {
     });
 }
 
-/// What is added to a tick in which a tuning moves: its angles and its law once more, as before.
+/// The addition to a tick in which a tuning changes: angles and law once more, with the previous
+/// tuning.
 void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
     const control::HapticLaw law(touch.scenario.device);
     servo::BumplessTransfer transfer(touch.scenario.device, kServoPeriod_s);
@@ -103,7 +104,7 @@ void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
     });
 }
 
-/// What the safety monitor sees in each tick.
+/// The safety monitor's input of each tick.
 std::vector<servo::Observation> observations(const control::HapticLaw &law,
                                              const RecordedTouch &touch) {
     std::vector<servo::Observation> all;

@@ -1,4 +1,4 @@
-// Times of single calls, and how they are spread.
+// Times of single calls, and their distribution.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace springdrive::bench {
 
-/// What `work` takes [ns], the clock's own overhead included.
+/// The time of `work` [ns], including the clock's own overhead.
 template <typename Work> [[nodiscard]] double time_ns(const Work &work) {
     const auto start = std::chrono::steady_clock::now();
     work();
@@ -17,7 +17,7 @@ template <typename Work> [[nodiscard]] double time_ns(const Work &work) {
     return std::chrono::duration<double, std::nano>(end - start).count();
 }
 
-/// The value that a share of all do not exceed; 0 of none.
+/// The quantile at a share; 0 for an empty list.
 [[nodiscard]] inline double quantile(std::vector<double> values, double share) {
     if (values.empty()) {
         return 0.0;
@@ -29,8 +29,8 @@ template <typename Work> [[nodiscard]] double time_ns(const Work &work) {
 
 inline constexpr int kRepeats = 3;
 
-/// Each call's least of `kRepeats` identical goes, which were timed one whole go after the other:
-/// what the machine allows, without most of what else ran on it.
+/// Each call's minimum of `kRepeats` identical runs, timed one whole run after another: this
+/// excludes most of the machine's other load.
 [[nodiscard]] inline std::vector<double> least_of_repeats(const std::vector<double> &times_ns) {
     const std::size_t calls = times_ns.size() / kRepeats;
     std::vector<double> least_ns(times_ns.begin(),

@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kMeanSpeed_m_per_s = 0.1;
 
-/// The figure at a phase [rad]; one turn of the longitude for each 2π. The frequencies' ratio is
-/// the golden one, so that it never closes.
+/// The figure at a phase [rad]; one turn of the longitude for each 2π. The ratio of the frequencies
+/// is the golden ratio, so that the figure never closes.
 Vector3 direction_at(double phase) {
     const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
     return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
             std::cos(latitude) * std::sin(phase)};
 }
 
-/// How far the figure leads on a unit sphere for each radian of phase, in the mean.
+/// The mean length of the figure on a unit sphere per radian of phase.
 double mean_length_per_phase() {
     constexpr int kSteps = 200'000;
     constexpr double kStep = 1e-2;

@@ -1,4 +1,4 @@
-// Where a hand leads the tip over the test surfaces, a place for each servo tick.
+// Paths of the tip over the test surfaces, one point for each servo tick.
 #pragma once
 
 #include "base/vector.h"
@@ -11,8 +11,8 @@ enum class Relief { smooth, bumpy };
 
 inline constexpr double kServoPeriod_s = 1e-3;
 
-/// Unit vectors along a Lissajous figure of longitude and latitude, which at a sphere of
-/// `kTestSphereRadius_m` is gone along at 0.1 m/s in the mean.
+/// Unit vectors along a Lissajous figure of longitude and latitude, which on a sphere of
+/// `kTestSphereRadius_m` has a mean speed of 0.1 m/s.
 [[nodiscard]] std::vector<Vector3> lissajous_directions(int updates);
 
 /// Tips 1 to 2 mm under the true surface in these directions.
