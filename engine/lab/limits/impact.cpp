@@ -51,7 +51,7 @@ Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double
     loop.tick();
     const simulated::SimulatedPhantom::Truth &now = phantom.truth();
     double last_m = now.tip_m.y();
-    double idle_N = 0.0; // what the motors push in free space, by the filter's lag
+    double idle_N = 0.0; // force of the motors in free space, from the filter's lag
     while (now.tip_m.y() >= height_m && now.time_s < scenario.duration_s) {
         last_m = now.tip_m.y();
         idle_N = motors_push_N(which, phantom);
@@ -104,7 +104,7 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
         loop.tick();
         const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
         if (truth.time_s > 2.0 / kFrequency_Hz + 0.5 * which.period_s) {
-            // The force is a mean over the last period: that of its middle.
+            // The force is a mean over the last period, so it belongs to the period's middle.
             const double middle = omega * (truth.time_s - 0.5 * which.period_s);
             force_in += truth.hand_force_N.y() * std::sin(middle);
             force_square += truth.hand_force_N.y() * std::cos(middle);

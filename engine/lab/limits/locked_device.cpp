@@ -18,7 +18,7 @@ namespace springdrive::limits {
 
 namespace {
 
-/// Runs on until `until_s`. Returns the mean force on the sensor meanwhile [N].
+/// Runs until `until_s`. Returns the mean force on the sensor until then [N].
 Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
     Vector3 sum = Vector3::Zero();
     int ticks = 0;
