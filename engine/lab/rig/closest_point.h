@@ -1,5 +1,5 @@
-// What a penalty method touches: the point of the mesh that is closest to the tip, whatever way the
-// tip came. The oldest of the methods, here to be compared with the proxy.
+// The contact of a penalty method: the point of the mesh closest to the tip, regardless of the
+// tip's history. Implemented for comparison with the proxy.
 #pragma once
 
 #include "base/vector.h"
@@ -17,8 +17,8 @@ struct ClosestPoint {
     Vector3 normal{Vector3::Zero()}; ///< of its triangle: unit, by its winding
 };
 
-/// A mesh as it is. The search begins with the triangle that was closest last time, which spares
-/// most of the work where a tip moves on slowly, and changes nothing of the answer's distance.
+/// A mesh without preparation. The search begins with the last closest triangle, which saves most
+/// of the work for a slowly moving tip and does not change the distance found.
 class ClosestPointFinder {
 public:
     /// @pre there is at least one triangle, and each has an area

@@ -6,7 +6,7 @@
 namespace springdrive::rig {
 
 /// @throw InputError naming the angle, its value and its range in degrees, where the joint limits
-///        do not allow `q_rad`, or where inverse kinematics would take other angles for that tip.
+///        do not allow `q_rad`, or where inverse kinematics would give other angles for that tip.
 void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad);
 
 } // namespace springdrive::rig

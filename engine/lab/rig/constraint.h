@@ -9,7 +9,7 @@
 
 namespace springdrive::rig {
 
-/// The contact in which a tip is. May remember the tips before it, as a proxy does.
+/// The contact of a tip. It may depend on earlier tips, as a proxy does.
 using Constraint = std::function<contact::Contact(const Vector3 &tip_m)>;
 
 [[nodiscard]] Constraint free_space();
@@ -17,14 +17,14 @@ using Constraint = std::function<contact::Contact(const Vector3 &tip_m)>;
 /// Holds the tip at a point in all directions, with η = 0.
 [[nodiscard]] Constraint tied_to(const Vector3 &point_m);
 
-/// Whether a plane holds a tip that is outside it, too.
+/// Whether a plane also holds a tip outside it.
 enum class Sides : std::uint8_t { one, both };
 
 /// A plane through a point, with η = 0.
 /// @param normal  unit, out of the plane
 [[nodiscard]] Constraint plane(const Vector3 &point_m, const Vector3 &normal, Sides sides);
 
-/// A surface under a proxy that starts at the first tip that it sees.
+/// A surface touched by a proxy that starts at the first tip.
 /// @param surface  must outlive the constraint
 [[nodiscard]] Constraint surface(const contact::HapticSurface &surface);
 

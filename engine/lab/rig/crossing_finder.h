@@ -1,4 +1,4 @@
-// Tells motions that go through a surface, by a plain grid and the plane of each triangle.
+// Finds motions that pass through a surface, with a uniform grid and the plane of each triangle.
 #pragma once
 
 #include "base/vector.h"
@@ -16,7 +16,7 @@ namespace springdrive::rig {
 
 /// Whether a straight motion goes through a triangle: of a closed surface from its front, of an
 /// open one from either side. A motion that passes the rim by less than 0.1 nm counts as one
-/// through it, so that nothing slips through between two triangles unseen.
+/// through it, so that no motion between two triangles is missed.
 [[nodiscard]] bool goes_through(const PlainTriangle &triangle, const Vector3 &from_m,
                                 const Vector3 &to_m);
 
@@ -35,11 +35,11 @@ private:
     [[nodiscard]] Cell cell_of(const Vector3 &point_m) const;
     [[nodiscard]] std::size_t index(int x, int y, int z) const;
 
-    /// Calls `visit(index of a cell)` for the cells that a box comes into.
+    /// Calls `visit(index of a cell)` for the cells that a box overlaps.
     template <typename Visit>
     void for_each_cell(const Eigen::AlignedBox3d &box, const Visit &visit) const;
 
-    /// The same for a triangle, without those that its plane passes by.
+    /// The same for a triangle, without those that its plane does not meet.
     template <typename Visit>
     void for_each_cell(const PlainTriangle &triangle, const Visit &visit) const;
 

@@ -10,26 +10,26 @@ namespace {
 constexpr double kLongestStep_m = 50e-6;
 constexpr int kMostSteps = 50'000;
 
-/// What had to start nearer may come nearer by this at a time [m]: round-off.
+/// What starts too close may come closer by this in a step [m]: round-off.
 constexpr double kMayLoseMore_m = 1e-14;
 
 /// Where Newton's method ends [m].
 constexpr double kReached_m = 1e-13;
 
-/// A motion this flat to a push does not go against it [rad]: the push of an edge that is 10 nm
+/// A motion this flat to a push does not oppose it [rad]: the push of an edge that is 10 nm
 /// away is known to no better than round-off, 1e-16 m, leaves of its direction.
 constexpr double kFlat = 1e-7;
 
 /// Behind a one-sided triangle, or in a solid, means deeper than round-off [m].
 constexpr double kBehind_m = 1e-12;
 
-/// What is listed around a place before it is listed anew [m].
+/// Radius within which obstacles are listed before the list is renewed [m].
 constexpr double kListed_m = 1e-3;
 
 } // namespace
 
 Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes) {
-    Vector3 best = Vector3::Zero(); // always unopposed
+    Vector3 best = Vector3::Zero(); // always admissible
     double least = wish.squaredNorm();
     const auto consider = [&](const Vector3 &way) {
         const double missing = (way - wish).squaredNorm();
@@ -123,7 +123,7 @@ Downhill::Free Downhill::free_way(const std::vector<std::size_t> &listed, const 
         }
         const Away start = away(i, from_m);
         if (start.direction.dot(direction) >= 0.0) {
-            continue; // farther with every bit of the way
+            continue; // farther all along the motion
         }
         // Newton's method ends a little above its level, hence the lower one.
         const double least_m =
@@ -139,7 +139,7 @@ Downhill::Free Downhill::free_way(const std::vector<std::size_t> &listed, const 
 bool Downhill::step(const std::vector<std::size_t> &listed, const Vector3 &target_m, double reach_m,
                     End &end) const {
     const Vector3 wish = target_m - end.point_m;
-    // What it drifts towards a push that round-off has turned stays within half of the slack.
+    // Its drift towards a push that is turned by round-off stays within half of the slack.
     const double longest_m = std::min(kLongestStep_m, 0.5 * slack_m_ / kFlat);
     std::vector<std::size_t> blocking;
     std::vector<Vector3> pushes;
@@ -158,12 +158,12 @@ bool Downhill::step(const std::vector<std::size_t> &listed, const Vector3 &targe
             break;
         }
         if (std::ranges::find(blocking, *free.blocked_by) != blocking.end()) {
-            return false; // gives up
+            return false; // step limit
         }
         blocking.push_back(*free.blocked_by);
         pushes.push_back(away(*free.blocked_by, end.point_m).direction);
     }
-    // What it slid along, and may have come nearer to by a part of the slack.
+    // What it slid along, and may have approached by a part of the slack.
     for (const std::size_t i : blocking) {
         const Away there = away(i, end.point_m);
         const double missing_m = reach_m - there.distance_m;

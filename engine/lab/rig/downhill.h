@@ -1,5 +1,5 @@
-// A slow and plain answer to the proxy's question: how far down the distance to the tip can one get
-// from here without coming too near to a triangle or shape?
+// An independent, slow solution of the proxy's problem: how far can the distance to the tip be
+// reduced from here without coming too close to a triangle or shape?
 #pragma once
 
 #include "base/vector.h"
@@ -13,13 +13,13 @@
 
 namespace springdrive::rig {
 
-/// Of `wish`, the nearest vector that goes against none of the pushes: its projection onto the cone
+/// Of `wish`, the nearest vector that opposes none of the pushes: its projection onto the cone
 /// { v : nᵢ · v >= 0 }, found by trying all faces of the cone.
 /// @param pushes  unit
 [[nodiscard]] Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes);
 
-/// By how much a walk downhill may come nearer than the reach [m]: far above round-off. Ridges
-/// lower than that do not hold it.
+/// By how much a descent may come closer than the reach [m]: far above round-off. Ridges lower than
+/// this do not stop it.
 inline constexpr double kLeastSlack_m = 2e-12;
 
 class Downhill {
@@ -32,19 +32,20 @@ public:
 
     struct End {
         Vector3 point_m{Vector3::Zero()};
-        bool is_lowest = false; ///< nothing nearer can be reached from there; false: gave up
+        bool is_lowest =
+            false; ///< nothing nearer can be reached from there; false: step limit reached
     };
 
-    /// Walks down in straight steps of 50 µm at most, each as far as every triangle and shape
+    /// Descends in straight steps of at most 50 µm, each as far as every triangle and shape
     /// allows. They are convex, and so is the distance to each along a line: Newton's method, from
-    /// the start of a step on, never goes beyond the place where one is too near.
+    /// the start of a step on, never passes the point at which one is too close.
     ///
-    /// A step is blocked by what it would come nearer to than the reach, less the slack; not by
-    /// what is merely near: over a flat edge the next triangle's rim lies as near as the own plane,
-    /// at any slant, and stops nothing. The way then goes on along what blocks.
+    /// A step is blocked by what it would approach closer than the reach minus the slack, not by
+    /// what is merely close: at a flat edge the next triangle's rim is as close as the own plane,
+    /// at any slant, and blocks nothing. The descent then continues along what blocks.
     ///
-    /// Ends where less than 1 nm, or 0.2 µrad seen from the target, is left to go.
-    /// @param reach_m  what to keep from all of them; what starts nearer comes no nearer
+    /// Ends where less than 1 nm, or 0.2 µrad seen from the target, remains.
+    /// @param reach_m  distance to keep from all of them; what starts closer comes no closer
     [[nodiscard]] End walk(const Vector3 &from_m, const Vector3 &target_m, double reach_m) const;
 
 private:
@@ -53,7 +54,7 @@ private:
         double radius_m;
     };
 
-    /// Of a straight motion: how far it may go, and what for it may not go on.
+    /// Of a straight motion: how far it may go, and what stops it.
     struct Free {
         double length_m = 0.0;
         std::optional<std::size_t> blocked_by;

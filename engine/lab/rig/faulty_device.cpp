@@ -9,7 +9,7 @@ namespace springdrive::rig {
 
 namespace {
 
-/// How a measurement comes that tells nothing.
+/// The arrival of a measurement without news.
 std::optional<device::Arrival> arrival_by(FaultKind kind) {
     switch (kind) {
     case FaultKind::lost:
@@ -104,7 +104,7 @@ device::Measurement FaultyDevice::as_reported(device::Measurement state) const {
     return state;
 }
 
-/// How many times its size a fault of the counts has grown to.
+/// The factor by which a fault of the counts has grown.
 double FaultyDevice::steps(FaultKind kind) const {
     const std::uint64_t since = periods_ - from_;
     switch (kind) {

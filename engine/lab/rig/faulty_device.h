@@ -1,12 +1,12 @@
-// A device with a fault: passes everything on to another and, in the periods it is told, commits
+// A device with a fault: forwards everything to another device and, in given periods, introduces
 // one fault.
 //
 //   servo ── e_W, R̂ ──► [gain, sag] ──► device
 //   servo ◄─ measurement ◄── [step, flicker, drift, lateness, reading, silence] ◄── device
 //
-// It goes by the servo's clock, so that runs repeat, but does not wait for a servo that is late:
-// numbers go on. What a hand does wrong comes by its path or target; what a window does wrong is
-// no device's.
+// It runs on the servo's clock, so that runs repeat, but does not wait for a late servo:
+// measurement numbers continue. Faults of the hand enter by its path or target; faults of the
+// window are not modelled here.
 #pragma once
 
 #include "device/core/forwarding_device.h"
@@ -19,11 +19,11 @@ namespace springdrive::rig {
 
 enum class FaultKind : std::uint8_t {
     none,
-    lost,            ///< it is gone: the last known state
-    absent,          ///< it says nothing, and is not known to be lost
-    corrupt,         ///< what it says cannot be trusted
-    repeated,        ///< it says the last once more
-    late,            ///< what it says is true, and comes late
+    lost,            ///< disconnected: the last known state
+    absent,          ///< no answer, and not known to be lost
+    corrupt,         ///< an answer known to be damaged
+    repeated,        ///< the last answer again
+    late,            ///< a correct answer, late
     board,           ///< its board reports the faults of size[0], as bits
     not_a_number,    ///< in each current whose size is not zero
     infinite,        ///< the same, with the sign of the size
@@ -39,7 +39,7 @@ enum class FaultKind : std::uint8_t {
 struct Fault {
     FaultKind kind = FaultKind::none;
     Vector3 size{Vector3::Zero()};
-    /// How many reads it lasts.
+    /// Its duration in reads.
     std::uint64_t periods = std::numeric_limits<std::uint64_t>::max();
 };
 
@@ -60,18 +60,18 @@ public:
     }
     void mend() { fault_ = {}; }
 
-    /// Periods in which the servo does not come: the amplifiers hold the last command.
+    /// Periods without a tick of the servo: the amplifiers hold the last command.
     void pass_by(int periods) noexcept;
 
-    /// The device behind this one has been made anew: its numbers go on from the last.
+    /// The device behind this one has been replaced: its numbers continue from the last.
     void go_on() { number_offset_ = last_number_; }
 
-    /// How much R is less than it should be.
+    /// By how much R is too small.
     [[nodiscard]] Vector3 sag_Ohm() const;
 
-    /// What was last written, before any fault of the amplifiers.
+    /// The last command written, before any fault of the amplifiers.
     [[nodiscard]] const device::DeviceCommand &last_command() const { return last_command_; }
-    /// Read so far.
+    /// Reads so far.
     [[nodiscard]] std::uint64_t periods() const { return periods_; }
 
 private:

@@ -1,5 +1,5 @@
-// Tells from angles alone whether a motion has come down to the flicker of an encoder's last
-// digits, however fast: not a motion that a loop makes.
+// Detects from angles alone whether a motion has decayed to chatter within the last counts of an
+// encoder, however fast: a limit cycle of quantisation, not an instability of the loop.
 #pragma once
 
 #include "base/vector.h"
@@ -10,12 +10,12 @@ namespace springdrive::rig {
 
 class Flicker {
 public:
-    /// @param most_rad  how far the angles may go to and fro
-    /// @param lasting_s  for how long they must not have gone farther
+    /// @param most_rad  the largest peak-to-peak amplitude
+    /// @param lasting_s  for how long it must not have been exceeded
     Flicker(double most_rad, double lasting_s, double period_s)
         : most_rad_(most_rad), lasting_(std::ceil(lasting_s / period_s)) {}
 
-    /// Takes in the next sample's angles. Where they went too far, the count begins anew.
+    /// Adds the next sample's angles. Where they exceed the amplitude, the count restarts.
     void watch(const Vector3 &angles_rad) {
         least_rad_ = least_rad_.cwiseMin(angles_rad);
         greatest_rad_ = greatest_rad_.cwiseMax(angles_rad);
@@ -28,10 +28,10 @@ public:
         }
     }
 
-    /// Whether there was no more than a flicker for long enough.
+    /// Whether there was only chatter for long enough.
     [[nodiscard]] bool is_all() const { return samples_ >= lasting_; }
 
-    /// Whether it looks like one, for however short a time.
+    /// Whether there is only chatter now, for however short a time.
     [[nodiscard]] bool may_be_all() const { return !began_anew_; }
 
 private:

@@ -1,4 +1,4 @@
-// Integrators of ẏ = f(t, y) that the plant's own is held against: one step each, of any system.
+// Integrators of ẏ = f(t, y) with which the plant's own is compared: one step each, of any system.
 // `State` is a fixed-size Eigen vector; nothing allocates.
 #pragma once
 
@@ -41,7 +41,7 @@ template <typename Rates, typename State>
 /// Newton's method with one matrix for many steps.
 template <typename State> class ImplicitMidpoint {
 public:
-    /// Takes f's derivative at (t, y), by differences, for steps of `h` from now on.
+    /// Computes f's derivative at (t, y) by differences, for steps of `h`.
     template <typename Rates>
     void prepare(const Rates &f, double time_s, const State &y, double h) {
         Matrix system = Matrix::Identity();
@@ -56,7 +56,7 @@ public:
         h_ = h;
     }
 
-    /// y₁, settled to round-off. Nothing where the iterations do not settle.
+    /// y₁, converged to round-off. Nothing where the iterations do not converge.
     template <typename Rates>
     [[nodiscard]] std::optional<State> step(const Rates &f, double time_s, const State &y) const {
         State middle = y;
@@ -67,7 +67,7 @@ public:
             middle += correction;
             const double moved = correction.cwiseAbs().maxCoeff();
             const double scale = std::max(1.0, middle.cwiseAbs().maxCoeff());
-            // Round-off is where the corrections no longer shrink; a stiff f makes more of it.
+            // Converged where the corrections no longer shrink; a stiff f has more round-off.
             if (moved <= kEpsilon * scale || (moved >= before && moved <= kRoundOff * scale)) {
                 return State(2.0 * middle - y);
             }

@@ -1,5 +1,5 @@
 // A plant and the control law of the paper in closed loop, sample by sample, without command
-// limiter and safety monitor: nothing may hide what a law or a plant does. The whole servo in
+// limiter and safety monitor: nothing masks the behaviour of law or plant. The whole servo in
 // closed loop is servo_rig.h.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace springdrive::rig {
 
-/// What a law drives.
+/// What a law controls.
 class Plant {
 public:
     Plant() = default;
@@ -25,7 +25,7 @@ public:
     Plant &operator=(const Plant &) = delete;
     virtual ~Plant() = default;
 
-    /// By one servo period under a command.
+    /// Advances by one servo period under a command.
     virtual void advance(const simulated::PlantCommand &command) = 0;
     /// θ as the law reads it: at the end of the last period, or at the start.
     [[nodiscard]] virtual Vector3 theta_rad() const = 0;
@@ -50,19 +50,19 @@ struct LawOptions {
     double period_s = 1e-3;
     /// α where the tuning's mode is global; searched for in the workspace where it is not given.
     std::optional<double> global_alpha_rad2_per_m2;
-    /// What R̂ leaves of R where windings are not as (7) takes them; it may be negative.
+    /// R − R̂ where windings differ from the assumption of (7); it may be negative.
     std::optional<double> net_resistance_Ohm;
     device::AmplifierKind drive = device::AmplifierKind::spring_drive;
-    control::VirtualWall wall; ///< that a current drive renders in place of (10)
-    /// Where the velocity filter rests at first; else at the plant's first angles.
+    control::VirtualWall wall; ///< rendered by a current drive in place of (10)
+    /// Initial angles of the velocity filter; else the plant's first angles.
     std::optional<Vector3> rests_at_rad;
-    /// Farther from zero than this it brakes: what ran away is not led on.
+    /// At larger angles the plant is braked: it has run away.
     double greatest_turn_rad = HUGE_VAL;
 };
 
-/// What a plant gets in its first period.
+/// The command of the first period.
 enum class FirstCommand : std::uint8_t {
-    answers, ///< what the law says of the plant's first angles
+    answers, ///< the law's answer to the plant's first angles
     brakes,
 };
 
@@ -71,12 +71,12 @@ public:
     /// @param plant  must outlive the loop
     LawRig(Plant &plant, const LawOptions &options, Constraint constraint, FirstCommand first);
 
-    /// The plant goes on by a period under the last command; the law answers to what comes of it.
+    /// Advances the plant by a period under the last command; the law answers to the result.
     void tick();
 
-    /// The law's last answer: in force from now on, or after the plant's delay.
+    /// The law's last answer: applied from now on, or after the plant's delay.
     [[nodiscard]] const simulated::PlantCommand &command() const { return command_; }
-    /// What the law answered to.
+    /// The input of the last answer.
     [[nodiscard]] const control::Configuration &configuration() const { return configuration_; }
     [[nodiscard]] const contact::Contact &contact() const { return contact_; }
 

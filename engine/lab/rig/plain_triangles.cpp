@@ -8,7 +8,7 @@ namespace springdrive::rig {
 
 namespace {
 
-/// From the two shorter edges: with them the least is lost to cancellation.
+/// From the two shorter edges, which minimise cancellation.
 Vector3 normal_of(const std::array<Vector3, 3> &corners_m) {
     std::array<Vector3, 3> edges{Vector3(corners_m[1] - corners_m[0]),
                                  Vector3(corners_m[2] - corners_m[1]),

@@ -1,5 +1,5 @@
-// The triangles of a surface for those who check the proxy: plain geometry that shares no code with
-// what it checks.
+// The triangles of a surface for independent checks of the proxy: geometry that shares no code with
+// it.
 #pragma once
 
 #include "base/vector.h"

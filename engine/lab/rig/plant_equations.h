@@ -8,8 +8,8 @@
 // Coulomb friction takes τ_c sign(q̇) from the first, or τ_c tanh(q̇/width) where a method needs it
 // smooth. There is no stop, no limit and no ripple, and R stands at 25 °C.
 //
-// Pure functions over values, no allocation. Every sine is worked out once for a call, so that what
-// an integrator costs is not what it is fed with.
+// Pure functions over values, no allocation. Every sine is computed once per call, so that the cost
+// measured is the integrator's.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -22,7 +22,7 @@ namespace springdrive::rig {
 /// (q, q̇, i) [rad, rad/s, A].
 using PlantState = Eigen::Matrix<double, 9, 1>;
 
-/// What is held over a servo period. The hand's target moves on steadily from `start_s`.
+/// Inputs held over a servo period. The hand's target moves uniformly from `start_s`.
 struct PlantInputs {
     device::DeviceCommand command;
     double start_s = 0.0;
@@ -52,10 +52,10 @@ public:
     PlantEquations(const device::DeviceDescription &device,
                    const simulated::SimulationOptions &options);
 
-    /// From now on f is of these.
+    /// Sets the inputs of f.
     void set_inputs(const PlantInputs &inputs);
 
-    /// Over which rates Coulomb friction turns round from now on; 0, as at first, for a jump.
+    /// Sets the range of rates over which Coulomb friction reverses; 0, the default, for a jump.
     void set_friction_width(double width_rad_per_s);
 
     /// f(t, y).
@@ -68,7 +68,7 @@ public:
     [[nodiscard]] PlantMechanics mechanics(double time_s, const PlantState &y) const;
     [[nodiscard]] const Vector3 &coulomb_Nm() const { return coulomb_Nm_; }
 
-    /// What the motors bring to the tip, J⁻ᵀ N k_T i [N].
+    /// Force of the motors at the tip, J⁻ᵀ N k_T i [N].
     [[nodiscard]] Vector3 tip_force_N(const PlantState &y) const;
 
 private:
@@ -77,7 +77,7 @@ private:
 
     device::PhantomGeometry geometry_;
     device::HandParameters hand_;
-    device::LinkageMoments moments_; ///< with the hand's mass at the tip, which is not held up
+    device::LinkageMoments moments_; ///< with the hand's mass at the tip, without its weight
     Vector3 rotor_kg_m2_{Vector3::Zero()};
     Vector3 torque_Nm_per_A_{Vector3::Zero()}; ///< N k_T, also in V·s/rad
     Vector3 resistance_Ohm_{Vector3::Zero()};

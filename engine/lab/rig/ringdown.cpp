@@ -7,14 +7,13 @@ namespace springdrive::rig {
 
 namespace {
 
-/// Of the logarithm, over the second half of what was seen: what neither doubled nor fell to a
-/// third may go either way yet. A motion that grows slowly may long be hidden behind others that
-/// fall.
+/// Of the logarithm, over the second half of the samples: what neither doubled nor fell to a third
+/// is undecided. A slowly growing motion may long be hidden by others that decay.
 constexpr double kClearlyGrows = 0.7;
 constexpr double kClearlyFalls = 1.2;
 
-/// A motion that must come to rest does not, where so many windows differ by less than this share
-/// of them: with a decay of 0.2/s they would differ by a fifth.
+/// A motion is sustained where so many windows differ by less than this share of them: with a decay
+/// of 0.2/s they would differ by a fifth.
 constexpr std::size_t kRounds = 10;
 constexpr double kSteady = 0.02;
 
@@ -55,7 +54,7 @@ bool Ringdown::watch(double magnitude) {
 
 bool Ringdown::is_unclear() const {
     if (options_.least_decay_per_s > 0.0) {
-        return dies_out(); // on its way to rest, as far as a slope can tell
+        return dies_out(); // decaying, by its slope
     }
     const double change = change_of_logarithm();
     return change < kClearlyGrows && change > -kClearlyFalls;

@@ -1,4 +1,4 @@
-// Tells from a motion alone whether it dies out: no model, only what is seen.
+// Decides from a motion alone whether it decays: no model, only samples.
 #pragma once
 
 #include <algorithm>
@@ -9,39 +9,39 @@
 namespace springdrive::rig {
 
 struct RingdownOptions {
-    /// Over which the greatest value counts: half a period of the slowest oscillation that is to
+    /// The window whose greatest value counts: half a period of the slowest oscillation that is to
     /// be judged, or a sixth of the time watched.
     double window_s = 0.1;
     double longest_s = 3.0; ///< to watch
-    /// To watch a motion that is not clear by then; 0: no longer. Without a least decay that is one
-    /// that has neither doubled nor fallen to a third over the second half of what was seen, with
-    /// one a motion that falls but is not at rest.
+    /// Additional time for a motion that is undecided by then; 0: none. Without a least decay that
+    /// is one that has neither doubled nor fallen to a third over the second half of the samples,
+    /// with one a motion that falls but is not at rest.
     double patience_s = 0.0;
-    /// Motions that end below this share of how they began have died out, however they got there.
+    /// Motions that end below this share of their beginning have decayed.
     double died_out = 1e-6;
     /// Those that exceed their own first tenth of a window by this factor have run away.
     double ran_away = 1e3;
-    double greatest = HUGE_VAL; ///< whatever comes to more than this has run away, too
-    /// A motion that loses less than this, or is still more than half of what it was at first, is
-    /// one that stays [1/s].
+    double greatest = HUGE_VAL; ///< a motion that exceeds this has run away, too
+    /// A motion that decays more slowly than this, or is still above half of its beginning, is
+    /// sustained [1/s].
     double least_decay_per_s = 0.0;
 };
 
-/// Watches one quantity that is zero at rest, sample by sample, from when it first is not: what a
-/// delay holds back at the beginning does not count.
+/// Watches one quantity that is zero at rest, sample by sample, from its first nonzero sample: an
+/// initial delay does not count.
 class Ringdown {
 public:
     Ringdown(const RingdownOptions &options, double period_s);
 
-    /// Takes in the next sample's magnitude. Returns whether there is more to watch.
+    /// Adds the next sample's magnitude. Returns whether more samples are needed.
     bool watch(double magnitude);
 
-    /// Whether what was seen dies out. Where it neither did nor ran away, the straight line through
-    /// the logarithms of the second half of the windows tells.
+    /// Whether the motion decays. Where it neither decayed nor ran away, the straight line through
+    /// the logarithms of the second half of the windows decides.
     [[nodiscard]] bool dies_out() const;
 
-    /// Whether all patience was needed, and yet the motion changed by less than a tenth over the
-    /// second half of it. Without a least decay only.
+    /// Whether all of the additional time was needed, and yet the motion changed by less than a
+    /// tenth over the second half of it. Without a least decay only.
     [[nodiscard]] bool stays() const;
 
     /// Slope of that line [1/s]: growth if positive.
@@ -57,7 +57,7 @@ private:
     [[nodiscard]] std::size_t second_half() const; ///< where it begins in `windows_`
     [[nodiscard]] bool is_unclear() const;
     [[nodiscard]] double change_of_logarithm() const; ///< over the second half
-    [[nodiscard]] bool goes_round() const; ///< always the same, as what a supply bounds does
+    [[nodiscard]] bool goes_round() const;            ///< constant amplitude, as of a limit cycle
     [[nodiscard]] double window_s() const { return static_cast<double>(per_window_) * period_s_; }
 
     RingdownOptions options_;

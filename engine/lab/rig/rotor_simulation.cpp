@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLongestStep_s = 50e-6; // K_L against a bare rotor: (ωh)²/12 = 5e-4
 
-/// Into how many sub-steps a time is split.
+/// The number of sub-steps of a time.
 int steps_of(double time_s) {
     return std::max(1, static_cast<int>(std::ceil(time_s / kLongestStep_s - 1e-9)));
 }

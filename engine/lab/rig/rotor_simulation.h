@@ -1,5 +1,5 @@
-// One motor behind its drive and under its servo in time, with what a linear prediction leaves out:
-// encoder counts, a supply that ends, friction.
+// One motor with its drive and servo in the time domain, with what a linear prediction neglects:
+// encoder counts, supply limits, friction.
 //
 // Shares no matrix with the prediction. Sub-steps are short; the winding is exact for a steady
 // rotor (device/core/motor/amplifier.h), the rotor implicit about the middle: second order.
@@ -27,14 +27,14 @@ struct RotorSimulationOptions {
     double quantum_rad = 0.0;   ///< of the encoder; 0: exact
     bool amplifier_limits = false;
     double coulomb_Nm = 0.0; ///< friction at the motor
-    double start_rad = 1e-3; ///< from where it is let go, at rest
+    double start_rad = 1e-3; ///< initial angle, at rest
 };
 
 class RotorSimulation {
 public:
     explicit RotorSimulation(const RotorSimulationOptions &options);
 
-    /// One period of the servo: reads, commands, moves on.
+    /// One period of the servo: read, command, advance.
     void tick();
 
     [[nodiscard]] double theta_rad() const { return theta_rad_; }
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] double current_A() const { return current_A_; }
 
 private:
-    /// A part of the period in which one command is in force.
+    /// A part of the period with one command applied.
     struct Part {
         int steps = 0;
         double h_s = 0.0;

@@ -1,5 +1,5 @@
-// A whole servo in closed loop with a simulated device, ticked by hand: command limiter and safety
-// monitor included, and a device that fails when it is told to. The control law alone in closed
+// A whole servo in closed loop with a simulated device, ticked explicitly: command limiter and
+// safety monitor included, and a device with faults on request. The control law alone in closed
 // loop is law_rig.h.
 #pragma once
 
@@ -30,12 +30,12 @@ public:
 
     // RT-safe, as far as a simulated device is.
     const servo::ServoSample &tick(const servo::TickTiming &timing = {}) noexcept;
-    /// So many periods in which the servo does not come, and then a tick.
+    /// `missed` periods without a tick, then a tick.
     const servo::ServoSample &late_tick(int missed) noexcept;
-    /// As many ticks as there are in that time.
+    /// The ticks of that time.
     void run(double seconds) noexcept;
 
-    /// The hand is gone with its mass, wherever the tip is and whatever the currents are.
+    /// Removes the hand with its mass; position, rates and currents of the device continue.
     void let_go();
 
     [[nodiscard]] bool has_tripped() const {

@@ -19,7 +19,7 @@ double angle_rad(const Vector3 &a, const Vector3 &b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// Steps whose way goes through a triangle.
+/// Steps whose path crosses a triangle.
 std::vector<std::size_t> pop_throughs(const TouchRun &run,
                                       std::span<const PlainTriangle> triangles) {
     const CrossingFinder finder(triangles);
@@ -36,7 +36,7 @@ std::vector<std::size_t> pop_throughs(const TouchRun &run,
     return found;
 }
 
-/// So many of a list, evenly spread, first and last among them.
+/// Evenly spread elements of a list, first and last included.
 std::vector<std::size_t> spread(const std::vector<std::size_t> &all, std::size_t count) {
     if (all.size() <= count) {
         return all;
@@ -48,7 +48,7 @@ std::vector<std::size_t> spread(const std::vector<std::size_t> &all, std::size_t
     return some;
 }
 
-/// Walks down from where a step ended, and notes how far that goes.
+/// Descends from where a step ended, and notes how far.
 void check_step(const TouchRun &run, std::size_t index, const Downhill &downhill, double reach_m,
                 TouchFindings &findings) {
     const TouchStep &step = run.steps[index];

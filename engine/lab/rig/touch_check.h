@@ -48,22 +48,22 @@ struct TouchFindings {
     std::vector<std::size_t> pop_throughs; ///< steps whose way goes through a triangle
     std::vector<std::size_t> stuck;        ///< that looked stuck, and lag
     std::vector<std::size_t> lagging;      ///< of those checked, the ones that lag
-    std::vector<std::size_t> unsettled;    ///< that say themselves that they did not finish
+    std::vector<std::size_t> unsettled;    ///< flagged as unfinished by the proxy
     std::size_t checked = 0;
     std::size_t suspicious = 0;           ///< looked stuck
     std::size_t suspicious_unchecked = 0; ///< of these, beyond the cap
-    std::size_t given_up = 0;             ///< checks that did not come to an end
+    std::size_t given_up = 0;             ///< checks that reached their step limit
     std::size_t with_friction = 0;        ///< in contact with friction, never checked for lag
-    Greatest lag_m;                       ///< of steps that say that they are where they should be
-    Greatest unsettled_lag_m;             ///< of those that say that they are not
+    Greatest lag_m;                       ///< of steps flagged as settled
+    Greatest unsettled_lag_m;             ///< of the others
     Greatest direction_error_rad;
 };
 
 /// Whether a step looks stuck: in contact as the step before, the tip moved on along the surface,
-/// and the proxy by less than 1 % of that. One in a corner does so as well, and rightly.
+/// and the proxy by less than 1 % of that. A proxy in a corner does so correctly.
 [[nodiscard]] bool looks_stuck(const TouchStep &before, const TouchStep &step);
 
-/// Every step's way is held against all triangles, though not against shapes. Of those in contact
+/// Every step's path is checked against all triangles, but not against shapes. Of those in contact
 /// without friction, some are checked for lag, how far down the distance to the tip one can still
 /// get from where the proxy is, and for the angle between the contact's normal and that from the
 /// tip to where one gets. Beside these, those that look stuck, those that did not settle, and those

@@ -1,4 +1,4 @@
-// What a proxy did along a path of the tip, step by step, and how long it took.
+// The proxy's result for each step of a path of the tip, and its time.
 #pragma once
 
 #include "base/vector.h"
@@ -18,29 +18,29 @@ struct TouchStep {
     Vector3 normal{Vector3::Zero()}; ///< of the contact; zero when free
     int constraints = 0;             ///< 0 free, 1 face, 2 edge, 3 vertex
     bool settled = true;
-    bool has_friction = false; ///< of what is touched: the proxy may well stay behind
+    bool has_friction = false; ///< of the touched material: the proxy may lag
     double first_ns = 0.0;     ///< time of the first run
-    double least_ns = 0.0;     ///< least time of all runs: without what else the machine did
+    double least_ns = 0.0;     ///< least time of all runs: without disturbance by other processes
 
     [[nodiscard]] bool is_touching() const { return constraints > 0; }
 };
 
 struct TouchRun {
     std::vector<TouchStep> steps;
-    std::vector<Vector3> corners_m;        ///< of the proxy's ways, one step after another
-    std::vector<std::size_t> first_corner; ///< of each step's way; one more for the end
+    std::vector<Vector3> corners_m;        ///< of the proxy's paths, one step after another
+    std::vector<std::size_t> first_corner; ///< of each step's path; one more for the end
 
-    /// The way of a step, from where the proxy was to where it came to rest.
+    /// The path of a step, from the proxy's last position to its new one.
     [[nodiscard]] std::span<const Vector3> way(std::size_t step) const {
         return {corners_m.data() + first_corner[step], corners_m.data() + first_corner[step + 1]};
     }
 
-    /// Adds a step and the way that it went.
+    /// Adds a step and its path.
     void add(const TouchStep &step, std::span<const Vector3> way_m);
 };
 
-/// Lets a proxy follow the tip, from the first of `tips_m` on, where it starts free; all over again
-/// for each repeat, to time it. Times include those of reading the clock, some 20 ns.
+/// Lets a proxy follow the tip, from the first of `tips_m` on, where it starts free; repeated
+/// for timing. Times include those of reading the clock, some 20 ns.
 /// @pre there is at least one tip, and `repeats` >= 1
 [[nodiscard]] TouchRun run_touch(const contact::HapticSurface &surface,
                                  std::span<const Vector3> tips_m, double radius_m, int repeats);

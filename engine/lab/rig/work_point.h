@@ -1,4 +1,4 @@
-// What a work-precision chart is made of: what a method costs, and how far from the truth it is.
+// The data of a speed-accuracy chart: cost and error of a method.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace springdrive::rig {
 
-/// A time that was taken several times over: what the machine allows, and how it scatters.
+/// A time measured repeatedly: its least, median and greatest value.
 struct Cost {
     double least_ns = 0.0;
     double median_ns = 0.0;
@@ -18,16 +18,16 @@ struct WorkPoint {
     std::string method;  ///< the line that it belongs to
     std::string setting; ///< "100 µs", "1280 triangles"
     Cost cost;
-    double error = 0.0; ///< against a reference that shares nothing with the method
-    bool stable = true; ///< false: it ran away, and `error` says nothing
+    double error = 0.0; ///< against a reference that shares no code with the method
+    bool stable = true; ///< false: it diverged, and `error` is meaningless
 };
 
 /// One picture.
 struct WorkPrecisionChart {
     std::string name; ///< of its files: "integrators"
     std::string title;
-    std::string cost_label;  ///< of what, without a unit: the axis says ns, µs or ms by itself
-    std::string error_label; ///< with its unit and what it is held against
+    std::string cost_label;  ///< without a unit: the axis adds ns, µs or ms
+    std::string error_label; ///< with its unit and its reference
     std::vector<WorkPoint> points;
 };
 

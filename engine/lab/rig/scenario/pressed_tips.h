@@ -18,8 +18,8 @@ struct PressedTip {
     [[nodiscard]] double depth_m() const { return (surface_m - tip_m).norm(); }
 };
 
-// A tip each millisecond, 1 to 2 mm under the surface, along a curve that comes by everywhere. The
-// surfaces bend so little that the point it was pushed in from is the nearest of all.
+// A tip each millisecond, 1 to 2 mm under the surface, along a curve that covers the surface. The
+// surfaces bend so little that the point of entry is the nearest of all.
 
 /// On the sphere of the test surfaces.
 [[nodiscard]] std::vector<PressedTip> tips_in_sphere(std::size_t count);

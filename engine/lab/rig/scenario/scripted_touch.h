@@ -1,4 +1,4 @@
-// A touch that plays by itself: over the scene, down into it, and round and round under its skin.
+// A touch without a user: over the scene, down into it, and in circles below its surface.
 #pragma once
 
 #include "device/core/device_file.h"

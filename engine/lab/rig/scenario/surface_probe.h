@@ -1,4 +1,4 @@
-// Finds a surface by feeling for it with the proxy, as a blind hand would.
+// Finds a surface by probing it with the proxy.
 #pragma once
 
 #include "base/vector.h"
@@ -24,7 +24,7 @@ public:
     /// The same for one that comes from far out towards the middle of the box.
     [[nodiscard]] std::optional<Vector3> touch_from(const Vector3 &direction) const;
 
-    /// A place that is clear of the box, and stays so on the way to any other within 60°.
+    /// A place that is clear of the box, and so is the straight line to any other within 60°.
     [[nodiscard]] Vector3 outside(const Vector3 &direction) const {
         return middle_m() + far_m_ * direction;
     }

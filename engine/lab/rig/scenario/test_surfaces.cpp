@@ -61,7 +61,7 @@ contact::TriangleSoup icosahedron() {
     return soup;
 }
 
-/// Hands out one vertex for each edge: its middle.
+/// Creates one vertex for each edge: its middle.
 class Middles {
 public:
     Middles(std::vector<Vector3> &vertices, std::size_t edges) : vertices_(vertices) {
@@ -97,7 +97,7 @@ void divide(contact::TriangleSoup &soup) {
     soup.triangles = std::move(finer);
 }
 
-/// How often triangles must be divided for there to be as many as a name says.
+/// The number of divisions that gives the number of triangles in a name.
 int divisions_of(std::string_view name, std::string_view count) {
     std::size_t triangles = 0;
     const char *end = count.data() + count.size();

@@ -1,4 +1,4 @@
-// Draws the way of a tip that moves at constant speed.
+// Generates the path of a tip that moves at constant speed.
 #pragma once
 
 #include "base/assertions.h"
@@ -10,7 +10,7 @@
 
 namespace springdrive::rig {
 
-/// Puts down a tip after each `step_m` of a way made of straight pieces, until it has them all.
+/// Adds a tip after each `step_m` of a path of straight pieces, up to a given number.
 class TipPen {
 public:
     /// @pre step_m > 0
@@ -19,7 +19,7 @@ public:
         tips_m_.reserve(tips);
     }
 
-    /// A tip at this very place, however far it is.
+    /// Adds a tip at this point, at any distance.
     void leap_to(const Vector3 &point_m) {
         at_m_ = point_m;
         left_m_ = step_m_;
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] bool is_full() const { return tips_m_.size() >= wanted_; }
     [[nodiscard]] const Vector3 &at_m() const { return at_m_; }
 
-    /// All that were wanted; where the way was too short, the last stays.
+    /// The tips; where the path was too short, the last is repeated.
     /// @pre there is at least one
     [[nodiscard]] std::vector<Vector3> take() {
         SPRINGDRIVE_ASSERT(!tips_m_.empty());

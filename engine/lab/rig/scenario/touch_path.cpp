@@ -18,7 +18,7 @@ constexpr double kAbove_m = 2e-3;
 /// Places on a curve over the surface are this far apart [m].
 constexpr double kSpacing_m = 0.5e-3;
 
-/// A path that has met nothing at so many places will not.
+/// After so many directions without a surface the search ends.
 constexpr int kPatience = 2000;
 
 class Dice {
@@ -135,7 +135,8 @@ void slide(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
 
 void lissajous(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
     const double step = angle_between_places(probe);
-    const Vector3 rate(1.0, std::numbers::phi, std::numbers::sqrt3); // never the same again
+    const Vector3 rate(1.0, std::numbers::phi,
+                       std::numbers::sqrt3); // incommensurable: it never repeats
     const Vector3 phase(0.0, dice.between(0.5, 1.0), dice.between(1.5, 2.5));
     double t = 0.0;
     slide_along(
@@ -143,7 +144,7 @@ void lissajous(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_
         [&] {
             const Vector3 v = (t * rate + phase).array().sin();
             const Vector3 velocity = rate.array() * (t * rate + phase).array().cos();
-            // Steps of equal angle, also where the curve comes near the middle.
+            // Steps of equal angle, also where the curve passes close to the middle.
             const double angular_rate = v.cross(velocity).norm() / v.squaredNorm();
             t += std::min(step / angular_rate, step);
             return Vector3((t * rate + phase).array().sin().matrix().normalized());

@@ -1,4 +1,4 @@
-// Ways for a tip to touch a surface without a hand: one position for each servo tick.
+// Paths of a tip over a surface, without a hand: one position for each servo tick.
 #pragma once
 
 #include "base/vector.h"
@@ -18,9 +18,9 @@ namespace springdrive::rig {
 enum class TouchPathKind : std::uint8_t {
     press,     ///< straight in from outside and out again, at many places
     slide,     ///< under the surface along great circles about the middle of its box
-    lissajous, ///< under the surface along a curve that comes by everywhere, never deep the same
+    lissajous, ///< under the surface along a curve that covers it, at varying depth
     rain,      ///< falls freely from above at random places, rests, and rises as it fell
-    random,    ///< wanders in and about the box, now and then with a leap
+    random,    ///< random walk in and around the box, with occasional jumps
 };
 
 struct TouchPathName {
@@ -40,17 +40,17 @@ struct TouchPathOptions {
     TouchPathKind kind = TouchPathKind::slide;
     std::size_t steps = 20'000;
     double period_s = 1e-3;
-    double speed_m_per_s = 0.1; ///< of the tip, along its way; rain falls as it must
+    double speed_m_per_s = 0.1; ///< of the tip, along its path; rain falls under gravity
     double depth_m = 1.5e-3;    ///< below the surface: how far beyond the first touch
-    double radius_m = 0.0;      ///< of the proxy that feels for the surface
+    double radius_m = 0.0;      ///< of the probing proxy
     std::uint64_t seed = 1;
 };
 
 /// As many tips as steps were asked for, the first in free space; the same for the same options.
 ///
-/// Slide and lissajous know the surface as it is seen from outside: what lies behind something
-/// else is not touched. Where nothing lies on the way to the middle they go straight on to where
-/// something does, and where nothing does at all, the tip stays outside.
+/// Slide and lissajous follow the surface as seen from outside; hidden parts are not touched.
+/// Across directions in which there is no surface they go straight, and where there is none at all,
+/// the tip stays outside.
 /// @param box  what the surface lies in, not empty
 [[nodiscard]] std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
                                               const Eigen::AlignedBox3d &box,

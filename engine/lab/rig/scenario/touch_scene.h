@@ -12,11 +12,11 @@ namespace springdrive::rig {
 /// Loads a file as `load_gltf` does, or makes what `test_surface_named` knows, in metres about the
 /// origin and with nothing to draw.
 /// @throw InputError as these do.
-/// @param progress told how far it is, if somebody wants to know
+/// @param progress receives the progress, if given
 [[nodiscard]] scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
                                        scene::LoadProgress *progress = nullptr);
 
-/// Prepares all that can be touched of a scene.
+/// Prepares the haptic surface of a scene.
 [[nodiscard]] contact::HapticSurface haptic_surface_of(const scene::Scene &scene);
 
 } // namespace springdrive::rig
