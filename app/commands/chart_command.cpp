@@ -49,7 +49,7 @@ bool is_asked_for(const TypedChart &typed, std::string_view name) {
 
 std::string footnote(const charts::ChartSetting &setting, const std::string &machine) {
     return machine + "; points: least of " + std::to_string(setting.repeats) +
-           " repetitions; bars: to the greatest";
+           " repetitions; bars: to the greatest; the large mark: the first setting";
 }
 
 /// All numbers first, so that they are there even where nothing can be drawn.

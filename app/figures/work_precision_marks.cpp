@@ -1,13 +1,9 @@
 #include "app/figures/work_precision_marks.h"
 
-#include "app/figures/name_places.h"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <string_view>
 #include <vector>
 
 namespace springdrive::app {
@@ -70,15 +66,6 @@ struct Frame {
     double round_off;     ///< the greatest error that stands at `error_of_zero`
     double error_of_zero; ///< where errors of 0 and round-off stand; 0 if there are none
     double error_of_none; ///< where failures without an error to tell stand
-
-    /// Where a point stands, in shares of the frame.
-    [[nodiscard]] Spot spot(double cost_ns, double error) const {
-        const double shown = !std::isfinite(error) ? error_of_none
-                             : error <= round_off  ? error_of_zero
-                                                   : error;
-        return {std::log10(cost_ns / cost_low_ns) / std::log10(cost_high_ns / cost_low_ns),
-                std::log10(shown / error_low) / std::log10(error_high / error_low)};
-    }
 };
 
 Frame frame_of(const rig::WorkPrecisionChart &chart) {
@@ -106,7 +93,7 @@ Frame frame_of(const rig::WorkPrecisionChart &chart) {
         frame.error_of_zero = 0.1 * frame.error_low;
         frame.error_low *= 0.05;
     }
-    if (has_none) { // above all others, with room for its name
+    if (has_none) { // above all others, with room for its mark
         const double room = std::pow(frame.error_high / frame.error_low, 0.08);
         frame.error_of_none = frame.error_high;
         frame.error_high *= room;
@@ -125,13 +112,27 @@ std::vector<std::string> methods_of(const rig::WorkPrecisionChart &chart) {
     return methods;
 }
 
-/// As gnuplot's word() takes them apart.
-std::string words_of(const std::vector<std::string> &methods) {
-    std::string words;
-    for (const std::string &method : methods) {
-        words += '"' + method + "\" ";
+/// From the first to the last, with what both end in, the unit, once.
+std::string range_text(const std::string &first, const std::string &last) {
+    if (first == last) {
+        return first;
     }
-    return words;
+    const std::size_t end = first.rfind(' ');
+    const bool is_common = end != std::string::npos && last.ends_with(first.substr(end));
+    return (is_common ? first.substr(0, end) : first) + " … " + last;
+}
+
+/// Each method and its settings, as gnuplot's word() takes them apart.
+std::string legend_of(const rig::WorkPrecisionChart &chart,
+                      const std::vector<std::string> &methods) {
+    std::string legend;
+    for (const std::string &method : methods) {
+        const auto first = std::ranges::find(chart.points, method, &rig::WorkPoint::method);
+        const auto last = std::find_if(chart.points.rbegin(), chart.points.rend(),
+                                       [&](const auto &point) { return point.method == method; });
+        legend += '"' + method + ": " + range_text(first->setting, last->setting) + "\" ";
+    }
+    return legend;
 }
 
 /// For each row the number of its method, from 1.
@@ -145,55 +146,6 @@ std::string method_of_rows(const rig::WorkPrecisionChart &chart,
     return numbers;
 }
 
-/// All that names had better not cross: the lines between points, and the bars of their times.
-std::vector<Stroke> strokes_of(const rig::WorkPrecisionChart &chart, const Frame &frame) {
-    std::vector<Stroke> strokes;
-    const rig::WorkPoint *before = nullptr; // of the same line
-    for (const rig::WorkPoint &point : chart.points) {
-        if (!point.stable) {
-            continue;
-        }
-        const Spot here = frame.spot(point.cost.least_ns, point.error);
-        strokes.push_back({here, frame.spot(point.cost.greatest_ns, point.error)});
-        if (before != nullptr && before->method == point.method) {
-            strokes.push_back({frame.spot(before->cost.least_ns, before->error), here});
-        }
-        before = &point;
-    }
-    return strokes;
-}
-
-std::size_t letters_in(const std::string &text) {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
-/// For each corner, in their order, the rows whose names stand there, as numbers between spaces:
-/// the first and the last point of each method, but for those that have no room.
-std::array<std::string, 4> named_rows(const rig::WorkPrecisionChart &chart, const Frame &frame) {
-    const auto &points = chart.points;
-    std::vector<std::size_t> rows;
-    std::vector<PointName> names;
-    std::vector<Spot> spots;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        spots.push_back(frame.spot(points[i].cost.least_ns, points[i].error));
-        const bool is_first = i == 0 || points[i - 1].method != points[i].method;
-        const bool is_last = i + 1 == points.size() || points[i + 1].method != points[i].method;
-        if (is_first || is_last) {
-            rows.push_back(i);
-            names.push_back({spots.back(), letters_in(points[i].setting)});
-        }
-    }
-    const auto corners = name_corners(names, spots, strokes_of(chart, frame));
-    std::array<std::string, 4> text{" ", " ", " ", " "};
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (corners[i]) {
-            text[static_cast<std::size_t>(*corners[i])] += std::to_string(rows[i]) + ' ';
-        }
-    }
-    return text;
-}
-
 } // namespace
 
 ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart, const std::string &footnote) {
@@ -204,14 +156,8 @@ ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart, const std:
     marks.add("footnote", footnote);
     marks.add("cost_label", chart.cost_label);
     marks.add("error_label", chart.error_label);
-    marks.add("methods", words_of(methods));
+    marks.add("legend", legend_of(chart, methods));
     marks.add("method_of_rows", method_of_rows(chart, methods));
-    constexpr std::array<std::string_view, 4> kCorners{"right_above", "right_below", "left_above",
-                                                       "left_below"};
-    const std::array<std::string, 4> rows = named_rows(chart, frame);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        marks.add("named_" + std::string(kCorners[i]), rows[i]);
-    }
     const bool fails =
         std::ranges::any_of(chart.points, std::logical_not<>(), &rig::WorkPoint::stable);
     marks.add("has_failures", fails ? 1.0 : 0.0);

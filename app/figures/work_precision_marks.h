@@ -8,7 +8,7 @@
 
 namespace springdrive::app {
 
-/// Title, labels, methods, the ranges of both axes and which points are named in the picture.
+/// Title, labels, the legend with each method's first and last setting, the ranges of both axes.
 ///
 /// The ranges hold every point. An error of 0, which no logarithmic axis has, stands apart at the
 /// bottom; one that is not finite on the upper edge.

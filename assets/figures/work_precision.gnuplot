@@ -1,7 +1,7 @@
-# A work-precision chart: cost and error of each method. Columns of the CSV file: method, setting,
+# A speed-accuracy chart: cost and error of each method. Columns of the CSV file: method, setting,
 # minimum, median and maximum cost [ns], error, stable.
-rows = (words(methods) + has_failures + 1) / 2 # of the legend
-row = 26.0                      # pixels
+rows = (words(legend) + has_failures + 1) / 2 # of the legend
+row = 20.0                      # pixels
 height = 600 + row*rows
 set terminal svg size 900,height font "DejaVu Sans,14" enhanced background rgb "white"
 set label 1 heading at screen 0.5, 0.965 center noenhanced font ",16"
@@ -20,7 +20,8 @@ if (strlen(error_label) > 55 && comma > 0) {
     error_label = error_label[1:comma] . "\n" . error_label[comma + 2:*]
 }
 set ylabel error_label noenhanced
-set key at screen 0.5, (34 + row*rows)/height center top maxrows rows samplen 2.5 width 2 noenhanced Left reverse
+# Narrower than gnuplot takes the longest text to be.
+set key at screen 0.52, (34 + row*rows)/height center top maxrows rows samplen 2.5 width -5 font ",12" noenhanced Left reverse
 
 # Each decade has a number; with few decades, 2 and 5 as well.
 set micro
@@ -47,23 +48,23 @@ if (error_of_zero > 0) {
 # One colour and one mark per method.
 array colour[10] = [vermillion, blue, green, "#CC79A7", "#E69F00", "black", "#56B4E9", "#8C564B", "#777777", "#B2A000"]
 array mark[10] = [4, 7, 8, 12, 6, 10, 5, 9, 13, 11]
-count = words(methods)
+count = words(legend)
 look(i) = (i - 1) % 10 + 1
+
+method_of(row) = word(method_of_rows, int(row) + 1)
 
 # A point is at the minimum of its times, which other load affects least; a bar extends to the
 # maximum. For method i in the current row; undefined values are omitted.
-is_of(i) = word(method_of_rows, int($0) + 1) == i
+is_of(i) = method_of($0) == i
 stable(i) = is_of(i) && $7 == 1 ? 1e-9*$3 : NaN
 unstable(i) = is_of(i) && $7 == 0 ? 1e-9*$3 : NaN
 error(row) = !valid(6) ? error_of_none : $6 <= round_off ? error_of_zero : $6
-named(rows) = strstrt(rows, sprintf(" %d ", int($0))) > 0 ? 1e-9*$3 : NaN
+
+# The first point of a method is larger.
+size(row) = row > 0 && method_of(row) eq method_of(row - 1) ? 0.9 : 1.4
 
 failure = !has_failures ? "" : error_of_none > 0 ? "fails (at the top: no error to tell)" : "fails"
 plot for [i=1:count] csv using (stable(i)):(error($0)):(1e-9*$3):(1e-9*$5) skip 1 with xerrorbars pointtype 0 linewidth 0.7 linecolor rgb colour[look(i)] notitle, \
-     for [i=1:count] csv using (stable(i)):(error($0)) skip 1 with linespoints pointtype mark[look(i)] pointsize 0.9 linewidth 1.5 linecolor rgb colour[look(i)] title word(methods, i), \
-     for [i=1:count] csv using (unstable(i)):(error($0)) skip 1 with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb colour[look(i)] notitle, \
-     NaN with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb grey title failure, \
-     csv using (named(named_right_above)):(error($0)):2 skip 1 with labels offset 0.8,0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle, \
-     csv using (named(named_right_below)):(error($0)):2 skip 1 with labels offset 0.8,-0.6 left noenhanced font ",11" textcolor rgb "#444444" notitle, \
-     csv using (named(named_left_above)):(error($0)):2 skip 1 with labels offset -0.8,0.6 right noenhanced font ",11" textcolor rgb "#444444" notitle, \
-     csv using (named(named_left_below)):(error($0)):2 skip 1 with labels offset -0.8,-0.6 right noenhanced font ",11" textcolor rgb "#444444" notitle
+     for [i=1:count] csv using (stable(i)):(error($0)):(size($0)) skip 1 with linespoints pointtype mark[look(i)] pointsize variable linewidth 1.5 linecolor rgb colour[look(i)] title word(legend, i), \
+     for [i=1:count] csv using (unstable(i)):(error($0)):(1.5*size($0)) skip 1 with points pointtype 2 pointsize variable linewidth 3 linecolor rgb colour[look(i)] notitle, \
+     NaN with points pointtype 2 pointsize 1.4 linewidth 3 linecolor rgb grey title failure

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace springdrive::app {
 namespace {
@@ -29,7 +30,7 @@ TEST(WorkPrecisionMarks, NumberTheMethodsOfTheRows) {
     rig::WorkPrecisionChart chart;
     chart.points = {point("a, b", 10, 1e-3), point("c", 1e3, 1e-3), point("a, b", 1e5, 1e-6)};
     const ChartMarks marks = work_precision_marks(chart, "note");
-    EXPECT_EQ(value_of(marks, "methods"), "'\"a, b\" \"c\" '");
+    EXPECT_EQ(value_of(marks, "legend"), "'\"a, b: setting\" \"c: setting\" '");
     EXPECT_EQ(value_of(marks, "method_of_rows"), "'1 2 1 '");
     EXPECT_EQ(value_of(marks, "footnote"), "'note'");
 }
@@ -87,22 +88,21 @@ TEST(WorkPrecisionMarks, AFailureWithoutAnErrorStandsAboveAll) {
     EXPECT_EQ(number_of(well, "error_of_none"), 0.0);
 }
 
-TEST(WorkPrecisionMarks, NameTheEndsOfEachLineAtDifferentCorners) {
+TEST(WorkPrecisionMarks, TheLegendHasTheFirstAndTheLastSettingOfEachMethod) {
     rig::WorkPrecisionChart chart;
-    chart.points = {point("a", 10, 1.0), point("a", 100, 0.1), point("a", 1e4, 1e-3),
-                    point("b", 10.1, 0.99), point("b", 1e4, 1e-5)};
-    const ChartMarks marks = work_precision_marks(chart, "");
-    std::string all;
-    for (const char *corner : {"right_above", "right_below", "left_above", "left_below"}) {
-        const std::string rows = value_of(marks, std::string("named_") + corner);
-        EXPECT_FALSE(rows.find(" 0 ") != std::string::npos && rows.find(" 3 ") != std::string::npos)
-            << "two names at one place";
-        all += rows;
-    }
-    EXPECT_NE(all.find(" 0 "), std::string::npos);
-    EXPECT_NE(all.find(" 2 "), std::string::npos);
-    EXPECT_NE(all.find(" 4 "), std::string::npos);
-    EXPECT_EQ(all.find(" 1 "), std::string::npos); // amid its line
+    const auto legend_of = [&](std::vector<std::string> settings) {
+        chart.points.clear();
+        for (const std::string &setting : settings) {
+            chart.points.push_back(point("a", 10, 1.0));
+            chart.points.back().setting = setting;
+        }
+        return value_of(work_precision_marks(chart, ""), "legend");
+    };
+    EXPECT_EQ(legend_of({"1000 µs", "500 µs", "0.9766 µs"}), "'\"a: 1000 … 0.9766 µs\" '");
+    EXPECT_EQ(legend_of({"250 Hz", "20 kHz"}), "'\"a: 250 Hz … 20 kHz\" '");
+    EXPECT_EQ(legend_of({"α 1000", "α 11000"}), "'\"a: α 1000 … α 11000\" '");
+    EXPECT_EQ(legend_of({"1e-2", "1e-10"}), "'\"a: 1e-2 … 1e-10\" '");
+    EXPECT_EQ(legend_of({"exact"}), "'\"a: exact\" '");
 }
 
 } // namespace
