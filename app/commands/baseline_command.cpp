@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/servo/servo.h"
@@ -36,8 +37,7 @@ std::vector<limits::ServoSetting> settings_of(const TypedBaseline &typed,
         setting.delay_periods = typed.delay_periods.value_or(setting.delay_periods);
         setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
         static_cast<void>(servo::servo_period_s(setting.servo_hz)); // refuses what is out of range
-        check_range("--delay", setting.delay_periods, 0,
-                    simulated::SimulationOptions::kLongestDelay);
+        check_delay(setting.delay_periods);
         control::Tuning tuning;
         tuning.dR_Ohm = setting.dR_Ohm;
         check_dR(device, tuning);
@@ -64,13 +64,8 @@ void run(const TypedBaseline &typed) {
             line.show("tuning both drives", share);
         });
     }
-    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
-        if (typed.csv.empty()) {
-            limits::write_comparison_table(out, all);
-        } else {
-            limits::write_comparison_csv(out, all);
-        }
-    });
+    write_report([&](std::ostream &out) { limits::write_comparison_table(out, all); },
+                 {{typed.csv, [&](std::ostream &out) { limits::write_comparison_csv(out, all); }}});
 }
 
 } // namespace
@@ -92,8 +87,7 @@ void add_baseline_command(CLI::App &app) {
         .add_option("--margin", typed->margin,
                     "by what factor all gains might be larger yet, 1 to 10 [1.3]")
         ->type_name("FACTOR");
-    baseline.add_option("--csv", typed->csv, "write CSV to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(baseline, "--csv", typed->csv, "CSV");
     baseline.footer("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those along the "
                     "vertical at (0°, 20°, -15°).");
     baseline.callback([typed] { run(*typed); });

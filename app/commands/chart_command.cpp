@@ -2,11 +2,11 @@
 
 #include "app/asset_folder.h"
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/figures/gnuplot.h"
 #include "app/figures/work_precision_marks.h"
 #include "base/machine_name.h"
-#include "engine/control/tuning_file.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/charts/work_precision_csv.h"
 
@@ -34,9 +34,7 @@ struct TypedChart {
 charts::ChartSetting setting_of(const TypedChart &typed) {
     charts::ChartSetting setting;
     setting.device = device::read_device_file(typed.device_file);
-    if (!typed.tuning_file.empty()) {
-        setting.tuning = control::read_tuning_file(typed.tuning_file);
-    }
+    setting.tuning = tuning_of(typed.tuning_file);
     check_dR(setting.device, setting.tuning);
     check_range("--repeats", typed.repeats, 1, kMostRepeats);
     setting.repeats = typed.repeats;
@@ -107,10 +105,7 @@ void add_chart_command(CLI::App &app) {
                          " [" + std::to_string(typed->repeats) + "]")
         ->type_name("N");
     add_device_file_option(*chart, typed->device_file);
-    chart
-        ->add_option("--tuning-file", typed->tuning_file,
-                     "a tuning from assets/tunings, or your own")
-        ->type_name("FILE");
+    add_tuning_file_option(*chart, typed->tuning_file);
     chart->callback([typed] { make_charts(*typed); });
 }
 

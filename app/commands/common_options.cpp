@@ -1,6 +1,7 @@
 #include "app/commands/common_options.h"
 
 #include "app/asset_folder.h"
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/motor/winding_guard.h"
@@ -12,14 +13,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <fcntl.h>
-#include <fstream>
+#include <cmath>
 #include <iostream>
 #include <set>
-#include <system_error>
-#include <unistd.h>
 
 namespace springdrive::app {
 
@@ -30,42 +26,34 @@ bool shapes_the_coupling(const control::Parameter &parameter) {
            parameter.value != &control::Tuning::eta;
 }
 
-/// 0 where it worked.
-int error_of_closing(int descriptor) {
-    const int error = descriptor < 0 ? errno : 0;
-    if (descriptor >= 0) {
-        close(descriptor);
-    }
-    return error;
-}
-
-/// What would be in the way of writing `output`; 0 for nothing. Tried where that leaves no trace:
-/// permissions alone do not tell it all.
-int error_of_writing(const std::filesystem::path &output, const std::filesystem::path &folder) {
-    std::error_code problem;
-    const std::filesystem::file_type type = std::filesystem::status(output, problem).type();
-    if (type == std::filesystem::file_type::none) { // its name is too long, say
-        return problem.value();
-    }
-    if (type == std::filesystem::file_type::regular) {
-        return error_of_closing(open(output.c_str(), O_WRONLY | O_CLOEXEC));
-    }
-    if (type != std::filesystem::file_type::not_found) { // whoever reads a pipe would see it end
-        return access(output.c_str(), W_OK) == 0 ? 0 : errno;
-    }
-    std::string beside = folder / ".springdrive_XXXXXX";
-    const int error = error_of_closing(mkstemp(beside.data()));
-    if (error == 0) {
-        unlink(beside.c_str());
-    }
-    return error;
-}
-
 } // namespace
 
 void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
     command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
+}
+
+void add_tuning_file_option(CLI::App &command, std::filesystem::path &file) {
+    command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
+        ->type_name("FILE");
+}
+
+control::Tuning tuning_of(const std::filesystem::path &file) {
+    return file.empty() ? control::Tuning{} : control::read_tuning_file(file);
+}
+
+void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg) {
+    command.add_option("--q", q_deg, "the three joint angles in degrees [0,20,-15]")
+        ->type_name("A,B,C")
+        ->delimiter(',')
+        ->expected(3);
+}
+
+Vector3 joint_angles_rad(const std::vector<double> &q_deg) {
+    if (!std::ranges::all_of(q_deg, [](double angle) { return std::isfinite(angle); })) {
+        throw InputError("--q: every angle must be a finite number of degrees");
+    }
+    return kRadiansPerDegree * Vector3(q_deg[0], q_deg[1], q_deg[2]);
 }
 
 CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
@@ -76,9 +64,20 @@ CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
         ->type_name("HZ");
 }
 
+CLI::Option *add_delay_option(CLI::App &command, double &delay_periods) {
+    return command
+        .add_option("--delay", delay_periods,
+                    fmt::format("periods from reading θ to applying e_W, a real number 0 to {} [0]",
+                                simulated::SimulationOptions::kLongestDelay))
+        ->type_name("D");
+}
+
+void check_delay(double delay_periods) {
+    check_range("--delay", delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
+}
+
 void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
-    command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
-        ->type_name("FILE");
+    add_tuning_file_option(command, file);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         const control::Parameter &parameter = control::kParameters[i];
         if (scope == TuningScope::coupling && !shapes_the_coupling(parameter)) {
@@ -134,7 +133,7 @@ simulated::PlantEffects EffectOptions::effects() const {
 }
 
 control::Tuning TuningOptions::tuning() const {
-    control::Tuning tuning = file.empty() ? control::Tuning{} : control::read_tuning_file(file);
+    control::Tuning tuning = tuning_of(file);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         tuning.*control::kParameters[i].value =
             value[i].value_or(tuning.*control::kParameters[i].value);
@@ -194,68 +193,6 @@ void check_range(const std::string &what, double value, double lowest, double hi
     if (!(value >= lowest && value <= highest)) { // a NaN too
         throw InputError(
             fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, lowest, highest));
-    }
-}
-
-void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input) {
-    if (output.empty() || input.empty()) {
-        return;
-    }
-    std::error_code ignored;
-    if (std::filesystem::equivalent(output, input, ignored) ||
-        std::filesystem::weakly_canonical(output, ignored) ==
-            std::filesystem::weakly_canonical(input, ignored)) {
-        throw InputError(output.string() + ": is the record itself; give another name");
-    }
-}
-
-void check_writable(const std::filesystem::path &output) {
-    if (output.empty() || output == "-") {
-        return;
-    }
-    const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
-    std::error_code problem;
-    if (!std::filesystem::is_directory(folder, problem)) {
-        throw InputError(output.string() + ": its folder does not exist; make it first");
-    }
-    if (std::filesystem::is_directory(output, problem)) {
-        throw InputError(output.string() + ": is a folder; name a file");
-    }
-    if (const int error = error_of_writing(output, folder); error != 0) {
-        throw InputError(output.string() + ": cannot be written: " +
-                         std::generic_category().message(error) + "; name another file");
-    }
-}
-
-void make_output_folder(const std::filesystem::path &folder) {
-    std::error_code problem;
-    std::filesystem::create_directories(folder, problem);
-    if (problem) {
-        throw InputError("--out " + folder.string() + ": cannot be made: " + problem.message());
-    }
-    if (access(folder.c_str(), W_OK | X_OK) != 0) {
-        throw InputError("--out " + folder.string() +
-                         ": you may not write there; name another folder");
-    }
-}
-
-void write_output(const std::string &where, const std::function<void(std::ostream &)> &write) {
-    if (where == "-") {
-        write(std::cout);
-        if (!std::cout.flush()) {
-            throw InputError("standard output: cannot be written; is its disk full or its reader "
-                             "gone?");
-        }
-        return;
-    }
-    std::ofstream file(where, std::ios::binary);
-    if (!file) {
-        throw InputError(where + ": cannot be created; does its folder exist, and may you write "
-                                 "there?");
-    }
-    write(file);
-    if (!file.flush()) {
-        throw InputError(where + ": cannot be written to the end; is the disk full?");
     }
 }
 

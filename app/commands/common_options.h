@@ -1,6 +1,7 @@
-// Options and outputs that several subcommands share.
+// Options that several subcommands share.
 #pragma once
 
+#include "base/vector.h"
 #include "device/core/device_file.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/parameters.h"
@@ -9,9 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,8 +24,26 @@ namespace springdrive::app {
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
 
+/// `--tuning-file`, which may stay empty.
+void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);
+
+/// What the file holds; of none the default tuning. @throw InputError for a file without one.
+[[nodiscard]] control::Tuning tuning_of(const std::filesystem::path &file);
+
+/// `--q`, in degrees; `q_deg` stays as it is where nothing is typed.
+void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg);
+
+/// @throw InputError for an angle that is not finite.
+[[nodiscard]] Vector3 joint_angles_rad(const std::vector<double> &q_deg);
+
 /// `--servo-hz`, whatever `servo_hz` starts as.
 CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz);
+
+/// `--delay`, which starts as 0.
+CLI::Option *add_delay_option(CLI::App &command, double &delay_periods);
+
+/// @throw InputError for a delay that cannot be simulated.
+void check_delay(double delay_periods);
 
 /// For CLI::IsMember.
 template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const Names &names) {
@@ -79,23 +96,5 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
 
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double lowest, double highest);
-
-/// @throw InputError where `output`, which is about to be written, is the file `input` that it
-/// comes
-///        from or goes beside; either may be empty or not exist.
-void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input);
-
-/// Leaves `output` as it is, whether or not it exists. Empty and "-" are fine.
-/// @throw InputError where it cannot be written, or its folder does not exist: better known before
-///        a long run.
-void check_writable(const std::filesystem::path &output);
-
-/// Makes the folder that `--out` names, where it is missing.
-/// @throw InputError where that cannot be, or nobody may write there.
-void make_output_folder(const std::filesystem::path &folder);
-
-/// Lets `write` fill the file, or standard output where `where` is "-".
-/// @throw InputError where the file cannot be created, or not all of it could be written.
-void write_output(const std::string &where, const std::function<void(std::ostream &)> &write);
 
 } // namespace springdrive::app

@@ -1,5 +1,6 @@
 #include "app/commands/commands.h"
 
+#include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/demo.h"
 #include "base/input_error.h"

@@ -1,6 +1,6 @@
 #include "app/commands/commands.h"
 
-#include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "engine/record/record_export.h"

@@ -2,19 +2,17 @@
 
 #include "app/asset_folder.h"
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
-#include "base/degrees.h"
 #include "base/input_error.h"
-#include "engine/control/tuning_file.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/rig/configuration.h"
 
 #include <CLI/CLI.hpp>
 
-#include <cmath>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -52,15 +50,8 @@ void remark_on_friction(const FigureSetting &setting) {
 FigureSetting setting_of(const TypedFigures &typed) {
     FigureSetting setting;
     setting.device = device::read_device_file(typed.device_file);
-    if (!typed.tuning_file.empty()) {
-        setting.tuning = control::read_tuning_file(typed.tuning_file);
-    }
-    for (std::size_t j = 0; j < 3; ++j) {
-        if (!std::isfinite(typed.q_deg[j])) {
-            throw InputError("--q: every angle must be a finite number of degrees");
-        }
-        setting.q_rad[static_cast<Eigen::Index>(j)] = typed.q_deg[j] * kRadiansPerDegree;
-    }
+    setting.tuning = tuning_of(typed.tuning_file);
+    setting.q_rad = joint_angles_rad(typed.q_deg);
     if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kLargestSpread)) {
         throw InputError("--resistance-spread: must be a share from 0 to " +
                          std::to_string(kLargestSpread).substr(0, 4));
@@ -104,14 +95,8 @@ void add_figures_command(CLI::App &app) {
         ->type_name("DIR")
         ->required();
     add_device_file_option(*figures, typed->device_file);
-    figures
-        ->add_option("--tuning-file", typed->tuning_file,
-                     "a tuning from assets/tunings, or your own")
-        ->type_name("FILE");
-    figures->add_option("--q", typed->q_deg, "the three joint angles in degrees [0,20,-15]")
-        ->type_name("A,B,C")
-        ->delimiter(',')
-        ->expected(3);
+    add_tuning_file_option(*figures, typed->tuning_file);
+    add_joint_angles_option(*figures, typed->q_deg);
     figures
         ->add_option("--resistance-spread", typed->resistance_spread,
                      "by what share of R motors 2 and 3 differ from the data sheet in figures 5 "

@@ -3,6 +3,7 @@
 #include "app/choice_line.h"
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
+#include "app/commands/output_files.h"
 #include "app/load_lines.h"
 #include "device/core/device_file.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
@@ -63,13 +64,8 @@ void run(const TypedInspect &typed) {
         model = model_of_scene(typed, scene, device);
         report.model = &*model;
     }
-    write_output(typed.json.empty() ? "-" : typed.json, [&](std::ostream &out) {
-        if (typed.json.empty()) {
-            write_inspect_table(out, report);
-        } else {
-            write_inspect_json(out, report);
-        }
-    });
+    write_report([&](std::ostream &out) { write_inspect_table(out, report); },
+                 {{typed.json, [&](std::ostream &out) { write_inspect_json(out, report); }}});
 }
 
 } // namespace
@@ -85,8 +81,7 @@ void add_inspect_command(CLI::App &app) {
         ->type_name("FILE")
         ->required();
     add_device_file_option(inspect, typed->device_file);
-    inspect.add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(inspect, "--json", typed->json, "JSON");
     inspect.add_flag("--no-model", typed->no_model,
                      "do not measure which model the scene would get, which takes seconds");
     inspect.add_flag("--fresh", typed->fresh,

@@ -1,5 +1,6 @@
 #include "app/commands/commands.h"
 
+#include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/ending_signal.h"
 #include "app/frame_pace.h"
@@ -79,10 +80,7 @@ void add_record_command(CLI::App &app) {
         ->type_name("FILE")
         ->required();
     record.add_option("--seconds", typed->seconds, "how long [10]")->type_name("S");
-    record
-        .add_option("--json", typed->json,
-                    "write how the servo kept its time to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(record, "--json", typed->json, "how the servo kept its time");
     typed->session.add_to(record);
     record.footer("The hand plays a scripted touch, or --path. See springdrive export and replay.");
     record.callback([typed] { run(*typed); });

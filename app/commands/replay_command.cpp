@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "engine/record/record_reader.h"
@@ -99,10 +100,7 @@ void add_replay_command(CLI::App &app) {
         "replay", "a record through the control law again: must give the same voltages");
     const auto typed = std::make_shared<TypedReplay>();
     command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
-    command
-        .add_option("--csv", typed->csv,
-                    "write recorded and replayed e_W to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(command, "--csv", typed->csv, "recorded and replayed e_W");
     typed->tuning.add_to(command);
     command.footer("Exits with 1 if any bit differs. With a tuning, tells instead what that would "
                    "have\nasked of the motors on the same motion.");

@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/stability_map_chart.h"
 #include "app/commands/stability_options.h"
@@ -64,13 +65,8 @@ StabilityReport report_of(const TypedStability &typed) {
 
 void tell(const TypedStability &typed) {
     const StabilityReport report = report_of(typed);
-    write_output(typed.json.empty() ? "-" : typed.json, [&](std::ostream &out) {
-        if (typed.json.empty()) {
-            write_stability_table(out, report);
-        } else {
-            write_stability_json(out, report);
-        }
-    });
+    write_report([&](std::ostream &out) { write_stability_table(out, report); },
+                 {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}});
     if (!report.is_stable()) {
         throw CLI::RuntimeError(kUnstable);
     }
@@ -174,13 +170,9 @@ void write_table(const TypedStability &typed) {
         ProgressLine line;
         lines = limits::failure_lines(which, [&](double share) { line.show("limits", share); });
     }
-    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
-        if (typed.csv.empty()) {
-            limits::write_failure_lines(out, lines);
-        } else {
-            limits::write_failure_lines_csv(out, lines);
-        }
-    });
+    write_report(
+        [&](std::ostream &out) { limits::write_failure_lines(out, lines); },
+        {{typed.csv, [&](std::ostream &out) { limits::write_failure_lines_csv(out, lines); }}});
 }
 
 void run(const TypedStability &typed) {
@@ -236,17 +228,9 @@ void add_stability_command(CLI::App &app) {
     for (const std::string &option : StabilityOptions::options_of_drive_and_servo()) {
         table->excludes(stability.get_option(option)); // each row has its own
     }
-    stability
-        .add_option(
-            "--csv", typed->csv,
-            "write the table as CSV, with all digits, to a file, or to standard output with -")
-        ->type_name("FILE|-")
+    add_output_option(stability, "--csv", typed->csv, "the table as CSV, with all digits,")
         ->needs(table);
-    stability
-        .add_option("--json", typed->json, "write JSON to a file, or to standard output with -")
-        ->type_name("FILE|-")
-        ->excludes(map)
-        ->excludes(table);
+    add_output_option(stability, "--json", typed->json, "JSON")->excludes(map)->excludes(table);
     stability.footer(
         "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"
         "Where that ends:       springdrive stability --vary kp\n"

@@ -1,7 +1,7 @@
 #include "app/commands/stability_map_chart.h"
 
 #include "app/asset_folder.h"
-#include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 

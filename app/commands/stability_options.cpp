@@ -1,16 +1,13 @@
 #include "app/commands/stability_options.h"
 
 #include "app/commands/common_options.h"
-#include "base/degrees.h"
 #include "base/input_error.h"
-#include "engine/control/tuning_file.h"
 #include "engine/lab/rig/configuration.h"
 
 #include <CLI/CLI.hpp>
 
 #include <fmt/core.h>
 
-#include <cmath>
 #include <string_view>
 
 namespace springdrive::app {
@@ -38,8 +35,7 @@ void check(const std::string &option, const loops::StabilityParameter &parameter
 
 void StabilityOptions::add_to(CLI::App &command) {
     add_device_file_option(command, device_file);
-    command.add_option("--tuning-file", tuning_file, "a tuning from assets/tunings, or your own")
-        ->type_name("FILE");
+    add_tuning_file_option(command, tuning_file);
     values.resize(loops::stability_parameters().size());
     for (std::size_t i = 0; i < values.size(); ++i) {
         const loops::StabilityParameter &parameter = loops::stability_parameters()[i];
@@ -61,10 +57,7 @@ void StabilityOptions::add_to(CLI::App &command) {
         .add_option("--motors", motors,
                     "1: each motor by itself; 3: the whole linkage, its tip held at a point [1]")
         ->check(CLI::IsMember({1, 3}));
-    command.add_option("--q", q_deg, "the three joint angles in degrees [0,20,-15]")
-        ->type_name("A,B,C")
-        ->delimiter(',')
-        ->expected(3);
+    add_joint_angles_option(command, q_deg);
     command.add_flag("--no-hand", no_hand,
                      "nobody holds the device [all must be stable: no hand, and five from light to "
                      "firm]");
@@ -83,7 +76,7 @@ std::vector<std::string> StabilityOptions::options_of_drive_and_servo() {
 loops::StabilityCase StabilityOptions::stability_case() const {
     loops::StabilityCase which;
     which.device = device::read_device_file(device_file);
-    which.tuning = tuning_file.empty() ? control::Tuning{} : control::read_tuning_file(tuning_file);
+    which.tuning = tuning_of(tuning_file);
     which.drive = drive == "spring" ? device::AmplifierKind::spring_drive
                                     : device::AmplifierKind::current_drive;
     which.freedom = motors == 1 ? loops::Freedom::one_motor : loops::Freedom::three_motors;
@@ -91,12 +84,7 @@ loops::StabilityCase StabilityOptions::stability_case() const {
     if (!kinematics.empty()) {
         which.tuning.map = *control::motion_map_named(kinematics);
     }
-    for (std::size_t j = 0; j < 3; ++j) {
-        if (!std::isfinite(q_deg[j])) {
-            throw InputError("--q: every angle must be a finite number of degrees");
-        }
-        which.q_rad[static_cast<Eigen::Index>(j)] = q_deg[j] * kRadiansPerDegree;
-    }
+    which.q_rad = joint_angles_rad(q_deg);
     rig::check_configuration(which.device, which.q_rad);
     if (servo_hz) {
         check_range("--servo-hz", *servo_hz, 1.0, 1e5);

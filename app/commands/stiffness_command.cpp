@@ -1,10 +1,10 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/stiffness_report.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "device/simulated/simulation_options.h"
 #include "engine/lab/limits/thermal_hold.h"
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/servo.h"
@@ -83,17 +83,13 @@ void sweep(const TypedStiffness &typed) {
     drive.motor = device.motor[0];
     drive.tuning = tuning_for(device, typed);
     drive.period_s = servo::servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
+    check_delay(typed.delay_periods);
     drive.delay_periods = typed.delay_periods;
     const std::vector<loops::StiffnessPoint> points =
         loops::stiffness_sweep(drive, range_of(typed));
-    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
-        if (typed.csv.empty()) {
-            write_stiffness_report(out, device, drive, points);
-        } else {
-            loops::write_stiffness_csv(out, points);
-        }
-    });
+    write_report(
+        [&](std::ostream &out) { write_stiffness_report(out, device, drive, points); },
+        {{typed.csv, [&](std::ostream &out) { loops::write_stiffness_csv(out, points); }}});
 }
 
 void hold(const TypedStiffness &typed) {
@@ -108,13 +104,8 @@ void hold(const TypedStiffness &typed) {
     options.force_N = *typed.hold_N;
     options.seconds = typed.seconds.value_or(600.0);
     const std::vector<limits::ThermalRow> rows = limits::thermal_hold(device, options);
-    write_output(typed.csv.empty() ? "-" : typed.csv, [&](std::ostream &out) {
-        if (typed.csv.empty()) {
-            limits::write_thermal_table(out, rows);
-        } else {
-            limits::write_thermal_csv(out, rows);
-        }
-    });
+    write_report([&](std::ostream &out) { limits::write_thermal_table(out, rows); },
+                 {{typed.csv, [&](std::ostream &out) { limits::write_thermal_csv(out, rows); }}});
 }
 
 void run(const TypedStiffness &typed) {
@@ -128,10 +119,7 @@ void run(const TypedStiffness &typed) {
 void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
     typed.of_a_sweep = {
         add_servo_hz_option(stiffness, typed.servo_hz),
-        stiffness
-            .add_option("--delay", typed.delay_periods,
-                        "periods from reading θ to applying e_W, a real number 0 to 8 [0]")
-            ->type_name("D"),
+        add_delay_option(stiffness, typed.delay_periods),
         stiffness.add_option("--freq-from", typed.lowest_hz, "lowest frequency [1]")
             ->type_name("HZ"),
         stiffness
@@ -170,8 +158,7 @@ void add_stiffness_command(CLI::App &app) {
     typed->tuning.add_to(stiffness, TuningScope::coupling);
     add_sweep_options(stiffness, *typed);
     add_hold_options(stiffness, *typed);
-    stiffness.add_option("--csv", typed->csv, "write CSV to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(stiffness, "--csv", typed->csv, "CSV");
     stiffness.footer("Phases are those of -τ/θ: a spring has 0°, a damper +90°.");
     stiffness.callback([typed] { run(*typed); });
 }

@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/touch_report.h"
 #include "app/load_lines.h"
 #include "base/input_error.h"
@@ -136,15 +137,9 @@ TouchReport touch(TypedTouch typed) {
 
 void run(const TypedTouch &typed) {
     const TouchReport report = touch(typed);
-    if (!typed.csv.empty()) {
-        write_output(typed.csv, [&](std::ostream &out) { write_touch_csv(out, report); });
-    }
-    if (!typed.json.empty()) {
-        write_output(typed.json, [&](std::ostream &out) { write_touch_json(out, report); });
-    }
-    if (typed.csv.empty() && typed.json.empty()) {
-        write_output("-", [&](std::ostream &out) { write_touch_table(out, report); });
-    }
+    write_report([&](std::ostream &out) { write_touch_table(out, report); },
+                 {{typed.csv, [&](std::ostream &out) { write_touch_csv(out, report); }},
+                  {typed.json, [&](std::ostream &out) { write_touch_json(out, report); }}});
     const rig::TouchFindings &found = report.findings;
     if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
         std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
@@ -196,16 +191,10 @@ void add_touch_command(CLI::App &app) {
         .add_option("--slack", typed->slack_m,
                     "height of a ridge that does not excuse a lag, 2e-12 to 5e-9 [2e-12]")
         ->type_name("M");
-    touch
-        .add_option(
-            "--csv", typed->csv,
-            "write every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, constraints, "
-            "ns of the update) to a file, or to standard output with -")
-        ->type_name("FILE|-");
-    touch
-        .add_option("--json", typed->json,
-                    "write the figures to a file, or to standard output with -")
-        ->type_name("FILE|-");
+    add_output_option(touch, "--csv", typed->csv,
+                      "every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, "
+                      "constraints, ns of the update)");
+    add_output_option(touch, "--json", typed->json, "the figures");
     touch.add_flag("--strict", typed->is_strict,
                    "exit with 1 if there was a pop-through or a stuck step");
     touch.footer("Times are of the first of three identical runs; the best of all three tells what "

@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/tune_report.h"
 #include "base/input_error.h"
@@ -41,7 +42,7 @@ limits::AutoTuneRequest request_of(const TypedTune &typed) {
     }
     check_dR(which.device, which.tuning);
     which.period_s = servo::servo_period_s(typed.servo_hz);
-    check_range("--delay", typed.delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
+    check_delay(typed.delay_periods);
     which.delay_periods = typed.delay_periods;
     check_range("--margin", typed.margin, 1.0, 10.0);
     request.margin = typed.margin;
@@ -83,9 +84,7 @@ void add_tune_command(CLI::App &app) {
     tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), which the search keeps [0.5]")
         ->type_name("Ω");
     add_servo_hz_option(tune, typed->servo_hz);
-    tune.add_option("--delay", typed->delay_periods,
-                    "periods from reading θ to applying e_W, a real number 0 to 8 [0]")
-        ->type_name("D");
+    add_delay_option(tune, typed->delay_periods);
     tune.add_option("--margin", typed->margin,
                     "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
         ->type_name("FACTOR");

@@ -1,5 +1,5 @@
 // Covers app/commands/tune_command.cpp, from outside, and how it looks whether it could write.
-#include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "app/commands/tune_report.h"
 #include "engine/control/parameters.h"
 #include "engine/control/tuning_file.h"
