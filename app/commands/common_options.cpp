@@ -56,6 +56,15 @@ Vector3 joint_angles_rad(const std::vector<double> &q_deg) {
     return kRadiansPerDegree * Vector3(q_deg[0], q_deg[1], q_deg[2]);
 }
 
+void add_motion_map_option(CLI::App &command, const std::string &option, std::string &map,
+                           std::string_view remark) {
+    command
+        .add_option(option, map,
+                    fmt::format("{} or {}{}", control::label_of(control::MotionMap::inverse),
+                                control::label_of(control::MotionMap::transpose), remark))
+        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
+}
+
 CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
     return command
         .add_option("--servo-hz", servo_hz,
@@ -91,8 +100,7 @@ void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
     if (scope == TuningScope::coupling) {
         return;
     }
-    command.add_option("--map", map, "inverse (18) or transpose (23) kinematics")
-        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
+    add_motion_map_option(command, "--map", map, " kinematics");
     command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
         ->check(CLI::IsMember(list_of(control::kAlphaModeNames)));
 }

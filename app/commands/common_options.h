@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -35,6 +36,11 @@ void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg);
 
 /// @throw InputError for an angle that is not finite.
 [[nodiscard]] Vector3 joint_angles_rad(const std::vector<double> &q_deg);
+
+/// `--map` or `--kinematics`, one of `kMotionMapNames`.
+/// @param remark  ends its help
+void add_motion_map_option(CLI::App &command, const std::string &option, std::string &map,
+                           std::string_view remark = "");
 
 /// `--servo-hz`, whatever `servo_hz` starts as.
 CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz);

@@ -7,6 +7,7 @@
 #include "app/commands/stability_options.h"
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
+#include "engine/control/parameters.h"
 #include "engine/lab/limits/failure_lines/failure_lines.h"
 
 #include <CLI/CLI.hpp>
@@ -102,10 +103,10 @@ std::string hands_text(const loops::StabilityCase &which, bool is_one) {
 }
 
 std::string loop_text(const loops::StabilityCase &which, bool alpha_varies, bool is_one_hand) {
-    const bool transpose = which.tuning.map == control::MotionMap::transpose || alpha_varies;
-    std::string text = which.drive == device::AmplifierKind::current_drive ? "current drive"
-                       : transpose ? "spring drive, transpose (23)"
-                                   : "spring drive, inverse (18)";
+    const control::MotionMap map = alpha_varies ? control::MotionMap::transpose : which.tuning.map;
+    std::string text = which.drive == device::AmplifierKind::current_drive
+                           ? "current drive"
+                           : "spring drive, " + std::string(control::label_of(map));
     text += which.freedom == loops::Freedom::one_motor ? ", each motor by itself"
                                                        : ", all motors at once";
     return text + ", " + hands_text(which, is_one_hand);

@@ -47,8 +47,7 @@ void StabilityOptions::add_to(CLI::App &command) {
         command.add_option(option_of(parameter), values[i], std::string(parameter.help))
             ->type_name(parameter.unit == "–" ? "VALUE" : std::string(parameter.unit));
     }
-    command.add_option("--kinematics", kinematics, "inverse (18) or transpose (23) [as tuned]")
-        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
+    add_motion_map_option(command, "--kinematics", kinematics, " [as tuned]");
     command
         .add_option("--drive", drive,
                     "spring: the paper's; current: a virtual wall as others render it [spring]")

@@ -3,6 +3,7 @@
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
+#include "engine/control/parameters.h"
 
 #include <nlohmann/json.hpp>
 
@@ -39,7 +40,7 @@ void write_setting(std::ostream &out, const StabilityReport &report) {
         print(out, "spring drive: dR {:.4g} Ω, K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, ",
               which.dR_Ohm(which.device.motor[0]), tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad);
         print(out, "λ {:.4g} rad/s, η {:.3g}, {}\n", tuning.lambda_rad_per_s, tuning.eta,
-              tuning.map == control::MotionMap::transpose ? "transpose (23)" : "inverse (18)");
+              control::label_of(tuning.map));
     }
     print(out, "hands: {}, ", which.hands.size());
     out << (which.rotor ? "one motor with an inertia of its own"

@@ -88,8 +88,7 @@ void add_tune_command(CLI::App &app) {
     tune.add_option("--margin", typed->margin,
                     "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
         ->type_name("FACTOR");
-    tune.add_option("--kinematics", typed->kinematics, "inverse (18) or transpose (23)")
-        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
+    add_motion_map_option(tune, "--kinematics", typed->kinematics);
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         ->type_name("FILE.toml");
     tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "

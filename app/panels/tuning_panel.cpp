@@ -99,9 +99,10 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
 }
 
 template <typename Enum, std::size_t N>
-bool edit_choice(const char *label, Enum &value, const std::array<const char *, N> &names) {
+bool edit_choice(const char *label, Enum &value, const std::array<const char *, N> &labels) {
     int index = static_cast<int>(value);
-    const bool changed = ImGui::Combo(label, &index, names.data(), static_cast<int>(names.size()));
+    const bool changed =
+        ImGui::Combo(label, &index, labels.data(), static_cast<int>(labels.size()));
     value = static_cast<Enum>(index);
     return changed;
 }
@@ -188,12 +189,10 @@ void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
     const float font = ImGui::GetFontSize();
     bool changed = choose_preset(tuning);
     ImGui::SetNextItemWidth(9.0F * font);
-    constexpr std::array<const char *, 2> kMaps{"inverse (18)", "transpose (23)"};
-    changed |= edit_choice("##map", tuning.map, kMaps);
+    changed |= edit_choice("##map", tuning.map, control::kMotionMapLabels);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(9.0F * font);
-    constexpr std::array<const char *, 3> kAlphas{"α on the fly (29)", "α global", "α by hand"};
-    changed |= edit_choice("##alpha", tuning.alpha_mode, kAlphas);
+    changed |= edit_choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         const control::Parameter &parameter = control::kParameters[i];
         const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;

@@ -64,6 +64,18 @@ inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "
     return kAlphaModeNames[static_cast<std::size_t>(mode)];
 }
 
+/// What they are called for people, by their number.
+inline constexpr std::array<const char *, 2> kMotionMapLabels{"inverse (18)", "transpose (23)"};
+inline constexpr std::array<const char *, 3> kAlphaModeLabels{"α on the fly", "global α",
+                                                              "α by hand"};
+
+[[nodiscard]] constexpr std::string_view label_of(MotionMap map) {
+    return kMotionMapLabels[static_cast<std::size_t>(map)];
+}
+[[nodiscard]] constexpr std::string_view label_of(AlphaMode mode) {
+    return kAlphaModeLabels[static_cast<std::size_t>(mode)];
+}
+
 /// One of `kMotionMapNames`; nothing for any other name.
 [[nodiscard]] std::optional<MotionMap> motion_map_named(std::string_view name);
 

@@ -5,13 +5,17 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
+#include "engine/control/parameters.h"
 #include "engine/lab/charts/motion_trial.h"
 #include "engine/lab/rig/timing.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace springdrive::charts {
@@ -26,20 +30,23 @@ constexpr std::array<int, 5> kCountsPerTurn{256, 1024, 4096, 16'384, 65'536};
 constexpr std::array<double, 5> kAlphas_rad2_per_m2{1000.0, 2000.0, 4000.0, 8000.0, 16'000.0};
 
 struct NamedMethod {
-    const char *name;
+    std::string name;
     MotionMethod method;
 };
 
 std::array<NamedMethod, 4> methods(const ChartSetting &setting) {
     const double global = control::global_alpha_bound(setting.device);
-    return {{{"inverse (18)", {control::MotionMap::inverse, {}, 0.0}},
-             {"transpose (23), α on the fly",
-              {control::MotionMap::transpose, control::AlphaMode::on_the_fly, 0.0}},
-             {"transpose, global α",
-              {control::MotionMap::transpose, control::AlphaMode::global, global}},
-             {"transpose, α by hand",
-              {control::MotionMap::transpose, control::AlphaMode::by_hand,
-               setting.tuning.alpha_rad2_per_m2}}}};
+    const auto transpose = [](std::string_view map, control::AlphaMode mode, double alpha) {
+        return NamedMethod{fmt::format("{}, {}", map, control::label_of(mode)),
+                           {control::MotionMap::transpose, mode, alpha}};
+    };
+    const std::string_view name = control::name_of(control::MotionMap::transpose);
+    return {{{std::string(control::label_of(control::MotionMap::inverse)),
+              {control::MotionMap::inverse, {}, 0.0}},
+             transpose(control::label_of(control::MotionMap::transpose),
+                       control::AlphaMode::on_the_fly, 0.0),
+             transpose(name, control::AlphaMode::global, global),
+             transpose(name, control::AlphaMode::by_hand, setting.tuning.alpha_rad2_per_m2)}};
 }
 
 void check_static_stiffness(const control::Tuning &tuning) {

@@ -67,7 +67,7 @@ TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
     EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
 }
 
-TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNames) {
+TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNamesAndLabels) {
     EXPECT_EQ(name_of(MotionMap::inverse), "inverse");
     EXPECT_EQ(name_of(MotionMap::transpose), "transpose");
     EXPECT_EQ(name_of(AlphaMode::on_the_fly), "on_the_fly");
@@ -79,6 +79,11 @@ TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNames) {
     for (const AlphaMode mode : {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
         EXPECT_EQ(alpha_mode_named(name_of(mode)), mode);
     }
+    EXPECT_EQ(label_of(MotionMap::inverse), "inverse (18)");
+    EXPECT_EQ(label_of(MotionMap::transpose), "transpose (23)");
+    EXPECT_EQ(label_of(AlphaMode::on_the_fly), "α on the fly");
+    EXPECT_EQ(label_of(AlphaMode::global), "global α");
+    EXPECT_EQ(label_of(AlphaMode::by_hand), "α by hand");
     EXPECT_FALSE(motion_map_named("Inverse"));
     EXPECT_FALSE(alpha_mode_named(""));
 }

@@ -158,7 +158,7 @@ TriedLine direction_line(const loops::StabilityCase &which) {
             return predicted_deg(contact, frequency_hz) < control::kNoticeable_deg;
         });
     return {
-        {"transpose kinematics (23)",
+        {kTransposeKinematics,
          "wrong force direction above",
          "Hz",
          fmt::format(

@@ -6,6 +6,9 @@
 
 namespace springdrive::limits {
 
+/// The name of the method in the table.
+inline constexpr const char *kTransposeKinematics = "transpose kinematics (23)";
+
 /// The frequency of vibration above which forces deviate from the normal by more than the angle
 /// that the paper quotes as perceptible. Predicted by the sampled form of direction_spectrum.h,
 /// measured by vibrating the motors under the law itself.

@@ -3,6 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
+#include "engine/lab/limits/failure_lines/direction_line.h"
 #include "engine/lab/limits/stability_limits.h"
 
 #include <cmath>
@@ -80,7 +81,7 @@ std::vector<FailureLine> alpha_lines(const loops::StabilityCase &which) {
     const double bound =
         control::alpha_bound(device::motor_jacobian(which.device.geometry, which.q_rad),
                              control::relative_stiffness(which.device));
-    add_limits(lines, "transpose kinematics (23)", three, "alpha",
+    add_limits(lines, kTransposeKinematics, three, "alpha",
                "K_P 20 V/rad; the bound (29) is " + with_unit(std::round(bound), "rad²/m²"));
     return lines;
 }
