@@ -21,7 +21,7 @@ std::vector<std::string> cells(const std::string &line) {
     std::istringstream stream(line);
     std::string cell;
     while (std::getline(stream, cell, ',')) {
-        // A name in quotes may hold a comma.
+        // A quoted name may contain a comma.
         if (!cell.empty() && cell.front() == '"' && cell.back() != '"') {
             std::string rest;
             std::getline(stream, rest, ',');
@@ -32,7 +32,8 @@ std::vector<std::string> cells(const std::string &line) {
     return all;
 }
 
-/// At 250 Hz, where tuning is quick to end: three drives, the quiet one no louder than the spring.
+/// At 250 Hz, where tuning is fast: three drives, with the count force of the quiet one not above
+/// that of the spring drive.
 TEST(BaselineCommand, ComparesThreeDrives) {
     const testing::Ending ending =
         baseline({"--servo-hz", "250", "--delay", "1", "--dR", "0.8", "--csv", "-"});
@@ -54,15 +55,15 @@ TEST(BaselineCommand, ComparesThreeDrives) {
     const auto value = [&](const std::string &drive, const std::string &name) {
         return std::stod(drives.at('"' + drive + '"').at(name));
     };
-    // (14) is the inductance's, and a current drive has none of it.
+    // (14) is caused by the inductance, which a current drive does not use.
     EXPECT_GT(value("spring", "K_HF_N_per_m"), 1e4);
     EXPECT_EQ(value("current", "K_HF_N_per_m"), 0.0);
-    // A wall is at rest what it was tuned to.
+    // The static stiffness of a wall is that to which it was tuned.
     EXPECT_NEAR(value("current", "K_DC_N_per_m"), value("current", "wall_K_N_per_m"),
                 1e-4 * value("current", "wall_K_N_per_m"));
     EXPECT_LE(value("current, as quiet", "count_N"), value("spring", "count_N") * (1.0 + 1e-5));
     EXPECT_LE(value("current, as quiet", "K_DC_N_per_m"), value("current", "K_DC_N_per_m") * 1.01);
-    // Free space: the spring drive's lag weighs, the other's does not.
+    // Free space: the lag adds mass with the spring drive, and none with the current drive.
     EXPECT_GT(value("spring", "apparent_mass_kg"), value("current", "apparent_mass_kg"));
 }
 

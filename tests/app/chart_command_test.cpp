@@ -47,7 +47,7 @@ TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
     const std::string csv = testing::contents_of(folder / "motion_stiffness.csv");
     EXPECT_TRUE(csv.starts_with("method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,"
                                 "error,stable,machine\n"));
-    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9); // a head, three and five points
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9); // a header, three and five points
     std::filesystem::remove_all(folder.parent_path());
 }
 

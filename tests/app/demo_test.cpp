@@ -40,7 +40,7 @@ std::filesystem::path written(const std::filesystem::path &folder, const std::st
     return folder / name;
 }
 
-/// A glTF with one triangle of three corners, as given.
+/// A glTF with one triangle of three given corners.
 std::string one_triangle(const std::string &buffer_base64, int indices_count,
                          const std::string &mode) {
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
@@ -125,7 +125,7 @@ class Demo : public ::testing::Test {
 protected:
     void SetUp() override {
         if (!has_display()) {
-            GTEST_SKIP() << "needs a display; tests/run makes a virtual one";
+            GTEST_SKIP() << "needs a display; tests/run starts a virtual one";
         }
     }
 };

@@ -17,7 +17,7 @@
 namespace springdrive::app {
 namespace {
 
-/// Columns of a CSV file by name; an empty cell is NaN. A cell that is no number counts as one.
+/// Columns of a CSV file by name; cells that are empty or not numbers are NaN.
 std::map<std::string, std::vector<double>> columns_of(const std::filesystem::path &csv) {
     std::ifstream file(csv);
     std::map<std::string, std::vector<double>> columns;
@@ -53,7 +53,7 @@ testing::Ending figures(const std::filesystem::path &out, std::vector<std::strin
 }
 
 TEST(Figures, ComeOutOfOneCommand) {
-    // The folder's name is one that no shell would take as it is.
+    // The folder's name would need quoting in a shell.
     const std::filesystem::path folder =
         testing::fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
     const testing::Ending ending = figures(folder);
@@ -98,7 +98,7 @@ TEST(Figures, MeasuredStandsBesidePredicted) {
     for (std::size_t map = 0; map < 2; ++map) {
         EXPECT_LT(std::hypot(forces["measured_outward_N"][map] - forces["predicted_outward_N"][map],
                              forces["measured_up_N"][map] - forces["predicted_up_N"][map]),
-                  0.1); // friction, 0.04 N at each joint's end, and a quantum's stiffness
+                  0.1); // friction, 0.04 N at each joint's end, and the stiffness times a count
     }
     auto spectrum = columns_of(folder / "fig7_direction_over_frequency.csv");
     EXPECT_NEAR(largest(spectrum["inverse_deg"]), 35.0, 0.01);
@@ -136,7 +136,7 @@ TEST(Figures, SayWhatIsWrongInOneLine) {
     testing::expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
     testing::expect_one_line(figures(folder / "a", {"--resistance-spread", "0.06"}), 1, "0.05");
     testing::expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
-    // A disk without room: each write into a link to /dev/full fails.
+    // A full disk: each write to a link to /dev/full fails.
     std::filesystem::create_directory(folder / "full");
     std::filesystem::create_symlink("/dev/full", folder / "full" / "fig3_ellipses.csv");
     testing::expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
@@ -145,7 +145,8 @@ TEST(Figures, SayWhatIsWrongInOneLine) {
 }
 
 TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
-    // 0.02 Ω is not given to windings that may be cold: the figures are of what is, and say so.
+    // 0.02 Ω is not permitted for windings that may be cold: the figures use, and report, the dR
+    // that the servo gives.
     const std::filesystem::path folder = testing::fresh_folder("cold");
     std::string tuning = testing::contents_of(testing::assets() / "tunings/firm.toml");
     const std::size_t dR = tuning.find("dR_Ohm");
@@ -156,7 +157,8 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     EXPECT_EQ(ending.exit_status, 0);
     EXPECT_NE(ending.error.find("holds dR at 0.137"), std::string::npos) << ending.error;
     auto forces = columns_of(folder / "out" / "fig5_forces.csv");
-    for (std::size_t map = 0; map < 2; ++map) { // friction, and motors that differ by some per cent
+    for (std::size_t map = 0; map < 2;
+         ++map) { // friction, and motors that differ by a few per cent
         EXPECT_NEAR(forces["measured_up_N"][map] / forces["predicted_up_N"][map], 1.0, 0.1);
     }
     std::filesystem::remove_all(folder);

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 const std::string kScenes = SPRINGDRIVE_ASSET_DIR "/scenes/";
 
-/// Without the model, which takes seconds to be measured.
+/// Without the model, which takes seconds to measure.
 testing::Ending inspect(std::vector<std::string> options) {
     options.insert(options.begin(), "inspect");
     options.emplace_back("--no-model");
@@ -56,7 +56,7 @@ TEST(InspectCommand, TellsWhatPreparationFound) {
     EXPECT_EQ(said["mesh"]["components"], 1);
     EXPECT_EQ(said["mesh"]["closed_components"], 1);
     EXPECT_EQ(said["mesh"]["open_edges"], 0);
-    EXPECT_GT(said["mesh"]["welded_vertices"], 0); // flat faces, each with corners of its own
+    EXPECT_GT(said["mesh"]["welded_vertices"], 0); // flat faces, each with its own corners
     EXPECT_GT(said["bytes"], 0);
     EXPECT_GE(said["preparation_s"], 0.0);
     EXPECT_TRUE(said["remarks"].empty());
@@ -92,13 +92,13 @@ TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
     const json model = json::parse(first.out)["model"];
     ASSERT_EQ(model["axes"].size(), 5U);
     for (const json &axis : model["axes"]) {
-        EXPECT_EQ(axis["candidates"].back()["verdict"], "meets"); // the fullest
+        EXPECT_EQ(axis["candidates"].back()["verdict"], "meets"); // the full model
     }
     EXPECT_EQ(model["axes"][2]["name"], "joints");
     EXPECT_EQ(model["axes"][2]["chosen"], "2");
 
     const testing::Ending again =
-        testing::run_program(options); // times would differ, were it measured again
+        testing::run_program(options); // times would differ if it were measured again
     EXPECT_EQ(json::parse(again.out)["model"], model);
     const testing::Ending text = testing::run_program({"inspect", kScenes + "profile.gltf"});
     for (const char *said : {"model: force to 0.1 N", "<- chosen", "transpose_on_the_fly",

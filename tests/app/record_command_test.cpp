@@ -107,7 +107,7 @@ TEST_F(Record, MistakesAreSaidInOneLine) {
     expect_refusal({"record", folder / "x.rec", "--json", folder / "x.rec"}, "x.rec");
     expect_refusal({"record", folder / "x.rec", "--json", folder / "no/x.json"}, "x.json");
     expect_refusal({"record", "-"}, "record");
-    EXPECT_FALSE(std::filesystem::exists(folder / "x.rec")); // all of it known before
+    EXPECT_FALSE(std::filesystem::exists(folder / "x.rec")); // all detected before the start
     expect_refusal({"replay", folder / "none.rec"}, "none.rec");
     expect_refusal({"replay", folder / "text.rec"}, "text.rec");
     expect_refusal({"export", file}, "--csv");
@@ -127,7 +127,7 @@ TEST_F(Record, MistakesAreSaidInOneLine) {
 }
 
 TEST_F(Record, AStoppedServoIsNoSuccess) {
-    // A device that bears next to no force.
+    // A device with a force limit near zero.
     std::string device = testing::contents_of(testing::assets() / "devices/phantom_1_0.toml");
     device.replace(device.find("tip_speed_m_per_s = 2.0"), 23, "tip_speed_m_per_s = 0.01");
     std::ofstream(folder / "slow.toml") << device;

@@ -41,7 +41,7 @@ TEST(StabilityCommand, ExitsByTheAnswer) {
 }
 
 TEST(StabilityCommand, SaysWhyTheTwoMayDiffer) {
-    // Just below the predicted line, where counts keep it rattling.
+    // Just below the predicted limit, where encoder counts sustain a vibration.
     const testing::Ending ending = stability({"--kp", "29.5"});
     EXPECT_EQ(ending.exit_status, 3);
     EXPECT_NE(ending.out.find("predicted  stable"), std::string::npos) << ending.out;
@@ -79,7 +79,8 @@ TEST(StabilityCommand, FindsTheLimitsOfOneParameter) {
     EXPECT_NE(table.out.find("30.01"), std::string::npos) << table.out;
 }
 
-/// On which side of the limit, 30 V/rad, a range lies; the exit status is about the loop as set.
+/// The side of the limit, 30 V/rad, on which a range lies; the exit status applies to the loop with
+/// the given values.
 TEST(StabilityCommand, SaysWhereThereIsNoLimit) {
     struct Range {
         std::vector<std::string> options;
@@ -141,7 +142,7 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
               loops::worst_member(which).eigenvalue);
 }
 
-/// What the line says for a wall without B is where such a wall ends: motor 3, the weakest.
+/// The printed limit for a wall without B is the limit found for such a wall: motor 3, the weakest.
 TEST(StabilityCommand, TellsColgateAndSchenkelsLine) {
     const testing::Ending ending = stability(
         {"--drive", "current", "--wall-damping", "0", "--no-hand", "--vary", "wall-stiffness"});
@@ -153,7 +154,7 @@ TEST(StabilityCommand, TellsColgateAndSchenkelsLine) {
     ASSERT_NE(row, std::string::npos) << ending.out;
     const std::size_t limit = ending.out.find("  up to", line);
     const double found = std::stod(ending.out.substr(limit + 7));
-    EXPECT_NEAR(found / told, 1.0, 0.01); // light rotors feel bT/6J more, and digits are four
+    EXPECT_NEAR(found / told, 1.0, 0.01); // bT/6J for light rotors, and four digits
 }
 
 TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
@@ -167,7 +168,7 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheLoop) {
                             "--map wall-damping");
 }
 
-/// Its rows have drives, tunings and servos of their own.
+/// Its rows have their own drives, tunings and servos.
 TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
     for (const loops::StabilityParameter &parameter : loops::stability_parameters()) {
         const std::string name(parameter.name);
@@ -186,7 +187,7 @@ TEST(StabilityCommand, RefusesWhatMeansNothingToTheTable) {
     testing::expect_refused(stability({"--table", "--drive", "current"}),
                             "--drive excludes --table");
     testing::expect_refused(stability({"--table", "--motors", "3"}), "--motors excludes --table");
-    // Those that it looks at come as far as their values.
+    // Options that it does use are accepted until their values are checked.
     testing::expect_refused(stability({"--table", "--hand-mass", "-0.1"}), "0 to 100");
     testing::expect_refused(stability({"--table", "--q", "nan,0,0"}), "--q");
     testing::expect_refused(stability({"--table", "--no-hand", "--device-file", "none.toml"}),

@@ -111,7 +111,7 @@ TEST(StiffnessCommand, SaysWhatIsWrongInOneLine) {
     testing::expect_refused(stiffness({"--motor", "0.3,0.000238,0.0234"}),
                             "dR is 0.5"); // dR 0.5 of 0.3
     testing::expect_refused(stiffness({"--colour", "blue"}), "--colour");
-    testing::expect_refused(stiffness({"--eta", "0.5"}), "--eta"); // has no part in the coupling
+    testing::expect_refused(stiffness({"--eta", "0.5"}), "--eta"); // does not affect the coupling
     testing::expect_refused(stiffness({"demo"}), "demo");
     testing::expect_refused(stiffness({"--device-file", "none.toml"}), "none.toml");
     testing::expect_refused(stiffness({"--tuning-file", "none.toml"}), "none.toml");

@@ -52,7 +52,7 @@ TEST(TouchCommand, TellsFiguresOfEveryPath) {
         EXPECT_EQ(said["stuck_steps"], 0) << path;
         EXPECT_GE(said["steps_checked"], 20) << path;
         EXPECT_LT(said["largest_lag_m"], 1e-6) << path;
-        EXPECT_GT(said["largest_sphere_direction_error_deg"], 0.1) << path; // its facets' own
+        EXPECT_GT(said["largest_sphere_direction_error_deg"], 0.1) << path; // caused by its facets
     }
 }
 

@@ -1,4 +1,4 @@
-// Covers app/commands/tune_command.cpp, from outside, and how it looks whether it could write.
+// Covers app/commands/tune_command.cpp, from outside, and its check that the output is writable.
 #include "app/commands/output_files.h"
 #include "app/commands/tune_report.h"
 #include "engine/control/parameters.h"
@@ -26,7 +26,7 @@ testing::Ending tune(std::vector<std::string> options) {
     return testing::run_program(options);
 }
 
-/// Both ways to get it, and that every command can use it. The whole search: seconds.
+/// Both outputs of the tuning, and its use by every command. The whole search takes seconds.
 TEST(TuneCommand, WritesATuningThatIsStable) {
     const std::filesystem::path folder = testing::fresh_folder("tune");
     const std::filesystem::path file = folder / "found.toml";
@@ -58,7 +58,7 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
     const testing::Ending to_standard_output =
         tune({"--servo-hz", "500", "--dR", "0.8", "--margin", "1.5"});
     EXPECT_EQ(to_standard_output.out, testing::contents_of(file))
-        << "what people want to know is apart";
+        << "the report is on a separate stream";
     EXPECT_EQ(to_standard_output.error.substr(0, 4), "K_P ") << to_standard_output.error;
     std::filesystem::remove_all(folder);
 }
@@ -93,7 +93,7 @@ TEST(TuneCommand, SaysWhatIsWrongInOneLine) {
     testing::expect_refused(tune({"--out", "/no/such/folder/t.toml"}), "/no/such/folder");
 }
 
-/// Before the search, which would show its progress and what it found.
+/// Before the search, which would print its progress and result.
 TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
     const std::filesystem::path folder = testing::fresh_folder("tune_targets");
     testing::expect_refused(tune({"--out", folder}), "is a folder");
@@ -102,12 +102,12 @@ TEST(TuneCommand, RefusesAtOnceWhatItCouldNotWrite) {
     testing::expect_refused(tune({"--out", folder / "none" / "t.toml"}),
                             "its folder does not exist");
     testing::expect_refused(tune({"--out", "/proc/x.toml"}),
-                            "/proc/x.toml: cannot be written"); // by root, too
+                            "/proc/x.toml: cannot be written"); // also by root
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     std::filesystem::remove_all(folder);
 }
 
-/// What is there stays until a tuning is found, and nothing else appears.
+/// An existing file is kept until a tuning is found, and no other file is created.
 TEST(TuneCommand, LeavesFilesAsTheyAreWhenItLooksWhetherItCouldWrite) {
     const std::filesystem::path folder = testing::fresh_folder("tune_existing");
     const std::filesystem::path file = folder / "mine.toml";

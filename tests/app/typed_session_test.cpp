@@ -1,4 +1,4 @@
-// Covers app/commands/typed_session.cpp: what it refuses and remarks upon, from outside.
+// Covers app/commands/typed_session.cpp: its errors and remarks, from outside.
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -17,7 +17,7 @@
 namespace springdrive::app {
 namespace {
 
-/// Models are remembered in a folder of its own.
+/// Models are cached in a separate folder.
 class TypedSession : public ::testing::Test {
 protected:
     TypedSession() : cache_(testing::fresh_folder("typed_session_cache")) {
@@ -52,8 +52,8 @@ TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
     EXPECT_TRUE(is_empty());
 }
 
-/// A tuning file says for which rate and delay it was found: slower or later is remarked upon, as
-/// fast or faster and as early or earlier is not.
+/// A tuning file states the rate and the delay for which it was found: a slower rate or a longer
+/// delay causes a remark, others do not.
 TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsRemarkedUpon) {
     const std::filesystem::path folder = testing::fresh_folder("margins");
     control::TuningFile file;

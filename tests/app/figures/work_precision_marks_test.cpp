@@ -15,7 +15,7 @@ rig::WorkPoint point(const std::string &method, double cost_ns, double error, bo
     return {method, "setting", {0.9 * cost_ns, cost_ns, 2.0 * cost_ns}, error, stable};
 }
 
-/// What an assignment gives a name, as text.
+/// The value that an assignment gives to a name, as text.
 std::string value_of(const ChartMarks &marks, const std::string &name) {
     const std::string &all = marks.assignments();
     const std::size_t start = all.find(name + " = ") + name.size() + 3;
@@ -70,7 +70,7 @@ TEST(WorkPrecisionMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
     EXPECT_LT(number_of(marks, "round_off"), 2e-17);
     EXPECT_GT(number_of(marks, "error_low"), 1e-10);
     EXPECT_GT(number_of(marks, "error_of_zero"), number_of(marks, "error_low"));
-    // Six decades in steps, as an integrator's order makes them, are no round-off.
+    // Six decades in steps, as by an integrator's order, are not round-off.
     chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-8), point("a", 1000, 1e-13)};
     EXPECT_EQ(number_of(work_precision_marks(chart, ""), "round_off"), 0.0);
 }

@@ -1,4 +1,4 @@
-// Covers app/panels/stability_field.cpp, but for its drawing.
+// Covers app/panels/stability_field.cpp, except its drawing.
 #include "app/panels/stability_field.h"
 #include "tests/support/devices.h"
 #include "tests/support/stability_cases.h"
@@ -14,7 +14,7 @@ TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
               StabilityGrid::kGreatest_K_P_V_per_rad);
     const double ratio = StabilityGrid::dR_Ohm(1) / StabilityGrid::dR_Ohm(0);
     EXPECT_NEAR(StabilityGrid::dR_Ohm(9) / StabilityGrid::dR_Ohm(8), ratio, 1e-12);
-    // Half a cell lies beyond the middles of the outermost.
+    // Half a cell lies beyond the centres of the outermost.
     EXPECT_NEAR(StabilityGrid::dR_Ohm(0) * StabilityGrid::dR_Ohm(StabilityGrid::kRows - 1),
                 StabilityGrid::kLeast_dR_Ohm * StabilityGrid::kGreatest_dR_Ohm, 1e-12);
 }
@@ -28,16 +28,16 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
     int stable = 0;
     for (int row = 0; row < StabilityGrid::kRows; row += 3) {
         for (int column = 0; column < StabilityGrid::kColumns; column += 5) {
-            // As typed into the tuning, where the grid sets the net resistance.
+            // Set in the tuning, whereas the grid sets the net resistance.
             loops::StabilityCase there = testing::firm();
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
             there.tuning.dR_Ohm = StabilityGrid::dR_Ohm(row);
-            // The motors of this device are alike, so both are the same but for rounding.
+            // The motors of this device are equal, so both are the same except for rounding.
             EXPECT_NEAR(grid.at(column, row), loops::worst_member(there).eigenvalue, 1e-9);
             stable += grid.at(column, row) < 1.0 ? 1 : 0;
         }
     }
-    EXPECT_GT(stable, 5); // both sides of the line are seen
+    EXPECT_GT(stable, 5); // both sides of the limit occur
     EXPECT_LT(stable, 43);
 }
 
@@ -45,7 +45,7 @@ TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
     BackgroundTalk talk;
     talk.is_given_up = true;
     const StabilityGrid grid = stability_grid(testing::firm(), talk);
-    EXPECT_EQ(grid.at(3, 3), 0.0); // not worked out
+    EXPECT_EQ(grid.at(3, 3), 0.0); // not computed
 }
 
 } // namespace

@@ -15,8 +15,9 @@ namespace {
 
 constexpr PixelSize kViewport{880.0, 520.0};
 
-// The camera computes in double; only what passes GL's float matrices is less exact. A coordinate
-// of up to some 10 m in float is good to 1e-6 m, which is 1e-3 px where a pixel is 1 mm.
+// The camera computes in double; only results of GL's float matrices are less accurate. A
+// coordinate of up to some 10 m in float is accurate to 1e-6 m, which is 1e-3 px where a pixel is 1
+// mm.
 constexpr double kExact = 1e-10;
 constexpr double kFloatPixel_px = 0.05;
 
@@ -32,7 +33,7 @@ public:
         return {between(-reach_m, reach_m), between(-reach_m, reach_m), between(-reach_m, reach_m)};
     }
 
-    /// After all the things a user does.
+    /// After all actions of a user.
     Camera camera() {
         Camera camera;
         const Vector3 centre_m = point(0.1);
@@ -110,7 +111,7 @@ TEST(Camera, PointUnderAPixelIsSeenAtThatPixel) {
         ASSERT_NEAR((point_m - at_m).dot(camera.forward()), 0.0, kExact);
         const std::optional<PixelPoint> back = camera.pixel_of(point_m, kViewport);
         ASSERT_TRUE(back.has_value());
-        // Hundreds of pixels, each carried with some 1e-16 of the distance.
+        // Hundreds of pixels, each with a rounding error of some 1e-16 of the distance.
         ASSERT_NEAR(back->x_px, pixel.x_px, 1e-8);
         ASSERT_NEAR(back->y_px, pixel.y_px, 1e-8);
     }
@@ -193,7 +194,7 @@ TEST(Camera, FramingShowsAllCornersInAnyViewport) {
                                      static_cast<double>(std::abs(drawn.y))});
         }
         ASSERT_LT(farthest_out, 1.0);
-        // Nor is it lost in the middle of the screen.
+        // Nor is it too small in the middle of the screen.
         ASSERT_GT(farthest_out, 0.5);
     }
 }

@@ -23,7 +23,7 @@ constexpr double kFloat_m = 1e-6; // of coordinates below a metre in float, summ
 
 glm::vec3 to_vec3(const std::array<float, 3> &v) { return {v[0], v[1], v[2]}; }
 
-/// Where a point of the unit shape is in the world.
+/// The position of a point of the unit shape in the world.
 Vector3 placed(const Solid &solid, const glm::vec3 &point) {
     return to_vector3(glm::vec3(solid.model * glm::vec4(point, 1.0F)));
 }
@@ -92,7 +92,7 @@ TEST_P(EveryShape, EnclosesItsVolume) {
         expected = 2.0 * kPi * kPi * half_thickness * half_thickness;
         break;
     }
-    // Facets lie within: an octagon, the coarsest outline here, has 0.90 of its circle's area.
+    // Facets lie inside: an octagon, the coarsest outline here, has 0.90 of its circle's area.
     EXPECT_LT(volume, expected);
     EXPECT_GT(volume, 0.88 * expected);
 }
