@@ -16,7 +16,7 @@ set key top left reverse Left samplen 3 spacing 1.2 opaque
 set object 1 rectangle from 20, graph 0 to 30, graph 1 fillcolor rgb "#EEE6C8" fillstyle solid noborder behind
 set label 3 "kinesthetic limit" at 24.5, graph 0.97 rotate by 90 right textcolor rgb grey font ",11"
 set arrow 1 from 1, first 25 to 1000, first 25 nohead dashtype 2 linewidth 1.5 linecolor rgb "black"
-set label 4 "direction told apart by touch: 25°" at 1.1, first 25 offset 0,-0.7 textcolor rgb "black" font ",11"
+set label 4 "limit of direction perception: 25°" at 1.1, first 25 offset 0,-0.7 textcolor rgb "black" font ",11"
 set arrow 2 from half_servo_hz, graph 0 to half_servo_hz, graph 1 nohead dashtype 3 linecolor rgb grey
 set label 5 "half the servo rate" at half_servo_hz, graph 0.03 rotate by 90 offset -0.7,0 textcolor rgb grey font ",11"
 

@@ -48,7 +48,7 @@ if (y_by_ratio) {
 }
 set xlabel x_label
 set ylabel y_label offset 1,0
-set cblabel "tip's speed a second after it was let go (mm/s)" offset 1,0
+set cblabel "tip's speed a second after release (mm/s)" offset 1,0
 set logscale cb
 set cbrange [1:1000]
 set cbtics ("≤ 1" 1, "10" 10, "100" 100, "≥ 1000" 1000)

@@ -30,7 +30,7 @@ few(low, high) = log10(high/low) < 2.2
 if (few(cost_low_s, cost_high_s)) {
     set for [e=-12:3] for [m in "2 5"] xtics add (gprintf("%.0s %cs", m*10.0**e) m*10.0**e)
 }
-least = error_of_zero > 0 ? 10*error_of_zero : error_low # but for 0
+least = error_of_zero > 0 ? 10*error_of_zero : error_low # except 0
 plain = least > 5e-5 && error_high < 5e4
 power = "10^{%T}"
 set ytics format (plain ? "%g" : power)
@@ -63,7 +63,7 @@ error(row) = !valid(6) ? error_of_none : $6 <= round_off ? error_of_zero : $6
 # The first point of a method is larger.
 size(row) = row > 0 && method_of(row) eq method_of(row - 1) ? 0.9 : 1.4
 
-failure = !has_failures ? "" : error_of_none > 0 ? "fails (at the top: no error to tell)" : "fails"
+failure = !has_failures ? "" : error_of_none > 0 ? "fails (at the top: no error measured)" : "fails"
 plot for [i=1:count] csv using (stable(i)):(error($0)):(1e-9*$3):(1e-9*$5) skip 1 with xerrorbars pointtype 0 linewidth 0.7 linecolor rgb colour[look(i)] notitle, \
      for [i=1:count] csv using (stable(i)):(error($0)):(size($0)) skip 1 with linespoints pointtype mark[look(i)] pointsize variable linewidth 1.5 linecolor rgb colour[look(i)] title word(legend, i), \
      for [i=1:count] csv using (unstable(i)):(error($0)):(1.5*size($0)) skip 1 with points pointtype 2 pointsize variable linewidth 3 linecolor rgb colour[look(i)] notitle, \
