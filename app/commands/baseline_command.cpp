@@ -28,7 +28,7 @@ struct TypedBaseline {
     std::string csv; ///< empty: a table for people
 };
 
-/// The usual ones, or those of them that have what was typed; and with all three typed that one.
+/// The default settings, or those of them with the given values; with all three given, that one.
 std::vector<limits::ServoSetting> settings_of(const TypedBaseline &typed,
                                               const device::DeviceDescription &device) {
     std::vector<limits::ServoSetting> settings = limits::usual_settings();
@@ -36,7 +36,7 @@ std::vector<limits::ServoSetting> settings_of(const TypedBaseline &typed,
         setting.servo_hz = typed.servo_hz.value_or(setting.servo_hz);
         setting.delay_periods = typed.delay_periods.value_or(setting.delay_periods);
         setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
-        static_cast<void>(servo::servo_period_s(setting.servo_hz)); // refuses what is out of range
+        static_cast<void>(servo::servo_period_s(setting.servo_hz)); // rejects values out of range
         check_delay(setting.delay_periods);
         control::Tuning tuning;
         tuning.dR_Ohm = setting.dR_Ohm;
@@ -72,7 +72,7 @@ void run(const TypedBaseline &typed) {
 
 void add_baseline_command(CLI::App &app) {
     CLI::App &baseline = *app.add_subcommand(
-        "baseline", "spring drive against current drive, each at its own stable best");
+        "baseline", "spring drive against current drive, each at its stable optimum");
     const auto typed = std::make_shared<TypedBaseline>();
     add_device_file_option(baseline, typed->device_file);
     baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
@@ -85,7 +85,7 @@ void add_baseline_command(CLI::App &app) {
         ->type_name("Ω");
     baseline
         .add_option("--margin", typed->margin,
-                    "by what factor all gains might be larger yet, 1 to 10 [1.3]")
+                    "factor by which all gains may still grow, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     add_output_option(baseline, "--csv", typed->csv, "CSV");
     baseline.footer("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those along the "

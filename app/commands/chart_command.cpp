@@ -46,11 +46,11 @@ bool is_asked_for(const TypedChart &typed, std::string_view name) {
 }
 
 std::string footnote(const charts::ChartSetting &setting, const std::string &machine) {
-    return machine + "; points: least of " + std::to_string(setting.repeats) +
-           " repetitions; bars: to the greatest; the large mark: the first setting";
+    return machine + "; points: minimum of " + std::to_string(setting.repeats) +
+           " repetitions; bars: to the maximum; large mark: the first setting";
 }
 
-/// All numbers first, so that they are there even where nothing can be drawn.
+/// All numbers first, so that they exist even if nothing can be drawn.
 void make_charts(const TypedChart &typed) {
     const charts::ChartSetting setting = setting_of(typed);
     make_output_folder(typed.out);
@@ -89,19 +89,19 @@ std::vector<std::string> chart_names() {
 
 void add_chart_command(CLI::App &app) {
     CLI::App *chart = app.add_subcommand(
-        "chart", "speed against accuracy of integrators, plant models, motion control, proxies "
-                 "and servo rates: each method's cost beside its error, as SVG and CSV");
+        "chart", "speed and accuracy of integrators, plant models, motion control, proxies "
+                 "and servo rates: each method's cost and error, as SVG and CSV");
     const auto typed = std::make_shared<TypedChart>();
-    chart->add_option("--out", typed->out, "the folder to write to; made where missing")
+    chart->add_option("--out", typed->out, "the folder to write to; created if missing")
         ->type_name("DIR")
         ->required();
-    chart->add_option("--only", typed->only, "these charts only, with commas between")
+    chart->add_option("--only", typed->only, "only these charts, separated by commas")
         ->type_name("NAME,...")
         ->delimiter(',')
         ->check(CLI::IsMember(chart_names()));
     chart
         ->add_option("--repeats", typed->repeats,
-                     "how often each time is taken, from 1 to " + std::to_string(kMostRepeats) +
+                     "repetitions of each timing, from 1 to " + std::to_string(kMostRepeats) +
                          " [" + std::to_string(typed->repeats) + "]")
         ->type_name("N");
     add_device_file_option(*chart, typed->device_file);

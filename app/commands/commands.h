@@ -1,5 +1,5 @@
-// Every subcommand: each adds itself with its options to the command line, and runs when it is what
-// was asked for.
+// Every subcommand: each adds itself and its options to the command line, and runs when it is
+// selected.
 #pragma once
 
 namespace CLI {
@@ -18,19 +18,19 @@ void add_replay_command(CLI::App &app);
 void add_export_command(CLI::App &app);
 /// `figures`: the paper's figures, measured beside their predictions.
 void add_figures_command(CLI::App &app);
-/// `chart`: speed against accuracy of every method, in one run.
+/// `chart`: cost and accuracy of every method, in one run.
 void add_chart_command(CLI::App &app);
-/// `stiffness`: the coupling K_θ over frequency, or how it softens as the motors warm.
+/// `stiffness`: the coupling K_θ over frequency, or its decrease as the motors heat up.
 void add_stiffness_command(CLI::App &app);
-/// `stability`: whether a loop is stable, and where along one or two parameters it ends.
+/// `stability`: whether a loop is stable, and its limits along one or two parameters.
 void add_stability_command(CLI::App &app);
-/// `tune`: the stiffest tuning that every hand finds stable, as a file.
+/// `tune`: the stiffest tuning that is stable with every hand, as a file.
 void add_tune_command(CLI::App &app);
 /// `baseline`: the spring drive against a current drive, each at its stable best.
 void add_baseline_command(CLI::App &app);
 /// `touch`: the proxy over a scene along a path, without window or device.
 void add_touch_command(CLI::App &app);
-/// `inspect`: what a scene holds, what of it can be touched, and which model it gets.
+/// `inspect`: the content of a scene, what can be touched, and the model that it gets.
 void add_inspect_command(CLI::App &app);
 
 } // namespace springdrive::app

@@ -101,7 +101,7 @@ void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
         return;
     }
     add_motion_map_option(command, "--map", map, " kinematics");
-    command.add_option("--alpha-mode", alpha_mode, "where α of (23) comes from")
+    command.add_option("--alpha-mode", alpha_mode, "the source of α of (23)")
         ->check(CLI::IsMember(list_of(control::kAlphaModeNames)));
 }
 
@@ -166,7 +166,7 @@ void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz
     if (margins && (servo_hz < margins->servo_hz || delay_periods > margins->delay_periods)) {
         print(std::cerr,
               "springdrive: remark: {} was found for {:g} Hz and a delay of {:g}; on a slower or "
-              "later servo its margins do not hold\n",
+              "later servo its margins do not apply\n",
               tuning_file.string(), margins->servo_hz, margins->delay_periods);
     }
 }
@@ -190,8 +190,8 @@ double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tunin
     }
     if (least_Ohm > tuning.dR_Ohm) {
         print(std::cerr,
-              "springdrive: remark: the servo holds dR at {:g} Ω, not at {:g} Ω, until it knows "
-              "the windings to be warm\n",
+              "springdrive: remark: the servo limits dR to {:g} Ω, not {:g} Ω, until the "
+              "windings are certain to be warm\n",
               least_Ohm, tuning.dR_Ohm);
     }
     return least_Ohm;

@@ -58,8 +58,8 @@ template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const N
 
 /// Which parameters a command can use.
 enum class TuningScope : std::uint8_t {
-    coupling,   ///< dR, K_P, K_D and λ: what K_θ (12) is made of
-    everything, ///< and how it is used: α, η and the maps
+    coupling,   ///< dR, K_P, K_D and λ, which determine K_θ (12)
+    everything, ///< also α, η and the maps
 };
 
 /// `--tuning-file`, and an option for each parameter that is given on top of it.
@@ -87,16 +87,16 @@ struct EffectOptions {
     [[nodiscard]] simulated::PlantEffects effects() const;
 };
 
-/// Says on standard error where a tuning file's margins are those of a faster servo or a shorter
-/// delay: they are no promise here.
+/// Warns on standard error if a tuning file's margins are those of a faster servo or a shorter
+/// delay, and do not apply here.
 void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
                        double delay_periods);
 
-/// @throw InputError where dR is more than a motor has, or less than its amplifier leaves.
+/// @throw InputError if dR exceeds a motor's resistance, or is below its amplifier's minimum.
 void check_dR(const device::DeviceDescription &device, const control::Tuning &tuning);
 
-/// The dR that the windings' guard gives motors that may be cold: the tuning's, or more, which is
-/// then said on standard error.
+/// The dR that the winding guard permits for motors that may be cold: that of the tuning, or a
+/// larger one, which is then reported on standard error.
 [[nodiscard]] double cold_dR_Ohm(const device::DeviceDescription &device,
                                  const control::Tuning &tuning);
 

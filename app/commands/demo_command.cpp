@@ -20,8 +20,8 @@ struct TypedDemo {
 
 void add_run_options(CLI::App &demo, TypedDemo &typed) {
     DemoOptions &options = typed.options;
-    demo.add_option("--frames", options.frames, "end after so many frames")->type_name("N");
-    demo.add_option("--seconds", options.seconds, "end after so long")->type_name("S");
+    demo.add_option("--frames", options.frames, "end after this many frames")->type_name("N");
+    demo.add_option("--seconds", options.seconds, "end after this time")->type_name("S");
     demo.add_option("--screenshot", options.screenshot, "write the last frame as PNG")
         ->type_name("FILE");
     demo.add_option("--record", typed.session.options.record,
@@ -31,7 +31,7 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
         ->type_name("PIXELS");
     demo.add_option("--height", options.height, "of the window, with --width [720]")
         ->type_name("PIXELS");
-    demo.add_option("--scale", options.scale, "of text and panels [the display's own]")
+    demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
         ->type_name("FACTOR");
 }
 
@@ -50,8 +50,8 @@ void check(const DemoOptions &options) {
     check_writable(options.screenshot);
     check_other_file(options.screenshot, options.session.record);
     if (options.session.lockstep && !options.unattended()) {
-        throw InputError("--lockstep needs --frames or --seconds: without a clock, somebody has "
-                         "to say when to end");
+        throw InputError("--lockstep needs --frames or --seconds to end, as it does not "
+                         "use the clock");
     }
 }
 

@@ -25,7 +25,7 @@ struct TypedExport {
     record::ExportSelection selection;
 };
 
-/// What a record is, and its columns.
+/// Prints a record's header and columns.
 void write_contents(std::ostream &out, record::RecordReader &record) {
     const record::RecordHeader &header = record.header();
     while (record.next()) {
@@ -68,10 +68,10 @@ void run(const TypedExport &typed) {
     }
     if (formats(typed) != 1) {
         throw InputError("export: give one of --csv, --npy or --mat, with the file to write; "
-                         "--list tells what the record holds");
+                         "--list shows the content of the record");
     }
     if (!(typed.selection.from_s <= typed.selection.to_s)) {
-        throw InputError("--from must not be after --to; give the earlier moment first");
+        throw InputError("--from must not be after --to; give the earlier time first");
     }
     for (const std::string &output : {typed.csv, typed.npy, typed.mat}) {
         check_other_file(output, typed.record);
@@ -107,13 +107,14 @@ void add_export_command(CLI::App &app) {
         ->type_name("FILE");
     command
         .add_option("--columns", typed->selection.columns,
-                    "only these, in this order; tip_* is all that begin so [all]")
+                    "only these, in this order; tip_* stands for all with this prefix [all]")
         ->type_name("NAME,...")
         ->delimiter(',');
-    command.add_option("--from", typed->selection.from_s, "first moment [the record's]")
+    command.add_option("--from", typed->selection.from_s, "start time [that of the record]")
         ->type_name("S");
-    command.add_option("--to", typed->selection.to_s, "last moment [the record's]")->type_name("S");
-    command.add_flag("--list", typed->list, "tell what the record holds, and export nothing");
+    command.add_option("--to", typed->selection.to_s, "end time [that of the record]")
+        ->type_name("S");
+    command.add_flag("--list", typed->list, "show the content of the record, and export nothing");
     command.callback([typed] { run(*typed); });
 }
 

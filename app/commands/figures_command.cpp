@@ -22,7 +22,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// Data sheets promise R within a few per cent.
+/// Data sheets specify R within a few per cent.
 constexpr double kLargestSpread = 0.05;
 
 struct TypedFigures {
@@ -33,7 +33,7 @@ struct TypedFigures {
     double resistance_spread = FigureSetting{}.resistance_spread;
 };
 
-/// Where friction can hold half of what the transpose map renders, directions are friction's too.
+/// If friction can hold half of the force of the transpose map, it affects directions as well.
 void remark_on_friction(const FigureSetting &setting) {
     const double rendered_N =
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad).transpose(0, 0) *
@@ -42,8 +42,8 @@ void remark_on_friction(const FigureSetting &setting) {
     const double friction_N = limits::breakaway_force_N(setting.device, setting.q_rad);
     if (2.0 * friction_N > rendered_N) {
         std::cerr << "springdrive: remark: friction can hold " << friction_N
-                  << " N at the tip, not little beside the " << rendered_N
-                  << " N of the transpose map: figures 5 and 6 show its direction as well\n";
+                  << " N at the tip, which is not small compared with the " << rendered_N
+                  << " N of the transpose map: it affects the directions in figures 5 and 6\n";
     }
 }
 
@@ -64,7 +64,7 @@ FigureSetting setting_of(const TypedFigures &typed) {
     return setting;
 }
 
-/// All numbers first, so that they are there even where nothing can be drawn.
+/// All numbers first, so that they exist even if nothing can be drawn.
 void make_figures(const TypedFigures &typed) {
     const FigureSetting setting = setting_of(typed);
     make_output_folder(typed.out);
@@ -88,10 +88,10 @@ void make_figures(const TypedFigures &typed) {
 
 void add_figures_command(CLI::App &app) {
     CLI::App *figures = app.add_subcommand(
-        "figures", "figures 2, 3, 5 and 6 of the paper, measured beside their predictions, and "
+        "figures", "figures 2, 3, 5 and 6 of the paper, measured and predicted, and "
                    "the direction error over frequency, as SVG and CSV");
     const auto typed = std::make_shared<TypedFigures>();
-    figures->add_option("--out", typed->out, "the folder to write to; made where missing")
+    figures->add_option("--out", typed->out, "the folder to write to; created if missing")
         ->type_name("DIR")
         ->required();
     add_device_file_option(*figures, typed->device_file);
@@ -99,8 +99,8 @@ void add_figures_command(CLI::App &app) {
     add_joint_angles_option(*figures, typed->q_deg);
     figures
         ->add_option("--resistance-spread", typed->resistance_spread,
-                     "by what share of R motors 2 and 3 differ from the data sheet in figures 5 "
-                     "and 6, one down and one up; dR differs by R/dR times as much [0.0015]")
+                     "relative deviation of R of motors 2 and 3 from the data sheet in figures 5 "
+                     "and 6, one down and one up; that of dR is R/dR times as large [0.0015]")
         ->type_name("SHARE");
     figures->callback([typed] { make_figures(*typed); });
 }

@@ -72,8 +72,8 @@ void run(const TypedInspect &typed) {
 
 void add_inspect_command(CLI::App &app) {
     CLI::App &inspect =
-        *app.add_subcommand("inspect", "what a scene holds, what of it can be touched, and "
-                                       "which model it would get");
+        *app.add_subcommand("inspect", "the content of a scene, what can be touched, and "
+                                       "the model that it would get");
     const auto typed = std::make_shared<TypedInspect>();
     inspect
         .add_option("scene", typed->scene,
@@ -85,7 +85,7 @@ void add_inspect_command(CLI::App &app) {
     inspect.add_flag("--no-model", typed->no_model,
                      "do not measure which model the scene would get, which takes seconds");
     inspect.add_flag("--fresh", typed->fresh,
-                     "measure that anew, even if it is remembered from before");
+                     "measure the model again, even if a result is cached");
     inspect.callback([typed] { run(*typed); });
 }
 

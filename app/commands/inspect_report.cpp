@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One number of mesh preparation, and what it means to whoever touches.
+/// One number of mesh preparation, and its meaning for contact.
 struct Finding {
     const char *key;
     const char *label;
@@ -30,18 +30,18 @@ constexpr std::array<Finding, 10> kFindings{{
     {"degenerate_triangles", "degenerate", &contact::MeshReport::degenerate_triangles,
      "too thin to have a normal, or not finite: left out"},
     {"duplicate_triangles", "duplicate", &contact::MeshReport::duplicate_triangles,
-     "there twice: felt once"},
+     "repeated: touched once"},
     {"welded_vertices", "welded vertices", &contact::MeshReport::welded_vertices,
-     "in the place of another: joined, so that edges are shared"},
+     "at the position of another: merged, so that edges are shared"},
     {"open_edges", "open edges", &contact::MeshReport::open_edges,
-     "of one triangle only: the rim of a sheet or hole, where the tip can go round"},
+     "of one triangle only: the boundary of a sheet or hole, around which the tip can move"},
     {"non_manifold_edges", "non-manifold edges", &contact::MeshReport::non_manifold_edges,
-     "of more than two triangles: touched as they stand"},
+     "of more than two triangles: touched unchanged"},
     {"components", "surfaces", &contact::MeshReport::components, "connected over edges"},
     {"closed_components", "closed surfaces", &contact::MeshReport::closed_components,
      "bound a volume: stop the tip from outside, and let it leave"},
     {"inward_components", "inward surfaces", &contact::MeshReport::inward_components,
-     "closed and facing inwards: stop the tip from within, as a room does"},
+     "closed and facing inwards: stop the tip from inside, like a room"},
 }};
 
 const char *name_of(contact::TouchSides sides) {
@@ -58,7 +58,7 @@ const char *name_of(contact::TouchSides sides) {
 
 Json vector_json(const Vector3 &v) { return {v.x(), v.y(), v.z()}; }
 
-/// What loading and preparing had to say.
+/// The remarks of loading and preparation.
 std::vector<std::string> remarks_of(const InspectReport &report) {
     std::vector<std::string> remarks = report.scene->remarks;
     const std::vector<std::string> of_mesh =
@@ -97,7 +97,7 @@ void write_head(std::ostream &out, const InspectReport &report) {
     }
     print(out, ", loaded in {:.3f} s\n", report.load_s);
     if (scene.in_metres) {
-        out << "units     metres of the device's frame, as they stand\n";
+        out << "units     metres of the device's frame, unchanged\n";
     } else {
         print(out, "units     fitted to the workspace: one is {:.6g} m\n", scene.metres_per_unit);
     }
@@ -177,8 +177,8 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
               finding.meaning);
     }
     print(out, "{:>12}  {:<20}{}\n", surface.shapes().size(), "shapes",
-          "touched exactly as they are, without triangles");
-    print(out, "\nprepared in {:.3f} s; takes {:.2f} MB, {:.0f} bytes a triangle\n",
+          "touched exactly, without triangles");
+    print(out, "\nprepared in {:.3f} s; takes {:.2f} MB, {:.0f} bytes per triangle\n",
           report.preparation_s, 1e-6 * static_cast<double>(surface.bytes()),
           bytes_per_triangle(surface));
     for (const std::string &remark : remarks_of(report)) {

@@ -1,4 +1,4 @@
-// What `springdrive inspect` tells of a scene, as JSON or for people.
+// The report of `springdrive inspect` on a scene, as JSON or text.
 #pragma once
 
 #include "engine/lab/model_selection/model_choice.h"
@@ -21,13 +21,13 @@ struct NodeFacets {
 
 struct InspectReport {
     std::string name;
-    std::uintmax_t file_bytes = 0; ///< 0: made here, not read
+    std::uintmax_t file_bytes = 0; ///< 0: generated, not read
     const scene::Scene *scene = nullptr;
     const contact::HapticSurface *surface = nullptr;
     double load_s = 0.0;
     double preparation_s = 0.0;
     const model_selection::ModelChoice *model =
-        nullptr; ///< that the scene would get; null: not asked for
+        nullptr; ///< that the scene would get; null: not requested
 };
 
 /// In the order of the scene's materials.

@@ -9,15 +9,16 @@ namespace springdrive::app {
 
 namespace {
 
-/// What else is known of a candidate: that it is the one, or how it did with the others as chosen.
+/// Whether a candidate is selected, or its verdict in combination with the selected others.
 std::string further(const model_selection::ModelAxis &axis, std::size_t candidate,
                     const scene::ModelTolerance &tolerance) {
     if (candidate == axis.chosen) {
-        return "  <- chosen";
+        return "  <- selected";
     }
     for (const model_selection::CheaperTrial &trial : axis.cheaper) {
         if (trial.candidate == candidate) {
-            return "; with the rest as chosen: " + model_selection::verdict(trial.error, tolerance);
+            return "; with the others selected: " +
+                   model_selection::verdict(trial.error, tolerance);
         }
     }
     return "";
@@ -46,9 +47,9 @@ void write_model_table(std::ostream &out, const model_selection::ModelChoice &ch
     for (const model_selection::ModelAxis &axis : choice.axes) {
         write_axis(out, axis, tolerance);
     }
-    print(out, "chosen: {:.3f} N and {:.2f}° off the fullest, ", choice.error.force_N,
-          choice.error.direction_rad * kDegreesPerRadian);
-    print(out, "at {:.2f} µs a tick instead of {:.2f} µs\n", 1e-3 * choice.cost_ns,
+    print(out, "selected: error {:.3f} N and {:.2f}° relative to the full model, ",
+          choice.error.force_N, choice.error.direction_rad * kDegreesPerRadian);
+    print(out, "at {:.2f} µs per tick instead of {:.2f} µs\n", 1e-3 * choice.cost_ns,
           1e-3 * choice.fullest_cost_ns);
     for (const std::string &remark : choice.remarks) {
         out << "remark: " << remark << '\n';

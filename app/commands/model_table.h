@@ -1,4 +1,4 @@
-// A model choice for people: what was measured of each candidate, what is chosen, and why.
+// A model choice as text: the measurements of each candidate, the selection and its reason.
 #pragma once
 
 #include "engine/lab/model_selection/model_choice.h"

@@ -1,4 +1,4 @@
-// In place of chart_command.cpp where the charts were not built.
+// Replaces chart_command.cpp in builds without charts.
 #include "app/commands/commands.h"
 
 #include "base/input_error.h"
@@ -9,7 +9,7 @@ namespace springdrive::app {
 
 void add_chart_command(CLI::App &app) {
     CLI::App *command =
-        app.add_subcommand("chart", "speed against accuracy of every method; not in this build");
+        app.add_subcommand("chart", "speed and accuracy of every method; not in this build");
     command->allow_extras();
     command->callback([] {
         throw InputError(

@@ -17,7 +17,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// 0 where it worked.
+/// 0 on success.
 int error_of_closing(int descriptor) {
     const int error = descriptor < 0 ? errno : 0;
     if (descriptor >= 0) {
@@ -26,18 +26,18 @@ int error_of_closing(int descriptor) {
     return error;
 }
 
-/// What would be in the way of writing `output`; 0 for nothing. Tried where that leaves no trace:
-/// permissions alone do not tell it all.
+/// The error of writing to `output`; 0 for none. It is tried if that leaves no trace, as
+/// permissions alone do not suffice.
 int error_of_writing(const std::filesystem::path &output, const std::filesystem::path &folder) {
     std::error_code problem;
     const std::filesystem::file_type type = std::filesystem::status(output, problem).type();
-    if (type == std::filesystem::file_type::none) { // its name is too long, say
+    if (type == std::filesystem::file_type::none) { // for example, its name is too long
         return problem.value();
     }
     if (type == std::filesystem::file_type::regular) {
         return error_of_closing(open(output.c_str(), O_WRONLY | O_CLOEXEC));
     }
-    if (type != std::filesystem::file_type::not_found) { // whoever reads a pipe would see it end
+    if (type != std::filesystem::file_type::not_found) { // opening a pipe would end its reader
         return access(output.c_str(), W_OK) == 0 ? 0 : errno;
     }
     std::string beside = folder / ".springdrive_XXXXXX";
@@ -76,7 +76,7 @@ void check_writable(const std::filesystem::path &output) {
     const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
     std::error_code problem;
     if (!std::filesystem::is_directory(folder, problem)) {
-        throw InputError(output.string() + ": its folder does not exist; make it first");
+        throw InputError(output.string() + ": its folder does not exist; create it first");
     }
     if (std::filesystem::is_directory(output, problem)) {
         throw InputError(output.string() + ": is a folder; name a file");
@@ -91,11 +91,11 @@ void make_output_folder(const std::filesystem::path &folder) {
     std::error_code problem;
     std::filesystem::create_directories(folder, problem);
     if (problem) {
-        throw InputError("--out " + folder.string() + ": cannot be made: " + problem.message());
+        throw InputError("--out " + folder.string() + ": cannot be created: " + problem.message());
     }
     if (access(folder.c_str(), W_OK | X_OK) != 0) {
         throw InputError("--out " + folder.string() +
-                         ": you may not write there; name another folder");
+                         ": no permission to write; name another folder");
     }
 }
 
@@ -104,18 +104,18 @@ void write_output(const std::string &where, const Writer &write) {
         write(std::cout);
         if (!std::cout.flush()) {
             throw InputError("standard output: cannot be written; is its disk full or its reader "
-                             "gone?");
+                             "closed?");
         }
         return;
     }
     std::ofstream file(where, std::ios::binary);
     if (!file) {
-        throw InputError(where + ": cannot be created; does its folder exist, and may you write "
-                                 "there?");
+        throw InputError(where + ": cannot be created; check that its folder exists and its "
+                                 "permissions");
     }
     write(file);
     if (!file.flush()) {
-        throw InputError(where + ": cannot be written to the end; is the disk full?");
+        throw InputError(where + ": cannot be written completely; is the disk full?");
     }
 }
 

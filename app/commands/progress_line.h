@@ -1,4 +1,4 @@
-// How far a long command is.
+// The progress of a long command.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace springdrive::app {
 
-/// One line on standard error: rewritten in place where somebody watches, else left out.
+/// One line on standard error, rewritten in place; only on a terminal.
 class ProgressLine {
 public:
     ~ProgressLine() {

@@ -26,7 +26,7 @@ struct TypedRecord {
     std::string json;
 };
 
-/// Until the time is over, somebody asks for the end, or the record cannot go on.
+/// Until the time is over, termination is requested, or the record cannot continue.
 void play(session::Session &session, bool lockstep, double seconds) {
     FramePace pace;
     for (int frame = 0; !asked_to_end() && session.recording().is_running(); ++frame) {
@@ -74,15 +74,18 @@ void run(const TypedRecord &typed) {
 
 void add_record_command(CLI::App &app) {
     CLI::App &record = *app.add_subcommand(
-        "record", "a touch without a window, every servo tick of it into a file");
+        "record", "a session without a window, recording every servo tick to a file");
     const auto typed = std::make_shared<TypedRecord>();
-    record.add_option("file", typed->session.options.record, "to write; must not exist yet")
+    record
+        .add_option("file", typed->session.options.record,
+                    "the record to write; must not exist yet")
         ->type_name("FILE")
         ->required();
-    record.add_option("--seconds", typed->seconds, "how long [10]")->type_name("S");
-    add_output_option(record, "--json", typed->json, "how the servo kept its time");
+    record.add_option("--seconds", typed->seconds, "duration [10]")->type_name("S");
+    add_output_option(record, "--json", typed->json, "timing statistics of the servo");
     typed->session.add_to(record);
-    record.footer("The hand plays a scripted touch, or --path. See springdrive export and replay.");
+    record.footer(
+        "The hand follows a scripted touch, or --path. See springdrive export and replay.");
     record.callback([typed] { run(*typed); });
 }
 

@@ -59,7 +59,7 @@ void replay_all(record::RecordReader &record, record::Replay &replay, std::ostre
 
 void report(std::ostream &out, const record::RecordReader &record, const record::Replay &replay) {
     print(out, "{}: {}\n", record.path().string(), record.ending().text());
-    print(out, "replayed {} ticks, {} more for the filter's memory only\n", replay.replayed(),
+    print(out, "replayed {} ticks, {} more only to initialise the filter\n", replay.replayed(),
           replay.skipped());
     for (const record::ReplayedQuantity &quantity : replay.quantities()) {
         if (quantity.differing == 0) {
@@ -86,7 +86,7 @@ void run(const TypedReplay &typed) {
     }
     report(typed.csv == "-" ? std::cerr : std::cout, record, replay);
     if (replay.replayed() == 0) {
-        throw InputError(typed.record.string() + ": holds no two ticks in a row to replay");
+        throw InputError(typed.record.string() + ": has no two consecutive ticks to replay");
     }
     if (!asks && !replay.is_identical()) {
         throw CLI::RuntimeError(1);
@@ -97,13 +97,14 @@ void run(const TypedReplay &typed) {
 
 void add_replay_command(CLI::App &app) {
     CLI::App &command = *app.add_subcommand(
-        "replay", "a record through the control law again: must give the same voltages");
+        "replay",
+        "recompute a record with the control law, to check that the voltages are the same");
     const auto typed = std::make_shared<TypedReplay>();
     command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
     add_output_option(command, "--csv", typed->csv, "recorded and replayed e_W");
     typed->tuning.add_to(command);
-    command.footer("Exits with 1 if any bit differs. With a tuning, tells instead what that would "
-                   "have\nasked of the motors on the same motion.");
+    command.footer("Exits with 1 if any bit differs. With a tuning, shows instead what it would "
+                   "have\ncommanded for the same motion.");
     command.callback([typed] { run(*typed); });
 }
 

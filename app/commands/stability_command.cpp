@@ -26,7 +26,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr int kUnstable = 3; ///< exit status: the work was done, and the answer is no
+constexpr int kUnstable = 3; ///< exit status: completed, and the loop is unstable
 constexpr int kMostStepsOfAnAxis = 400;
 
 struct TypedStability {
@@ -55,7 +55,7 @@ StabilityReport report_of(const TypedStability &typed) {
                         typed.to.value_or(report.varied->to)};
         check_parameter_range("--vary", *report.varied, report.range.from, report.range.to);
         report.limits = limits::stability_limits(report.which, *report.varied, report.range);
-        if (report.limits.empty()) { // then every value of the range is like its first
+        if (report.limits.empty()) { // then all values of the range are alike
             loops::StabilityCase first = report.which;
             report.varied->set(first, report.range.from);
             report.stable_throughout = loops::is_stable(first);
@@ -92,7 +92,7 @@ limits::MapAxis axis_of(const std::string &text, int steps) {
     return axis;
 }
 
-/// Whose hands: those of the family, or a single one where a property of the hand varies.
+/// The hands: those of the family, or a single one if a property of the hand varies.
 std::string hands_text(const loops::StabilityCase &which, bool is_one) {
     const std::size_t nobody = which.hands.front().mass_kg == 0.0 ? 1 : 0;
     const std::size_t hands = which.hands.size() - nobody;
@@ -108,11 +108,11 @@ std::string loop_text(const loops::StabilityCase &which, bool alpha_varies, bool
                            ? "current drive"
                            : "spring drive, " + std::string(control::label_of(map));
     text += which.freedom == loops::Freedom::one_motor ? ", each motor by itself"
-                                                       : ", all motors at once";
+                                                       : ", all motors together";
     return text + ", " + hands_text(which, is_one_hand);
 }
 
-/// What does not vary over the map.
+/// The parameters that are constant over the map.
 MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &x,
                       const limits::MapAxis &y) {
     const auto varies = [&](std::string_view start) {
@@ -190,34 +190,34 @@ void run(const TypedStability &typed) {
 
 void add_stability_command(CLI::App &app) {
     CLI::App &stability = *app.add_subcommand(
-        "stability", "whether a loop is stable and where that ends, predicted and simulated");
+        "stability", "whether a loop is stable, and its limits, predicted and simulated");
     const auto typed = std::make_shared<TypedStability>();
     typed->loop.add_to(stability);
-    CLI::Option *vary =
-        stability
-            .add_option("--vary", typed->vary,
-                        "find its limits: " + loops::names_of_stability_parameters())
-            ->type_name("NAME");
-    stability.add_option("--from", typed->from, "lowest value to look at")
+    CLI::Option *vary = stability
+                            .add_option("--vary", typed->vary,
+                                        "find limits of: " + loops::names_of_stability_parameters())
+                            ->type_name("NAME");
+    stability.add_option("--from", typed->from, "lowest value of the range")
         ->type_name("VALUE")
         ->needs(vary);
-    stability.add_option("--to", typed->to, "highest value to look at")
+    stability.add_option("--to", typed->to, "highest value of the range")
         ->type_name("VALUE")
         ->needs(vary);
     CLI::Option *out =
-        stability.add_option("--out", typed->out, "the map's picture; its numbers go beside it")
+        stability
+            .add_option("--out", typed->out, "the map's picture; its numbers are written beside it")
             ->type_name("FILE.svg");
     CLI::Option *map =
         stability
             .add_option("--map", typed->map,
-                        "a map over two of what --vary knows, each NAME or NAME=FROM:TO")
+                        "a map over two parameters of --vary, each NAME or NAME=FROM:TO")
             ->type_name("A,B")
             ->delimiter(',')
             ->expected(2)
             ->needs(out)
             ->excludes(vary);
     out->needs(map);
-    stability.add_option("--steps", typed->steps, "values of each in a map [40]")
+    stability.add_option("--steps", typed->steps, "values of each parameter in a map [40]")
         ->type_name("N")
         ->needs(map);
     CLI::Option *table =
@@ -234,9 +234,9 @@ void add_stability_command(CLI::App &app) {
     add_output_option(stability, "--json", typed->json, "JSON")->excludes(map)->excludes(table);
     stability.footer(
         "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"
-        "Where that ends:       springdrive stability --vary kp\n"
-        "A picture of it:       springdrive stability --map kp=1:100,dR --out map.svg\n"
-        "Exit status: 0 stable, 3 not, 1 or 2 for what cannot be.");
+        "Its limits:            springdrive stability --vary kp\n"
+        "A map of it:           springdrive stability --map kp=1:100,dR --out map.svg\n"
+        "Exit status: 0 stable, 3 unstable, 1 or 2 for invalid input.");
     stability.callback([typed] { run(*typed); });
 }
 

@@ -16,7 +16,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// For gnuplot, which takes what follows an underscore for an index.
+/// For gnuplot, in which an underscore begins an index.
 std::string symbol_of(const loops::StabilityParameter &parameter) {
     const std::string symbol(parameter.symbol);
     const std::size_t line = symbol.find('_');
@@ -30,7 +30,7 @@ std::string axis_label(const loops::StabilityParameter &parameter) {
            (parameter.unit == "–" ? "" : "  (" + std::string(parameter.unit) + ")");
 }
 
-/// Half a cell, by which a picture reaches beyond the values at its sides.
+/// Half a cell, by which a picture extends beyond the outermost values.
 void add_axis(ChartMarks &marks, const std::string &name, const limits::MapAxis &axis) {
     const std::vector<double> values = axis.values();
     const bool by_ratio = axis.is_logarithmic();
@@ -43,7 +43,7 @@ void add_axis(ChartMarks &marks, const std::string &name, const limits::MapAxis 
     marks.add(name + "_last", last + half);
 }
 
-/// What is said where a line is missing, since all cells are on one side of it.
+/// The legend if a line is missing because all cells are on one side of it.
 std::string instead_of_a_line(const std::string &line, std::size_t stable, std::size_t all) {
     return stable == all ? line + ": stable everywhere"
            : stable == 0 ? line + ": stable nowhere"
@@ -62,7 +62,7 @@ std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y
         fmt::format_to(std::back_inserter(csv), "{:.9g},{:.9g},{:.9g},{:d},{:.9g}\n", cell.x,
                        cell.y, cell.eigenvalue, cell.stable, cell.remaining_m_per_s);
         if ((i + 1) % columns == 0) {
-            csv += '\n'; // as gnuplot wants the rows of a grid
+            csv += '\n'; // gnuplot's separator between rows of a grid
         }
     }
     return csv;

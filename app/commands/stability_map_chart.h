@@ -13,10 +13,10 @@ namespace springdrive::app {
 [[nodiscard]] std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
                                             const std::vector<limits::MapCell> &cells);
 
-/// What a map was made with, for the lines below its title.
+/// The settings of a map, for the lines below its title.
 struct MapSetting {
-    std::string values; ///< the device, and what was held
-    std::string loop;   ///< what drives and holds it
+    std::string values; ///< the device, and fixed parameters
+    std::string loop;   ///< its drive and hands
 };
 
 /// Writes `svg`, and the numbers beside it with the ending .csv, these first.

@@ -14,7 +14,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// What option a parameter has: `--delay` and `--servo-hz` stand for d and T.
+/// The option of a parameter: `--delay` and `--servo-hz` set d and T.
 std::string option_of(const loops::StabilityParameter &parameter) {
     return parameter.name == "d"   ? "--delay"
            : parameter.name == "T" ? "--servo-hz"
@@ -50,7 +50,7 @@ void StabilityOptions::add_to(CLI::App &command) {
     add_motion_map_option(command, "--kinematics", kinematics, " [as tuned]");
     command
         .add_option("--drive", drive,
-                    "spring: the paper's; current: a virtual wall as others render it [spring]")
+                    "spring: the paper's; current: a conventional virtual wall [spring]")
         ->check(CLI::IsMember({"spring", "current"}));
     command
         .add_option("--motors", motors,
@@ -58,7 +58,7 @@ void StabilityOptions::add_to(CLI::App &command) {
         ->check(CLI::IsMember({1, 3}));
     add_joint_angles_option(command, q_deg);
     command.add_flag("--no-hand", no_hand,
-                     "nobody holds the device [all must be stable: no hand, and five from light to "
+                     "without a hand [all must be stable: no hand, and five from light to "
                      "firm]");
 }
 
@@ -116,19 +116,19 @@ void check_that_it_counts(const std::string &option, const loops::StabilityParam
         throw InputError(option + (own ? "" : " " + std::string(name)) + ": " + why);
     };
     if (current && (name == "kp" || name == "kd" || name == "dR" || name == "alpha")) {
-        refuse("is of a spring drive; leave out --drive current");
+        refuse("applies to a spring drive; omit --drive current");
     }
     if (!current && name.starts_with("wall")) {
-        refuse("is of a current drive; add --drive current");
+        refuse("applies to a current drive; add --drive current");
     }
     if (name == "alpha" && which.tuning.map == control::MotionMap::inverse) {
-        refuse("is of the transpose map (23); leave out --kinematics inverse");
+        refuse("applies to the transpose map (23); omit --kinematics inverse");
     }
     if (which.freedom == loops::Freedom::three_motors && (name == "inertia" || name == "damping")) {
-        refuse("is of one motor by itself; leave out --motors 3");
+        refuse("applies to one motor by itself; omit --motors 3");
     }
     if (nobody && is_of_hand(parameter)) {
-        refuse("there is no hand; leave out --no-hand");
+        refuse("there is no hand; omit --no-hand");
     }
 }
 

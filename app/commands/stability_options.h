@@ -1,4 +1,4 @@
-// What is typed to say which loop is meant: for the commands about stability.
+// Options that define a loop, for the commands about stability.
 #pragma once
 
 #include "engine/lab/loops/stability_parameters.h"
@@ -28,22 +28,22 @@ struct StabilityOptions {
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);
 
-    /// Those that are not of the device, its configuration and whose hands hold it.
+    /// All except those of the device, its configuration and its hands.
     [[nodiscard]] static std::vector<std::string> options_of_drive_and_servo();
 
     /// @throw InputError for a value out of its range, with the range.
     [[nodiscard]] loops::StabilityCase stability_case() const;
 };
 
-/// A parameter by its name. @throw InputError naming all that there are.
+/// A parameter by its name. @throw InputError that lists all names.
 [[nodiscard]] const loops::StabilityParameter &typed_parameter(const std::string &option,
                                                                const std::string &name);
 
-/// @throw InputError where the parameter means nothing to the case: gains to a current drive, say.
+/// @throw InputError if the parameter does not affect the case, such as gains of a current drive.
 void check_that_it_counts(const std::string &option, const loops::StabilityParameter &parameter,
                           const loops::StabilityCase &which);
 
-/// A range of it. @throw InputError where it is outside of what the parameter can be, or empty.
+/// A range of it. @throw InputError if it is outside the parameter's range, or empty.
 void check_parameter_range(const std::string &option, const loops::StabilityParameter &parameter,
                            double from, double to);
 

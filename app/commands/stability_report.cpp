@@ -43,7 +43,7 @@ void write_setting(std::ostream &out, const StabilityReport &report) {
               control::label_of(tuning.map));
     }
     print(out, "hands: {}, ", which.hands.size());
-    out << (which.rotor ? "one motor with an inertia of its own"
+    out << (which.rotor ? "one motor with a given inertia"
             : which.freedom == loops::Freedom::three_motors
                 ? "the whole linkage, its tip held at a point"
                 : "each motor by itself")
@@ -54,18 +54,18 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
     print(out, "predicted  {:<8}  largest eigenvalue {:.6f} ({})\n",
           report.worst.is_stable() ? "stable" : "UNSTABLE", report.worst.eigenvalue,
           who(report.which, report.worst.member));
-    print(out, "simulated  {:<8}  let go 1 mm aside, with encoder counts and supply limits\n",
+    print(out, "simulated  {:<8}  released 1 mm aside, with encoder counts and supply limits\n",
           report.stable_simulated ? "stable" : "UNSTABLE");
     if (report.which.drive == device::AmplifierKind::current_drive) {
         print(out,
-              "2b/(T(1 + 2d) + 2/ω)  {:.4g} N/m at the tip: Colgate and Schenkel's line for a "
+              "2b/(T(1 + 2d) + 2/ω)  {:.4g} N/m at the tip: Colgate and Schenkel's limit for a "
               "heavy device without hand and B,\n",
               passive_wall_N_per_m(report.which));
-        out << "           d periods late, behind this amplifier's bandwidth ω; of the motor with "
-               "the least\n";
+        out << "           with a delay of d periods and this amplifier's bandwidth ω; minimum of "
+               "all motors\n";
     }
     if (report.worst.is_stable() && !report.stable_simulated) {
-        out << "           they differ because counts shake a loop that hardly dies out\n";
+        out << "           they differ because encoder counts sustain a slowly decaying motion\n";
     }
 }
 
@@ -104,12 +104,11 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
         varied.set(there, limit.predicted);
         out << "  " << who(there, limit.worst) << '\n';
     }
-    out << "\nEach simulated limit stands with its ratio to the prediction. Counts can keep a "
-           "loop\n"
-           "rattling that hardly dies out, and rest again farther on: the first limit from the\n"
-           "stable side stands here. Friction takes small motions away. Slow motions are watched\n"
-           "for up to 30 s; one that grows by less than some 0.05/s may pass for one that dies "
-           "out.\n";
+    out << "\nEach simulated limit is followed by its ratio to the prediction. Counts can sustain\n"
+           "a slowly decaying motion, and cease to do so farther on: the limit given is the first\n"
+           "from the stable side. Friction stops small motions. Slow motions are simulated for\n"
+           "up to 30 s; one that grows by less than some 0.05/s can be mistaken for a decaying\n"
+           "one.\n";
 }
 
 Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }

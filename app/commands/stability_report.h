@@ -1,4 +1,4 @@
-// What `springdrive stability` tells, for people or as JSON.
+// The report of `springdrive stability`, as text or JSON.
 #pragma once
 
 #include "engine/lab/limits/stability_limits.h"
@@ -16,7 +16,7 @@ struct StabilityReport {
     const loops::StabilityParameter *varied = nullptr;
     limits::ParameterRange range;
     std::vector<limits::StabilityLimit> limits;
-    /// By the prediction; nothing where there are limits, or nothing varies.
+    /// By the prediction; nothing if there are limits, or no parameter varies.
     std::optional<bool> stable_throughout;
 
     /// By both.
@@ -25,12 +25,12 @@ struct StabilityReport {
 
 void write_stability_table(std::ostream &out, const StabilityReport &report);
 
-/// One object; what was not found is null.
+/// One object; missing values are null.
 void write_stability_json(std::ostream &out, const StabilityReport &report);
 
-/// Colgate and Schenkel's line K = 2b/T, for a command that comes d periods late and an amplifier
-/// of bandwidth ω: 2b/(T(1 + 2d) + 2/ω), for a motor of a current drive without a hand and without
-/// B; the least of all motors [N/m at the tip].
+/// Colgate and Schenkel's limit K = 2b/T, for a delay of d periods and an amplifier of bandwidth ω:
+/// 2b/(T(1 + 2d) + 2/ω), for a motor of a current drive without a hand and without B; the minimum
+/// over all motors [N/m at the tip].
 [[nodiscard]] double passive_wall_N_per_m(const loops::StabilityCase &which);
 
 } // namespace springdrive::app

@@ -21,7 +21,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// One period of it is a million ticks of the fastest servo.
+/// One period is a million ticks of the fastest servo.
 constexpr double kLowest_hz = 0.01;
 constexpr int kMostPoints = 10000;
 
@@ -40,7 +40,7 @@ struct TypedStiffness {
     std::string csv; ///< empty: a table for people
 };
 
-/// The device with the motors that were typed.
+/// The device with the given motors.
 device::DeviceDescription device_of(const TypedStiffness &typed) {
     device::DeviceDescription device = device::read_device_file(typed.device_file);
     if (typed.motor.empty()) {
@@ -61,7 +61,7 @@ device::DeviceDescription device_of(const TypedStiffness &typed) {
 control::Tuning tuning_for(const device::DeviceDescription &device, const TypedStiffness &typed) {
     const control::Tuning tuning = typed.tuning.tuning();
     check_dR(device, tuning);
-    static_cast<void>(cold_dR_Ohm(device, tuning)); // the bench itself gives what was asked for
+    static_cast<void>(cold_dR_Ohm(device, tuning)); // the bench itself uses the requested dR
     return tuning;
 }
 
@@ -95,7 +95,7 @@ void sweep(const TypedStiffness &typed) {
 void hold(const TypedStiffness &typed) {
     for (const CLI::Option *option : typed.of_a_sweep) {
         if (option->count() > 0) {
-            throw InputError(option->get_name() + ": belongs to a sweep; leave it out with --hold");
+            throw InputError(option->get_name() + ": belongs to a sweep; omit it with --hold");
         }
     }
     const device::DeviceDescription device = device_of(typed);
@@ -127,7 +127,8 @@ void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
                         "highest frequency, up to half the servo rate [a quarter]")
             ->type_name("HZ"),
         stiffness
-            .add_option("--points", typed.points, "frequencies, evenly spread by logarithm [25]")
+            .add_option("--points", typed.points,
+                        "number of frequencies, logarithmically spaced [25]")
             ->type_name("N")};
 }
 
@@ -135,9 +136,11 @@ void add_hold_options(CLI::App &stiffness, TypedStiffness &typed) {
     CLI::Option *hold = stiffness
                             .add_option("--hold", typed.hold_N,
                                         "instead of a sweep: hold a contact with this force, and "
-                                        "tell how the motors warm, soften and cool")
+                                        "show how the motors heat up, soften and cool")
                             ->type_name("N");
-    stiffness.add_option("--seconds", typed.seconds, "of the hold, and of cooling after it [600]")
+    stiffness
+        .add_option("--seconds", typed.seconds,
+                    "duration of the hold, and of cooling after it [600]")
         ->type_name("S")
         ->needs(hold);
 }

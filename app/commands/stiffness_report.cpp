@@ -12,7 +12,7 @@ namespace {
 
 double hz(double rad_per_s) { return rad_per_s / (2.0 * std::numbers::pi); }
 
-/// Of the three joints in rigid contact, the one nearest to instability, or furthest beyond.
+/// Of the three joints in rigid contact, the least stable one.
 loops::WorstMember worst_joint(const device::DeviceDescription &device,
                                const loops::SpringDrive &drive) {
     loops::StabilityCase each = loops::motors_alone(device, drive.tuning);

@@ -1,4 +1,4 @@
-// What `springdrive stiffness` tells people: levels, corners, stability, and a table.
+// The report of `springdrive stiffness`: levels, corner frequencies, stability, and a table.
 #pragma once
 
 #include "device/core/device_file.h"

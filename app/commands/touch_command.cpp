@@ -38,11 +38,11 @@ struct TypedTouch {
     std::string path = "slide";
     rig::TouchPathOptions how;
     int seed = 1;
-    std::optional<int> steps; ///< 20000, or all that a file takes
+    std::optional<int> steps; ///< 20000, or those of a file
     double servo_hz = 1000.0;
     int checks = 200;
     double slack_m = rig::kLeastSlack_m;
-    std::vector<CLI::Option *> of_a_made_path; ///< which a file's path has no use for
+    std::vector<CLI::Option *> of_a_made_path; ///< which do not apply to a file's path
     std::string csv;
     std::string json;
     bool is_strict = false;
@@ -61,12 +61,12 @@ void check(const TypedTouch &typed) {
     }
 }
 
-/// The tip at each tick of the servo while the hand is on its way.
+/// The tip at each servo tick along the hand's path.
 std::vector<Vector3> tips_of_file(const TypedTouch &typed, double period_s) {
     for (const CLI::Option *option : typed.of_a_made_path) {
         if (option->count() > 0) {
-            throw InputError(option->get_name() + ": belongs to a path that is made here; leave it "
-                                                  "out with a file's");
+            throw InputError(option->get_name() + ": belongs to a generated path; omit it with a "
+                                                  "path from a file");
         }
     }
     if (!std::filesystem::exists(typed.path)) {
@@ -158,11 +158,10 @@ void add_path_options(CLI::App &touch, TypedTouch &typed) {
         touch.add_option("--speed", typed.how.speed_m_per_s, "of the tip [0.1]")->type_name("M/S"),
         touch.add_option("--depth", typed.how.depth_m, "of the tip below the surface [0.0015]")
             ->type_name("M"),
-        touch.add_option("--seed", typed.seed, "of what is random about a path [1]")
-            ->type_name("N")};
+        touch.add_option("--seed", typed.seed, "seed of random paths [1]")->type_name("N")};
     touch
         .add_option("--steps", typed.steps,
-                    "servo ticks, up to 1000000 [20000; of a file all it takes]")
+                    "number of servo ticks, up to 1000000 [20000; with a file all of it]")
         ->type_name("N");
     add_servo_hz_option(touch, typed.servo_hz);
     touch.add_option("--radius", typed.how.radius_m, "of the proxy [0]")->type_name("M");
@@ -184,21 +183,21 @@ void add_touch_command(CLI::App &app) {
     add_path_options(touch, *typed);
     touch
         .add_option("--check", typed->checks,
-                    "steps in contact to check by brute force, beside up to 1000 each that look "
+                    "steps in contact to check by brute force, besides up to 1000 each that look "
                     "stuck or did not settle [200]")
         ->type_name("N");
     touch
         .add_option("--slack", typed->slack_m,
-                    "height of a ridge that does not excuse a lag, 2e-12 to 5e-9 [2e-12]")
+                    "height of a ridge that is ignored as a cause of lag, 2e-12 to 5e-9 [2e-12]")
         ->type_name("M");
     add_output_option(touch, "--csv", typed->csv,
                       "every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, "
                       "constraints, ns of the update)");
-    add_output_option(touch, "--json", typed->json, "the figures");
+    add_output_option(touch, "--json", typed->json, "the results");
     touch.add_flag("--strict", typed->is_strict,
                    "exit with 1 if there was a pop-through or a stuck step");
-    touch.footer("Times are of the first of three identical runs; the best of all three tells what "
-                 "else the\nmachine did.");
+    touch.footer("Times are of the first of three identical runs; the best of all three shows the "
+                 "influence of\nother load.");
     touch.callback([typed] { run(*typed); });
 }
 

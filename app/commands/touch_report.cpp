@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As many steps of a kind are named.
+/// The number of steps of a kind that are listed.
 constexpr std::size_t kNamedSteps = 20;
 
 std::size_t steps_in_contact(const rig::TouchRun &run) {
@@ -158,7 +158,7 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     print_times(out, "free", run.steps.size() - in_contact, run, false);
     print(out, "\npop-throughs           {:>8}   of {} steps\n", found.pop_throughs.size(),
           run.steps.size());
-    print(out, "stuck                  {:>8}   of {} that looked so", found.stuck.size(),
+    print(out, "stuck                  {:>8}   of {} suspected", found.stuck.size(),
           found.suspicious);
     if (found.suspicious_unchecked > 0) {
         print(out, ", {} of which were not checked", found.suspicious_unchecked);
@@ -171,18 +171,18 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     out << '\n';
     print(out, "largest lag, µm        {:>8.3f}   of {} steps checked\n", 1e6 * found.lag_m.value,
           found.checked);
-    print(out, "direction off, °       {:>8.3f}\n",
+    print(out, "direction error, °     {:>8.3f}\n",
           kDegreesPerRadian * found.direction_error_rad.value);
     if (report.sphere_error_rad) {
-        print(out, "direction off sphere, °{:>8.3f}\n",
+        print(out, "error from sphere, °   {:>8.3f}\n",
               kDegreesPerRadian * report.sphere_error_rad->value);
     }
     if (found.with_friction > 0) {
-        print(out, "{} steps touch with friction, which may hold them: not checked for lag\n",
+        print(out, "{} steps in contact with friction, which may cause lag: not checked for it\n",
               found.with_friction);
     }
     if (found.given_up > 0) {
-        print(out, "{} checks did not come to an end\n", found.given_up);
+        print(out, "{} checks did not complete\n", found.given_up);
     }
     print_steps(out, "pop-throughs", found.pop_throughs);
     print_steps(out, "stuck", found.stuck);

@@ -1,4 +1,4 @@
-// What `springdrive touch` tells: of each step as CSV, of all of them as JSON or for people.
+// The report of `springdrive touch`: each step as CSV, or a summary as JSON or text.
 #pragma once
 
 #include "engine/contact/mesh/mesh_preparation.h"
@@ -35,7 +35,7 @@ struct TouchReport {
 /// A header and a row for each step. SI units, but for the time of an update in nanoseconds.
 void write_touch_csv(std::ostream &out, const TouchReport &report);
 
-/// One object; what was never met is null.
+/// One object; quantities without a value are null.
 void write_touch_json(std::ostream &out, const TouchReport &report);
 
 void write_touch_table(std::ostream &out, const TouchReport &report);

@@ -28,7 +28,7 @@ struct TypedTune {
     double delay_periods = 0.0;
     double margin = limits::AutoTuneRequest{}.margin;
     std::string kinematics{control::name_of(control::MotionMap::transpose)};
-    std::string out; ///< empty: standard output, after what people want to know
+    std::string out; ///< empty: standard output, after the report
 };
 
 limits::AutoTuneRequest request_of(const TypedTune &typed) {
@@ -78,15 +78,15 @@ void run(const TypedTune &typed) {
 
 void add_tune_command(CLI::App &app) {
     CLI::App &tune = *app.add_subcommand(
-        "tune", "the stiffest tuning that every hand finds stable, as a tuning file");
+        "tune", "the stiffest tuning that is stable with every hand, as a tuning file");
     const auto typed = std::make_shared<TypedTune>();
     add_device_file_option(tune, typed->device_file);
-    tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), which the search keeps [0.5]")
+    tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), fixed in the search [0.5]")
         ->type_name("Ω");
     add_servo_hz_option(tune, typed->servo_hz);
     add_delay_option(tune, typed->delay_periods);
     tune.add_option("--margin", typed->margin,
-                    "by what factor K_P and K_D might be larger yet, 1 to 10 [1.3]")
+                    "factor by which K_P and K_D may still grow, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     add_motion_map_option(tune, "--kinematics", typed->kinematics);
     tune.add_option("--out", typed->out, "the file to write [standard output]")

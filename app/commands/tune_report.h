@@ -1,4 +1,4 @@
-// What `springdrive tune` says of a tuning that it found.
+// The report of `springdrive tune`.
 #pragma once
 
 #include <iosfwd>
@@ -9,7 +9,7 @@ struct AutoTuned;
 
 namespace springdrive::app {
 
-/// What was found, its margins, and what is to be known about them, a line each.
+/// The result, its margins, and remarks on them, one line each.
 void write_tuned(std::ostream &out, const limits::AutoTuned &found);
 
 } // namespace springdrive::app

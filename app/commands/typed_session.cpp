@@ -18,19 +18,20 @@ void ModelTyped::add_to(CLI::App &command) {
     }
     command
         .add_option("--model", use,
-                    "full: as the other options say; auto: the cheapest that meets the scene's "
-                    "tolerance, measured first if need be [full]")
+                    "full: as given by the other options; auto: the cheapest within the scene's "
+                    "tolerance, measured first if necessary [full]")
         ->check(CLI::IsMember({"full", "auto"}));
-    command.add_option("--plant-model", plant, "how much of the device is simulated")
+    command.add_option("--plant-model", plant, "which effects of the device are simulated")
         ->check(CLI::IsMember(plants));
     command
         .add_option("--step-us", step_us,
                     "the simulated device's longest sub-step, 1 to 4000 [100]")
         ->type_name("US");
     command
-        .add_option("--contact-shape", surface,
-                    "what is touched: given, flat, primitives or simplified_N, a triangle of N "
-                    "left; springdrive inspect lists what a scene has")
+        .add_option(
+            "--contact-shape", surface,
+            "haptic surface: given, flat, primitives or simplified_N, one triangle of N left; "
+            "springdrive inspect lists those of a scene")
         ->type_name("NAME");
 }
 
@@ -77,15 +78,15 @@ void TypedSession::add_to(CLI::App &command) {
         .add_option("--path", options.path,
                     "the hand's target, a CSV file with columns t,x,y,z [s, m]")
         ->type_name("FILE");
-    command.add_option("--cpu", options.cpu, "the processor that the servo's thread is to stay on")
+    command.add_option("--cpu", options.cpu, "the processor to which the servo thread is bound")
         ->type_name("N");
     command
         .add_option("--late-limit-ms", late_limit_ms,
-                    "stop a device that does not wait when deadlines missed in a row add up to "
+                    "stop a device with its own clock when consecutive missed deadlines add up to "
                     "more than this [the device file's]")
         ->type_name("MS");
     command.add_flag("--lockstep", options.lockstep,
-                     "drive the servo by frame time instead of the clock: the same run every time");
+                     "run the servo by frame time instead of the clock, which is repeatable");
 }
 
 session::SessionOptions TypedSession::session() const {
@@ -105,8 +106,9 @@ session::SessionOptions TypedSession::session() const {
     session.model = model.options(tuning);
     const bool chooses_plant = session.model.automatic || session.model.plant;
     if (chooses_plant && !(effects.without.empty() && effects.with.empty())) {
-        throw InputError("--without and --with say what is simulated, and so do --model auto and "
-                         "--plant-model; give one or the other");
+        throw InputError(
+            "--without and --with select what is simulated, and so do --model auto and "
+            "--plant-model; give one or the other");
     }
     return session;
 }

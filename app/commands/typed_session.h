@@ -22,7 +22,7 @@ struct ModelTyped {
 
     void add_to(CLI::App &command);
 
-    /// @throw InputError for a part that is not known.
+    /// @throw InputError for an unknown part.
     [[nodiscard]] session::ModelOptions options(const TuningOptions &tuning) const;
 };
 
@@ -37,8 +37,8 @@ struct TypedSession {
 
     void add_to(CLI::App &command);
 
-    /// What was typed, as the session takes it.
-    /// @throw InputError for what no session can run on.
+    /// The options of the session.
+    /// @throw InputError for options with which no session can run.
     [[nodiscard]] session::SessionOptions session() const;
 };
 

@@ -15,8 +15,8 @@ namespace {
 constexpr int kPointsPerDecade = 20;
 constexpr int kDecades = 4; ///< 1 Hz to 10 kHz: below R/L and above it
 
-/// The highest frequency to be measured, over the servo's rate: beyond a half, the servo sees an
-/// alias.
+/// The highest frequency to be measured, relative to the servo rate; above one half there is
+/// aliasing.
 constexpr double kHighestMeasured = 0.45;
 
 std::string row(const loops::SpringDrive &drive, double wanted_hz) {
@@ -58,7 +58,7 @@ ChartMarks marks(const FigureSetting &setting, const loops::SpringDrive &drive) 
 } // namespace
 
 Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &progress) {
-    constexpr std::size_t kMotor = 1; // of q₂, the first that moves the tip in its plane
+    constexpr std::size_t kMotor = 1; // of q₂, the first joint that moves the tip in its plane
     const loops::SpringDrive drive{setting.device.motor[kMotor], setting.tuning,
                                    setting.servo_period_s, 0};
     Figure figure;

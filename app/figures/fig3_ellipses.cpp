@@ -35,7 +35,7 @@ void add_linkage(ChartMarks &marks, const FigureSetting &setting) {
     add("coupling", pose.coupling_m);
 }
 
-/// How long the chart draws a stiffness: its longest axis as long as the links, about.
+/// The chart's scale of stiffness: the longest axis is about as long as the links.
 void add_scale(ChartMarks &marks, const FigureSetting &setting,
                const loops::PlanarStiffness &stiffness) {
     const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(stiffness.inverse,

@@ -20,7 +20,7 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
     for (const control::MotionMap map :
          {control::MotionMap::inverse, control::MotionMap::transpose}) {
         const std::string name(control::name_of(map));
-        // Each map its own, so that friction does not swamp the softer one.
+        // A separate depth for each map, so that friction does not mask the softer one.
         const limits::LockedDeviceOptions options = with_effects(setting, map);
         const limits::LockedForce force =
             limits::press_locked_device(setting.device, options, map, kDown_rad);

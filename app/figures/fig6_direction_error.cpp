@@ -10,7 +10,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// What was measured against one surface, with both maps.
+/// The measurements against one surface, with both maps.
 struct Errors {
     double inverse_deg = 0.0;
     double transpose_deg = 0.0;
@@ -37,7 +37,7 @@ ChartMarks marks(const FigureSetting &setting, const loops::PlanarStiffness &sti
     marks.add("conditions", effects_text(inverse));
     marks.add("inverse_penetration", penetration_text(inverse));
     marks.add("transpose_penetration", penetration_text(transpose));
-    // The prediction as a curve, between the surfaces too.
+    // The prediction as a curve, also between the surfaces.
     marks.add("K_xx", stiffness.inverse(0, 0));
     marks.add("K_xy", stiffness.inverse(0, 1));
     marks.add("K_yy", stiffness.inverse(1, 1));

@@ -1,4 +1,4 @@
-// Figure 7, beyond the paper: what its section V says of high frequencies.
+// Figure 7, beyond the paper: high frequencies, which its section V discusses.
 #include "app/figures/figure_text.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/direction_spectrum.h"

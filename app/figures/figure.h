@@ -1,7 +1,7 @@
-// The paper's figures, each as numbers: a CSV file, and what its chart marks beside them.
+// The paper's figures, each as numbers: a CSV file, and the marks of its chart.
 //
-// A chart is drawn by assets/figures/NAME.gnuplot from NAME.csv and those marks; to see how a
-// figure looks, or to change that, look there.
+// A chart is drawn by assets/figures/NAME.gnuplot from NAME.csv and those marks; its appearance is
+// defined there.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -15,7 +15,7 @@
 
 namespace springdrive::app {
 
-/// What the figures are of.
+/// The subject of the figures.
 struct FigureSetting {
     device::DeviceDescription device;
     control::Tuning tuning;
@@ -42,7 +42,7 @@ struct Figure {
     ChartMarks marks;
 };
 
-/// Told how far a figure is, as a share of 1.
+/// Receives the progress of a figure, from 0 to 1.
 using FigureProgress = std::function<void(double)>;
 
 /// Fig. 2: K_θ over frequency, by (12), sampled, measured, and of the unmodified motor.
@@ -54,7 +54,7 @@ using FigureProgress = std::function<void(double)>;
 /// Fig. 5: the forces of both maps against a wall above the device.
 [[nodiscard]] Figure forces_figure(const FigureSetting &setting, const FigureProgress &progress);
 
-/// Fig. 6: the direction error of both maps against surfaces all around.
+/// Fig. 6: the direction error of both maps against surfaces in all directions.
 [[nodiscard]] Figure direction_error_figure(const FigureSetting &setting,
                                             const FigureProgress &progress);
 

@@ -14,7 +14,7 @@ void ChartMarks::add(std::string_view name, double number) {
 void ChartMarks::add(std::string_view name, std::string_view text) {
     std::string quoted;
     for (const char c : text) {
-        // In single quotes gnuplot knows no escapes but the quote itself, twice.
+        // In single quotes the only escape of gnuplot is a doubled quote.
         quoted += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
     }
     assignments_ += std::string(name) + " = '" + quoted + "'; ";

@@ -1,4 +1,4 @@
-// How figures write numbers, into CSV files and charts.
+// The formats of numbers in the figures' CSV files and charts.
 #pragma once
 
 #include "app/figures/figure.h"
@@ -15,7 +15,7 @@ namespace springdrive::app {
 /// A CSV line with its end; a NaN becomes an empty cell.
 [[nodiscard]] std::string csv_line(std::initializer_list<double> cells);
 
-/// What a figure's second line says of dR, K_P, K_D and the servo: "dR 0.5 Ω, K_P 6 V/rad, …".
+/// dR, K_P, K_D and the servo, for a figure's second line: "dR 0.5 Ω, K_P 6 V/rad, …".
 [[nodiscard]] std::string gains_text(const FigureSetting &setting);
 
 /// The same with λ.

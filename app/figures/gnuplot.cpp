@@ -18,9 +18,9 @@ namespace springdrive::app {
 
 namespace {
 
-/// How a program ended, and what it said on its standard error.
+/// A program's exit status and its output on standard error.
 struct Ending {
-    int spawn_error = 0; ///< an errno, where it could not be started at all
+    int spawn_error = 0; ///< an errno, if it could not be started
     int wait_status = 0;
     std::string error;
 };
@@ -38,7 +38,7 @@ std::string read_to_the_end(int descriptor) {
     }
 }
 
-/// Our environment without what would make gnuplot look for a screen of its own.
+/// Our environment without GNUTERM, which would make gnuplot open a screen.
 std::vector<char *> environment() {
     std::vector<char *> variables;
     for (char **variable = environ; *variable != nullptr; ++variable) {
@@ -50,7 +50,7 @@ std::vector<char *> environment() {
     return variables;
 }
 
-/// What the program finds in place of ours: nothing to read, nowhere to write, our ear, its folder.
+/// The program's standard input and output (none), standard error (a pipe to us) and folder.
 class SpawnSetting {
 public:
     SpawnSetting(const std::filesystem::path &folder, int error_descriptor) {
@@ -98,11 +98,11 @@ Ending run(std::vector<std::string> arguments, const std::filesystem::path &fold
     return ending;
 }
 
-/// The last line that says something.
+/// The last line that is not empty.
 std::string last_line(const std::string &text) {
     const std::size_t last = text.find_last_not_of(" \n\r\t");
     if (last == std::string::npos) {
-        return "it says nothing";
+        return "no message";
     }
     const std::size_t before = text.find_last_of('\n', last);
     const std::size_t first = text.find_first_not_of(" \t", before + 1);
@@ -122,10 +122,10 @@ bool is_whole(const std::filesystem::path &svg) {
 
 void draw(const Chart &chart) {
     const std::filesystem::path svg = chart.folder / chart.svg;
-    std::error_code ignored; // if it cannot be removed, it cannot be replaced, which gnuplot tells
+    std::error_code ignored; // then it cannot be replaced either, which gnuplot reports
     std::filesystem::remove(svg, ignored);
     const std::string files = "csv = '" + chart.csv + "'; svg = '" + chart.svg + "'; ";
-    // -d: whatever the user's own gnuplot settings are.
+    // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
     const Ending ending = run({"gnuplot", "-d", "-e", files + chart.assignments,
                                script.parent_path() / "style.gnuplot", script},
@@ -144,8 +144,8 @@ void draw(const Chart &chart) {
         throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.error));
     }
     if (!is_whole(svg)) {
-        throw InputError(svg.string() + ": gnuplot did not write it to the end; is the disk full, "
-                                        "or its gnuplot without SVG?");
+        throw InputError(svg.string() + ": gnuplot did not write it completely; is the disk full, "
+                                        "or gnuplot built without SVG?");
     }
 }
 

@@ -6,7 +6,7 @@
 
 namespace springdrive::app {
 
-/// A chart that gnuplot is to draw.
+/// A chart for gnuplot to draw.
 struct Chart {
     std::filesystem::path script; ///< run after the style.gnuplot beside it, which opens `svg`
     std::string assignments;      ///< in gnuplot's language, before the script
@@ -15,10 +15,10 @@ struct Chart {
     std::string svg;
 };
 
-/// Draws a chart; an earlier one of that name is replaced. No shell takes part, so that any folder
-/// will do.
-/// @throw InputError where gnuplot is missing, and where it fails or leaves half a file, with its
-///        own last word.
+/// Draws a chart; an existing one of that name is replaced. No shell is involved, so any folder
+/// name works.
+/// @throw InputError if gnuplot is missing, or if it fails or leaves an incomplete file, with its
+///        last message.
 void draw(const Chart &chart);
 
 } // namespace springdrive::app

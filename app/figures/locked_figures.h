@@ -1,4 +1,4 @@
-// What figures 5 and 6 share: the device in its vice, imperfect and ideal.
+// Shared by figures 5 and 6: the locked device, imperfect and ideal.
 #pragma once
 
 #include "app/figures/figure.h"
@@ -8,11 +8,11 @@
 
 namespace springdrive::app {
 
-/// As on a real device, pressed as far as its limits let this map be without harm.
+/// As on a real device, pressed as deep as its limits permit with this map.
 [[nodiscard]] limits::LockedDeviceOptions with_effects(const FigureSetting &setting,
                                                        control::MotionMap map);
 
-/// As the equations have it, pressed so little that their linearity in Δx holds.
+/// As in the equations, pressed so little that their linearity in Δx holds.
 [[nodiscard]] limits::LockedDeviceOptions without_effects(const FigureSetting &setting,
                                                           control::MotionMap map);
 

@@ -10,7 +10,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// A logarithmic axis around positive numbers, with room beyond the outermost.
+/// A logarithmic axis over positive numbers, with a margin beyond the outermost.
 class LogRange {
 public:
     void include(double number) {
@@ -20,7 +20,7 @@ public:
         }
     }
 
-    /// @param room below, as a share of what the numbers take; at least a fifth of a decade
+    /// @param room below, relative to the range of the numbers; at least a fifth of a decade
     [[nodiscard]] double low(double room) const {
         return std::isfinite(least_) ? std::pow(10.0, least_ - room_decades(room)) : 0.1;
     }
@@ -37,10 +37,10 @@ private:
     double greatest_ = -std::numeric_limits<double>::infinity();
 };
 
-/// An error so many decades below the next is what arithmetic rounds off, not one of the method.
+/// An error this many decades below the next is round-off, not an error of the method.
 constexpr double kRoundOffGap_decades = 6.0;
 
-/// The greatest error that is round-off; 0 where none is, but for errors of 0.
+/// The largest error that is round-off; 0 if there are none except errors of 0.
 double round_off_of(const rig::WorkPrecisionChart &chart) {
     std::vector<double> decades;
     for (const rig::WorkPoint &point : chart.points) {
@@ -57,15 +57,15 @@ double round_off_of(const rig::WorkPrecisionChart &chart) {
     return 0.0;
 }
 
-/// What both axes hold.
+/// The ranges of both axes.
 struct Frame {
     double cost_low_ns;
     double cost_high_ns;
     double error_low;
     double error_high;
-    double round_off;     ///< the greatest error that stands at `error_of_zero`
-    double error_of_zero; ///< where errors of 0 and round-off stand; 0 if there are none
-    double error_of_none; ///< where failures without an error to tell stand
+    double round_off;     ///< the largest error that is drawn at `error_of_zero`
+    double error_of_zero; ///< where errors of 0 and round-off are drawn; 0 if there are none
+    double error_of_none; ///< where failures without a measured error are drawn
 };
 
 Frame frame_of(const rig::WorkPrecisionChart &chart) {
@@ -101,7 +101,7 @@ Frame frame_of(const rig::WorkPrecisionChart &chart) {
     return frame;
 }
 
-/// The methods' names, each once, in the order in which they come.
+/// The methods' names, each once, in order of appearance.
 std::vector<std::string> methods_of(const rig::WorkPrecisionChart &chart) {
     std::vector<std::string> methods;
     for (const rig::WorkPoint &point : chart.points) {
@@ -122,7 +122,7 @@ std::string range_text(const std::string &first, const std::string &last) {
     return (is_common ? first.substr(0, end) : first) + " … " + last;
 }
 
-/// Each method and its settings, as gnuplot's word() takes them apart.
+/// Each method and its settings, in the format of gnuplot's word().
 std::string legend_of(const rig::WorkPrecisionChart &chart,
                       const std::vector<std::string> &methods) {
     std::string legend;

@@ -1,4 +1,4 @@
-// What assets/figures/work_precision.gnuplot is told of a chart beside its CSV file.
+// The input of assets/figures/work_precision.gnuplot in addition to the CSV file.
 #pragma once
 
 #include "app/figures/figure.h"
@@ -10,8 +10,8 @@ namespace springdrive::app {
 
 /// Title, labels, the legend with each method's first and last setting, the ranges of both axes.
 ///
-/// The ranges hold every point. An error of 0, which no logarithmic axis has, stands apart at the
-/// bottom; one that is not finite on the upper edge.
+/// The ranges include every point. An error of 0, which a logarithmic axis cannot show, is drawn
+/// separately at the bottom; an error that is not finite, at the upper edge.
 [[nodiscard]] ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart,
                                               const std::string &footnote);
 

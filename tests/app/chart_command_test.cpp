@@ -40,7 +40,7 @@ TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
               (std::set<std::string>{"motion_stiffness.csv", "motion_stiffness.svg",
                                      "servo_rate_direction.csv", "servo_rate_direction.svg"}));
     const std::string svg = testing::contents_of(folder / "motion_stiffness.svg");
-    for (const char *part : {"PHANTOM 1.0", "least of 2 repetitions", "inverse (18)",
+    for (const char *part : {"PHANTOM 1.0", "minimum of 2 repetitions", "inverse (18)",
                              "transpose, α by hand", "α 1000"}) {
         EXPECT_NE(svg.find(part), std::string::npos) << part;
     }

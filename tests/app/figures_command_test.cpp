@@ -155,7 +155,7 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     const testing::Ending ending =
         figures(folder / "out", {"--tuning-file", (folder / "tuning.toml").string()});
     EXPECT_EQ(ending.exit_status, 0);
-    EXPECT_NE(ending.error.find("holds dR at 0.137"), std::string::npos) << ending.error;
+    EXPECT_NE(ending.error.find("limits dR to 0.137"), std::string::npos) << ending.error;
     auto forces = columns_of(folder / "out" / "fig5_forces.csv");
     for (std::size_t map = 0; map < 2;
          ++map) { // friction, and motors that differ by a few per cent

@@ -76,7 +76,7 @@ TEST(InspectCommand, PrintsATableWithMeanings) {
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.error, "");
     for (const char *said : {"metres of the device's frame", "100.00 mm", "triangles kept",
-                             "can be touched", "closed surfaces", "bytes a triangle"}) {
+                             "can be touched", "closed surfaces", "bytes per triangle"}) {
         EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
     }
     EXPECT_EQ(ending.out.find("remark"), std::string::npos) << ending.out;
@@ -101,8 +101,8 @@ TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
         testing::run_program(options); // times would differ if it were measured again
     EXPECT_EQ(json::parse(again.out)["model"], model);
     const testing::Ending text = testing::run_program({"inspect", kScenes + "profile.gltf"});
-    for (const char *said : {"model: force to 0.1 N", "<- chosen", "transpose_on_the_fly",
-                             "off the fullest", "a tick instead of"}) {
+    for (const char *said : {"model: force to 0.1 N", "<- selected", "transpose_on_the_fly",
+                             "relative to the full model", "per tick instead of"}) {
         EXPECT_NE(text.out.find(said), std::string::npos) << said << " in\n" << text.out;
     }
     auto measured_anew = options;

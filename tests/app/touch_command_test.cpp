@@ -86,7 +86,7 @@ TEST(TouchCommand, PrintsATable) {
     const testing::Ending ending = touch({kSphere, "--steps", "500", "--seed", "7"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     for (const char *said : {"1280 of 1280", "slide", "seed 7", "in contact", "pop-throughs",
-                             "stuck", "largest lag", "direction off sphere"}) {
+                             "stuck", "largest lag", "error from sphere"}) {
         EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
     }
 }
