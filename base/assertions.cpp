@@ -9,38 +9,38 @@ namespace springdrive::assertions {
 
 namespace {
 
-/// Out of a guarded work.
-struct WayOut {
+/// Where to jump to out of guarded work.
+struct ReturnPoint {
     AtOnce at_once;
     const void *of_at_once;
-    WayOut *around; ///< of the guard that this one is nested in
-    std::jmp_buf place;
+    ReturnPoint *enclosing; ///< the guard that this one is nested in
+    std::jmp_buf jump;
 };
 
-constinit thread_local WayOut *way_out = nullptr; ///< of this thread; null where none is guarded
+constinit thread_local ReturnPoint *return_point = nullptr; ///< innermost on this thread, or null
 
 } // namespace
 
 void fail(const char *condition, const char *file, int line) noexcept {
-    // None while somebody is told: a second failure ends the program.
-    WayOut *const out = std::exchange(way_out, nullptr);
+    // Cleared while the handler runs: a failure inside the handler ends the program.
+    ReturnPoint *const out = std::exchange(return_point, nullptr);
     if (out == nullptr) {
         std::fprintf(stderr, "springdrive: assertion failed: %s, %s:%d\n", condition, file, line);
         std::abort();
     }
     out->at_once(out->of_at_once, {condition, file, line});
-    std::longjmp(out->place, 1);
+    std::longjmp(out->jump, 1);
 }
 
 bool run_guarded(Work work, const void *of_work, AtOnce at_once, const void *of_at_once) noexcept {
-    WayOut out{at_once, of_at_once, way_out, {}};
-    if (setjmp(out.place) != 0) {
-        way_out = out.around;
+    ReturnPoint out{at_once, of_at_once, return_point, {}};
+    if (setjmp(out.jump) != 0) {
+        return_point = out.enclosing;
         return false;
     }
-    way_out = &out;
+    return_point = &out;
     work(of_work);
-    way_out = out.around;
+    return_point = out.enclosing;
     return true;
 }
 

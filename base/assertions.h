@@ -1,12 +1,13 @@
-// What must hold unless the program has a mistake, in two tiers.
+// Assertions: conditions that are false only if the program has a bug. Two tiers:
 //
 //   SPRINGDRIVE_ASSERT(size_ < kCapacity);                 in every build: a comparison or a few
-//   SPRINGDRIVE_ASSERT_AUDIT(std::ranges::is_sorted(all)); in debug and sanitizer builds: what
-//                                                          costs; compiled in all, run in those
+//   SPRINGDRIVE_ASSERT_AUDIT(std::ranges::is_sorted(all)); for expensive checks: evaluated in
+//                                                          debug and sanitizer builds, compiled in
+//                                                          all
 //
-// One that fails says on standard error which it is and where, and aborts the program. A thread
-// that has something to bring to safety first runs its work through `run_guarded`: the servo's
-// does.
+// A failed assertion prints its condition and location to standard error and aborts the program. A
+// thread that must first reach a safe state runs its work through `run_guarded`, as the servo
+// thread does.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +16,17 @@
 
 namespace springdrive {
 
-/// Which assertion, and where. The texts are literals: they outlive whoever holds one.
+/// Which assertion failed, and where. The strings are literals, so the pointers never dangle.
 struct AssertionFailure {
     const char *condition = nullptr;
-    const char *file = nullptr; ///< by its path from the top of the project
+    const char *file = nullptr; ///< path relative to the project's root
     int line = 0;
 };
 
 namespace assertions {
 
-/// The build takes the top of the project off (-fmacro-prefix-map), or ccache has made the way
-/// there a relative one. A header has the name of the link by which its room shows it:
+/// The build strips the project's root from __FILE__ (-fmacro-prefix-map), or ccache has made the
+/// path relative. A header's path goes through the symbolic link that exposes its room:
 /// "…/rooms/contact/engine/contact/contact.h".
 [[nodiscard]] consteval const char *path_in_project(const char *file) {
     constexpr std::string_view kUp = "../";
@@ -41,8 +42,8 @@ namespace assertions {
     return path.data();
 }
 
-/// Leaves the guarded work that it is called in, or else ends the program. Not inline, so that an
-/// assertion that holds costs a comparison and nothing else.
+/// Leaves the enclosing guarded work, or ends the program if there is none. Not inline, so that an
+/// assertion that holds costs only a comparison.
 [[noreturn, gnu::cold, gnu::noinline]] void fail(const char *condition, const char *file,
                                                  int line) noexcept;
 
@@ -53,33 +54,33 @@ using AtOnce = void (*)(const void *context, const AssertionFailure &failure);
 
 } // namespace assertions
 
-/// Runs `work()`. Where an assertion fails in it, on this thread, `at_once(failure)` is called
-/// first, while the call that failed still stands; then the rest of `work` is left, and the answer
-/// is false. An assertion that fails in `at_once` ends the program.
+/// Runs `work()`. If an assertion fails in it, on this thread, `at_once(failure)` is called while
+/// the failing call is still on the stack; then the rest of `work` is skipped and false is
+/// returned. An assertion that fails inside `at_once` ends the program.
 ///
-/// What is left is left by longjmp: no exception has to pass the `noexcept` functions between, and
-/// nothing is allocated. No destructor runs on that way, so it is only for work that owns nothing:
-/// no memory, no lock. A tick of the servo is such. RT-safe; guards may be nested.
+/// Implemented by longjmp: no exception has to cross the `noexcept` functions in between, and
+/// nothing is allocated. No destructor runs, so it is only for work that owns nothing, neither
+/// memory nor a lock, such as a servo tick. RT-safe; guards may be nested.
 template <typename Work, typename AtOnce>
 [[nodiscard]] bool run_guarded(const Work &work, const AtOnce &at_once) noexcept {
     const auto do_work = [](const void *of_work) { (*static_cast<const Work *>(of_work))(); };
-    const auto tell = [](const void *of_at_once, const AssertionFailure &failure) {
+    const auto report = [](const void *of_at_once, const AssertionFailure &failure) {
         (*static_cast<const AtOnce *>(of_at_once))(failure);
     };
-    return assertions::run_guarded(do_work, std::addressof(work), tell, std::addressof(at_once));
+    return assertions::run_guarded(do_work, std::addressof(work), report, std::addressof(at_once));
 }
 
 } // namespace springdrive
 
-/// For a `constexpr` function too: there a condition that is false does not compile.
+/// Usable in `constexpr` functions: at compile time a false condition is a compile error.
 #define SPRINGDRIVE_ASSERT(...)                                                                    \
     (static_cast<bool>(__VA_ARGS__)                                                                \
          ? static_cast<void>(0)                                                                    \
          : ::springdrive::assertions::fail(                                                        \
                #__VA_ARGS__, ::springdrive::assertions::path_in_project(__FILE__), __LINE__))
 
-/// SPRINGDRIVE_AUDIT is 1 where the build is one for debugging, else 0 (CMake's option of that
-/// name). The condition is compiled in any case, so that it does not rot.
+/// SPRINGDRIVE_AUDIT is 1 in debug builds, else 0 (the CMake option of that name). The condition is
+/// always compiled, so that it stays valid code.
 #define SPRINGDRIVE_ASSERT_AUDIT(...)                                                              \
     (!SPRINGDRIVE_AUDIT || static_cast<bool>(__VA_ARGS__)                                          \
          ? static_cast<void>(0)                                                                    \

@@ -1,4 +1,4 @@
-// Work that takes longer than a frame, on a thread of its own, one piece at a time.
+// Runs work that takes longer than a frame on a background thread, one job at a time.
 #pragma once
 
 #include "base/wanted.h"
@@ -17,15 +17,15 @@
 
 namespace springdrive {
 
-/// What the work and the frame tell each other.
+/// State shared between the background work and the frame loop.
 struct BackgroundTalk {
-    std::atomic<double> share{0.0};       ///< how far the work is, 0 to 1
-    std::atomic<bool> is_given_up{false}; ///< nobody waits for it any more
+    std::atomic<double> share{0.0};       ///< progress, 0 to 1
+    std::atomic<bool> is_given_up{false}; ///< the result is no longer needed
 
     [[nodiscard]] bool is_wanted() const { return !is_given_up; }
 
-    /// For the work: what it is at, and how far. Ends it where nobody wants it.
-    /// @throw NotWanted in that case
+    /// Called by the work to report its current stage and progress; ends work that was cancelled.
+    /// @throw NotWanted if it was cancelled
     void tell(const std::string &what, double so_far) {
         if (is_given_up) {
             throw NotWanted();
@@ -44,9 +44,9 @@ private:
     std::string what_;
 };
 
-/// Used from one thread. Starting or giving up does not wait for work that is not wanted any more;
-/// going away does, so work has to look again and again: at `is_wanted`, or far below its own code
-/// by `stop_if_given_up`.
+/// Used from one thread. Starting and cancelling do not wait for work that is no longer needed; the
+/// destructor does, so the work must poll `is_wanted`, or call `stop_if_given_up` deep in its call
+/// tree.
 template <typename Result> class Background {
 public:
     using Work = std::function<Result(BackgroundTalk &)>;
@@ -60,7 +60,7 @@ public:
     [[nodiscard]] double share() const { return talk_ ? talk_->share.load() : 0.0; }
     [[nodiscard]] std::string what() const { return talk_ ? talk_->what() : std::string(); }
 
-    /// Starts, and gives up what was going on.
+    /// Starts `work`, and cancels what was running.
     /// @param work  must own all that it uses
     void start(Work work) {
         give_up();
@@ -73,7 +73,7 @@ public:
         const auto has_ended = std::make_shared<std::atomic<bool>>(false);
         threads_.push_back({has_ended, std::jthread([task = std::move(task), has_ended]() mutable {
                                 task();
-                                task = {}; // what it owned is let go of here
+                                task = {}; // releases what it owned on this thread
                                 *has_ended = true;
                             })});
     }
@@ -84,7 +84,7 @@ public:
         join_ended();
     }
 
-    /// The work may end early, by an exception; `take` still tells when it has ended.
+    /// The work may then end early, by an exception; `take` still reports when it has ended.
     void ask_to_end() {
         if (talk_) {
             talk_->is_given_up = true;
@@ -113,7 +113,7 @@ private:
 
     std::shared_ptr<BackgroundTalk> talk_;
     std::future<Result> result_;
-    std::vector<Thread> threads_; ///< of the work, and of some that was given up before
+    std::vector<Thread> threads_; ///< of current work and of cancelled work still running
 };
 
 } // namespace springdrive

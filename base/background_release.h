@@ -1,4 +1,4 @@
-// Lets go of what takes long to be let go of, gigabytes say, on a thread of its own.
+// Destroys values whose destructors take long, e.g. gigabytes of data, on a background thread.
 #pragma once
 
 #include <condition_variable>
@@ -10,7 +10,7 @@
 
 namespace springdrive {
 
-/// Used from one thread. Going away waits until all is released.
+/// Used from one thread. The destructor waits until all values are destroyed.
 template <typename Value> class BackgroundRelease {
 public:
     BackgroundRelease() = default;
@@ -55,7 +55,7 @@ private:
     std::condition_variable wake_;
     std::vector<std::unique_ptr<Value>> waiting_;
     bool is_ending_ = false;
-    std::jthread thread_; ///< the last, so that it is joined first
+    std::jthread thread_; ///< last member, so that it is joined first
 };
 
 } // namespace springdrive

@@ -1,4 +1,5 @@
-// Bisection: where, between a value that holds and one that does not, that changes.
+// Bisection: finds the boundary between a value for which a condition holds and one for which it
+// fails.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 
 namespace springdrive {
 
-/// A value for which something holds and one for which it does not; either may be the larger.
+/// A value for which the condition holds and one for which it fails; either may be the larger.
 struct Bracket {
     double holds_at = 0.0;
     double fails_at = 0.0;
@@ -16,10 +17,10 @@ struct Bracket {
     [[nodiscard]] double width() const { return std::abs(fails_at - holds_at); }
 };
 
-/// Halves a bracket as long as it is too wide.
-/// @param is_wide  whether a bracket is too wide yet
-/// @param holds    whether a value does
-/// @param middle   of a bracket, if not the arithmetic one
+/// Halves a bracket until it is narrow enough.
+/// @param is_wide  whether a bracket is still too wide
+/// @param holds    whether the condition holds for a value
+/// @param middle   the point at which a bracket is split, by default its arithmetic mean
 template <typename IsWide, typename Holds, typename Middle = decltype(&Bracket::middle)>
 [[nodiscard]] Bracket bisect(Bracket bracket, const IsWide &is_wide, const Holds &holds,
                              const Middle &middle = &Bracket::middle) {
@@ -30,14 +31,15 @@ template <typename IsWide, typename Holds, typename Middle = decltype(&Bracket::
     return bracket;
 }
 
-/// The same a given number of times.
+/// Halves a bracket a given number of times.
 template <typename Holds>
 [[nodiscard]] Bracket bisect(Bracket bracket, int halvings, const Holds &holds) {
     return bisect(
         bracket, [&](const Bracket &) { return halvings-- > 0; }, holds);
 }
 
-/// The last value that holds, to a share of the larger end of the bracket.
+/// The last value for which the condition holds, to within `share` of the larger end of the
+/// bracket.
 template <typename Holds>
 [[nodiscard]] double last_that_holds(const Bracket &bracket, double share, const Holds &holds) {
     const auto is_wide = [&](const Bracket &now) {

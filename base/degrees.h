@@ -1,4 +1,4 @@
-// Angles are radians inside; degrees only where people read or write them.
+// Angles are in radians internally; degrees are used only in input and output for people.
 #pragma once
 
 #include <numbers>

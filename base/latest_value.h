@@ -3,7 +3,7 @@
 //   writer:  slots_[w] = value ──► exchange(shared, w) ──► w = what was shared before
 //   reader:  if shared is fresh: exchange(shared, r)   ──► slots_[r] is the newest value
 //
-// Three slots, one atomic byte. Neither side ever waits, allocates or sees half a value.
+// Three slots, one atomic byte. Neither side ever waits, allocates or sees a partly written value.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ template <typename Value> class LatestValue {
 public:
     explicit LatestValue(const Value &initial = Value{}) : slots_{initial, initial, initial} {}
 
-    /// Replaces whatever the reader has not picked up yet. Writer thread only. RT-safe.
+    /// Replaces a value that the reader has not fetched yet. Writer thread only. RT-safe.
     void publish(const Value &value) noexcept {
         slots_[write_slot_] = value;
         const auto published = static_cast<std::uint8_t>(write_slot_ | kFresh);

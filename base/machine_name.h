@@ -1,4 +1,4 @@
-// What a time was measured on.
+// Identifies the machine on which a time was measured.
 #pragma once
 
 #include <istream>
@@ -6,10 +6,10 @@
 
 namespace springdrive {
 
-/// The processor's model and how many cores there are to work with, as in "AMD EPYC (2 cores)".
+/// The processor's model and the number of available cores, as in "AMD EPYC (2 cores)".
 [[nodiscard]] std::string machine_name();
 
-/// The model that a file like /proc/cpuinfo names first; "unknown processor" where it names none.
+/// The first model name in a file like /proc/cpuinfo; "unknown processor" if there is none.
 [[nodiscard]] std::string processor_model(std::istream &cpuinfo);
 
 } // namespace springdrive

@@ -1,5 +1,5 @@
-// Shares work among threads where what is done does not depend on who does it. Starts threads and
-// allocates: for preparing, never for the servo.
+// Distributes work over threads when the result does not depend on which thread does which part.
+// Starts threads and allocates, so it is for preparation, never for the servo.
 #pragma once
 
 #include "base/wanted.h"
@@ -13,14 +13,14 @@
 
 namespace springdrive {
 
-/// How many threads to use where nobody says: one for each processor.
+/// The default number of threads: one per processor.
 [[nodiscard]] inline unsigned all_processors() {
     return std::max(1U, std::thread::hardware_concurrency());
 }
 
-/// Calls `work(chunk, first, last)` for `chunks` ranges that together cover 0 to `count`, in order
-/// and each in a thread of its own. Returns when all are done.
-/// @throw what `work` throws, once all have ended
+/// Calls `work(chunk, first, last)` for `chunks` consecutive ranges that together cover 0 to
+/// `count`, each in its own thread. Returns when all are done.
+/// @throw what `work` throws, after all threads have ended
 template <typename Work> void in_chunks(std::size_t count, unsigned chunks, const Work &work) {
     const auto start_of = [&](unsigned chunk) { return count * chunk / chunks; };
     const std::atomic<bool> *const given_up = wanted::is_given_up;
@@ -37,10 +37,10 @@ template <typename Work> void in_chunks(std::size_t count, unsigned chunks, cons
     }
 }
 
-/// Calls `work(i)` once for each i below `count`, in up to `threads` threads, this one among them;
-/// returns when all is done.
-/// @throw what `work` threw first, by the order of the threads; NotWanted where the calling
-///        thread's work was given up, before the next i
+/// Calls `work(i)` once for each i below `count`, in up to `threads` threads including the calling
+/// one; returns when all are done.
+/// @throw what `work` threw, the first in the order of the threads; NotWanted, before the next i,
+///        if the calling thread's work was cancelled
 template <typename Work> void for_each_in_parallel(std::size_t count, unsigned threads, Work work) {
     std::atomic<std::size_t> next{0};
     const auto take_turns = [&] {
@@ -50,7 +50,7 @@ template <typename Work> void for_each_in_parallel(std::size_t count, unsigned t
         }
     };
     const std::atomic<bool> *const given_up = wanted::is_given_up;
-    // Their destructors wait, whatever is thrown here.
+    // The futures' destructors wait, even if an exception is thrown here.
     std::vector<std::future<void>> helpers;
     for (std::size_t i = 1; i < std::min<std::size_t>(count, threads); ++i) {
         helpers.push_back(std::async(std::launch::async, [&take_turns, given_up] {

@@ -1,4 +1,4 @@
-// Formatted text, for streams and for where nothing may be allocated.
+// Formatted text, for streams and for code that must not allocate.
 #pragma once
 
 #include <fmt/core.h>
@@ -12,11 +12,11 @@
 
 namespace springdrive {
 
-/// How values are to be written, as libfmt has it. What does not fit does not compile: libfmt
-/// refuses a value of the wrong type and one too few, this one too many.
+/// A libfmt format string, checked at compile time: libfmt rejects a wrong type and too few values,
+/// this class also rejects too many.
 template <typename... Values> class CheckedFormat {
 public:
-    /// Implicit: from the literal at the call.
+    /// Implicit, so that a call can pass a string literal.
     consteval CheckedFormat(const char *text) : format_(text) {
         if (fields_of(text) < sizeof...(Values)) {
             throw "more values than the format has fields";
@@ -30,9 +30,9 @@ private:
         std::size_t fields = 0;
         for (; *text != '\0'; ++text) {
             if (text[0] == '{' && text[1] == '{') {
-                ++text; // a brace that is written
+                ++text; // an escaped brace
             } else if (text[0] == '{') {
-                ++fields; // a width or precision among the values, too
+                ++fields; // a width or precision that is taken from the values counts, too
             }
         }
         return fields;
@@ -41,17 +41,17 @@ private:
     fmt::format_string<Values...> format_;
 };
 
-/// What print calls once its format has been checked.
+/// Called by `print` once its format has been checked.
 void print_checked(std::ostream &out, fmt::string_view format, fmt::format_args values);
 
-/// A table's columns stay readable in the code that makes them.
+/// Prints formatted values; the format shows the columns of a table as they will look.
 template <typename... Values>
 void print(std::ostream &out, CheckedFormat<std::type_identity_t<Values>...> format,
            const Values &...values) {
     print_checked(out, format.text(), fmt::make_format_args(values...));
 }
 
-/// The same into a buffer, without allocating: cut off where the buffer ends, always terminated.
+/// The same into a buffer, without allocating: truncated to the buffer, always null-terminated.
 template <std::size_t size, typename... Values>
 void print(std::array<char, size> &text, CheckedFormat<std::type_identity_t<Values>...> format,
            const Values &...values) {
@@ -61,10 +61,10 @@ void print(std::array<char, size> &text, CheckedFormat<std::type_identity_t<Valu
     *written.out = '\0';
 }
 
-/// Text as one cell of a CSV file: in quotes where it needs them.
+/// Text as one cell of a CSV file, in quotes if needed.
 [[nodiscard]] std::string csv_cell(std::string_view text);
 
-/// The fewest digits that give the same number again; empty where it is infinite or none.
+/// The fewest digits that read back as the same number; empty if infinite or not a number.
 [[nodiscard]] std::string csv_cell(double number);
 
 } // namespace springdrive

@@ -1,5 +1,5 @@
-// A queue of samples from one writer thread to one reader thread. The writer never waits: when
-// the reader has fallen a whole ring behind, the new sample is dropped and counted.
+// A queue of samples from one writer thread to one reader thread. The writer never waits: when the
+// ring is full, the new sample is dropped and counted.
 #pragma once
 
 #include <atomic>
@@ -32,7 +32,7 @@ public:
         return true;
     }
 
-    /// Hands every waiting sample to `take`, oldest first. Reader thread only.
+    /// Passes every queued sample to `take`, oldest first. Reader thread only.
     template <typename Take> void drain(Take &&take) {
         const std::size_t head = head_.load(std::memory_order_acquire);
         std::size_t tail = tail_.load(std::memory_order_relaxed);

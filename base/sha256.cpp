@@ -14,7 +14,7 @@ namespace springdrive {
 
 struct Sha256::State {
     SHA2_CTX context{};
-    bool is_complete = false; ///< its digits were asked for
+    bool is_complete = false; ///< `hex` was called
 };
 
 Sha256::Sha256() : state_(std::make_unique<State>()) { SHA256Init(&state_->context); }

@@ -1,5 +1,5 @@
-// SHA-256: of values, to know again what was measured; of files, kept in records so that a replay
-// can tell another scene.
+// SHA-256: of values, to identify what was measured; of files, stored in records so that a replay
+// can detect a different scene.
 #pragma once
 
 #include "base/vector.h"
@@ -13,7 +13,7 @@
 
 namespace springdrive {
 
-/// Over values one after the other, as their bytes lie in memory; a text with its length in front.
+/// Hashes values in sequence, by their bytes in memory; a text is preceded by its length.
 class Sha256 {
 public:
     Sha256();
@@ -25,7 +25,8 @@ public:
     void add(std::string_view text);
     void add(const Vector3 &vector) { add(vector.data(), 3 * sizeof(double)); }
 
-    /// 64 digits, lower-case hex, as sha256sum prints it. @pre asked for once, when all is added
+    /// 64 digits, lower-case hex, as sha256sum prints it. @pre called once, after everything was
+    /// added
     [[nodiscard]] std::string hex();
 
 private:
@@ -33,7 +34,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// Of all bytes of a file.
+/// The hash of a file's contents.
 /// @throw InputError for a file that cannot be read; NotWanted as `stop_if_given_up` does
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path &file);
 

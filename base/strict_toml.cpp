@@ -47,7 +47,7 @@ bool lies_in(double value, NumberRange range) {
     return std::isfinite(value) && value >= range.lowest && value <= range.highest;
 }
 
-/// How a value stands in the file, for a message; on one line.
+/// A value as written in the file, on one line, for a message.
 std::string as_written(const toml::node &node) {
     std::ostringstream out;
     if (node.is_table() || node.is_array_of_tables()) {
@@ -183,7 +183,7 @@ int StrictTomlTable::tables(std::string_view key, int count,
     }
     const toml::array &array = *node->as_array();
     if (array.size() != static_cast<std::size_t>(count)) {
-        refuse(key, "stands " + std::to_string(array.size()) + " times; it must stand once or " +
+        refuse(key, "appears " + std::to_string(array.size()) + " times; it must appear once or " +
                         std::to_string(count) + " times");
     }
     for (int i = 0; i < count; ++i) {
@@ -205,7 +205,7 @@ void StrictTomlTable::refuse_unknown_keys() const {
             for (const std::string &name : contents_->asked) {
                 known += (known.empty() ? "" : ", ") + name;
             }
-            refuse(key.str(), "is not known here; known are " + known);
+            refuse(key.str(), "is not known; the known keys are " + known);
         }
     }
 }

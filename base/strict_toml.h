@@ -1,5 +1,6 @@
-// TOML files read without mercy: every key must be there, be of its type, lie in its range, and
-// be known; whatever is not so is refused with the file, the line, the key and what is allowed.
+// Strict reader of TOML files: every required key must be present, of the right type and in range,
+// and every key must be known; anything else is rejected with the file, the line, the key and what
+// is allowed.
 #pragma once
 
 #include "base/vector.h"
@@ -13,7 +14,7 @@
 
 namespace springdrive {
 
-/// What a number may be. Bounds are inclusive.
+/// The allowed range of a number. Bounds are inclusive.
 struct NumberRange {
     double lowest = -std::numeric_limits<double>::max();
     double highest = std::numeric_limits<double>::max();
@@ -25,11 +26,11 @@ public:
     /// Reads the root table of a file.
     [[nodiscard]] static StrictTomlTable read(const std::filesystem::path &file);
 
-    /// The same of a text; complaints name it as `file`.
+    /// Parses a text; error messages refer to it as `file`.
     [[nodiscard]] static StrictTomlTable parse(const std::string &text,
                                                const std::filesystem::path &file);
 
-    /// Whether a key is there, for those that need not be. Does not count as asking for it.
+    /// Whether an optional key is present. Does not mark it as read.
     [[nodiscard]] bool has(std::string_view key) const;
 
     [[nodiscard]] std::string text(std::string_view key);
@@ -39,11 +40,11 @@ public:
     [[nodiscard]] StrictTomlTable table(std::string_view key);
 
     /// Calls `read_one` once for [key], or once for each of the `count` tables [[key]].
-    /// Returns how many there were: 1 or `count`.
+    /// Returns the number of tables: 1 or `count`.
     int tables(std::string_view key, int count,
                const std::function<void(int, StrictTomlTable &)> &read_one);
 
-    /// Refuses the table if it holds a key that was never asked for. Call when all is read.
+    /// Rejects the table if it has a key that was never read. Call after reading everything.
     void refuse_unknown_keys() const;
 
     /// An InputError about one key: "FILE:LINE: NAME `problem`".

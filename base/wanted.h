@@ -1,5 +1,5 @@
-// Long work that somebody may stop wanting half-way: a thread says once whose wish its work goes
-// by, and loops far below look at it, so that none of what lies between has to pass it on.
+// Cancellation of long work: a thread registers once the flag that cancels its work, and loops deep
+// in the call tree check it, so that the functions in between need not pass it on.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace springdrive {
 
-/// The work under way is not wanted any more.
+/// The work in progress was cancelled.
 class NotWanted : public std::runtime_error {
 public:
     NotWanted() : std::runtime_error("given up") {}
@@ -16,13 +16,13 @@ public:
 
 namespace wanted {
 
-/// Of this thread's work; null where nobody can stop wanting it.
+/// The flag of this thread's work; null if the work cannot be cancelled.
 inline thread_local const std::atomic<bool> *is_given_up = nullptr;
 
 } // namespace wanted
 
-/// While it lives, this thread's work goes by that flag. `in_chunks` and `for_each_in_parallel`
-/// hand it on to the threads that help.
+/// During its lifetime that flag cancels this thread's work. `in_chunks` and `for_each_in_parallel`
+/// pass the flag on to the threads that they start.
 class GivenUpBy {
 public:
     /// @param is_given_up  must outlive it; null for none
@@ -37,16 +37,16 @@ private:
     const std::atomic<bool> *before_;
 };
 
-/// Costs as much as looking at a flag.
-/// @throw NotWanted where this thread's work was given up
+/// Costs one load of a flag.
+/// @throw NotWanted if this thread's work was cancelled
 inline void stop_if_given_up() {
     if (wanted::is_given_up != nullptr && wanted::is_given_up->load(std::memory_order_relaxed)) {
         throw NotWanted();
     }
 }
 
-/// The same for a quick loop, which it slows down by nothing to speak of.
-/// @param step  of the loop, from any number on; only one in many looks
+/// The same for a tight loop, with negligible overhead.
+/// @param step  the loop's counter, starting anywhere; only every 16,384th step checks
 inline void stop_if_given_up(std::size_t step) {
     constexpr std::size_t kBetweenLooks = 16'384;
     if (step % kBetweenLooks == 0) {
