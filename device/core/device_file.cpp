@@ -15,8 +15,8 @@ namespace springdrive::device {
 
 namespace {
 
-// Ranges keep out slips of unit (millimetres for metres, degrees for radians, g·cm² for kg·m²)
-// and what cannot be; they are wide of every device we know.
+// The ranges reject impossible values and wrong units (millimetres for metres, degrees for radians,
+// g·cm² for kg·m²); every known device lies well within them.
 MotorParameters read_motor(StrictTomlTable &table) {
     MotorParameters motor;
     motor.resistance_Ohm = table.number("resistance_Ohm", {0.01, 1000.0});
@@ -55,15 +55,16 @@ LinkBody read_body(StrictTomlTable table, About about) {
     body.mass_kg = table.number("mass_kg", {1e-4, 10.0});
     body.centre_m = table.number("centre_m", {-1.0, 1.0});
     body.inertia_kg_m2 = table.vector("inertia_kg_m2", {1e-10, 1.0});
-    // About a joint it is no less than the mass alone would have there. (That no moment exceeds the
-    // sum of the other two is not asked: published values do not hold to it.)
+    // About a joint the inertia is at least that of the point mass. (The triangle inequality of the
+    // moments is not checked: published values violate it.)
     const double least_kg_m2 =
         about == About::joint ? body.mass_kg * body.centre_m * body.centre_m : 0.0;
     if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < least_kg_m2) {
-        table.refuse("inertia_kg_m2",
-                     fmt::format("is too small for a mass that far from the joint; its first two "
-                                 "numbers must be at least mass_kg times centre_m squared, {:g}",
-                                 least_kg_m2));
+        table.refuse(
+            "inertia_kg_m2",
+            fmt::format("is too small for a mass at that distance from the joint; its first two "
+                        "numbers must be at least mass_kg times centre_m squared, {:g}",
+                        least_kg_m2));
     }
     table.refuse_unknown_keys();
     return body;
@@ -118,9 +119,9 @@ DeviceLimits read_limits(StrictTomlTable table) {
     limits.tip_speed_m_per_s = table.number("tip_speed_m_per_s", {0.01, 20.0});
     limits.beyond_stops_rad = kRadiansPerDegree * table.number("beyond_stops_deg", {0.1, 45.0});
     limits.generated_energy_J = table.number("generated_energy_J", {1e-4, 10.0});
-    if (table.has("missed_deadlines")) { // an older file: at 1 kHz as many milliseconds
+    if (table.has("missed_deadlines")) { // older files: periods at 1 kHz
         if (table.has("late_ms") || table.has("stale_ms")) {
-            table.refuse("missed_deadlines", "is what late_ms says today; leave it out");
+            table.refuse("missed_deadlines", "was replaced by late_ms; remove it");
         }
         limits.late_s = kSecondsPerMillisecond * table.integer("missed_deadlines", 1, 10'000);
         limits.stale_s = 5e-3;
@@ -144,7 +145,8 @@ StructuralCompliance read_structure(StrictTomlTable table) {
 AmplifierParameters read_amplifier(StrictTomlTable table,
                                    const std::array<MotorParameters, 3> &motors) {
     AmplifierParameters amplifier;
-    // R̂ may exceed R by as much as a warm winding's R does, and no more than is asked for.
+    // R̂ may exceed R by as much as a warm winding's R does, at most by the excess that the file
+    // allows.
     const double excess_Ohm = table.number("greatest_excess_Ohm", {0.0, 100.0});
     double least_resistance_Ohm = std::numeric_limits<double>::infinity();
     for (const MotorParameters &motor : motors) {

@@ -1,4 +1,5 @@
-// What a haptic device is, as read from assets/devices/*.toml: data live there, not in code.
+// Description of a haptic device, as read from assets/devices/*.toml: data are kept there, not in
+// code.
 #pragma once
 
 #include "base/vector.h"
@@ -18,21 +19,21 @@ struct Workspace {
     Vector3 size_m{Vector3::Zero()};
 };
 
-/// What the safety monitor holds to, beside the motors' own limits. No panel or option raises
-/// these.
+/// Limits that the safety monitor enforces, in addition to those of the motors. No panel or option
+/// raises them.
 struct DeviceLimits {
-    double tip_force_N = 0.0; ///< rendered
+    double tip_force_N = 0.0; ///< of the rendered force
     double tip_speed_m_per_s = 0.0;
-    double beyond_stops_rad = 0.0;   ///< how far stops may give: more is a mistaken encoder
-    double generated_energy_J = 0.0; ///< what the hand may get beyond what it had put in
-    double late_s = 0.0;             ///< that deadlines missed in a row may add up to
-    double stale_s = 0.0;            ///< how long nothing new may be measured
-    double window_silence_s = 0.0;   ///< how long the window may give no sign of life
+    double beyond_stops_rad = 0.0;   ///< how far stops may yield; more means an encoder error
+    double generated_energy_J = 0.0; ///< that the hand may receive beyond what it put in
+    double late_s = 0.0;             ///< how long consecutive missed deadlines may last
+    double stale_s = 0.0;            ///< how long no new measurement may arrive
+    double window_silence_s = 0.0;   ///< how long the window's heartbeat may be absent
 };
 
 /// A soft wall before the joints' stops: a spring and a damper at each joint.
 struct WorkspaceEdge {
-    double margin_rad = 0.0; ///< how far before a stop it begins
+    double margin_rad = 0.0; ///< distance before a stop at which it begins
     double stiffness_Nm_per_rad = 0.0;
     double damping_Nms_per_rad = 0.0;
 };
@@ -43,7 +44,7 @@ struct JointFriction {
     Vector3 coulomb_Nm{Vector3::Zero()}; ///< the same at rest and in motion
 };
 
-/// How far the joints turn before they meet their stops.
+/// The joints' range of travel between their stops.
 struct JointLimits {
     Vector3 lowest_rad{Vector3::Zero()};
     Vector3 highest_rad{Vector3::Zero()};
@@ -58,7 +59,7 @@ struct JointLimits {
     }
 };
 
-/// What bends between transmission and tip.
+/// Compliance between transmission and tip.
 struct StructuralCompliance {
     double stiffness_N_per_m = 0.0;
     double damping_Ns_per_m = 0.0;
@@ -73,7 +74,7 @@ struct DeviceDescription {
     StructuralCompliance structure;
     std::array<MotorParameters, 3> motor;
     AmplifierParameters amplifier;
-    int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4
+    int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4 decoding
     Workspace workspace;
     WorkspaceEdge edge;
     DeviceLimits limits;
@@ -84,7 +85,7 @@ struct DeviceDescription {
     }
 };
 
-/// Whether the tip can be at `tip_m`: within reach and within the joint limits. RT-safe.
+/// Whether the tip can be at `tip_m`, within reach and joint limits. RT-safe.
 [[nodiscard]] bool can_reach(const DeviceDescription &device, const Vector3 &tip_m);
 
 /// Reads a device file.
@@ -93,7 +94,7 @@ struct DeviceDescription {
 ///        not finite or out of range.
 [[nodiscard]] DeviceDescription read_device_file(const std::filesystem::path &path);
 
-/// The same of a device file's text, from a record say; complaints name it as `path`.
+/// Parses a device file's text, e.g. from a record; error messages refer to it as `path`.
 [[nodiscard]] DeviceDescription read_device_text(const std::string &text,
                                                  const std::filesystem::path &path);
 

@@ -1,5 +1,4 @@
-// Passes everything on to another device: what a device is to do otherwise, a class derived from
-// this one says.
+// Decorator that forwards every call to another device; derived classes override what differs.
 #pragma once
 
 #include "device/core/haptic_device.h"

@@ -3,13 +3,13 @@
 
 namespace springdrive::device {
 
-/// A hand that holds the tip: a mass on it, drawn to a moving target by a spring and a damper.
-/// The defaults are a relaxed pen grip, of the order that the literature on grips gives.
+/// A hand that holds the tip: a mass, pulled towards a moving target by a spring and a damper. The
+/// defaults are a relaxed pen grip, of the order of magnitude given in the literature on grips.
 struct HandParameters {
     double mass_kg = 0.1;
     double damping_Ns_per_m = 6.0;
     double stiffness_N_per_m = 300.0;
-    double greatest_force_N = 5.0;       ///< of the spring: no hand pushes without bound
+    double greatest_force_N = 5.0;       ///< of the spring: a hand's force is limited
     double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
 };
 

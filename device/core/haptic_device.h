@@ -1,9 +1,9 @@
-// The one interface to a haptic device, simulated or real. Nothing above it knows which it has.
+// The interface to a haptic device, simulated or real. Code above it does not know which it is.
 //
 //   read() ──► Measurement ──► one servo tick ──► DeviceCommand ──► write()
 //
-// Two calls, so that an answer leaves as soon as it is known, not a period later. What passes
-// between the moment of a measurement and the moment at which the windings get its answer is d.
+// Two calls, so that a command leaves as soon as it is computed, not a period later. The time from
+// a measurement until the command computed from it reaches the windings is d.
 #pragma once
 
 #include "base/vector.h"
@@ -16,20 +16,20 @@
 
 namespace springdrive::device {
 
-/// What the three amplifiers are to do.
+/// Operating mode of the three amplifiers.
 enum class CommandMode : std::uint8_t {
     brake, ///< the safe state: e_W = 0 and R̂ = 0, each winding shorted through its own resistance,
            ///< so that the device resists like the damper B_R of (5)
     drive, ///< (6) with e_W and R̂
-    open,  ///< windings open: only where an amplifier itself is at fault
+    open,  ///< windings open: only for a fault of an amplifier itself
 };
 
-/// What the amplifiers are asked to do until the next command. Without voltages, braking.
+/// The command to the amplifiers until the next one. Without voltages it brakes.
 struct DeviceCommand {
     Vector3 e_W_V{Vector3::Zero()};                    ///< e_W of (6), per motor
     Vector3 cancelled_resistance_Ohm{Vector3::Zero()}; ///< R̂ of (6), per motor
     CommandMode mode = CommandMode::drive;
-    std::uint64_t number = 0; ///< of the measurement that it answers
+    std::uint64_t number = 0; ///< of the measurement from which it was computed
 
     [[nodiscard]] static DeviceCommand braking() {
         DeviceCommand command;
@@ -44,31 +44,31 @@ struct DeviceCommand {
 
 enum class DeviceHealth : std::uint8_t {
     ok,
-    lost, ///< the device is gone; counts and currents are the last known
+    lost, ///< no connection; counts and currents are the last known
 };
 
-/// How a measurement came.
+/// How a measurement arrived.
 enum class Arrival : std::uint8_t {
     fresh,    ///< measured for this tick
-    late,     ///< new, but measured for a tick before
-    repeated, ///< the last one once more
-    corrupt,  ///< what came cannot be trusted; counts and currents are the last good ones
-    absent,   ///< nothing came in time; counts and currents are the last good ones
+    late,     ///< new, but measured for an earlier tick
+    repeated, ///< the last one again
+    corrupt,  ///< invalid data; counts and currents are the last good ones
+    absent,   ///< nothing arrived in time; counts and currents are the last good ones
 };
 
-/// Whether it tells anything that was not known before.
+/// Whether the measurement is new.
 [[nodiscard]] constexpr bool has_news(Arrival arrival) {
     return arrival == Arrival::fresh || arrival == Arrival::late;
 }
 
-/// What a board says is wrong with it, one bit each.
+/// Faults reported by the device's board, one bit each.
 struct BoardFaults {
     static constexpr std::uint16_t kAmplifier = 1U << 0U;   ///< a power stage: opens the windings
-    static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was met
+    static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was reached
     static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages
     static constexpr std::uint16_t kSupply = 1U << 3U;      ///< too high or too low
-    static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< its signals make no sense
-    static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: it brakes
+    static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< implausible encoder signals
+    static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: the board brakes
 
     std::uint16_t bits = 0;
 
@@ -76,29 +76,29 @@ struct BoardFaults {
     [[nodiscard]] constexpr bool has(std::uint16_t fault) const { return (bits & fault) != 0; }
 };
 
-/// What the device measured, and what it says of itself.
+/// What the device measured, and its status.
 struct Measurement {
     std::array<std::int32_t, 3> counts{}; ///< encoders, zero at θ = 0
     Vector3 current_A{Vector3::Zero()};   ///< winding currents i; τ = k_T i (3)
-    std::uint64_t number = 0;             ///< of the servo period that it was measured in
+    std::uint64_t number = 0;             ///< of the servo period in which it was measured
     double time_s = 0.0;                  ///< when it was measured, by the device's clock
     Arrival arrival = Arrival::fresh;
     DeviceHealth health = DeviceHealth::ok;
     BoardFaults faults;
-    double supply_V = std::numeric_limits<double>::quiet_NaN(); ///< where the board measures it
+    double supply_V = std::numeric_limits<double>::quiet_NaN(); ///< if the board measures it
 };
 
-/// Whose time a device's measurements go by.
+/// The clock that times a device's measurements.
 enum class DeviceClock : std::uint8_t {
-    servo, ///< the servo's: from number to number a period passes, and time waits for the servo
-    own,   ///< its own, which does not wait: `Measurement::time_s` tells
+    servo, ///< the servo's: each number is one period, and device time waits for the servo
+    own,   ///< its own, which does not wait: read `Measurement::time_s`
 };
 
-/// Which of all devices it is.
+/// Identifies a device.
 struct DeviceIdentity {
     std::string kind;     ///< "simulated", "USB"
-    std::string serial;   ///< tells two of a kind apart
-    std::string firmware; ///< what runs on its board
+    std::string serial;   ///< distinguishes devices of one kind
+    std::string firmware; ///< version on its board
 };
 
 class HapticDevice {
@@ -111,32 +111,32 @@ public:
     [[nodiscard]] virtual const DeviceDescription &description() const = 0;
     [[nodiscard]] virtual DeviceClock clock() const = 0;
 
-    /// d: servo periods, whole or not, from a measurement until the answer to it reaches the
-    /// windings.
+    /// d: servo periods, whole or fractional, from a measurement until the command computed from it
+    /// reaches the windings.
     [[nodiscard]] virtual double delay_periods() const = 0;
 
-    /// Once at the start of a servo tick: the newest measurement. RT-safe.
+    /// Called once at the start of a servo tick: the newest measurement. RT-safe.
     [[nodiscard]] virtual Measurement read() noexcept = 0;
 
-    /// Once at its end; holds until the next. RT-safe.
+    /// Called once at the end of a tick; the command holds until the next. RT-safe.
     virtual void write(const DeviceCommand &command) noexcept = 0;
 
-    // The rest is not for the servo's thread: nobody may be within `read` or `write` meanwhile.
+    // The rest is not for the servo's thread: no thread may be inside `read` or `write` meanwhile.
 
     [[nodiscard]] virtual DeviceIdentity identity() const = 0;
 
-    /// The servo's period T from the next `read` on [s].
-    /// @throw InputError for one that the device cannot keep
+    /// Sets the servo's period T from the next `read` on [s].
+    /// @throw InputError for a period that the device does not support
     virtual void set_period(double period_s) = 0;
 
-    /// Its rotors stand at these angles now; counts say so from the next `read` on.
+    /// Declares the rotors' current angles; counts refer to them from the next `read` on.
     virtual void zero(const Vector3 &theta_rad) = 0;
 
-    /// Brakes, and lets go of the device: it is lost from then on.
+    /// Brakes and releases the device, which reports `lost` from then on.
     virtual void close() noexcept = 0;
 
-    /// Takes hold of it again after it was lost or closed. It brakes, and has to be zeroed.
-    /// @throw InputError where it cannot be found
+    /// Connects again after it was lost or closed. The device brakes and must be zeroed.
+    /// @throw InputError if it cannot be found
     virtual void reconnect() = 0;
 };
 

@@ -77,8 +77,8 @@ OpenDevice open_device(const DeviceRequest &request) {
     case DeviceKind::usb:
         break;
     }
-    throw InputError("--device usb: this version drives the simulated device only; leave the "
-                     "option out");
+    throw InputError("--device usb: this version supports only the simulated device; remove the "
+                     "option");
 }
 
 std::vector<device::DeviceIdentity> devices_present() { return {simulated::simulated_identity()}; }

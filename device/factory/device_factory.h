@@ -1,4 +1,4 @@
-// Which device: simulated or USB, by name and serial number; and its life from opening to closing.
+// Opens a device, simulated or USB, by name and serial number, and manages it until it is closed.
 //
 //   open_device() ──► open ──zero()──► zeroed
 //                      ▲ ▲               │
@@ -6,8 +6,8 @@
 //                 reconnect()          close()
 //                      └──── closed ◄────┘
 //
-// A device that knows where its rotors stand when it is opened, as the simulated one does, is
-// zeroed from the start.
+// A device that knows its rotors' angles when it is opened, such as the simulated one, is zeroed
+// from the start.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -26,7 +26,7 @@ namespace springdrive::factory {
 
 enum class DeviceKind : std::uint8_t { simulated, usb };
 
-/// By their numbers, as they are typed.
+/// As typed on the command line, indexed by DeviceKind.
 inline constexpr std::array<std::string_view, 2> kDeviceKindNames{"sim", "usb"};
 
 [[nodiscard]] std::optional<DeviceKind> device_kind_named(std::string_view name);
@@ -37,30 +37,31 @@ struct DeviceRequest {
     device::DeviceDescription description;
     double period_s = 1e-3; ///< of the servo
 
-    // Of a simulated device alone.
-    simulated::SimulationOptions simulation; ///< but for its period
+    // For a simulated device only.
+    simulated::SimulationOptions simulation; ///< except its period
     Vector3 start_tip_m{Vector3::Zero()};
 };
 
 enum class DeviceState : std::uint8_t {
-    open,   ///< counts from wherever it was opened
-    zeroed, ///< and its counts say where the rotors stand
-    closed, ///< braking, and lost to whoever reads it
+    open,   ///< counts relative to the position at opening
+    zeroed, ///< counts give the rotors' angles
+    closed, ///< braking; reads report that it is lost
 };
 
-/// Owns a device. Nobody may be within its `read` or `write` while any of this is called.
+/// Owns a device. No thread may be inside its `read` or `write` while a member is called.
 class OpenDevice {
 public:
-    /// @param world  of the same device, where it is a simulated one
+    /// @param world  the world of the device, if it is simulated
     OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world,
                DeviceState state);
-    ~OpenDevice();                                ///< closes
-    OpenDevice(OpenDevice &&) noexcept = default; ///< what was moved from may only be assigned to
-    OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes what it had
+    ~OpenDevice();                                      ///< closes
+    OpenDevice(OpenDevice &&) noexcept = default;       ///< the source may then only be assigned to
+    OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes the previous device
     OpenDevice(const OpenDevice &) = delete;
     OpenDevice &operator=(const OpenDevice &) = delete;
 
-    /// The same until it is assigned to, open or closed: a closed one says that it is lost.
+    /// The same object until this is assigned to, open or closed: a closed one reports that it is
+    /// lost.
     [[nodiscard]] device::HapticDevice &device() { return *device_; }
     [[nodiscard]] const device::HapticDevice &device() const { return *device_; }
 
@@ -70,14 +71,14 @@ public:
     [[nodiscard]] device::DeviceIdentity identity() const { return device_->identity(); }
     [[nodiscard]] DeviceState state() const { return state_; }
 
-    /// @throw InputError where it is closed
+    /// @throw InputError if it is closed
     void zero(const Vector3 &theta_rad);
 
-    /// Harmless twice.
+    /// May be called twice.
     void close() noexcept;
 
-    /// Has to be zeroed afterwards, whatever it was before.
-    /// @throw InputError where it cannot be found; it is closed then
+    /// Must be zeroed afterwards, whatever the state was before.
+    /// @throw InputError if it cannot be found; it is then closed
     void reconnect();
 
 private:
@@ -86,10 +87,10 @@ private:
     DeviceState state_;
 };
 
-/// @throw InputError with one line, for a device that is not there, or options that it refuses
+/// @throw InputError with one line, for a device that is absent, or options that it rejects
 [[nodiscard]] OpenDevice open_device(const DeviceRequest &request);
 
-/// What could be opened now.
+/// The devices that could be opened now.
 [[nodiscard]] std::vector<device::DeviceIdentity> devices_present();
 
 } // namespace springdrive::factory

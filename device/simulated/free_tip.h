@@ -1,4 +1,4 @@
-// A tip that a compliant structure joins to the end of the linkage: a mass behind a spring and a
+// A tip connected to the end of the linkage by a compliant structure: a mass behind a spring and a
 // damper, moved by a hand.
 //
 // Over a step, with s the stretch at its start, ẋ̄ and ē the mean velocities of tip and linkage end,
@@ -6,7 +6,7 @@
 //
 //   m (ẋ₁ − ẋ₀)/h = F_hand − b_hand ẋ̄ − F       F = k s + k_e (ẋ̄ − ē)
 //
-// so the spring acts with the mean of its stretch, and its work over the step is exact.
+// so the spring acts with its mean stretch, and its work over the step is exact.
 #pragma once
 
 #include "base/vector.h"
@@ -14,7 +14,7 @@
 
 namespace springdrive::simulated {
 
-/// A force that is affine in the mean velocity of what it acts on: F − b v̄.
+/// A force that is affine in the mean velocity of the body it acts on: F − b v̄.
 struct VelocityLoad {
     Vector3 force_N{Vector3::Zero()};
     double damping_Ns_per_m = 0.0;
@@ -26,7 +26,7 @@ struct FreeTip {
     Vector3 position_m{Vector3::Zero()};
     Vector3 velocity_m_per_s{Vector3::Zero()};
 
-    /// What of the load on the tip reaches the linkage's end, with ẋ̄ eliminated. RT-safe.
+    /// The part of the tip's load that acts on the linkage's end, with ẋ̄ eliminated. RT-safe.
     [[nodiscard]] VelocityLoad at_linkage(const VelocityLoad &hand, const Vector3 &linkage_end_m,
                                           double step_s) const {
         const Vector3 spring = structure.stiffness_N_per_m * (position_m - linkage_end_m);
@@ -35,7 +35,7 @@ struct FreeTip {
                 coupling(step_s) * (1.0 - share)};
     }
 
-    /// The tip after the step, when it is known how the linkage's end moved. RT-safe.
+    /// Advances the tip over the step, given the motion of the linkage's end. RT-safe.
     void settle(const VelocityLoad &hand, const Vector3 &linkage_end_before_m,
                 const Vector3 &mean_end_velocity_m_per_s, double step_s) {
         const Vector3 spring = structure.stiffness_N_per_m * (position_m - linkage_end_before_m);

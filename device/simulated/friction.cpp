@@ -12,7 +12,7 @@ template <int joints> using Vector = Eigen::Matrix<double, joints, 1>;
 template <int joints> using Matrix = Eigen::Matrix<double, joints, joints>;
 template <int joints> using Modes = std::array<FrictionMode, static_cast<std::size_t>(joints)>;
 
-/// The solution for given modes; stopped joints are taken out of the system.
+/// The solution for given modes; stopped joints are eliminated from the system.
 template <int joints>
 Vector<joints> solve_for(const Matrix<joints> &A, const Vector<joints> &b,
                          const JointFrictionRange<joints> &friction, const Modes<joints> &modes) {
@@ -33,13 +33,13 @@ Vector<joints> solve_for(const Matrix<joints> &A, const Vector<joints> &b,
     Vector<joints> v = solve_definite<joints>(system, right);
     for (Eigen::Index j = 0; j < joints; ++j) {
         if (modes[static_cast<std::size_t>(j)] == FrictionMode::stopped) {
-            v[j] = 0.0; // to the last bit
+            v[j] = 0.0; // exactly
         }
     }
     return v;
 }
 
-/// The mode that joint j should change to; its own where it agrees with the solution.
+/// The mode that a joint should change to; its own if that agrees with the solution.
 FrictionMode corrected(FrictionMode mode, double v, double needed, double lowest, double highest) {
     switch (mode) {
     case FrictionMode::turning_forward:
@@ -55,8 +55,8 @@ FrictionMode corrected(FrictionMode mode, double v, double needed, double lowest
     return needed > highest ? FrictionMode::turning_backward : FrictionMode::stopped;
 }
 
-/// One joint at a time, the first that disagrees: for a matrix of this kind that cannot cycle
-/// (Murty's least-index rule), so it ends within the combinations that there are.
+/// Changes one joint at a time, the first that disagrees: for such a matrix this cannot cycle
+/// (Murty's least-index rule), so it ends within the number of combinations.
 template <int joints>
 Vector<joints> solve(const Matrix<joints> &A, const Vector<joints> &b,
                      const JointFrictionRange<joints> &friction, Modes<joints> &modes) noexcept {

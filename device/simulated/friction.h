@@ -1,14 +1,14 @@
-// Coulomb friction with real sticking, for an implicit step of three joints, or of two.
+// Coulomb friction with exact sticking, for an implicit step of three joints or two.
 //
-// Friction opposes motion with at most τ_c. A step that starts with a joint turning may brake it,
-// stop it, or leave it alone where the load turns it round; one that starts at rest may hold it:
+// Friction opposes motion with at most τ_c. Over a step, a joint that turns may be braked or
+// stopped, or reversed by the load without friction; a joint at rest may be held:
 //
 //   rate before    friction torque may be      v > 0 after    v = 0 after     v < 0 after
 //   > 0            −τ_c … 0                    −τ_c           anything         0
 //   = 0            −τ_c … τ_c                  −τ_c           of these         +τ_c
 //   < 0            0 … τ_c                     0                               +τ_c
 //
-// So friction never adds energy over a step, v = 0 is reached exactly, and kept exactly.
+// So friction never adds energy over a step, and v = 0 is reached and maintained exactly.
 #pragma once
 
 #include "base/vector.h"
@@ -18,13 +18,13 @@
 
 namespace springdrive::simulated {
 
-/// What friction may do over a step, per joint [N·m, or N·m·s for an impulse].
+/// The range of friction over a step, per joint [N·m, or N·m·s for an impulse].
 template <int joints> struct JointFrictionRange {
     using Vector = Eigen::Matrix<double, joints, 1>;
     Vector lowest{Vector::Zero()};
     Vector highest{Vector::Zero()};
 
-    /// After the table above.
+    /// By the table above.
     [[nodiscard]] static JointFrictionRange after(const Vector &rate_before,
                                                   const Vector &coulomb) {
         JointFrictionRange range;
@@ -40,14 +40,14 @@ using FrictionRange = JointFrictionRange<3>;
 enum class FrictionMode : std::uint8_t { stopped, turning_forward, turning_backward };
 
 /// The v with A v = b + f where every fⱼ lies in its range: at its lowest where vⱼ > 0, at its
-/// highest where vⱼ < 0. There is exactly one where A has a positive definite symmetric part.
-/// @param modes  where to begin, and what came out: the last step's are the best guess
+/// highest where vⱼ < 0. It is unique if A has a positive definite symmetric part.
+/// @param modes  initial guess and result; the last step's modes are the best guess
 /// RT-safe: at most 27 solutions of a 3 × 3 system.
 [[nodiscard]] Vector3 solve_with_friction(const Matrix3 &A, const Vector3 &b,
                                           const FrictionRange &friction,
                                           std::array<FrictionMode, 3> &modes) noexcept;
 
-/// The same of two joints: at most 9 solutions of a 2 × 2 system.
+/// The same for two joints: at most 9 solutions of a 2 × 2 system.
 [[nodiscard]] Eigen::Vector2d solve_with_friction(const Eigen::Matrix2d &A,
                                                   const Eigen::Vector2d &b,
                                                   const JointFrictionRange<2> &friction,

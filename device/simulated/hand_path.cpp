@@ -15,7 +15,7 @@ namespace springdrive::simulated {
 
 namespace {
 
-/// No hand is farther from a desk: a value beyond is a slip of unit.
+/// No hand is farther away: a larger value is in the wrong unit.
 constexpr double kFarthest_m = 5.0;
 
 std::string_view trimmed(std::string_view text) {
@@ -27,7 +27,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Four comma-separated finite numbers, or false.
+/// Reads four comma-separated finite numbers; false if the line is anything else.
 bool parse_row(std::string_view line, std::array<double, 4> &row) {
     for (std::size_t column = 0; column < row.size(); ++column) {
         const std::size_t comma = line.find(',');
@@ -49,7 +49,7 @@ bool parse_row(std::string_view line, std::array<double, 4> &row) {
 
 HandPath::HandPath(std::vector<Point> points) : points_(std::move(points)) {
     if (points_.empty()) {
-        throw InputError("the hand's path has no point; give it at least one");
+        throw InputError("the hand's path has no points; it needs at least one");
     }
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (!std::isfinite(points_[i].time_s) || !points_[i].position_m.allFinite()) {
@@ -93,7 +93,7 @@ HandPath HandPath::read_csv(const std::filesystem::path &file, Header header) {
                              " m away; coordinates are metres");
         }
         if (!points.empty() && row[0] <= points.back().time_s) {
-            throw InputError(where + "its time does not come after the line before");
+            throw InputError(where + "its time is not after that of the previous line");
         }
         points.push_back({row[0], Vector3(row[1], row[2], row[3])});
     }
@@ -101,7 +101,7 @@ HandPath HandPath::read_csv(const std::filesystem::path &file, Header header) {
         throw InputError(file.string() + ": cannot be read to its end");
     }
     if (points.empty()) {
-        throw InputError(file.string() + ": holds no point; add lines of t,x,y,z");
+        throw InputError(file.string() + ": contains no points; add lines of t,x,y,z");
     }
     return HandPath(std::move(points));
 }

@@ -1,4 +1,4 @@
-// Where a hand wants to be over time: a polyline through timed points.
+// Target path of a hand over time: a polyline through timed points.
 #pragma once
 
 #include "base/vector.h"
@@ -32,14 +32,14 @@ public:
     [[nodiscard]] static HandPath read_csv(const std::filesystem::path &file,
                                            Header header = Header::required);
 
-    /// RT-safe. Time must not run backwards between calls.
+    /// RT-safe. `time_s` must not decrease between calls.
     [[nodiscard]] HandTarget at(double time_s) noexcept;
 
     [[nodiscard]] const std::vector<Point> &points() const { return points_; }
 
 private:
     std::vector<Point> points_;
-    std::size_t next_ = 0; ///< the first point later than the last time asked for
+    std::size_t next_ = 0; ///< the first point after the last requested time
 };
 
 } // namespace springdrive::simulated

@@ -7,7 +7,7 @@ namespace springdrive::simulated {
 
 namespace {
 
-/// A firm rubber stop: a thousandth of a radian at 0.1 N·m. Assumed, as no data sheet says.
+/// A firm rubber stop: 1 mrad at 0.1 N·m. Assumed; no data sheet states it.
 constexpr double kStiffness_Nm_per_rad = 100.0;
 constexpr double kDamping_Nms_per_rad = 0.1;
 
@@ -40,7 +40,7 @@ StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad
                        const Vector3 &q_b_rad) noexcept {
     StopTorque sum;
     if (limits.allow(q_a_rad) && limits.allow(q_b_rad)) {
-        return sum; // as nearly always
+        return sum; // the usual case
     }
     for (const Stop &stop : stops(limits)) {
         const double before = stop.depth(q_a_rad);
@@ -48,9 +48,9 @@ StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad
         if (before == 0.0 && after == 0.0) {
             continue;
         }
-        // ½k(after² − before²) over the way; the whole way lies in the stop, or only a part of it.
-        const double way = stop.direction.dot(q_b_rad - q_a_rad);
-        const double share = before > 0.0 && after > 0.0 ? 1.0 : (after - before) / way;
+        // ½k(after² − before²) over the distance, of which all or a part lies in the stop.
+        const double distance = stop.direction.dot(q_b_rad - q_a_rad);
+        const double share = before > 0.0 && after > 0.0 ? 1.0 : (after - before) / distance;
         sum.torque_Nm -= kStiffness_Nm_per_rad * 0.5 * (before + after) * share * stop.direction;
         if (before > 0.0) {
             sum.damping_Nms_per_rad +=

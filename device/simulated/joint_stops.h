@@ -6,9 +6,9 @@
 
 namespace springdrive::simulated {
 
-/// What the stops do over a step: their springs by the secant of their energy, so that the work is
-/// exact for the step. Their dampers act where a stop is pressed already when the step begins, so
-/// that whether they do is not at stake while the step is solved.
+/// The stops' action over a step. The springs act by the secant of their energy, so that the work
+/// over the step is exact. A damper acts if its stop is already pressed at the start of the step,
+/// so that this does not change while the step is solved.
 struct StopTorque {
     Vector3 torque_Nm{Vector3::Zero()};           ///< of the springs
     Matrix3 damping_Nms_per_rad{Matrix3::Zero()}; ///< positive semidefinite
@@ -18,7 +18,7 @@ struct StopTorque {
 [[nodiscard]] StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad,
                                      const Vector3 &q_b_rad) noexcept;
 
-/// What the springs hold [J].
+/// Energy stored in the springs [J].
 [[nodiscard]] double stop_energy_J(const device::JointLimits &limits,
                                    const Vector3 &q_rad) noexcept;
 

@@ -1,5 +1,5 @@
-// What acts on the linkage between two configurations a step apart, for as many of its joints as
-// move. With two, the base stands still and the tip moves in the links' plane: outward and up.
+// Forces on the linkage between two configurations a step apart, for the joints that move. With
+// two, the base is at rest and the tip moves in the links' plane: outward and up.
 #pragma once
 
 #include "device/core/phantom/linkage_secants.h"
@@ -14,7 +14,7 @@ template <int joints> struct LinkageForces {
     device::JointVector<joints> torque_Nm;
 };
 
-/// A vector at the tip, in the coordinates in which the tip can move. RT-safe.
+/// A vector at the tip, projected to the coordinates in which the tip can move. RT-safe.
 template <int joints>
 [[nodiscard]] device::JointVector<joints> where_tip_moves(const LinkagePlant &plant,
                                                           const Vector3 &v) {
@@ -25,7 +25,7 @@ template <int joints>
     }
 }
 
-/// And back into space. RT-safe.
+/// The inverse: back to three dimensions. RT-safe.
 template <int joints>
 [[nodiscard]] Vector3 in_space(const LinkagePlant &plant, const device::JointVector<joints> &v) {
     if constexpr (joints == 3) {

@@ -11,11 +11,11 @@ namespace springdrive::simulated {
 
 namespace {
 
-/// Iterations end when the angles at the end of the step move by no more than this: round-off.
+/// Iterations end when the angles at the end of the step change by no more than this: round-off.
 constexpr double kSettled_rad = 2e-16;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr int kMostIterations = 12;
-/// A step that does not settle is taken in halves, and those again. No hand moves a device so fast.
+/// A step that does not converge is halved, repeatedly. No hand moves a device that fast.
 constexpr int kMostPieces = 64;
 
 template <int joints>
@@ -31,14 +31,14 @@ device::JointMatrix<joints> inertia_with_rotors(const LinkagePlant &plant,
     return M;
 }
 
-/// Joints that do not move keep their place.
+/// All three joints; those that do not move have the value 0.
 template <int joints> Vector3 all_joints(const device::JointVector<joints> &moving) {
     Vector3 all = Vector3::Zero();
     all.tail<joints>() = moving;
     return all;
 }
 
-/// Whether the end of the step no longer moves from one iteration to the next.
+/// Whether the end of the step no longer changes between iterations.
 template <int joints>
 bool settled(const Vector3 &q_a, const device::JointVector<joints> &rate,
              const device::JointVector<joints> &before, double h) {
@@ -46,13 +46,13 @@ bool settled(const Vector3 &q_a, const device::JointVector<joints> &rate,
     return moved_rad <= std::max(kSettled_rad, kEpsilon * q_a.cwiseAbs().maxCoeff());
 }
 
-/// The friction of a step; where there is none, a plain system of equations.
+/// Solves a step with friction; without friction it is a plain system of equations.
 template <int joints> class StepFriction {
 public:
     StepFriction(const LinkagePlant &plant, const device::JointVector<joints> &rate_a, double h,
                  std::array<FrictionMode, 3> &modes)
-        : there_is_((plant.coulomb_Nm.array() > 0.0).any()), modes_(modes) {
-        if (there_is_) {
+        : has_friction_((plant.coulomb_Nm.array() > 0.0).any()), modes_(modes) {
+        if (has_friction_) {
             range_ = JointFrictionRange<joints>::after(rate_a, plant.coulomb_Nm.tail<joints>());
             range_.lowest *= h;
             range_.highest *= h;
@@ -61,7 +61,7 @@ public:
 
     [[nodiscard]] device::JointVector<joints> solve(const device::JointMatrix<joints> &system,
                                                     const device::JointVector<joints> &right) {
-        if (!there_is_) {
+        if (!has_friction_) {
             return solve_definite<joints>(system, right);
         }
         std::array<FrictionMode, static_cast<std::size_t>(joints)> modes{};
@@ -73,7 +73,7 @@ public:
     }
 
 private:
-    bool there_is_;
+    bool has_friction_;
     JointFrictionRange<joints> range_;
     std::array<FrictionMode, 3> &modes_;
 };
@@ -90,7 +90,7 @@ LinkageMotion motion_of(const LinkagePlant &plant, const Vector3 &q_a,
     return motion;
 }
 
-/// One solution of the equations in the header. Nothing where the iterations do not settle.
+/// One solution of the equations in the header. Empty if the iterations do not converge.
 template <int joints>
 std::optional<LinkageMotion> accelerated_step(const LinkagePlant &plant, const LinkageState &before,
                                               const LinkageLoad &load, double h,
@@ -152,7 +152,7 @@ std::optional<LinkageMotion> undivided_step(const LinkagePlant &plant, const Lin
                         : balanced_step<3>(plant, before, load, h);
 }
 
-/// The same in so many equal pieces.
+/// The same in `pieces` equal sub-steps.
 std::optional<LinkageMotion> divided_step(const LinkagePlant &plant, const LinkageState &before,
                                           const LinkageLoad &load, double step_s, int pieces,
                                           std::array<FrictionMode, 3> &modes) {
@@ -197,7 +197,7 @@ LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before
     if (motion) {
         return *motion;
     }
-    LinkageMotion stopped; // beyond all that the model is for: at rest, rather than anywhere
+    LinkageMotion stopped; // far outside the model's range: bring it to rest
     stopped.after.q_rad = before.q_rad;
     return stopped;
 }

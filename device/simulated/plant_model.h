@@ -1,4 +1,4 @@
-// How much of a device is simulated: from the coupling alone to all that is known of it.
+// Models of increasing detail: from the coupling alone to everything that is known about a device.
 #pragma once
 
 #include "device/simulated/simulation_options.h"
@@ -8,14 +8,14 @@
 
 namespace springdrive::simulated {
 
-/// One of them, by name.
+/// A model and its name.
 struct PlantModel {
     std::string_view name;
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
 };
 
-/// From the cheapest to the fullest.
+/// From the cheapest to the most detailed.
 inline constexpr std::array<PlantModel, 5> kPlantModels{{
     {"coupling", PlantDynamics::coupling, PlantEffects::none()},
     {"rigid_tip", PlantDynamics::rigid_body, {true, true, false, true, true, false, false, false}},

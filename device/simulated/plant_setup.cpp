@@ -14,24 +14,25 @@ namespace springdrive::simulated {
 
 namespace {
 
-/// What a plant without masses has no use for.
+/// Rejects options that a plant without masses cannot have.
 void check_coupling(const SimulationOptions &options) {
     if (options.dynamics != PlantDynamics::coupling) {
         return;
     }
     if (options.effects.coulomb_friction || options.effects.structural_compliance) {
-        throw InputError("simulated device: as a coupling alone it has no masses, and so neither "
-                         "coulomb_friction nor structural_compliance; switch them off, or simulate "
-                         "rigid bodies");
+        throw InputError(
+            "simulated device: with dynamics 'coupling' it has no masses, so it can have neither "
+            "coulomb_friction nor structural_compliance; switch them off or choose other "
+            "dynamics");
     }
     if (options.amplifier == device::AmplifierKind::current_drive &&
         !(options.hand.stiffness_N_per_m + options.hand.damping_Ns_per_m > 0.0)) {
-        throw InputError("simulated device: as a coupling alone with a current drive nothing but "
+        throw InputError("simulated device: with dynamics 'coupling' and a current drive only "
                          "the hand holds its tip; give the hand a stiffness or a damping above 0");
     }
 }
 
-/// Linkage and rotors, with the effects that are on and what sits rigidly at the tip.
+/// Linkage and rotors, with the enabled effects and the load rigidly attached to the tip.
 LinkagePlant linkage_plant(const device::DeviceDescription &description,
                            const SimulationOptions &options) {
     const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
@@ -41,7 +42,7 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
         device::linkage_moments(description.geometry, description.inertia,
                                 options.effects.structural_compliance ? 0.0 : at_tip_kg);
     if (!options.effects.structural_compliance) {
-        // A hand is moved by its owner: its mass has to be accelerated, but not held up.
+        // The person holds the hand up: its mass adds inertia, but no weight.
         plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
         plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
     }
@@ -61,7 +62,7 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
     return plant;
 }
 
-/// The motors as they truly are.
+/// The true motor parameters.
 std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
                                                    const SimulationOptions &options) {
     std::array<device::MotorParameters, 3> motors = description.motor;
@@ -69,13 +70,13 @@ std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescripti
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
         motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
         if (options.dynamics != PlantDynamics::electromechanical) {
-            motors[j].inductance_H = 0.0; // it stores nothing
+            motors[j].inductance_H = 0.0; // stores no energy
         }
     }
     return motors;
 }
 
-/// Winding and housing at the start.
+/// Initial temperatures of winding and housing.
 device::WindingTemperature temperature(const device::MotorParameters &motor,
                                        const SimulationOptions &options) {
     return {motor.thermal,
@@ -97,8 +98,8 @@ void check_options(const device::DeviceDescription &description, const Simulatio
                       hand.stiffness_N_per_m >= 0.0 && hand.greatest_force_N >= 0.0 &&
                       hand.greatest_speed_m_per_s > 0.0;
     if (!good) {
-        throw InputError("simulated device: its period and the hand's speed must be positive, a "
-                         "sub-step no less than a millionth of the period, the hand's mass, "
+        throw InputError("simulated device: the period and the hand's speed must be positive, a "
+                         "sub-step at least a millionth of the period, the hand's mass, "
                          "damping, stiffness and force finite and not negative");
     }
     if (!(options.delay_periods >= 0.0 &&

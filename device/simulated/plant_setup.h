@@ -1,4 +1,4 @@
-// From a device's description and options to the parts that SimulatedPhantom runs.
+// Builds the parts that SimulatedPhantom runs from a device's description and options.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -10,34 +10,34 @@
 
 namespace springdrive::simulated {
 
-/// @throw InputError for options that are out of range or do not go together.
+/// @throw InputError for options that are out of range or incompatible.
 void check_options(const device::DeviceDescription &description, const SimulationOptions &options);
 
-/// Joint angles for a tip at `start_tip_m`.
-/// @throw InputError where that is out of reach or, with joint limits on, beyond them.
+/// Joint angles with the tip at `start_tip_m`.
+/// @throw InputError if it is out of reach or, with joint limits on, beyond them.
 [[nodiscard]] Vector3 start_angles(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m);
 
-/// How much of a device is simulated, ready to run.
+/// The parts of a simulated device, ready to run.
 struct PlantParts {
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
     double longest_step_s = 0.0;
-    double hand_mass_kg = 0.0; ///< none where nothing has a mass
-    LinkagePlant linkage; ///< and rotors, with the effects that are on and what sits at the tip
-    /// The true ones: off their data sheet by `resistance_share`, with or without ripple and
-    /// inductance.
+    double hand_mass_kg = 0.0; ///< 0 if the dynamics have no masses
+    LinkagePlant linkage;      ///< with rotors, enabled effects and the load at the tip
+    /// True parameters: R differs from the data sheet by `resistance_share`; ripple and inductance
+    /// as enabled.
     std::array<device::MotorParameters, 3> motor;
-    std::array<device::WindingTemperature, 3> temperature; ///< at the start
-    std::uint32_t number = 0; ///< which they are, of those that followed
+    std::array<device::WindingTemperature, 3> temperature; ///< initial
+    std::uint32_t number = 0; ///< sequence number of the published parts
 };
 
 /// @throw InputError as `check_options` does.
 [[nodiscard]] PlantParts plant_parts(const device::DeviceDescription &description,
                                      const SimulationOptions &options);
 
-/// By how much finer an encoder is made to count as exact: so that it does not quantise for any
-/// purpose here, or as much as the counts of a whole turn of every joint leave room for.
+/// The factor by which an encoder's resolution is increased so that its quantisation is negligible,
+/// limited so that the counts of a full turn of every joint fit.
 [[nodiscard]] int fine_encoder_factor(const device::DeviceDescription &description);
 
 } // namespace springdrive::simulated

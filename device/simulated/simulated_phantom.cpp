@@ -9,8 +9,8 @@ namespace springdrive::simulated {
 
 namespace {
 
-/// How quickly a hand follows what the eye asks of it: the corner of the smoothing of
-/// `set_hand_target`, which also turns the steps of a 60 Hz mouse into a smooth motion.
+/// Rate at which a hand follows its visual target: the corner frequency of the filter behind
+/// `set_hand_target`, which also smooths the steps of a 60 Hz mouse.
 constexpr double kHandReachRate = 40.0; // rad/s
 
 Vector3 limited(const Vector3 &vector, double greatest_norm) {
@@ -37,7 +37,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
     warm_windings();
 }
 
-/// Where the linkage and the tip are.
+/// Activates `parts` at the present pose of linkage and tip.
 void SimulatedPhantom::put_in_force(const PlantParts &parts) noexcept {
     parts_ = parts;
     parts_.linkage.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
@@ -67,14 +67,13 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     const bool was_planar = parts_.linkage.planar;
     if (wanted.effects.winding_heat != parts_.effects.winding_heat) {
         temperature_ = wanted.temperature;
-        for (device::WindingTemperature &motor :
-             temperature_) { // of `wanted` it may be an older one
+        for (device::WindingTemperature &motor : temperature_) { // that of `wanted` may be outdated
             motor.set_period(options_.servo_period_s);
         }
     }
     PlantParts parts = wanted;
     parts.linkage.planar = wanted.linkage.planar && was_planar;
-    // What the linkage may be beyond by would otherwise throw it back.
+    // Otherwise a stop that the linkage is already beyond would throw it back.
     parts.linkage.stops = wanted.linkage.stops && description_.joint_limits.allow(linkage_.q_rad);
     put_in_force(parts);
 }
@@ -155,17 +154,18 @@ void SimulatedPhantom::zero(const Vector3 &theta_rad) {
     count_zero_rad_ = truth_.theta_rad - theta_rad;
 }
 
-/// A board that has just been plugged in counts from where it finds the rotors.
+/// A board that was just connected counts from the rotors' present angles.
 void SimulatedPhantom::reconnect() {
     connected_ = true;
     written_ = {device::DeviceCommand::braking(), Vector3::Zero()};
     zero(Vector3::Zero());
 }
 
-/// The plant under one command; returns the hand's impulse on the tip [N·s].
+/// Runs the plant with a constant command; returns the hand's impulse on the tip [N·s].
 Vector3 SimulatedPhantom::run(const PlantCommand &command, double duration_s) noexcept {
     const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / parts_.longest_step_s -
-                                                             1e-9))); // no step for round-off
+                                                             1e-9))); // no extra step due to
+                                                                      // round-off
     const double h = duration_s / steps;
     Vector3 impulse = Vector3::Zero();
     for (int i = 0; i < steps; ++i) {
@@ -211,14 +211,14 @@ void SimulatedPhantom::note_linkage(const LinkageState &linkage) noexcept {
         device::motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
 }
 
-/// The tip is where the linkage ends.
+/// Sets the tip's state to that of the linkage's end.
 void SimulatedPhantom::note_rigid_tip() noexcept {
     const device::TipPlace place = device::tip_place(description_.geometry, linkage_.q_rad);
     truth_.tip_m = place.tip_m;
     truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
 }
 
-/// Temperatures from the heat since the last period, and the resistances that follow.
+/// Updates temperatures from the heat of the last period, and the resistances from those.
 void SimulatedPhantom::warm_windings() noexcept {
     for (Eigen::Index j = 0; j < 3; ++j) {
         device::WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
@@ -262,7 +262,7 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
                                                   double h) noexcept {
     const auto index = static_cast<std::size_t>(j);
     const device::MotorParameters &motor = parts_.motor[index];
-    // At the sub-step's middle, so that the commutator's ripple too is met at second order.
+    // At the sub-step's midpoint, so that the commutator's ripple is second order, too.
     const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
     truth_.resistance_Ohm[j] =
         device::winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
@@ -278,7 +278,7 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
     }
     const device::DeviceCommand &spring = command.spring_drive;
     if (spring.mode == device::CommandMode::open) {
-        return {}; // no current, whatever the speed
+        return {}; // no current at any speed
     }
     const bool drives = spring.mode == device::CommandMode::drive;
     const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
@@ -305,8 +305,8 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
     return load;
 }
 
-/// The hand's spring pulls at the middle of the step, half of it known beforehand; at its greatest
-/// force it no longer stiffens.
+/// The hand's spring acts with its stretch at the middle of the step, so h/2 times its stiffness
+/// adds to the damping; at its maximum force it has no stiffness.
 VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
     const device::HandParameters &hand = options_.hand;
     const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
@@ -315,7 +315,7 @@ VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
             hand.damping_Ns_per_m + (saturated ? 0.0 : 0.5 * h * hand.stiffness_N_per_m)};
 }
 
-/// A free tip bears the weight of what sits on it; a rigid one has that in the linkage's moments.
+/// A free tip carries the tip load's weight; for a rigid one it is part of the linkage's moments.
 VelocityLoad SimulatedPhantom::with_weight(const VelocityLoad &hand) const noexcept {
     const double weight_N =
         parts_.effects.gravity ? description_.inertia.tip_load_kg * device::kGravity_m_per_s2 : 0.0;
@@ -334,8 +334,8 @@ void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const LinkageM
         const double N = description_.geometry.transmission_ratio[j];
         const double mean_rate = N * motion.mean_rate_rad_per_s[j];
         const double end_rate = at_once ? N * motion.after.rate_rad_per_s[j] : mean_rate;
-        // i² averaged as if i went straight from one end to the other; a current that follows at
-        // once may leap where the step begins.
+        // i² averaged as if i were linear over the step; a current without inductance may jump at
+        // the start of the step.
         const double after_A = current.end_at(end_rate);
         const double before_A =
             at_once ? 2.0 * current.mean_at(mean_rate) - after_A : truth_.current_A[j];
@@ -375,7 +375,7 @@ Vector3 SimulatedPhantom::step(const PlantCommand &command, double h) noexcept {
     settle_tip(motion, hand, end_before_m, h);
     truth_.time_s += h;
 
-    // What the hand's spring and damper give, less what its own mass takes.
+    // Force of the hand's spring and damper, minus that which accelerates its own mass.
     const Vector3 mean_velocity = (truth_.tip_m - tip_before_m) / h;
     const Vector3 acceleration = (truth_.tip_velocity_m_per_s - velocity_before) / h;
     return hand.force_N - hand.damping_Ns_per_m * mean_velocity -

@@ -1,23 +1,23 @@
-// A PHANTOM without hardware: motors behind amplifiers, the linkage with its masses, friction and
-// stops, quantising encoders, and a hand that holds the tip. In joint coordinates, θ = N q:
+// A simulated PHANTOM: motors behind amplifiers, the linkage with its masses, friction and stops,
+// quantising encoders, and a hand that holds the tip. In joint coordinates, θ = N q:
 //
 //   L di/dt = e_A − R(T, θ) i − k_T θ̇                                (1), (2), (6), each motor
 //   (M(q) + N² J_m) q̈ + C q̇ + g = N k_T i − b q̇ − friction + stops + Jᵀ F      (3), J = ∂x/∂q
 //   F = k (x_target − x) + b_hand (ẋ_target − ẋ) − m_hand ẍ          the hand, limited in force
 //
-// With structural compliance the hand holds a mass of its own, which a spring and a damper join to
-// the end of the linkage.
+// With structural compliance the hand holds a separate mass, connected to the end of the linkage by
+// a spring and a damper.
 //
-// Parts that are off are not run (PlantDynamics, SimulationOptions::planar): without inductance the
-// currents follow (11) with L = 0 at once; without masses what is left of the second equation is a
-// balance; in a plane the base joint and its motor stand still. Which parts run can change between
-// two periods: angles, rates and currents are carried over.
+// Disabled parts are not computed (PlantDynamics, SimulationOptions::planar): without inductance
+// the currents follow (11) with L = 0 immediately; without masses the second equation becomes a
+// static balance; in a plane the base joint and its motor are at rest. The set of parts can change
+// between two periods: angles, rates and currents are kept.
 //
-// One sub-step takes the winding exactly for a standing rotor velocity (device/core/motor/motor.h)
-// and the mechanics by a step that is exact in energy (linkage_step.h), both at the same mean
-// velocity: the work that leaves the windings is, to round-off, the work that reaches the rotors.
-// Second order in the sub-step; of first order only where friction stops a joint or an amplifier
-// reaches its limit.
+// A sub-step integrates the winding exactly for a constant rotor velocity
+// (device/core/motor/motor.h) and the mechanics by an energy-exact step (linkage_step.h), both at
+// the same mean velocity: the work that leaves the windings equals, to round-off, the work that
+// reaches the rotors. Second order in the sub-step; first order only where friction stops a joint
+// or an amplifier reaches its limit.
 #pragma once
 
 #include "base/latest_value.h"
@@ -32,14 +32,14 @@
 
 namespace springdrive::simulated {
 
-/// What the windings are told: volts for a spring drive, or amperes for a current drive, which no
-/// device but a simulated one has.
+/// Command to the windings: volts for a spring drive, or amperes for a current drive, which only a
+/// simulated device has.
 struct PlantCommand {
     device::DeviceCommand spring_drive;
     Vector3 current_A{Vector3::Zero()};
 };
 
-/// There is one to choose.
+/// The only simulated device.
 [[nodiscard]] inline device::DeviceIdentity simulated_identity() {
     return {"simulated", "sim-1", "simulated plant"};
 }
@@ -47,8 +47,8 @@ struct PlantCommand {
 class SimulatedPhantom final : public device::HapticDevice, public SimulatedWorld {
 public:
     /// The tip starts at rest at `start_tip_m`, held by a hand whose target is there.
-    /// @throw InputError where `start_tip_m` is out of reach or beyond the joint limits, or an
-    ///        option is out of range.
+    /// @throw InputError if `start_tip_m` is out of reach or beyond the joint limits, or an option
+    ///        is out of range.
     SimulatedPhantom(const device::DeviceDescription &description, const SimulationOptions &options,
                      const Vector3 &start_tip_m);
 
@@ -70,17 +70,17 @@ public:
     }
     void simulate_as(const SimulationOptions &options) override;
 
-    /// For a current drive, in the place of `write`: what its windings are to carry. RT-safe.
+    /// For a current drive, instead of `write`: the currents for its windings. RT-safe.
     void write_current(const Vector3 &current_A) noexcept;
 
-    /// One period on under a command: `write`, then `read`. RT-safe.
+    /// Advances by one period with a command: `write`, then `read`. RT-safe.
     device::Measurement advance(const device::DeviceCommand &command) noexcept {
         write(command);
         return read();
     }
     device::Measurement advance(const PlantCommand &command) noexcept;
 
-    /// What no device would tell: the state behind the encoders. Thread of `read` only.
+    /// The true state, which no real device reports. Thread of `read` only.
     struct Truth {
         double time_s = 0.0;
         Vector3 theta_rad{Vector3::Zero()};
@@ -96,12 +96,12 @@ public:
     };
     [[nodiscard]] const Truth &truth() const { return truth_; }
 
-    /// Kinetic energy (the hand's mass too), gravity, and what windings, stops and structure store;
-    /// without the hand's spring. Nothing that is passive can make it grow. [J]
+    /// Kinetic energy (including the hand's mass), gravity, and the energy stored in windings,
+    /// stops and structure; without the hand's spring. No passive element can increase it. [J]
     [[nodiscard]] double stored_energy_J() const;
 
-    /// Sets the plant moving: joint rates [rad/s] and winding currents [A], from rest. What has no
-    /// state of its own in the dynamics simulated follows the next command at once.
+    /// Sets joint rates [rad/s] and winding currents [A], starting from rest. A quantity that is no
+    /// state of the simulated dynamics follows the next command immediately.
     void set_in_motion(const Vector3 &q_rate_rad_per_s, const Vector3 &current_A);
 
 private:
@@ -132,8 +132,8 @@ private:
     SimulationOptions options_;
     PlantParts parts_;
     LatestValue<PlantParts> wanted_parts_;
-    std::uint32_t newest_parts_ = 0;  ///< their number, of the thread of `simulate_as`
-    std::optional<FreeTip> free_tip_; ///< where the structure bends
+    std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`
+    std::optional<FreeTip> free_tip_; ///< with structural compliance
     Eigen::Index first_joint_ = 0;    ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
@@ -144,7 +144,7 @@ private:
     Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last period
     Truth truth_;
     PlantCommand written_; ///< last
-    /// What was in force in each period, newest first.
+    /// Active command of each period, newest first.
     std::array<PlantCommand, SimulationOptions::kLongestDelay + 2> pending_{};
     std::uint64_t periods_ = 0;
     double clock_base_s_ = 0.0; ///< the device's clock when its period was last set

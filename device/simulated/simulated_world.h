@@ -1,5 +1,5 @@
-// What only a simulated device has, beside the interface that every device has: a world around it,
-// which can be told what to do.
+// Controls of a simulated device beyond the interface of every device: the hand that holds it, and
+// what is simulated.
 #pragma once
 
 #include "base/vector.h"
@@ -14,16 +14,16 @@ public:
     SimulatedWorld &operator=(const SimulatedWorld &) = delete;
     virtual ~SimulatedWorld() = default;
 
-    /// Where the hand wants to be from now on [m]. One thread at a time, any thread; without
-    /// effect while the hand follows a path. The hand moves there smoothly.
+    /// Sets the hand's target from now on [m]; the hand moves there smoothly. One thread at a time,
+    /// any thread; no effect while the hand follows a path.
     virtual void set_hand_target(const Vector3 &target_m) noexcept = 0;
 
-    /// Simulates from the next period on as much as `options` say by their dynamics, effects,
-    /// planar and longest_step_s; all else stays as it was. Motors and linkage go on from where
-    /// they are, so no encoder jumps. A base joint that moves is not seized: planar holds only
-    /// where it held before. Stops that the linkage is beyond begin to press once it is back
-    /// between them. One thread at a time, any thread.
-    /// @throw InputError for options out of range or that do not go together
+    /// From the next period on, uses the dynamics, effects, planar and longest_step_s of `options`;
+    /// all else is unchanged. Motors and linkage continue from their present state, so no encoder
+    /// jumps. A moving base joint is not locked: planar takes effect only if it was on before.
+    /// Stops that the linkage is beyond become active once it is back between them. One thread at a
+    /// time, any thread.
+    /// @throw InputError for options that are out of range or incompatible
     virtual void simulate_as(const SimulationOptions &options) = 0;
 };
 

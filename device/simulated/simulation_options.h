@@ -1,4 +1,4 @@
-// How a simulated PHANTOM is to be: its hand, its amplifiers, and which effects it has.
+// Options of a simulated PHANTOM: its hand, its amplifiers, and its enabled effects.
 #pragma once
 
 #include "base/vector.h"
@@ -14,22 +14,22 @@
 
 namespace springdrive::simulated {
 
-/// What moves by laws of its own in the simulated device.
+/// The dynamic states of the simulated device.
 enum class PlantDynamics : std::uint8_t {
-    coupling,   ///< no mass and no inductance: hand, drives and dampers balance at any moment
-    rigid_body, ///< links and rotors have their masses; currents follow e_W at once
-    electromechanical, ///< the windings have their inductance, too
+    coupling,   ///< no mass and no inductance: hand, drives and dampers are always in balance
+    rigid_body, ///< links and rotors have masses; currents follow e_W immediately
+    electromechanical, ///< the windings have inductance, too
 };
 
-/// What of the device is simulated beyond rigid links, rotors, windings and encoders. Each can be
-/// switched off by itself.
+/// Effects that are simulated beyond rigid links, rotors, windings and encoders. Each can be
+/// switched off individually.
 struct PlantEffects {
     bool gravity = true;
     bool viscous_friction = true;
     bool coulomb_friction = true;
     bool joint_limits = true;
     bool amplifier_limits = true;       ///< supply voltage and peak current
-    bool winding_heat = true;           ///< R(T); off, windings stay at 25 °C
+    bool winding_heat = true;           ///< R(T); if off, windings stay at 25 °C
     bool commutation_ripple = true;     ///< R(θ)
     bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
 
@@ -38,13 +38,13 @@ struct PlantEffects {
     }
 };
 
-/// One of them, by name.
+/// An effect and its name.
 struct PlantEffect {
     std::string_view name;
     bool PlantEffects::*on = nullptr;
 };
 
-/// The one list of effects: command line and tests read it.
+/// The list of all effects, read by command line and tests.
 inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
     {"gravity", &PlantEffects::gravity},
     {"viscous_friction", &PlantEffects::viscous_friction},
@@ -59,19 +59,19 @@ inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
 struct SimulationOptions {
     static constexpr int kLongestDelay = 8;
 
-    double servo_period_s = 1e-3;   ///< T; each `read` advances the plant by as much
-    double delay_periods = 0.0;     ///< d, whole or not, at most kLongestDelay
+    double servo_period_s = 1e-3;   ///< T; each `read` advances the plant by T
+    double delay_periods = 0.0;     ///< d, whole or fractional, at most kLongestDelay
     bool quantised_encoders = true; ///< false: 10,000 times as many counts
-    /// Sub-steps are not longer than this. In hard contact at 1 kHz the default is within 2 µm of
-    /// steps fifty times as short at the tip, and within 0.1 % of their largest current.
+    /// Upper limit of sub-steps. In hard contact at 1 kHz the default agrees with fifty times
+    /// shorter steps to 2 µm at the tip and to 0.1 % of their largest current.
     double longest_step_s = 100e-6;
     device::HandParameters hand;
     std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
-    bool planar = false; ///< the base joint stands still, so that only two are simulated
+    bool planar = false; ///< the base joint is at rest, so that only two are simulated
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
-    Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R over its data sheet's
+    Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R relative to its data sheet's
     double ambient_C = device::kReferenceTemperature_C;
 };
 

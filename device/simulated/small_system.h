@@ -1,12 +1,12 @@
-// A system of two or three equations, solved by elimination without a search for pivots.
+// Solves systems of two or three equations by elimination without pivoting.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace springdrive::simulated {
 
-/// The x with A x = b, where A has a positive definite symmetric part: every pivot is positive
-/// then. Not finite where A is singular. RT-safe.
+/// The x with A x = b, where A has a positive definite symmetric part, so that every pivot is
+/// positive. Not finite if A is singular. RT-safe.
 template <int size>
 [[nodiscard]] inline Eigen::Matrix<double, size, 1>
 solve_definite(Eigen::Matrix<double, size, size> A, Eigen::Matrix<double, size, 1> b) {

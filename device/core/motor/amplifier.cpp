@@ -9,13 +9,14 @@ namespace springdrive::device {
 
 namespace {
 
-/// A constant voltage and the net resistance that the winding sees it through, (11).
+/// A constant voltage behind a net resistance, as the winding sees it, (11).
 struct Source {
     double voltage_V = 0.0;
     double net_resistance_Ohm = 0.0;
 };
 
-/// `start` holds the current at the beginning of the step; what of it goes with the rate, too.
+/// `start` holds the current at the beginning of the step, including its part proportional to the
+/// rate.
 CurrentStep behind(const MotorParameters &motor, const Source &source, const CurrentStep &start,
                    double step_s) {
     const WindingStep w = winding_step(motor, source.net_resistance_Ohm, step_s);
@@ -37,13 +38,13 @@ CurrentStep at_once(const MotorParameters &motor, const Source &source) {
     return {end_A, end_As_per_rad, end_A, end_As_per_rad};
 }
 
-/// What sustains the current limit at standstill, as far as the supply goes.
+/// The source that sustains the current limit at standstill, within the supply.
 Source sustaining(const MotorParameters &motor, const DriveState &now, double current_A) {
     const double voltage_V = std::min(motor.supply_V, motor.peak_current_A * now.resistance_Ohm);
     return {std::copysign(voltage_V, current_A), now.resistance_Ohm};
 }
 
-/// First behind one source, then behind another.
+/// A step behind one source and then another.
 CurrentStep behind_both(const MotorParameters &motor, const DriveState &now, const Source &first,
                         double first_s, const Source &second, double second_s) {
     const CurrentStep before = behind(motor, first, now, first_s);
@@ -53,7 +54,8 @@ CurrentStep behind_both(const MotorParameters &motor, const DriveState &now, con
             share * before.mean_As_per_rad + (1.0 - share) * after.mean_As_per_rad};
 }
 
-/// When within the step R̂ i + e_W reaches the supply, which it exceeds at its end.
+/// Time within the step at which R̂ i + e_W reaches the supply, given that it exceeds it at the
+/// end.
 double time_to_rail_s(const MotorParameters &motor, const DriveState &now, const Source &free,
                       double cancelled_resistance_Ohm, double step_s) {
     const auto is_within = [&](double time_s) {
@@ -61,7 +63,7 @@ double time_to_rail_s(const MotorParameters &motor, const DriveState &now, const
         const double e_A_V = cancelled_resistance_Ohm * current_A + free.voltage_V;
         return std::abs(e_A_V) <= motor.supply_V;
     };
-    return bisect({0.0, step_s}, 40, is_within).fails_at; // to a picosecond of a second
+    return bisect({0.0, step_s}, 40, is_within).fails_at; // to 1e-12 of the step
 }
 
 } // namespace

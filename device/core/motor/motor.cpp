@@ -8,7 +8,7 @@ WindingStep winding_step(const MotorParameters &motor, double residual_resistanc
                          double step_s) {
     const double x = -residual_resistance_Ohm * step_s / motor.inductance_H;
     // φ₂ loses half its digits to cancellation at |x| = 1e-8 and all at 1e-16; below 1e-2 its
-    // series, cut after x⁵, is exact to round-off (the next term is x⁶/40320 < 1e-16).
+    // series, truncated after x⁵, is exact to round-off (the next term is x⁶/40320 < 1e-16).
     const bool small = std::abs(x) < 1e-2;
     const double growth = std::expm1(x);
     const double phi1 = x == 0.0 ? 1.0 : growth / x;

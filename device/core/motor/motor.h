@@ -5,12 +5,12 @@
 
 namespace springdrive::device {
 
-/// How a motor sheds its heat: winding to housing to air, as data sheets give it.
+/// A motor's thermal network, winding to housing to air, as in data sheets.
 struct ThermalParameters {
     double winding_housing_K_per_W = 0.0;
     double housing_ambient_K_per_W = 0.0;
-    double winding_time_s = 0.0; ///< time constant of the winding against its housing
-    double motor_time_s = 0.0;   ///< time constant of the housing against the air
+    double winding_time_s = 0.0; ///< time constant, winding to housing
+    double motor_time_s = 0.0;   ///< time constant, housing to air
     double greatest_winding_C = 0.0;
 };
 
@@ -28,42 +28,42 @@ struct MotorParameters {
     ThermalParameters thermal;
 };
 
-/// What the amplifiers can be set to, one for each motor, all alike.
+/// Limits of the amplifiers' settings; the three amplifiers are identical.
 struct AmplifierParameters {
     double greatest_cancelled_Ohm = 0.0; ///< the largest R̂ of (6) that can be set
-    double current_bandwidth_hz = 0.0;   ///< of the current drive that stands for comparison
+    double current_bandwidth_hz = 0.0;   ///< of the current drive used for comparison
 };
 
-/// The least share of R that an amplifier leaves: never a net resistance of zero or less (7).
+/// Minimum share of R that an amplifier leaves, so that the net resistance stays positive (7).
 inline constexpr double kLeastResidualShare = 0.005;
 
-/// dR that results when `dR_Ohm` is asked for: R̂ = R − dR can be neither negative nor nearer to R
-/// than kLeastResidualShare.
+/// The dR that results from a requested `dR_Ohm`: R̂ = R − dR can be neither negative nor closer to
+/// R than kLeastResidualShare.
 [[nodiscard]] constexpr double residual_resistance_Ohm(const MotorParameters &motor,
                                                        double dR_Ohm) {
     return std::clamp(dR_Ohm, kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm);
 }
 
-/// K_L = k_T²/L (4) [N·m/rad]: the inductance seen as a spring; also K_HF (14).
+/// K_L = k_T²/L (4) [N·m/rad]: the inductance as a spring; also K_HF (14).
 [[nodiscard]] constexpr double inductive_stiffness_Nm_per_rad(const MotorParameters &motor) {
     return motor.torque_constant_Nm_per_A * motor.torque_constant_Nm_per_A / motor.inductance_H;
 }
 
-/// B_dR = k_T²/dR (8) [N·m·s/rad]: the residual resistance seen as a damper in series with K_L.
-/// With R in place of dR it is B_R of (5).
+/// B_dR = k_T²/dR (8) [N·m·s/rad]: the residual resistance as a damper in series with K_L. With R
+/// instead of dR it is B_R of (5).
 [[nodiscard]] constexpr double series_damping_Nms_per_rad(const MotorParameters &motor,
                                                           double resistance_Ohm) {
     return motor.torque_constant_Nm_per_A * motor.torque_constant_Nm_per_A / resistance_Ohm;
 }
 
 /// K_DC = k_T K_P/dR (13) [N·m/rad]: the static stiffness between rotor and set-point.
-/// @param dR_Ohm  as asked for; what results of it counts
+/// @param dR_Ohm  the requested value, limited by `residual_resistance_Ohm`
 [[nodiscard]] constexpr double static_stiffness_Nm_per_rad(const MotorParameters &motor,
                                                            double K_P_V_per_rad, double dR_Ohm) {
     return motor.torque_constant_Nm_per_A * K_P_V_per_rad / residual_resistance_Ohm(motor, dR_Ohm);
 }
 
-/// What a winding does over a time h while e_W and the rotor's velocity stand still.
+/// A winding's response over a time h with constant e_W and rotor velocity.
 ///
 /// With (6) in (1) the winding obeys (11), L di/dt = e_W − dR i − k_T θ̇, so with the net voltage
 /// u = e_W − k_T θ̇ held constant, and z = dR h/L,
@@ -71,8 +71,8 @@ inline constexpr double kLeastResidualShare = 0.005;
 ///   i(h)    = e^(−z) i(0) + (h/L) φ₁(−z) u
 ///   mean i  = φ₁(−z) i(0) + (h/L) φ₂(−z) u       φ₁(x) = (eˣ − 1)/x,  φ₂(x) = (φ₁(x) − 1)/x
 ///
-/// Exact for every dR, zero and negative ones too: an over-cancelled winding then grows as it
-/// really would.
+/// Exact for every dR including zero and negative values, for which the current of an
+/// over-cancelled winding grows as in reality.
 struct WindingStep {
     double decay = 1.0;             ///< e^(−z)
     double gain_A_per_V = 0.0;      ///< i(h) per volt of u

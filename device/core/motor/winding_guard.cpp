@@ -6,7 +6,7 @@
 namespace springdrive::device {
 
 double least_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParameters &amplifier) {
-    constexpr double kAnyPeriod_s = 1.0; // of a guard that is asked before its first update
+    constexpr double kAnyPeriod_s = 1.0; // irrelevant, as the guard is read before its first update
     return motor.resistance_Ohm -
            WindingGuard(motor, amplifier.greatest_cancelled_Ohm, kAnyPeriod_s)
                .greatest_cancelled_Ohm();
@@ -38,7 +38,7 @@ void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexce
     greatest_.update(most_A * most_A * greatest_resistance_Ohm(motor_, greatest_.winding_C()));
 }
 
-/// Without any heat; after a long gap as cold as can be.
+/// Without heat; after a long gap, as cold as possible.
 void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
     if (missed_periods > kMostAtOnce) {
         least_ = coldest_;
@@ -49,7 +49,7 @@ void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
     }
 }
 
-/// With all the heat there may have been; after a long gap over some ticks.
+/// With the maximum possible heat; a long gap is processed over several ticks.
 void WindingGuard::heat_through(std::uint32_t missed_periods, double most_A) noexcept {
     if (missed_periods > 0) {
         owed_ += std::min(missed_periods, kMostOwed - owed_);

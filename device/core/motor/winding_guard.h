@@ -1,20 +1,21 @@
-// How warm a winding is at the least and at the most, and what R̂ it can therefore bear.
+// Lower and upper bounds on a winding's temperature, and the R̂ that is safe with them.
 //
-// The device has no thermometer. But two bounds follow from the measured current alone, because the
-// thermal network of winding_temperature.h never answers more heat or warmer air by less warmth:
+// The device has no thermometer, but two bounds follow from the measured current alone, because the
+// temperatures of the thermal network in winding_temperature.h never fall when heat or air
+// temperature rise:
 //
-//   least     starts in the coldest air, heated by no more than |i|² at least was over each tick,
-//             times the least R(T, θ) at this very estimate
-//   greatest  starts in the warmest air, heated by as much as |i|² at most was, times the greatest
-//             R(T, θ) at this very estimate
+//   least     starts in the coldest air, heated over each tick by the minimum of |i|² times the
+//             smallest R(T, θ) at this estimate
+//   greatest  starts in the warmest air, heated over each tick by the maximum of |i|² times the
+//             largest R(T, θ) at this estimate
 //
-// A sag of R below R̂ (7) makes the current grow as e^(|dR|t/L). So R̂ is held below the least R of
-// any commutator angle at the least temperature. Whoever tunes R̂ on a hot motor gets the benefit
-// of the heat that was surely there, and loses it at the pace at which it leaves.
+// If R sags below R̂ (7), the current grows as e^(|dR|t/L). So R̂ is limited to below the smallest
+// R of any commutator angle at the lowest possible temperature. On a hot motor R̂ may be larger by
+// the rise of R that is certain, and this allowance decreases as the motor cools.
 //
-// The bounds are as true as the device file and the measured current, which between two ticks runs
-// monotonically from one reading to the other, as behind a held e_W it does; and the servo must
-// not start on motors hotter than the warmest air, left so by an earlier run.
+// The bounds are as accurate as the device file and the measured current. They assume that between
+// two ticks the current changes monotonically, as it does behind a held e_W, and that the servo
+// does not start with motors that an earlier run left hotter than the warmest air.
 #pragma once
 
 #include "device/core/motor/motor.h"
@@ -24,44 +25,46 @@
 
 namespace springdrive::device {
 
-/// Air in which the device is meant to work: from a laboratory after a weekend without heating to
-/// one on a summer's day. A colder one would have R below what the guard allows; 15 °C against
-/// 25 °C costs 0.085 Ω of an RE 25's R̂.
+/// Ambient temperatures for which the device is intended: from a laboratory after a weekend without
+/// heating to one on a summer's day. In colder air R would be below what the guard assumes; 15 °C
+/// instead of 25 °C costs 0.085 Ω of an RE 25's R̂.
 inline constexpr double kColdestAir_C = 15.0;
 inline constexpr double kWarmestAir_C = 35.0;
 
-/// The least dR that is given to a motor of which nothing is known but that its windings are no
-/// colder than that: R at 25 °C less the R̂ allowed then [Ω].
+/// The smallest dR of a motor about which it is only known that its windings are not colder than
+/// kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].
 [[nodiscard]] double least_cold_residual_Ohm(const MotorParameters &motor,
                                              const AmplifierParameters &amplifier);
 
-/// For one motor. RT-safe after construction.
+/// The guard of one motor. RT-safe after construction.
 class WindingGuard {
 public:
     /// @param greatest_cancelled_Ohm  the largest R̂ that the amplifier can be set to
-    /// @param period_s                T, how long each `update` lasts
+    /// @param period_s                T, the duration of each `update`
     WindingGuard(const MotorParameters &motor, double greatest_cancelled_Ohm, double period_s);
 
-    /// What is known stays. RT-safe.
+    /// Keeps the estimates. RT-safe.
     void set_period(double period_s) noexcept;
 
-    /// One period later, with the current measured now. One that is not finite is unknown: it
-    /// heats nothing at the least, and at the most as the amplifier's peak current would.
+    /// Advances by one period, with the current measured now. A current that is not finite is
+    /// unknown: it adds no heat to the lower bound, and that of the amplifier's peak current to the
+    /// upper.
     ///
-    /// Periods that were missed before count as well, each with what the current was at most; a
-    /// winding may have cooled meanwhile to what the coldest air makes of it.
+    /// Missed periods before it count as well, each with the maximum of the current for the upper
+    /// bound and without heat, in the coldest air, for the lower.
     void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
 
-    /// The largest R̂ that leaves a net resistance at every commutator angle, a share of
-    /// kLeastResidualShare of R. That share also covers what a winding cools by while a command is
-    /// under way: even at its hottest it takes more than a tenth of a second to lose as much.
+    /// The largest R̂ that leaves a net resistance of kLeastResidualShare of R at every commutator
+    /// angle. That share also covers a winding's cooling while a command is in transit: even the
+    /// hottest winding takes more than a tenth of a second to lose as much.
     [[nodiscard]] double greatest_cancelled_Ohm() const noexcept;
 
     [[nodiscard]] double least_C() const { return least_.winding_C(); }
     [[nodiscard]] double greatest_C() const { return greatest_.winding_C(); }
 
 private:
-    /// So many periods take some microseconds; and the greatest is what it is after so many.
+    /// Processing kMostAtOnce periods takes some microseconds; after kMostOwed periods the upper
+    /// bound has settled.
     static constexpr std::uint32_t kMostAtOnce = 100;
     static constexpr std::uint32_t kMostOwed = 1'000'000;
 
@@ -70,11 +73,11 @@ private:
 
     MotorParameters motor_;
     double amplifier_limit_Ohm_;
-    WindingTemperature coldest_; ///< as the least began
+    WindingTemperature coldest_; ///< initial state of `least_`
     WindingTemperature least_;
     WindingTemperature greatest_;
     double current_A_ = 0.0; ///< at the last update
-    std::uint32_t owed_ = 0; ///< missed periods that the greatest has not gone through yet
+    std::uint32_t owed_ = 0; ///< missed periods not yet processed for the upper bound
     double owed_most_A_ = 0.0;
 };
 

@@ -8,7 +8,7 @@ namespace springdrive::device {
 
 namespace {
 
-/// R(T), the mean over the commutator's angles.
+/// R(T), averaged over the commutator's angles.
 double mean_resistance_Ohm(const MotorParameters &motor, double winding_C) {
     return motor.resistance_Ohm *
            (1.0 + motor.resistance_rise_per_K * (winding_C - kReferenceTemperature_C));
@@ -48,7 +48,7 @@ void WindingTemperature::set_period(double period_s) noexcept {
     rates << -inward / winding_J_per_K, inward / winding_J_per_K, //
         inward / housing_J_per_K, -(inward + outward) / housing_J_per_K;
 
-    // The exponential of a matrix with two different real eigenvalues, less the identity.
+    // The exponential of a matrix with two distinct real eigenvalues, minus the identity.
     const double middle = 0.5 * rates.trace();
     const double apart =
         std::sqrt(0.25 * std::pow(rates(0, 0) - rates(1, 1), 2) + rates(0, 1) * rates(1, 0));
@@ -62,7 +62,7 @@ void WindingTemperature::set_period(double period_s) noexcept {
     housing_from_winding_ = change(1, 0);
     housing_from_housing_ = 1.0 + change(1, 1);
 
-    // What a watt leads to in the end, and how much of that within the period.
+    // The steady state for one watt, and the part of it reached within the period.
     const Eigen::Vector2d steady_K(thermal_.winding_housing_K_per_W +
                                        thermal_.housing_ambient_K_per_W,
                                    thermal_.housing_ambient_K_per_W);

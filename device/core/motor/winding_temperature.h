@@ -1,42 +1,42 @@
-// How warm a motor gets: the two-body thermal network of data sheets, winding to housing to air,
-// and what follows for its resistance R(T, θ) of (7).
+// A motor's temperature by the two-body thermal network of data sheets, winding to housing to air,
+// and the resulting resistance R(T, θ) of (7).
 //
 //   C_w dT_w/dt = P − (T_w − T_h)/R_wh                     C_w = t_w / R_wh
 //   C_h dT_h/dt = (T_w − T_h)/R_wh − (T_h − T_a)/R_ha      C_h = t_m / R_ha
 //
-// with t_w, t_m the two time constants of the data sheet. Linear, so each update takes it exactly
-// (matrix exponential) for a power that stands still over the update.
+// with t_w, t_m the two time constants of the data sheet. Linear, so each update is exact (matrix
+// exponential) for a power that is constant over the update.
 #pragma once
 
 #include "device/core/motor/motor.h"
 
 namespace springdrive::device {
 
-/// Where data sheets state R.
+/// Temperature at which data sheets state R.
 inline constexpr double kReferenceTemperature_C = 25.0;
 
-/// R(T, θ) = R [1 + ρ (T − 25 °C)] [1 + c cos(s θ)] (7): copper's rise and the commutator's ripple
-/// of amplitude c with s segments. RT-safe.
+/// R(T, θ) = R [1 + ρ (T − 25 °C)] [1 + c cos(s θ)] (7): copper's temperature coefficient and the
+/// commutator's ripple of amplitude c with s segments. RT-safe.
 [[nodiscard]] double winding_resistance_Ohm(const MotorParameters &motor, double winding_C,
                                             double theta_rad);
 
-/// The least that R(T, θ) can be at any angle, for a winding of at least `winding_C`. RT-safe.
+/// Minimum of R(T, θ) over all angles, for a winding of at least `winding_C`. RT-safe.
 [[nodiscard]] double least_resistance_Ohm(const MotorParameters &motor, double winding_C);
 
-/// The greatest that R(T, θ) can be at any angle, for a winding of at most `winding_C`. RT-safe.
+/// Maximum of R(T, θ) over all angles, for a winding of at most `winding_C`. RT-safe.
 [[nodiscard]] double greatest_resistance_Ohm(const MotorParameters &motor, double winding_C);
 
 /// Winding and housing of one motor. RT-safe after construction.
 class WindingTemperature {
 public:
-    /// Winding and housing start as warm as the air.
-    /// @param period_s  how long each `update` lasts
+    /// Winding and housing start at the ambient temperature.
+    /// @param period_s  duration of each `update`
     WindingTemperature(const ThermalParameters &thermal, double ambient_C, double period_s);
 
-    /// Each `update` lasts so long from now on; temperatures stay. RT-safe.
+    /// Sets the duration of each `update` from now on; keeps the temperatures. RT-safe.
     void set_period(double period_s) noexcept;
 
-    /// One period with `heat_W` in the winding, which is R i².
+    /// Advances by one period with the power `heat_W`, R i², in the winding.
     void update(double heat_W) noexcept;
 
     [[nodiscard]] double winding_C() const { return winding_C_; }
@@ -51,7 +51,7 @@ private:
     double winding_from_housing_ = 0.0;
     double housing_from_winding_ = 0.0;
     double housing_from_housing_ = 1.0;
-    double winding_K_per_W_ = 0.0; ///< what a watt throughout the period adds
+    double winding_K_per_W_ = 0.0; ///< rise over the period per watt
     double housing_K_per_W_ = 0.0;
 };
 

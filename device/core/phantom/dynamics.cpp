@@ -27,8 +27,8 @@ LinkageMoments linkage_moments(const PhantomGeometry &geometry, const LinkageIne
     moments.base_kg_m2 = inertia.base_kg_m2;
     moments.with_q2_kg_m2 = inertia.upper_arm.inertia_kg_m2 + inertia.rod.inertia_kg_m2;
     moments.with_q3_kg_m2 = inertia.crank.inertia_kg_m2 + inertia.forearm.inertia_kg_m2;
-    // Upper arm and crank turn about the base joint, to which their inertia refers already: what
-    // is left of their mass is its weight.
+    // Upper arm and crank turn about the base joint, and their inertia already refers to it: only
+    // their weight remains to be added.
     moments.ma_kg_m += inertia.upper_arm.mass_kg * inertia.upper_arm.centre_m;
     moments.mb_kg_m += inertia.crank.mass_kg * inertia.crank.centre_m;
     return moments;

@@ -7,9 +7,8 @@
 //
 //   r = a cos q₂ + b sin q₃  from the axis,      h = a sin q₂ − b cos q₃  above the base joint
 //
-// with two lengths a, b of its own, and the sums of m a², m a b, m b², m a, m b over all links are
-// all that the equations need (`LinkageMoments`). A load at the tip is one more link with a = l₁,
-// b = l₂.
+// with two lengths a, b per link. The equations need only the sums of m a², m a b, m b², m a, m b
+// over all links (`LinkageMoments`). A load at the tip is a further link with a = l₁, b = l₂.
 //
 // Pure functions over values. RT-safe: no allocation, lock, I/O or throw.
 #pragma once
@@ -21,7 +20,7 @@ namespace springdrive::device {
 
 inline constexpr double kGravity_m_per_s2 = 9.80665;
 
-/// What the equations of motion need of all links together; names as in the file's head.
+/// The sums over all links that the equations of motion need; symbols as at the top of this file.
 struct LinkageMoments {
     double maa_kg_m2 = 0.0; ///< Σ m a²
     double mab_kg_m2 = 0.0; ///< Σ m a b
@@ -29,15 +28,15 @@ struct LinkageMoments {
     double ma_kg_m = 0.0;   ///< Σ m a, for gravity
     double mb_kg_m = 0.0;   ///< Σ m b, for gravity
     double base_kg_m2 = 0.0;
-    Vector3 with_q2_kg_m2{Vector3::Zero()}; ///< own inertia of what turns with q₂, as in LinkBody
+    Vector3 with_q2_kg_m2{Vector3::Zero()}; ///< inertia of links that turn with q₂, as in LinkBody
     Vector3 with_q3_kg_m2{Vector3::Zero()}; ///< the same with q₃
 };
 
-/// @param tip_load_kg  at the tip, in place of `inertia.tip_load_kg`
+/// @param tip_load_kg  at the tip, instead of `inertia.tip_load_kg`
 [[nodiscard]] LinkageMoments linkage_moments(const PhantomGeometry &geometry,
                                              const LinkageInertia &inertia, double tip_load_kg);
 
-/// Where the links stand in their plane.
+/// Orientation of the links in their plane.
 struct LinkSines {
     double sin_q2 = 0.0;
     double cos_q2 = 1.0;
@@ -64,15 +63,15 @@ struct LinkSines {
 [[nodiscard]] Vector3 coriolis_torque_Nm(const LinkageMoments &moments, const Vector3 &q_rad,
                                          const Vector3 &q_rate_rad_per_s);
 
-/// g(q) [N·m]: what holds the linkage against gravity, the gradient of `gravity_energy_J`.
+/// g(q) [N·m]: the torques that balance gravity, the gradient of `gravity_energy_J`.
 [[nodiscard]] Vector3 gravity_torque_Nm(const LinkageMoments &moments, const Vector3 &q_rad);
 
-/// Against the linkage with upper arm level and forearm level.
+/// Relative to the linkage with level upper arm and level forearm.
 [[nodiscard]] double gravity_energy_J(const LinkageMoments &moments, const Vector3 &q_rad);
 
-// Secants: the same derivatives between two configurations a step apart, so that what they say of
-// energy is exact for that step. Each is the derivative itself where the two meet, and second order
-// about their middle.
+// Secants: difference quotients between two configurations a step apart, so that energy is balanced
+// exactly over that step. Each equals the derivative if the two coincide, and is accurate to second
+// order about their midpoint.
 
 /// J̄ [m/rad] with J̄ (q_b − q_a) = fk(q_b) − fk(q_a).
 [[nodiscard]] Matrix3 tip_secant(const PhantomGeometry &geometry, const Vector3 &q_a,

@@ -9,7 +9,7 @@ namespace springdrive::device {
 struct PhantomGeometry {
     double upper_arm_m = 0.0;                    ///< l₁
     double forearm_m = 0.0;                      ///< l₂
-    double crank_m = 0.0;                        ///< l₃, from which a rod turns the forearm
+    double crank_m = 0.0;                        ///< l₃, whose rod turns the forearm
     Vector3 transmission_ratio{Vector3::Ones()}; ///< diagonal of N, motor turns per joint turn
 };
 
@@ -23,9 +23,9 @@ struct LinkBody {
     Vector3 inertia_kg_m2{Vector3::Zero()};
 };
 
-/// The four links that move in the plane, each with the motor that it carries.
+/// The four links that move in the plane, including the motors that they carry.
 struct LinkageInertia {
-    double base_kg_m2 = 0.0;  ///< all that turns with q₁ alone, about the vertical axis
+    double base_kg_m2 = 0.0;  ///< of all parts that turn with q₁ alone, about the vertical axis
     LinkBody upper_arm;       ///< l₁ from the base joint, with the third joint's motor behind it
     LinkBody crank;           ///< l₃ from the base joint, with the second joint's motor behind it
     LinkBody rod;             ///< from the crank's end to the forearm, parallel to the upper arm

@@ -7,7 +7,7 @@ namespace springdrive::device {
 
 namespace {
 
-/// Sines, cosines and the reach, once for position and Jacobian.
+/// Sines, cosines and reach, shared by position and Jacobian.
 struct PoseTerms {
     PoseTerms(const PhantomGeometry &g, const Vector3 &q)
         : s1(std::sin(q[0])), c1(std::cos(q[0])), s2(std::sin(q[1])), c2(std::cos(q[1])),
@@ -76,7 +76,7 @@ std::optional<Vector3> joint_angles_rad(const PhantomGeometry &geometry, const V
     const double height = tip_m.y() - l2;
     // r² + h² = l₁² + l₂² + 2 l₁ l₂ sin(q₃ − q₂)
     const double sine = (reach * reach + height * height - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
-    // Written so that a NaN is refused too.
+    // Written so that NaN is rejected too.
     if (!(std::abs(sine) <= 1.0)) {
         return std::nullopt;
     }

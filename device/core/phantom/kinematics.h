@@ -2,7 +2,7 @@
 // motor-space Jacobian.
 //
 // All angles zero: upper arm level towards the user, forearm hanging down. q₂ and q₃ are both
-// measured from the base, so the links are square to each other at q₂ = q₃ and aligned, which is
+// measured from the base, so the links are perpendicular at q₂ = q₃, and aligned, which is
 // singular, at q₂ − q₃ = ±90°. The base joint is singular where the reach r is zero.
 //
 //   r = l₁ cos q₂ + l₂ sin q₃
@@ -34,7 +34,7 @@ inline constexpr std::array<double, 3> kDefaultPose_deg{0.0, 20.0, -15.0};
 /// ∂x/∂q [m/rad], one column per joint.
 [[nodiscard]] Matrix3 joint_jacobian(const PhantomGeometry &geometry, const Vector3 &q_rad);
 
-/// Both of them.
+/// Tip position and joint Jacobian at one configuration.
 struct TipPlace {
     Vector3 tip_m{Vector3::Zero()};
     Matrix3 jacobian_m_per_rad{Matrix3::Zero()};
@@ -49,8 +49,8 @@ struct TipPlace {
                                           const Vector3 &q_rate_rad_per_s);
 
 /// q = invkin(x) of (18) on the branch of the zero pose: r ≥ 0 and |q₂ − q₃| ≤ 90° [rad].
-/// Nothing where `tip_m` is out of reach or not finite. On the base axis (r = 0), where q₁ is
-/// free, q₁ = 0.
+/// Empty if `tip_m` is out of reach or not finite. On the base axis (r = 0), where q₁ is free, q₁ =
+/// 0.
 [[nodiscard]] std::optional<Vector3> joint_angles_rad(const PhantomGeometry &geometry,
                                                       const Vector3 &tip_m);
 
@@ -63,14 +63,14 @@ struct TipPlace {
     return q_rad.cwiseProduct(geometry.transmission_ratio);
 }
 
-/// The joints of the linkage in space, for drawing it [m, device frame]. Crank and rod turn the
-/// forearm in parallel to the upper arm.
+/// The positions of the linkage's joints, for drawing [m, device frame]. The rod is parallel to the
+/// upper arm.
 struct LinkagePose {
     Vector3 base_m;     ///< the motors' axis, l₁ behind and l₂ above the zero pose's tip
     Vector3 elbow_m;    ///< end of the upper arm
     Vector3 tip_m;      ///< end of the forearm
     Vector3 crank_m;    ///< end of the crank that q₃ turns about the base
-    Vector3 coupling_m; ///< where the rod from the crank meets the forearm
+    Vector3 coupling_m; ///< joint of rod and forearm
 };
 
 [[nodiscard]] LinkagePose linkage_pose(const PhantomGeometry &geometry, const Vector3 &q_rad);

@@ -1,5 +1,5 @@
-// The secants of dynamics.h, all for the same two configurations, so that their sines and cosines
-// are worked out once: for the three joints, or for the two that move while the base stands still.
+// The secants of dynamics.h, all for the same two configurations, so that sines and cosines are
+// computed once: for three joints, or for joints 2 and 3 while the base is at rest.
 //
 // Pure functions over values. RT-safe: no allocation, lock, I/O or throw.
 #pragma once
@@ -11,14 +11,14 @@
 
 namespace springdrive::device {
 
-/// Of so many joints, the last ones: joints 2 and 3 where it is two.
+/// Vectors over the last `joints` joints: joints 2 and 3 if there are two.
 template <int joints> using JointVector = Eigen::Matrix<double, joints, 1>;
 template <int joints> using JointMatrix = Eigen::Matrix<double, joints, joints>;
 
-/// cos x and sin(x)/x of half of what an angle turns in a step.
+/// cos x and sin(x)/x, with x half of an angle's change over a step.
 struct HalfTurn {
     explicit HalfTurn(double half_rad) : x_rad(half_rad) {
-        // Cut after x⁶, the series are exact to round-off: the next term is x⁸/40320 < 1e-20.
+        // Truncated after x⁶, the series are exact to round-off: the next term is x⁸/40320 < 1e-20.
         constexpr double kSmall_rad = 0.01;
         if (std::abs(x_rad) < kSmall_rad) {
             const double y = x_rad * x_rad;
@@ -35,15 +35,15 @@ struct HalfTurn {
     double sinc = 1.0;
 };
 
-/// Sine and cosine of an angle that goes from a to b: their difference quotients and the means of
-/// their end values, by the sum formulas, so that nothing cancels where a and b are close.
+/// Sine and cosine of an angle that changes from a to b: difference quotients and means of the end
+/// values, by the sum formulas, so that no digits cancel if a and b are close.
 class AngleSecant {
 public:
     AngleSecant(double a, double b)
         : sin_middle_(std::sin(0.5 * (a + b))), cos_middle_(std::cos(0.5 * (a + b))),
           half_(0.5 * (b - a)) {}
 
-    /// Of the angle from one to the other.
+    /// The secant of the angle from one to the other.
     [[nodiscard]] static AngleSecant between(const AngleSecant &one, const AngleSecant &other) {
         return {other.sin_middle_ * one.cos_middle_ - other.cos_middle_ * one.sin_middle_,
                 other.cos_middle_ * one.cos_middle_ + other.sin_middle_ * one.sin_middle_,
@@ -54,7 +54,7 @@ public:
     [[nodiscard]] double cos_slope() const { return -sin_middle_ * half_.sinc; }
     [[nodiscard]] double mean_sin() const { return sin_middle_ * half_.cos; }
     [[nodiscard]] double mean_cos() const { return cos_middle_ * half_.cos; }
-    /// Of sin²; that of cos² is its negative.
+    /// Slope of sin²; that of cos² is its negative.
     [[nodiscard]] double square_slope() const { return 2.0 * mean_sin() * sin_slope(); }
 
     [[nodiscard]] double sin_b() const { return mean_sin() + half_.x_rad * sin_slope(); }
@@ -69,7 +69,7 @@ private:
     HalfTurn half_;
 };
 
-/// What the links do in their own plane.
+/// Secants of the links within their plane.
 class PlaneSecants {
 public:
     PlaneSecants(const Vector3 &q_a, const Vector3 &q_b)
@@ -78,16 +78,16 @@ public:
     [[nodiscard]] const AngleSecant &two() const { return two_; }
     [[nodiscard]] const AngleSecant &three() const { return three_; }
 
-    /// At q_b.
+    /// The links at q_b.
     [[nodiscard]] LinkSines end() const {
         return {two_.sin_b(), two_.cos_b(), three_.sin_b(), three_.cos_b()};
     }
 
-    /// Of M₂₃ by q₃, and its negative by q₂.
+    /// Slope of M₂₃ with respect to q₃; with respect to q₂ it is the negative.
     [[nodiscard]] double coupling_by_q3(const LinkageMoments &m) const {
         return m.mab_kg_m2 * fold_.sin_slope();
     }
-    /// ḡ of joints 2 and 3; the base's is none.
+    /// ḡ of joints 2 and 3; the base has none.
     [[nodiscard]] JointVector<2> gravity_Nm(const LinkageMoments &m) const {
         return {kGravity_m_per_s2 * m.ma_kg_m * two_.sin_slope(),
                 -kGravity_m_per_s2 * m.mb_kg_m * three_.cos_slope()};
@@ -99,11 +99,11 @@ private:
     AngleSecant fold_;
 };
 
-/// `tip` is J̄ [m/rad], `inertia` Γ [kg·m²/s] and `gravity_Nm` ḡ, as dynamics.h defines them; `end`
-/// is of the links at q_b.
+/// `tip` is J̄ [m/rad], `inertia` Γ [kg·m²/s] and `gravity_Nm` ḡ, as defined in dynamics.h; `end`
+/// gives the links at q_b.
 template <int joints> class LinkageSecants;
 
-/// Two joints: the tip moves outward in the links' plane and up, the base stands still.
+/// Two joints: the tip moves outward in the links' plane and up, the base is at rest.
 template <> class LinkageSecants<2> {
 public:
     LinkageSecants(const Vector3 &q_a, const Vector3 &q_b) : plane_(q_a, q_b) {}
@@ -170,7 +170,7 @@ public:
     }
     [[nodiscard]] LinkSines end() const { return plane_.end(); }
 
-    /// How M₁₁ changes with q₂ and with q₃; where the configurations meet, its derivatives.
+    /// Slopes of M₁₁ with respect to q₂ and q₃; its derivatives if the configurations coincide.
     [[nodiscard]] double axial_by_q2(const LinkageMoments &m) const {
         return -(m.maa_kg_m2 + m.with_q2_kg_m2[1] - m.with_q2_kg_m2[2]) *
                    plane_.two().square_slope() +
