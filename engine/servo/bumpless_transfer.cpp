@@ -9,8 +9,8 @@ namespace springdrive::servo {
 
 namespace {
 
-/// A parameter glides to its new value with this time constant, and is there when it is within this
-/// share of its range.
+/// A parameter approaches its new value with this time constant, and reaches it when the difference
+/// is within this share of its range.
 constexpr double kTuningGlide_s = 0.05;
 constexpr double kTuningArrived = 1e-6;
 
@@ -44,7 +44,7 @@ void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcep
             active_.tuning.*parameter.value = value + share * gap;
         }
     }
-    // R̂ i too is a voltage: it moves no faster than a change may, whatever current a winding bears.
+    // R̂ i is a voltage, too: even at the peak current it changes no faster than the limit.
     const double step_Ohm = kGreatestChange_V_per_s * period_s_ / peak_current_A_;
     const double dR_before_Ohm = before_.tuning.dR_Ohm;
     active_.tuning.dR_Ohm =
@@ -60,8 +60,7 @@ Vector3 BumplessTransfer::transferred_V(const Vector3 &e_W_V,
         if (scene_is_new) {
             carried_V_ = last_e_W_V_ - e_W_V;
         } else if (unchanged_V) {
-            // No more than the supply would have given; of what is wanted now, all there is to let
-            // in.
+            // The old command counts only within the supply, the new one in full.
             carried_V_ = within_supply(*unchanged_V + carried_V_) - e_W_V;
         }
         const Vector3 bound_V = Vector3::Constant(kGreatestChange_V_per_s * period_s_);

@@ -1,10 +1,10 @@
-// A change of tuning, map or scene in contact is not to be felt as a blow. Parameters glide to what
-// is asked for; whatever a change makes of e_W at once is carried along, and let go of at a bounded
-// rate:
+// Bumpless transfer: a change of tuning, map or scene in contact must not cause a force step.
+// Parameters approach their new values smoothly; the step that a change would cause in e_W is
+// compensated by an offset, which decays at a bounded rate:
 //
-//   e_W = law(after the change) + carried,    carried := law(before) − law(after), on to zero
+//   e_W = law(after the change) + carried,    carried := law(before) − law(after), then to zero
 //
-// So no change by itself moves e_W by more than kGreatestChange_V_per_s · T in a tick.
+// So no change alone moves e_W by more than kGreatestChange_V_per_s · T per tick.
 #pragma once
 
 #include "base/vector.h"
@@ -15,10 +15,10 @@
 
 namespace springdrive::servo {
 
-/// 0.05 V in a tick of a millisecond: at a dR of 0.5 Ω some 0.2 N at the tip.
+/// 0.05 V per tick of 1 ms: about 0.2 N at the tip at a dR of 0.5 Ω.
 inline constexpr double kGreatestChange_V_per_s = 50.0;
 
-/// All that the law is set to.
+/// All settings of the control law.
 struct LawSettings {
     control::Tuning tuning;
     double global_alpha_rad2_per_m2 = 0.0;
@@ -32,36 +32,37 @@ public:
 
     void set_period(double period_s) noexcept;
 
-    /// One tick on towards the settings wanted.
-    /// @param is_felt  whether what the law says reaches the motors; else nothing has to glide
+    /// Advances by one tick towards the requested settings.
+    /// @param is_felt  whether the law's command reaches the motors; otherwise settings change
+    ///                 immediately
     void approach(const LawSettings &wanted, bool is_felt) noexcept;
 
     [[nodiscard]] const LawSettings &active() const { return active_; }
-    /// Those of the tick before.
+    /// The settings of the previous tick.
     [[nodiscard]] const LawSettings &before() const { return before_; }
     [[nodiscard]] bool has_changed() const { return !(active_ == before_); }
 
-    /// What e_W is to be where the law says `e_W_V`: this tick's changes are carried over.
-    /// @param unchanged_V  what the law says on the same state under the settings before, if those
+    /// The e_W to apply for the law's `e_W_V`: without a step for this tick's changes.
+    /// @param unchanged_V  the law's e_W for the same state with the previous settings, if they
     ///                     have changed
-    /// @param scene_is_new  the old one's contact is not known any more: what was last asked for is
+    /// @param scene_is_new  the old scene's contact is unknown, so the last e_W is continued
     [[nodiscard]] Vector3 transferred_V(const Vector3 &e_W_V,
                                         const std::optional<Vector3> &unchanged_V,
                                         bool scene_is_new, bool is_felt) noexcept;
 
-    /// What e_W is off what the law says.
+    /// The offset of e_W from the law's value.
     [[nodiscard]] const Vector3 &carried_V() const { return carried_V_; }
 
 private:
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
 
     Vector3 supply_V_;
-    double peak_current_A_; ///< the greatest of the motors
+    double peak_current_A_; ///< maximum over the motors
     double period_s_;
     LawSettings active_;
     LawSettings before_;
     Vector3 carried_V_{Vector3::Zero()};
-    Vector3 last_e_W_V_{Vector3::Zero()}; ///< as transferred, within the supply
+    Vector3 last_e_W_V_{Vector3::Zero()}; ///< including the offset, within the supply
 };
 
 } // namespace springdrive::servo

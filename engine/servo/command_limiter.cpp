@@ -16,25 +16,26 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
     return device.motor[static_cast<std::size_t>(j)];
 }
 
-/// The share of the settling currents that keeps force and currents within their limits.
+/// The share of the steady currents that keeps force and currents within their limits.
 double bearable_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
                       const Vector3 &settling_A) {
     double share = 1.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double limit_A =
             kLimiterShare * std::min(motor_of(device, j).peak_current_A, inputs.limits.current_A);
-        share = std::min(share, limit_A / std::abs(settling_A[j])); // infinite where there is none
+        share = std::min(share, limit_A / std::abs(settling_A[j])); // infinite at zero current
     }
     const double force_N =
         control::static_tip_force(inputs.now.J, control::torque_constants(device), settling_A)
             .norm();
     if (!std::isfinite(force_N)) {
-        return 0.0; // singular: no force can be vouched for
+        return 0.0; // singular: the force is unknown
     }
     return std::min(share, kLimiterShare * inputs.limits.tip_force_N / force_N);
 }
 
-/// Draws e_W towards the back-EMF as far as force and currents need it. Returns the share left.
+/// Moves e_W towards the back-EMF as far as the limits of force and currents require. Returns the
+/// remaining share.
 double draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
                  const Vector3 &back_emf_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
     const double share = bearable_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
@@ -44,7 +45,7 @@ double draw_back(const device::DeviceDescription &device, const LimiterInputs &i
     return share;
 }
 
-/// Returns whether it had to cut anything off.
+/// Clamps e_W to the supply; returns whether that changed it.
 bool hold_to_supply(const device::DeviceDescription &device, const LimiterInputs &inputs,
                     Vector3 &e_W_V) {
     const Vector3 before_V = e_W_V;
@@ -84,7 +85,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
     result.force_share = draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
     result.bearable_e_W_V = e_W_V;
     result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
-    if (result.held_back.voltage) { // what it cut off may have held against the rest: look again
+    if (result.held_back.voltage) { // the clamped part may have opposed the others: check again
         result.force_share *= draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
         static_cast<void>(hold_to_supply(device, inputs, e_W_V));
     }

@@ -1,11 +1,10 @@
-// The servo's beat: absolute deadlines that do not drift, and what becomes of those that were
-// missed.
+// The servo's timing: absolute deadlines that do not drift, and the handling of missed ones.
 //
 //   deadline n    n      n+1     n+2     n+3
 //   ──────────────|───────|───────|───────|──►
-//   tick           ▓▓▓▓▓▓▓▓▓▓▓▓▓           ▓▓▓       too long: n+1 and n+2 are missed, n+3 is next
+//   tick           ▓▓▓▓▓▓▓▓▓▓▓▓▓           ▓▓▓       overrun: n+1 and n+2 are missed, n+3 is next
 //
-// What was missed is passed over; a tick never runs twice in a row to catch up.
+// Missed deadlines are skipped; ticks never run back to back to catch up.
 #pragma once
 
 #include <cmath>
@@ -13,15 +12,16 @@
 
 namespace springdrive::servo {
 
-/// Counts in nanoseconds of one clock since the start. RT-safe.
+/// Times are nanoseconds of one clock since the start. RT-safe.
 class Deadlines {
 public:
     explicit Deadlines(double rate_hz) : rate_hz_(rate_hz) {}
 
-    /// When the next tick is due [ns]; each is rounded by itself, so errors do not add up.
+    /// When the next tick is due [ns]; each deadline is rounded individually, so errors do not
+    /// accumulate.
     [[nodiscard]] std::int64_t next_ns() const { return at_ns(next_); }
 
-    /// A tick begins: deadlines that passed while its thread slept are missed.
+    /// Call when a tick begins: deadlines that passed while its thread slept are missed.
     void begin(std::int64_t now_ns) noexcept {
         pass_over(now_ns);
         if (missed_ == 0) {
@@ -29,7 +29,7 @@ public:
         }
     }
 
-    /// It ends: the next deadline is the first that is still ahead.
+    /// Call when it ends: the next deadline is the first one in the future.
     void end(std::int64_t now_ns) noexcept {
         missed_ = 0;
         ++next_;
@@ -41,10 +41,10 @@ public:
         }
     }
 
-    /// Missed since the tick before, as of `begin`.
+    /// Missed since the previous tick, as of `begin`.
     [[nodiscard]] std::uint32_t missed() const { return missed_; }
 
-    /// With those before the ticks before, back to one that missed none.
+    /// Missed in a row: including those before earlier ticks, back to a tick that missed none.
     [[nodiscard]] std::uint32_t missed_in_a_row() const { return in_a_row_; }
 
 private:
@@ -52,7 +52,7 @@ private:
         return std::llround(1e9 * static_cast<double>(index) / rate_hz_);
     }
 
-    /// Moves on to the last deadline that is not ahead of now.
+    /// Skips to the last deadline that is not after `now_ns`.
     void pass_over(std::int64_t now_ns) noexcept {
         const auto last =
             static_cast<std::int64_t>(std::floor(static_cast<double>(now_ns) * 1e-9 * rate_hz_));

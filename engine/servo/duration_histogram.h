@@ -1,4 +1,4 @@
-// Quantiles of durations without keeping them: a histogram with logarithmic bins.
+// Quantiles of durations without storing them: a histogram with logarithmic bins.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace springdrive::servo {
 
-/// Bins are 1/64 octave wide and taken as evenly filled, so a quantile is within 1.1 % of the true
-/// one.
+/// Bins are 1/64 octave wide and assumed to be evenly filled, so a quantile is within 1.1 % of the
+/// true one.
 class DurationHistogram {
 public:
     /// RT-safe.
@@ -23,11 +23,13 @@ public:
         longest_s_ = std::max(longest_s_, duration_s);
     }
 
-    /// The duration that a share `fraction` of all does not exceed [s]; 0 when there is none.
+    /// The duration that a share `fraction` of all durations does not exceed [s]; 0 if there are
+    /// none.
     [[nodiscard]] double quantile_s(double fraction) const noexcept {
         const double wanted = fraction * static_cast<double>(count_);
         double before = 0.0;
-        for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) { // the last is open above
+        for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) { // the last bin has no upper
+                                                                   // bound
             const auto within = static_cast<double>(bins_[bin]);
             if (within > 0.0 && before + within >= wanted) {
                 const double lower_s = lower_bound_s(bin);

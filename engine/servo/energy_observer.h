@@ -1,16 +1,17 @@
-// A passivity observer on the rendered port: what the hand gets out of a contact beyond what it has
-// put in [Hannaford and Ryu 2002].
+// A passivity observer at the rendered port: the energy that the hand receives from a contact
+// beyond what it has put in [Hannaford and Ryu 2002].
 //
-// Over a tick the tip moves by Δx against the rendered force F, and the motion stretches the spring
-// behind the set-point by ΔS. What was then made from nothing is
+// Over a tick the tip moves by Δx against the rendered force F, and the motion changes the energy
+// of the spring behind the set-point by ΔS. The energy generated is then
 //
-//   ΔG = F̄·Δx + ΔS,      F̄ the mean of F at both ends
+//   ΔG = F̄·Δx + ΔS,      F̄ the mean of F at start and end
 //
-// A passive contact has ΔG ≤ 0. What the spring holds is known from a model only, whose errors must
-// accuse nobody: what counts as held rises by no more than the hand puts in, and falls by no more
-// than it gets. So a spring that comes to hold more by itself accuses whoever made it, once it
-// gives that to the hand. Credit is soon forgotten, so that a long slide against friction excuses
-// nothing: G decays with kMemory_s, and is never below minus the limit.
+// A passive contact has ΔG ≤ 0. The spring's energy is known only from a model, whose errors must
+// not cause a trip: the energy counted as stored rises by no more than the hand puts in, and falls
+// by no more than the hand receives. Energy that appears in the spring by itself therefore counts
+// as generated once the hand receives it. Dissipated energy is soon forgotten, so that a long slide
+// against friction does not mask later generation: G decays with kMemory_s, and is never below
+// minus the limit.
 #pragma once
 
 #include "base/vector.h"
@@ -20,8 +21,8 @@
 
 namespace springdrive::servo {
 
-/// What a spring holds [J] of whose force only a share is let through: ½ F·d for all of it. For
-/// less, it is taken as one that gives way at the force let through: F up to there, constant
+/// Energy of a spring [J] of whose force only a share is passed on: ½ F·d for the whole force. For
+/// less, it is modelled as a spring that yields at the force passed on: linear up to it, constant
 /// beyond.
 [[nodiscard]] inline double spring_energy_J(const Vector3 &force_N, const Vector3 &stretch_m,
                                             double share) {
@@ -36,14 +37,14 @@ public:
 
     void set_period(double period_s) noexcept { decay_ = std::exp(-period_s / kMemory_s); }
 
-    /// Starts anew.
+    /// Starts again without memory.
     void reset() noexcept {
         knows_before_ = false;
         generated_J_ = 0.0;
     }
 
-    /// @param stored_J   what the spring holds
-    /// @param changed_J  of that, what a change of tuning made of it at this tick, not a motion
+    /// @param stored_J   energy of the spring
+    /// @param changed_J  the part due to a change of tuning at this tick, not to motion
     /// RT-safe.
     void update(const Vector3 &tip_m, const Vector3 &force_N, double stored_J, double changed_J,
                 double limit_J) noexcept {
@@ -64,7 +65,7 @@ public:
         stored_J_ = stored_J;
     }
 
-    /// What the spring held at the last update.
+    /// The spring's energy at the last update.
     [[nodiscard]] double stored_J() const { return stored_J_; }
     [[nodiscard]] double generated_J() const { return generated_J_; }
 
@@ -74,8 +75,8 @@ private:
     double generated_J_ = 0.0;
     Vector3 tip_m_{Vector3::Zero()};
     Vector3 force_N_{Vector3::Zero()};
-    double stored_J_ = 0.0; ///< by the model
-    double held_J_ = 0.0;   ///< of that, what the hand put in
+    double stored_J_ = 0.0; ///< of the spring, by the model
+    double held_J_ = 0.0;   ///< the part of it that the hand put in
 };
 
 } // namespace springdrive::servo

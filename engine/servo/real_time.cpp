@@ -20,12 +20,12 @@ namespace springdrive::servo {
 
 namespace {
 
-/// More stack than a tick uses by an order of magnitude.
+/// An order of magnitude more stack than a tick uses.
 constexpr std::size_t kStackTouched = std::size_t{128} * 1024;
 
 constexpr const char *kIdleFile = "/dev/cpu_dma_latency";
 
-/// The command that lifts one limit for the user who runs it.
+/// The shell command that lifts one limit for the current user.
 std::string allow(const std::string &limit) {
     return "echo \"$USER - " + limit +
            "\" | sudo tee -a /etc/security/limits.d/springdrive.conf, and log in again";
@@ -35,8 +35,8 @@ std::string ask_for_priority() {
     sched_param parameters{};
     parameters.sched_priority = kServoPriority;
     const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    // A nanosecond, for whom the system has no real-time priority: by default sleepers of a desktop
-    // are woken 50 µs late.
+    // 1 ns, for threads without real-time priority: the default timer slack wakes them up to 50 µs
+    // late.
     static_cast<void>(prctl(PR_SET_TIMERSLACK, 1UL));
     return refused == 0
                ? ""
@@ -45,8 +45,8 @@ std::string ask_for_priority() {
                      "); to allow it: " + allow("rtprio " + std::to_string(kServoPriority));
 }
 
-/// With a limit in force, a lock on future pages would make later allocations fail: it is left
-/// alone then. The superuser's lock knows no limit.
+/// With a limit set, locking future pages would make later allocations fail, so nothing is locked
+/// then. The limit does not apply to the superuser.
 std::string ask_for_memory() {
     rlimit limit{};
     const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&

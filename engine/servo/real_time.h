@@ -1,4 +1,4 @@
-// What a thread needs from the system to keep a deadline, and what the system said to it.
+// Requests from the operating system what a thread needs to keep deadlines, and reports refusals.
 #pragma once
 
 #include <optional>
@@ -7,16 +7,16 @@
 
 namespace springdrive::servo {
 
-/// Below the kernel's own threads (99), above everything that a desktop runs.
+/// Below the kernel's threads (99), above everything that a desktop runs.
 inline constexpr int kServoPriority = 80;
 
-/// Asks for the calling thread: SCHED_FIFO at kServoPriority, memory that is never paged out, and
-/// to stay on the processor `cpu` if one is named; and touches its stack beforehand. Returns a
-/// remark for each thing refused, with its remedy behind a semicolon; empty when all was granted.
-/// Call once at a thread's start: allocates.
+/// Requests for the calling thread SCHED_FIFO at kServoPriority, locked memory and, if `cpu` is
+/// given, affinity to that processor; also touches its stack in advance. Returns a remark for each
+/// refusal, with a remedy after a semicolon; empty if all was granted. Call once at a thread's
+/// start: allocates.
 [[nodiscard]] std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu);
 
-/// Keeps the processors from idling so deeply that waking up takes long, as long as it lives.
+/// While it exists, keeps the processors out of deep idle states, from which waking takes long.
 class ShortIdle {
 public:
     ShortIdle();
@@ -24,7 +24,7 @@ public:
     ShortIdle(const ShortIdle &) = delete;
     ShortIdle &operator=(const ShortIdle &) = delete;
 
-    /// Why it cannot, with the remedy; empty where it can.
+    /// Why it could not, with the remedy; empty on success.
     [[nodiscard]] const std::string &remark() const { return remark_; }
 
 private:
@@ -32,13 +32,13 @@ private:
     std::string remark_;
 };
 
-/// For `--cpu`.
+/// Checks the option `--cpu`.
 /// @throw InputError unless this process may run on processor `cpu`.
 void check_cpu(int cpu);
 
-/// Keeps the calling thread, and those that it starts from now on, off a processor that the servo
-/// stays on: on many kernels what is in the midst of a write to disk is not interrupted. Does
-/// nothing where there is no other.
+/// Keeps the calling thread, and those that it starts from now on, off the servo's processor: many
+/// kernels do not preempt a thread during a write to disk. Does nothing if there is no other
+/// processor.
 void keep_off_cpu(int cpu) noexcept;
 
 } // namespace springdrive::servo

@@ -1,4 +1,4 @@
-// Tells when the tip has been at rest in free space: only then may the motors get their voltages.
+// Detects when the tip has been at rest in free space, the condition for enabling the motors.
 #pragma once
 
 #include "base/vector.h"
@@ -7,7 +7,7 @@ namespace springdrive::servo {
 
 class RestWatch {
 public:
-    /// At rest is who stays this near to one place for so long.
+    /// At rest means within kNear_m of one place for kTime_s.
     static constexpr double kNear_m = 1e-3;
     static constexpr double kTime_s = 0.1;
 
@@ -17,9 +17,9 @@ public:
 
     void reset() noexcept { rested_s_ = 0.0; }
 
-    /// One tick on. RT-safe.
+    /// Advances by one tick. RT-safe.
     void update(const Vector3 &tip_m, bool touching) noexcept {
-        const bool stays = (tip_m - place_m_).norm() <= kNear_m; // false for what is not finite
+        const bool stays = (tip_m - place_m_).norm() <= kNear_m; // false if not finite
         if (touching || !stays) {
             place_m_ = tip_m;
             rested_s_ = 0.0;

@@ -25,7 +25,7 @@ SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexc
     SafetyLimits limits = device;
     for (const SafetyLimit &limit : kSafetyLimits) {
         const double wanted = wish.*limit.value;
-        if (wanted > 0.0) { // false for a NaN too
+        if (wanted > 0.0) { // false for NaN too
             limits.*limit.value = std::min(device.*limit.value, wanted);
         }
     }

@@ -1,4 +1,4 @@
-// What the safety monitor holds to. The device file sets it; whoever runs the device may lower it.
+// Limits that the safety monitor enforces. The device file sets them; the operator may lower them.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -10,31 +10,31 @@
 
 namespace springdrive::servo {
 
-/// Each is the value that must not be passed. One that differs between motors is here that of the
-/// motor that bears most; every motor's own still holds for it.
+/// Each is the value that must not be exceeded. Where motors differ this is the largest of their
+/// limits; each motor's own limit applies as well.
 struct SafetyLimits {
-    double voltage_V = 0.0;          ///< e_W at an amplifier; more is not passed on
+    double voltage_V = 0.0;          ///< e_W at an amplifier; clamped
     double current_A = 0.0;          ///< measured in a winding
     double winding_C = 0.0;          ///< upper estimate of a winding's temperature
-    double tip_force_N = 0.0;        ///< rendered, J⁻ᵀ k_T i
+    double tip_force_N = 0.0;        ///< rendered force, J⁻ᵀ k_T i
     double tip_speed_m_per_s = 0.0;  ///< J θ̇_f
     double beyond_stops_rad = 0.0;   ///< of joint angles beyond the linkage's stops
-    double generated_energy_J = 0.0; ///< given to the hand beyond what it had put in
-    double late_s = 0.0;             ///< by deadlines missed in a row
+    double generated_energy_J = 0.0; ///< delivered to the hand beyond what it put in
+    double late_s = 0.0;             ///< of consecutive missed deadlines
     double stale_s = 0.0;            ///< since the last fresh measurement
-    double window_silence_s = 0.0;   ///< since the last sign of life of the window
+    double window_silence_s = 0.0;   ///< since the last heartbeat of the window
 };
 
-/// One of them, by name.
+/// A limit and its name.
 struct SafetyLimit {
-    const char *name; ///< with its unit: in files and CSV headers
-    const char *what; ///< for people
+    const char *name; ///< with unit, as in files and CSV headers
+    const char *what; ///< for display
     const char *unit;
     double SafetyLimits::*value;
-    double shown_per_si; ///< what a panel shows per SI unit
+    double shown_per_si; ///< displayed value per SI unit
 };
 
-/// The one list of limits: panel, record and tests read it.
+/// The list of all limits, read by panel, record and tests.
 inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
     {"voltage_V", "voltage e_W", "V", &SafetyLimits::voltage_V, 1.0},
     {"current_A", "winding current", "A", &SafetyLimits::current_A, 1.0},
@@ -44,15 +44,15 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
     {"beyond_stops_rad", "beyond the stops", "°", &SafetyLimits::beyond_stops_rad,
      57.29577951308232},
     {"generated_energy_J", "generated energy", "mJ", &SafetyLimits::generated_energy_J, 1e3},
-    {"late_s", "deadlines missed in a row", "ms", &SafetyLimits::late_s, 1e3},
+    {"late_s", "consecutive missed deadlines", "ms", &SafetyLimits::late_s, 1e3},
     {"stale_s", "no fresh measurement for", "ms", &SafetyLimits::stale_s, 1e3},
-    {"window_silence_s", "silence of the window", "s", &SafetyLimits::window_silence_s, 1.0},
+    {"window_silence_s", "no heartbeat from the window", "s", &SafetyLimits::window_silence_s, 1.0},
 }};
 
-/// What the device file allows.
+/// The limits set by the device file.
 [[nodiscard]] SafetyLimits limits_of(const device::DeviceDescription &device);
 
-/// Nothing lowered: any limit of a device is below.
+/// Requests no lowering: infinite values.
 [[nodiscard]] constexpr SafetyLimits unlowered() {
     SafetyLimits none;
     for (const SafetyLimit &limit : kSafetyLimits) {
@@ -61,8 +61,7 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
     return none;
 }
 
-/// The lesser of the two, one by one; a wish that is not a positive number changes nothing.
-/// RT-safe.
+/// The smaller value of each limit; a requested value that is not positive is ignored. RT-safe.
 [[nodiscard]] SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexcept;
 
 } // namespace springdrive::servo

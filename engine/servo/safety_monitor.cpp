@@ -11,12 +11,12 @@ namespace springdrive::servo {
 
 namespace {
 
-/// From one tick to the next a tip may go this much further than at its greatest speed before the
-/// encoders, not the hand, must have moved it; and by so many counts beside.
+/// Between ticks a tip may move by this factor times its maximum speed, plus this many counts; a
+/// larger displacement is an encoder error.
 constexpr double kJumpFactor = 1.5;
 constexpr double kJumpCounts = 3.0;
 
-/// So many periods may add up to a limit in seconds, whatever their sum's last digits say.
+/// Tolerates round-off when a number of periods adds up to exactly a limit in seconds.
 constexpr double kRoundOff = 1e-9;
 
 device::WindingGuard guard_of(const device::DeviceDescription &device, std::size_t motor,
@@ -58,7 +58,7 @@ void SafetyMonitor::reset() noexcept {
 }
 
 device::DeviceCommand SafetyMonitor::fail(const AssertionFailure &failure) noexcept {
-    if (!is_final(status_.cause)) { // the first tells more than what comes of it
+    if (!is_final(status_.cause)) { // keep the first failure; later ones follow from it
         status_ = {SafetyState::tripped, TripCause::assertion, 0.0, 0.0, 0.0, failure};
     }
     return safe_state();
@@ -70,7 +70,7 @@ void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcep
     }
 }
 
-/// What is not a number is above every limit.
+/// NaN counts as above every limit.
 void SafetyMonitor::trip_above(TripCause cause, double measured, double limit) noexcept {
     if (!(measured <= limit)) {
         trip(cause, measured, limit);
@@ -81,7 +81,7 @@ void SafetyMonitor::approach_limits(const SafetyLimits &wishes) noexcept {
     const SafetyLimits before = limits_;
     limits_ = lowered(device_limits_, wishes);
     if (!lets_pass()) {
-        return; // nobody feels it
+        return; // no motor is driven, so limits may step
     }
     for (double SafetyLimits::*const limit :
          {&SafetyLimits::voltage_V, &SafetyLimits::current_A, &SafetyLimits::tip_force_N}) {
@@ -105,15 +105,16 @@ void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) n
     window_silent_s_ = beats ? 0.0 : window_silent_s_ + elapsed_s;
 }
 
-/// A late measurement is news, but no sign that the device keeps up. That an amplifier is well
-/// again only news can tell.
+/// A late measurement is new, but does not show that the device keeps up. Only a new measurement
+/// can clear an amplifier fault.
 void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     stale_s_ = link.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
     amplifier_is_at_fault_ = link.faults.has(device::BoardFaults::kAmplifier) ||
                              (amplifier_is_at_fault_ && !device::has_news(link.arrival));
 }
 
-/// The observer looks on while the gains stand; while they rise the spring is another every tick.
+/// The observer runs only while the gains are constant; while they ramp up the spring changes every
+/// tick.
 void SafetyMonitor::watch_energy(const Observation &seen) noexcept {
     if (status_.state != SafetyState::running) {
         energy_.reset();
@@ -151,7 +152,7 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
     trip_above(TripCause::energy, energy_.generated_J(), limits_.generated_energy_J);
 }
 
-/// Names the winding that is furthest beyond its limit.
+/// Trips on the winding with the largest current relative to its limit.
 void SafetyMonitor::check_windings(const Vector3 &current_A) noexcept {
     double worst = 0.0; // current as a share of its limit
     double measured_A = 0.0;
@@ -168,20 +169,21 @@ void SafetyMonitor::check_windings(const Vector3 &current_A) noexcept {
     trip_above(TripCause::current, measured_A, limit_A);
 }
 
-/// A cut that lasts means that the amplifier cannot give what the hand may well bear.
+/// Sustained clamping means that the supply cannot provide a command that force and current limits
+/// allow.
 void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
     cut_off_s_ = passed.held_back.voltage ? cut_off_s_ + period_s_ : 0.0;
     if (cut_off_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
         Eigen::Index motor = 0;
         static_cast<void>((passed.bearable_e_W_V - passed.command.e_W_V)
                               .cwiseAbs()
-                              .maxCoeff(&motor)); // whose cut is the deepest
+                              .maxCoeff(&motor)); // the motor that is clamped most
         trip(TripCause::voltage, std::abs(passed.bearable_e_W_V[motor]),
              std::min(device_.motor[static_cast<std::size_t>(motor)].supply_V, limits_.voltage_V));
     }
 }
 
-/// What comes before anything that a measurement could say.
+/// Checks that do not depend on measured values.
 void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noexcept {
     if (orders.emergency_stop) {
         trip(TripCause::emergency_stop);
@@ -215,7 +217,7 @@ void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation
     check_motion(seen);
 }
 
-/// From waiting over starting to running; asked to release, from there back to waiting.
+/// From waiting via starting to running; on a request to release, via releasing back to waiting.
 void SafetyMonitor::proceed(bool release) noexcept {
     if (release && lets_pass()) {
         status_.ramp = std::max(0.0, status_.ramp - period_s_ / kRampTime_s);
@@ -228,7 +230,7 @@ void SafetyMonitor::proceed(bool release) noexcept {
             status_.state = SafetyState::starting;
         }
         break;
-    case SafetyState::releasing: // not any more
+    case SafetyState::releasing: // no longer requested
     case SafetyState::starting:
         status_.ramp = std::min(1.0, status_.ramp + period_s_ / kRampTime_s);
         status_.state = status_.ramp < 1.0 ? SafetyState::starting : SafetyState::running;
@@ -245,7 +247,7 @@ LimitedCommand SafetyMonitor::limited_by_what_stands(const device::DeviceCommand
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
         inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
-        // Whoever asks for less residual resistance than it can bear does not get it (7).
+        // A residual resistance below the winding's safe minimum is not applied (7).
         winding_[j].is_limited =
             status_.ramp * wanted.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
     }
@@ -257,7 +259,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
                                           const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
     held_back_ = {};
-    watch_windings(seen.current_A, seen.missed_periods); // tripped or not, they warm and cool
+    watch_windings(seen.current_A, seen.missed_periods); // also while tripped
     const std::uint32_t unwatched =
         seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
     const double elapsed_s = (1.0 + unwatched) * period_s_;

@@ -1,18 +1,18 @@
-// The last stage before the motors. Every command passes through it; nothing switches it off.
+// The last stage before the motors. Every command passes through it; it cannot be switched off.
 //
-//   law ──► watch: trip? ──► limits (command_limiter.h) ──► device
+//   law ──► checks: trip? ──► limits (command_limiter.h) ──► device
 //
 //   waiting ──tip at rest in free space──► starting ──a second──► running
 //      ▲                                       └────────┬────────────┘
 //      └──────────── a deliberate reset ──── tripped ◄──┘
 //
-// Asked to let go of the device it does that as it starts, the other way round: from starting or
-// running over releasing, where gains fall as they rose, to waiting, for as long as it is asked.
+// A request to release the device reverses the start: from starting or running via releasing, where
+// the gains ramp down, to waiting, for as long as the request is set.
 //
-// A trip latches: the device gets the safe state until a deliberate reset. That is braking (e_W = 0
-// and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come from the device
-// file, and may be lowered, never raised; that of R̂ moves with what is known of each winding's
-// temperature, see winding_guard.h.
+// A trip latches: the device is in the safe state until a deliberate reset. The safe state is
+// braking (e_W = 0 and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come
+// from the device file, and may be lowered, never raised; that of R̂ follows the estimate of each
+// winding's temperature, see winding_guard.h.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -29,72 +29,73 @@
 
 namespace springdrive::servo {
 
-/// From nothing to the full command.
+/// From zero to the full command.
 inline constexpr double kRampTime_s = 1.0;
 
-/// How long e_W may be cut off at its limit, for what force and current would still bear.
+/// How long e_W may be clamped at the voltage limit although the limits of force and current allow
+/// it.
 inline constexpr double kVoltageTolerated_s = 0.02;
 
-/// Limits of voltage, current and force hold e_W back: lowered or raised again, they move from the
-/// device's own to nothing in this time, so that the hand feels no blow.
+/// Limits of voltage, current and force reduce e_W: when lowered or raised they change at the rate
+/// of the device's limit per this time, so that there is no force step.
 inline constexpr double kLimitGlide_s = 1.0;
 
-/// What a measurement says of how it came, and its board of itself.
+/// State of the connection: how a measurement arrived, and the board's own status.
 struct Link {
     device::DeviceHealth health = device::DeviceHealth::ok;
     device::Arrival arrival = device::Arrival::fresh;
     device::BoardFaults faults;
-    std::uint32_t missed_in_a_row = 0; ///< deadlines, before this tick and the late ones before it
+    std::uint32_t missed_in_a_row = 0; ///< deadlines, before this and the preceding late ticks
 };
 
-/// What one tick shows of the machine and of those who use it.
+/// The monitor's inputs of one tick.
 struct Observation {
     Link link;
     control::Configuration now;
-    Vector3 tip_force_N{Vector3::Zero()}; ///< rendered, J⁻ᵀ k_T i
+    Vector3 tip_force_N{Vector3::Zero()}; ///< rendered force, J⁻ᵀ k_T i
     Vector3 current_A{Vector3::Zero()};
     bool touching = false;
-    Vector3 spring_force_N{Vector3::Zero()};   ///< static force (19) of the coupling, as wanted
+    Vector3 spring_force_N{Vector3::Zero()};   ///< requested static force (19) of the coupling
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
-    /// The same under the tuning of the last tick: another one only while a tuning changes.
+    /// The same with the tuning of the previous tick; differs only while a tuning changes.
     Vector3 spring_force_before_N{Vector3::Zero()};
-    bool scene_is_new = false;        ///< what the spring holds is none of the last tick's
+    bool scene_is_new = false;        ///< the spring is not that of the previous tick
     bool all_finite = true;           ///< of everything else on the signal path
-    std::uint32_t missed_periods = 0; ///< since the last measurement that told anything
+    std::uint32_t missed_periods = 0; ///< since the last new measurement
 };
 
-/// What the window asks of the monitor.
+/// Requests from the window to the monitor.
 struct SafetyOrders {
-    SafetyLimits limits = unlowered(); ///< to lower the device's with
+    SafetyLimits limits = unlowered(); ///< lower the device's limits
     bool emergency_stop = false;
     std::uint32_t heartbeat = 0;
-    bool release = false; ///< to let go of the device, at a bounded rate
+    bool release = false; ///< ramp down and release the device
 };
 
 class SafetyMonitor {
 public:
     SafetyMonitor(device::DeviceDescription device, double period_s);
 
-    /// T from the next tick on; what is known stays. RT-safe.
+    /// Sets T from the next tick on; keeps the state. RT-safe.
     void set_period(double period_s) noexcept;
 
     /// The command that may go to the device. RT-safe.
     device::DeviceCommand pass(const device::DeviceCommand &wanted, const Observation &seen,
                                const SafetyOrders &orders) noexcept;
 
-    /// The same of a tick that measured nothing new: the command in force stands for as long as
-    /// the budget for stale measurements lasts. RT-safe.
+    /// The same for a tick without a new measurement: the active command is held until the limit
+    /// for stale measurements is reached. RT-safe.
     device::DeviceCommand hold(const device::DeviceCommand &in_force, const Link &link,
                                const SafetyOrders &orders) noexcept;
 
-    /// Leaves a trip and starts anew, unless its cause is still there: then the next `pass` trips
-    /// again. One by a failed assertion stays: what the servo remembers cannot be trusted. RT-safe.
+    /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. A trip
+    /// by a failed assertion stays, because the servo's state cannot be trusted. RT-safe.
     void reset() noexcept;
 
-    /// Trips, whatever goes on; returns the safe state. RT-safe.
+    /// Trips in any state; returns the safe state. RT-safe.
     [[nodiscard]] device::DeviceCommand fail(const AssertionFailure &failure) noexcept;
 
-    /// Whether what is wanted reaches the motors, at least in part.
+    /// Whether the requested command reaches the motors, at least in part.
     [[nodiscard]] bool lets_pass() const { return servo::lets_pass(status_.state); }
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
@@ -126,21 +127,21 @@ private:
     device::DeviceDescription device_;
     double period_s_;
     SafetyLimits device_limits_;
-    SafetyLimits limits_; ///< in force
+    SafetyLimits limits_; ///< active
     std::array<device::WindingGuard, 3> guard_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;
     RestWatch rest_;
     bool knows_tip_ = false;
-    Vector3 tip_m_{Vector3::Zero()}; ///< of the last tick
-    double cut_off_s_ = 0.0;         ///< how long e_W has been cut off at the supply
+    Vector3 tip_m_{Vector3::Zero()}; ///< of the previous tick
+    double cut_off_s_ = 0.0;         ///< how long e_W has been clamped at the supply
     std::uint32_t heartbeat_ = 0;
     double window_silent_s_ = 0.0;
     double stale_s_ = 0.0;               ///< since the last fresh measurement
-    std::uint32_t held_ticks_ = 0;       ///< since the last one that told anything
-    bool amplifier_is_at_fault_ = false; ///< as its board last said
+    std::uint32_t held_ticks_ = 0;       ///< since the last new measurement
+    bool amplifier_is_at_fault_ = false; ///< as last reported by the board
     ActiveLimits held_back_;
-    double force_share_ = 1.0; ///< that the limiter let through in the last tick
+    double force_share_ = 1.0; ///< passed on by the limiter in the previous tick
     SafetyStatus status_;
 };
 

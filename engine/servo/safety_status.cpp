@@ -13,7 +13,7 @@ namespace springdrive::servo {
 
 namespace {
 
-/// What was measured against its limit, for people.
+/// How to display a measured value and its limit.
 struct Wording {
     const char *what = nullptr;
     const char *unit = nullptr;
@@ -27,23 +27,23 @@ std::string crossed(const SafetyStatus &status, const Wording &wording) {
                        wording.shown_per_si * status.limit, wording.decimals, wording.unit);
 }
 
-/// A record holds the cause without the place.
+/// A record holds the cause without the location.
 std::string text_of(const AssertionFailure &failure) {
     return failure.condition == nullptr
-               ? "a mistake in the program; start it again"
-               : fmt::format("a mistake in the program, {}:{} asserts {}; start it again",
+               ? "internal error; restart the program"
+               : fmt::format("internal error, assertion failed at {}:{}: {}; restart the program",
                              failure.file, failure.line, failure.condition);
 }
 
-/// Of a board's faults, by their bits.
+/// Names of a board's faults, given as bits.
 std::string names_of(double bits) {
     constexpr std::array<std::pair<std::uint16_t, const char *>, 6> kNames{{
-        {device::BoardFaults::kAmplifier, "an amplifier at fault"},
-        {device::BoardFaults::kOverCurrent, "too much current"},
-        {device::BoardFaults::kTemperature, "too much heat"},
-        {device::BoardFaults::kSupply, "a wrong supply voltage"},
-        {device::BoardFaults::kEncoder, "encoder signals without sense"},
-        {device::BoardFaults::kNoCommand, "that no command came in time"},
+        {device::BoardFaults::kAmplifier, "an amplifier fault"},
+        {device::BoardFaults::kOverCurrent, "overcurrent"},
+        {device::BoardFaults::kTemperature, "overtemperature"},
+        {device::BoardFaults::kSupply, "a supply voltage out of range"},
+        {device::BoardFaults::kEncoder, "implausible encoder signals"},
+        {device::BoardFaults::kNoCommand, "a command timeout"},
     }};
     const device::BoardFaults faults{static_cast<std::uint16_t>(bits)};
     std::string text;
@@ -52,7 +52,7 @@ std::string names_of(double bits) {
             text += (text.empty() ? "" : ", ") + std::string(name);
         }
     }
-    return text.empty() ? "a fault that has no name here" : text;
+    return text.empty() ? "an unknown fault" : text;
 }
 
 } // namespace
@@ -70,15 +70,15 @@ std::string description(const SafetyStatus &status) {
     case TripCause::stale_measurement:
         return crossed(status, {"no fresh measurement for", " ms", 1, 1e3});
     case TripCause::not_finite:
-        return "a value that is not finite";
+        return "a value is not finite";
     case TripCause::torn_inputs:
-        return "parameters that arrived torn";
+        return "parameters arrived incomplete";
     case TripCause::missed_deadlines:
-        return crossed(status, {"deadlines missed in a row for", " ms", 1, 1e3});
+        return crossed(status, {"consecutive deadlines missed for", " ms", 1, 1e3});
     case TripCause::window_silent:
-        return crossed(status, {"no sign of life of the window for", " s", 2});
+        return crossed(status, {"no heartbeat from the window for", " s", 2});
     case TripCause::encoder_jump:
-        return crossed(status, {"encoders jumped by, at the tip,", " mm", 2, 1e3});
+        return crossed(status, {"encoder jump at the tip", " mm", 2, 1e3});
     case TripCause::current:
         return crossed(status, {"winding current", " A", 2});
     case TripCause::tip_force:
@@ -90,9 +90,9 @@ std::string description(const SafetyStatus &status) {
     case TripCause::beyond_stops:
         return crossed(status, {"joint angle beyond its stop by", "°", 1, kDegreesPerRadian});
     case TripCause::energy:
-        return crossed(status, {"energy given to the hand", " mJ", 1, 1e3});
+        return crossed(status, {"energy delivered to the hand", " mJ", 1, 1e3});
     case TripCause::voltage:
-        return crossed(status, {"lasting e_W", " V", 1});
+        return crossed(status, {"sustained e_W", " V", 1});
     case TripCause::assertion:
         return text_of(status.failure);
     }

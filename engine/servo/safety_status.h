@@ -1,4 +1,4 @@
-// What the safety monitor says of itself: its state, why it tripped, and what it held back.
+// Status of the safety monitor: its state, why it tripped, and what it limited.
 #pragma once
 
 #include "base/assertions.h"
@@ -12,20 +12,20 @@ namespace springdrive::servo {
 
 enum class SafetyState : std::uint8_t {
     waiting,  ///< braking, until the tip has been at rest in free space
-    starting, ///< gains rise from nothing
+    starting, ///< gains ramp up from zero
     running,
     tripped,   ///< braking, until a deliberate reset
-    releasing, ///< gains fall to nothing, since the device is to be let go of
+    releasing, ///< gains ramp down to zero to release the device
 };
 
-/// Whether what is wanted reaches the motors, at least in part.
+/// Whether the requested command reaches the motors, at least in part.
 [[nodiscard]] constexpr bool lets_pass(SafetyState state) {
     return state == SafetyState::starting || state == SafetyState::running ||
            state == SafetyState::releasing;
 }
 
-/// In the order in which they are looked for: a fault of the measurement comes before what it makes
-/// of speed, force and energy. The last is not looked for, it happens; and no reset leaves it.
+/// In the order of the checks: a faulty measurement comes before its consequences for speed, force
+/// and energy. The last is not the result of a check, and no reset clears it.
 enum class TripCause : std::uint8_t {
     none,
     emergency_stop,
@@ -33,7 +33,7 @@ enum class TripCause : std::uint8_t {
     board_fault,
     stale_measurement,
     not_finite,
-    torn_inputs, ///< of old records: a hand-over that cannot tear is not looked at any more
+    torn_inputs, ///< in old records only: today's mailbox cannot tear
     missed_deadlines,
     window_silent,
     encoder_jump,
@@ -44,43 +44,43 @@ enum class TripCause : std::uint8_t {
     beyond_stops,
     energy,
     voltage,
-    assertion, ///< one failed on the servo's thread
+    assertion, ///< failed on the servo's thread
 };
 
-/// Their names in records, by their number.
+/// Names in records, indexed by TripCause.
 inline constexpr std::array<std::string_view, 18> kTripCauseNames{
     "none",       "emergency_stop", "device_lost",      "board_fault",         "stale_measurement",
     "not_finite", "torn_inputs",    "missed_deadlines", "window_silent",       "encoder_jump",
     "current",    "tip_force",      "tip_speed",        "winding_temperature", "beyond_stops",
     "energy",     "voltage",        "assertion"};
 
-/// Whether only a new start of the program leaves it.
+/// Whether only a restart of the program clears it.
 [[nodiscard]] constexpr bool is_final(TripCause cause) { return cause == TripCause::assertion; }
 
 struct SafetyStatus {
     SafetyState state = SafetyState::waiting;
     TripCause cause = TripCause::none;
-    /// What crossed the limit, in the limit's SI unit, or the bits of a board's faults; 0 where
-    /// nothing did.
+    /// The value that exceeded the limit, in the limit's SI unit, or the bits of a board's faults;
+    /// else 0.
     double measured = 0.0;
     double limit = 0.0;
-    double ramp = 0.0;          ///< 0 to 1, share of the command that passes
-    AssertionFailure failure{}; ///< of TripCause::assertion; not in records, but as a note
+    double ramp = 0.0;          ///< 0 to 1, share of the command that is passed on
+    AssertionFailure failure{}; ///< for TripCause::assertion; in records only as a note
 };
 
-/// What was made less of in a tick, so that nothing passed its limit.
+/// What was reduced in a tick to keep within the limits.
 struct ActiveLimits {
-    bool force = false;   ///< e_W, for the tip force or a winding's current that it would settle at
-    bool voltage = false; ///< e_W, for the supply
-    bool at_edge = false; ///< e_W, by the soft wall at the edge of the workspace
+    bool force = false;   ///< e_W, because of the steady tip force or winding current
+    bool voltage = false; ///< e_W, because of the supply
+    bool at_edge = false; ///< the soft wall at the edge of the workspace acts on e_W
 };
 
-/// What the monitor knows of one winding, and made of it in its last tick.
+/// The monitor's estimates for one winding, and their effect in the last tick.
 struct WindingStatus {
-    double least_C = 0.0;         ///< its temperature is not lower,
-    double greatest_C = 0.0;      ///< nor higher
-    double R_hat_limit_Ohm = 0.0; ///< the largest R̂ that it can bear
-    bool is_limited = false;      ///< whether more than that was asked for
+    double least_C = 0.0;         ///< lower bound of its temperature
+    double greatest_C = 0.0;      ///< upper bound of its temperature
+    double R_hat_limit_Ohm = 0.0; ///< the largest safe R̂
+    bool is_limited = false;      ///< whether more than that was requested
 };
 
 /// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.

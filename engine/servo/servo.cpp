@@ -16,8 +16,8 @@ namespace springdrive::servo {
 
 namespace {
 
-/// At the fastest rate the window may fall 1.6 s behind before samples are lost to its plots, and a
-/// disk may stall for 3.2 s before they are lost to a record.
+/// At the maximum rate the window may lag by 1.6 s before its plots lose samples, and a disk may
+/// stall for 3.2 s before a record loses samples.
 constexpr std::size_t kWindowRing = 16'384;
 constexpr std::size_t kRecordRing = 32'768;
 
@@ -29,8 +29,8 @@ double seconds(std::chrono::steady_clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
-/// How long a world that waits goes on while its window gives no sign of life: well within what
-/// the monitor bears, so that a window that only is slow stops nothing.
+/// How long a simulated device keeps running without a heartbeat from the window: well within the
+/// monitor's limit, so that a slow window causes no trip.
 class WindowPatience {
 public:
     explicit WindowPatience(const device::HapticDevice &device)
@@ -54,15 +54,15 @@ private:
     double beat_s_ = 0.0;
 };
 
-/// std::this_thread::sleep_until sleeps relative to now when the clock is not the system's own;
-/// this one keeps the absolute deadline.
+/// std::this_thread::sleep_until may convert the deadline to a relative time; this function sleeps
+/// until the absolute deadline.
 void sleep_until(std::chrono::steady_clock::time_point deadline) {
     const std::int64_t since_epoch = nanoseconds(deadline.time_since_epoch());
     timespec when{};
     when.tv_sec = static_cast<time_t>(since_epoch / 1'000'000'000);
     when.tv_nsec = static_cast<long>(since_epoch % 1'000'000'000);
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr) != 0) {
-        // Woken by a signal: sleep on.
+        // Interrupted by a signal: sleep again.
     }
 }
 
@@ -106,7 +106,7 @@ std::vector<std::string> Servo::run_on_a_thread() {
     return answer.get();
 }
 
-/// Runs them. False where an assertion failed: the device was told to brake.
+/// Runs the ticks. False if an assertion failed; the device then brakes.
 template <typename Ticks> bool Servo::have_completed(const Ticks &ticks) noexcept {
     return run_guarded(ticks, [this](const AssertionFailure &failure) { loop_.fail(failure); });
 }
@@ -119,7 +119,7 @@ void Servo::run() noexcept {
     bool is_first = true;
     Deadlines deadlines(servo_hz_);
     WindowPatience patience(loop_.device());
-    std::uint32_t waited = 0; // deadlines at which a world waited for its window
+    std::uint32_t waited = 0; // deadlines at which a simulated device waited for the window
     const auto tick = [&] {
         const std::int64_t due_ns = deadlines.next_ns();
         sleep_until(begin + std::chrono::nanoseconds(due_ns));
@@ -158,8 +158,8 @@ void Servo::run() noexcept {
         }
     };
     if (!have_completed(until_stopped)) {
-        deadlines.end(nanoseconds(Clock::now() - begin)); // of the tick that was left
-        // From here on they brake. If even that fails the thread ends, after it has braked again.
+        deadlines.end(nanoseconds(Clock::now() - begin)); // of the abandoned tick
+        // From here on ticks only brake. If one fails again, the thread commands braking and ends.
         static_cast<void>(have_completed(until_stopped));
     }
 }
@@ -172,7 +172,7 @@ void Servo::advance(int ticks) {
         }
     };
     if (!have_completed(the_others)) {
-        static_cast<void>(have_completed(the_others)); // which brake
+        static_cast<void>(have_completed(the_others)); // these only brake
     }
 }
 

@@ -1,20 +1,20 @@
-// The servo: a loop on its own thread and clock, or in lockstep with whoever calls it.
+// The servo: a loop on its own thread and clock, or in lockstep with its caller.
 //
 //   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: read, update, write ─┐
 //   window ◄── drain(ServoSample)  ◄── ring    ◄── │                               │
 //   recorder ◄── record_ring()     ◄── ring    ◄── └───────────────────────────────┘
 //
-// Nothing between the threads waits. Destroying the servo stops it; the last thing that the device
-// hears is the safe state.
+// The threads never wait for each other. Destroying the servo stops it; the last command to the
+// device is the safe state.
 //
-// A device that keeps the servo's clock, a simulated one, is a world that waits: while the host
-// does not let the servo run, or the window is silent, its time stands still, and nothing of it
-// was missed. Deadlines missed are counted all the same.
+// A device on the servo's clock, i.e. a simulated one, waits for the servo: while the host does not
+// run the servo, or the window's heartbeat stops, device time stands still, and no device period is
+// missed. Missed deadlines are counted nevertheless.
 //
-// An assertion that fails in a tick does not end the program: the device hears the safe state
-// first, the tick is left, and all ticks after it measure and brake, whatever is asked of them.
-// What failed stands in their samples. Only a new start leaves that: no button can know that a
-// program which was wrong about its own state is right again.
+// An assertion that fails in a tick does not end the program: the device is first commanded to the
+// safe state, the tick is abandoned, and all later ticks only measure and brake, regardless of
+// requests. Their samples report the failure. Only a restart of the program clears it, because its
+// state can no longer be trusted.
 #pragma once
 
 #include "base/latest_value.h"
@@ -36,14 +36,13 @@ inline constexpr double kSlowest_hz = 250.0;
 inline constexpr double kFastest_hz = 10'000.0;
 
 /// T = 1/rate [s].
-/// @throw InputError for a rate that is not finite or not within these bounds.
+/// @throw InputError for a rate that is not finite or outside of these bounds.
 [[nodiscard]] double servo_period_s(double servo_hz);
 
-/// How the servo's thread is to run.
+/// Options of the servo's thread.
 struct ServoThread {
-    std::optional<int> cpu; ///< the processor to stay on
-    std::function<void()>
-        on_start{}; ///< called on it before its first tick, for a test to watch it
+    std::optional<int> cpu;           ///< the processor to run on
+    std::function<void()> on_start{}; ///< called on the thread before its first tick, for tests
 };
 
 class Servo {
@@ -54,45 +53,45 @@ public:
     Servo(const Servo &) = delete;
     Servo &operator=(const Servo &) = delete;
 
-    /// New inputs from the next tick on. One thread at a time.
+    /// Sets the inputs from the next tick on. One thread at a time.
     void publish(const ServoInputs &inputs) noexcept { inputs_.publish(inputs); }
 
-    /// Runs from now on a thread of its own, with real-time priority where allowed. Returns a
-    /// remark for each thing that the system refused.
+    /// Starts the servo's own thread, with real-time priority if permitted. Returns a remark for
+    /// each request that the system refused.
     std::vector<std::string> start(const ServoThread &how = {});
 
     /// Runs `ticks` ticks now, on the calling thread, without a clock. Not while started.
-    /// Guarded against failed assertions as those of the thread are.
+    /// Guarded against failed assertions like the thread's ticks.
     void advance(int ticks);
 
-    /// Ends the thread if there is one, and sends the safe state. Harmless twice.
+    /// Ends the thread if there is one, and sends the safe state. May be called twice.
     void stop() noexcept;
 
-    /// Ends the thread if there is one, for a moment: the amplifiers hold the last command, and
-    /// whoever paused may talk to the device. Tells whether it ran.
+    /// Ends the thread temporarily, if there is one: the amplifiers hold the last command, and the
+    /// caller may use the device. Returns whether the thread was running.
     bool pause() noexcept;
 
-    /// Goes on as it was started, with all that it remembers.
+    /// Continues with the options of `start` and the present state.
     void resume();
 
-    /// Another rate from the next tick on, in the midst of whatever goes on.
-    /// @throw InputError as `servo_period_s` does, or the device; the old rate stays then
+    /// Changes the rate from the next tick on, also while running.
+    /// @throw InputError as `servo_period_s` and the device do; the rate is then unchanged
     void set_rate(double servo_hz);
     [[nodiscard]] double rate_hz() const { return servo_hz_; }
 
-    /// Hands every sample since the last call to `take`, oldest first. The thread of `publish`.
+    /// Passes every sample since the last call to `take`, oldest first. Thread of `publish` only.
     template <typename Take> void drain(Take &&take) { samples_.drain(take); }
 
     /// Samples lost because `drain` came too late.
     [[nodiscard]] std::uint64_t lost_samples() const { return samples_.lost(); }
 
-    /// Every sample goes here too while `feed_recorder` is on, for one more reader.
+    /// A second queue for one more reader, filled while `feed_recorder` is on.
     [[nodiscard]] SampleRing<ServoSample> &record_ring() { return record_samples_; }
     void feed_recorder(bool on) noexcept { recording_.store(on, std::memory_order_release); }
 
     [[nodiscard]] double period_s() const { return loop_.period_s(); }
 
-    /// Whether no thread of its own ticks.
+    /// Whether the servo's own thread is not running.
     [[nodiscard]] bool is_at_rest() const { return !thread_.joinable(); }
 
 private:
@@ -104,9 +103,9 @@ private:
     void hand_over(const ServoSample &sample) noexcept;
 
     double servo_hz_;
-    ServoThread how_; ///< its thread was started
+    ServoThread how_; ///< options of the thread
     bool has_started_ = false;
-    std::optional<Clock::time_point> origin_; ///< of its clock
+    std::optional<Clock::time_point> origin_; ///< of the samples' clock
     ServoLoop loop_;
     LatestValue<ServoInputs> inputs_;
     SampleRing<ServoSample> samples_;

@@ -1,4 +1,4 @@
-// What the window tells the servo: one plain value, published whole through a mailbox.
+// The window's inputs to the servo: one plain value, published whole through a mailbox.
 #pragma once
 
 #include "engine/contact/proxy/haptic_surface.h"
@@ -11,16 +11,16 @@ namespace springdrive::servo {
 
 struct ServoInputs {
     control::Tuning tuning;
-    SafetyLimits limits = unlowered(); ///< wishes to lower the device's; none raises one
+    SafetyLimits limits = unlowered(); ///< may lower the device's limits, never raise them
     const contact::HapticSurface *surface =
-        nullptr;                           ///< what can be touched; owned by the publisher
+        nullptr;                           ///< the touchable surface; owned by the publisher
     std::uint32_t scene_id = 0;            ///< a change puts the proxy at the tip
     double global_alpha_rad2_per_m2 = 0.0; ///< for AlphaMode::global
-    bool emergency_stop = false;           ///< trips the safety monitor while it is set
-    std::uint32_t stop_count = 0;          ///< a change trips it too, even if a reset comes with it
-    std::uint32_t reset_count = 0; ///< a change resets a tripped monitor, if its cause is gone
-    bool release = false; ///< to let go of the device: gains fall, and stay down while it is set
-    /// A window that lives changes it again and again; zero for whoever runs without one.
+    bool emergency_stop = false;           ///< trips the safety monitor while set
+    std::uint32_t stop_count = 0;          ///< a change trips it too, even together with a reset
+    std::uint32_t reset_count = 0; ///< a change resets a tripped monitor if the cause is gone
+    bool release = false; ///< release the device: gains ramp down and stay at zero while set
+    /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;
 };
 

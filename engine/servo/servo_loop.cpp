@@ -14,19 +14,19 @@ namespace springdrive::servo {
 
 namespace {
 
-/// Below this a rendered force has no direction worth telling: it is of the size that single
-/// encoder counts make of the velocity signal.
+/// Below this the direction of a rendered force is meaningless: single encoder counts in the
+/// velocity signal cause forces of this size.
 constexpr double kLeastForceWithDirection_N = 0.1;
 
-/// Below this a set-point is where the tip is, and the rest is round-off: at η = 1, say.
+/// Below this a set-point coincides with the tip up to round-off, for instance at η = 1.
 constexpr double kLeastSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A device's clock may leap; no count of periods does more than this.
+/// A device's clock may jump; larger numbers of missed periods are clamped to this.
 constexpr double kMostMissedPeriods = 1e6;
 
-/// A failed assertion leaves a tick without destructors, see `run_guarded`: there must be none.
+/// A failed assertion abandons a tick without running destructors, see `run_guarded`.
 static_assert(std::is_trivially_destructible_v<ServoSample> &&
               std::is_trivially_destructible_v<Observation> &&
               std::is_trivially_destructible_v<LimitedCommand> &&
@@ -47,12 +47,14 @@ void ServoLoop::stop() noexcept {
 void ServoLoop::fail(const AssertionFailure &failure) noexcept {
     command_ = safety_.fail(failure);
     device_.write(command_);
-    tick_ = tick_begun_; // nobody has its sample: the next one, which brakes, takes its place
+    tick_ = tick_begun_; // its sample was not published: the next tick, which brakes, reuses the
+                         // number
 }
 
 void ServoLoop::set_period(double period_s) {
     device_.set_period(period_s);
-    const std::uint64_t last_tick = tick_ > 0 ? tick_ - 1 : 0; // the next is the new period later
+    const std::uint64_t last_tick = tick_ > 0 ? tick_ - 1 : 0; // the next tick is one new period
+                                                               // later
     time_base_s_ += static_cast<double>(last_tick - time_base_tick_) * period_s_;
     time_base_tick_ = last_tick;
     period_s_ = period_s;
@@ -60,7 +62,7 @@ void ServoLoop::set_period(double period_s) {
     safety_.set_period(period_s);
 }
 
-/// What does not wait for a measurement.
+/// Takes the inputs that apply even without a new measurement.
 void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count) {
         safety_.reset();
@@ -102,8 +104,8 @@ contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
     return proxy_.update(*inputs_.surface, tip_m);
 }
 
-/// What the law would say if no setting had changed; nothing where none has, or nobody feels it.
-/// @param filter  as it stood before this tick
+/// The law's outcome with the previous settings; empty if none has changed or no motor is driven.
+/// @param filter  its state before this tick
 std::optional<control::LawOutcome>
 ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
                          const Vector3 &theta_rad, const contact::Contact &contact) const noexcept {
@@ -171,7 +173,7 @@ void ServoLoop::note_motion(const control::Configuration &now, ServoSample &samp
     sample.tip_force_N = control::static_tip_force(now.J, law_.k_T(), sample.current_A);
 }
 
-/// What the monitor judges by.
+/// The monitor's inputs.
 Observation ServoLoop::observation(const control::Configuration &now,
                                    const control::LawOutcome &found,
                                    const std::optional<control::LawOutcome> &unchanged,
@@ -201,7 +203,8 @@ SafetyOrders ServoLoop::orders() const noexcept {
             inputs_.release};
 }
 
-/// By the device's clock: numbers where it keeps the servo's, else its own time.
+/// Time since the last measurement: by measurement numbers on the servo's clock, else by the
+/// device's own clock.
 ServoLoop::Passed ServoLoop::passed(const device::Measurement &measured,
                                     const TickTiming &timing) noexcept {
     const bool waits = device_.clock() == device::DeviceClock::servo;
@@ -243,7 +246,7 @@ ServoSample ServoLoop::begin_sample(const device::Measurement &measured,
     return sample;
 }
 
-/// What is in force at the end of a tick.
+/// Completes the sample with the active command and the monitor's state.
 void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample) noexcept {
     command_.number = measured.number;
     sample.command = command_;
@@ -255,7 +258,7 @@ void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample)
     ++tick_;
 }
 
-/// A tick without news: all stands as it was when there last were some.
+/// A tick without a new measurement: keeps the state of the last one.
 ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInputs &inputs,
                             const TickTiming &timing) noexcept {
     take_orders(inputs);
@@ -280,10 +283,10 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     return sample;
 }
 
-/// A tick after an assertion has failed, with as little as a window needs to show the device.
+/// A tick after a failed assertion: only what the window needs to show the device.
 ServoSample ServoLoop::brake(const device::Measurement &measured, const ServoInputs &inputs,
                              const TickTiming &timing) noexcept {
-    scene_id_ = inputs.scene_id; // nothing of any scene is in use
+    scene_id_ = inputs.scene_id; // no scene is in use
     ServoSample sample = begin_sample(measured, timing);
     sample.scene_id = scene_id_;
     sample.counts = measured.counts;

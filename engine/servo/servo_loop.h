@@ -1,5 +1,5 @@
 // One servo tick, from encoder counts to motor voltages: docs/design.md, "One servo tick".
-// Knows no clock and no thread; `Servo` gives it both.
+// Independent of clock and thread, which `Servo` provides.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -15,21 +15,21 @@
 
 namespace springdrive::servo {
 
-/// What the host's clock has to say of a tick; nothing in lockstep, where there is none.
+/// Timing of a tick by the host's clock; zero in lockstep, which has no clock.
 struct TickTiming {
-    std::uint32_t missed_deadlines = 0; ///< passed over just before this tick
-    std::uint32_t missed_in_a_row = 0;  ///< with those before the late ticks just before
+    std::uint32_t missed_deadlines = 0; ///< skipped just before this tick
+    std::uint32_t missed_in_a_row = 0;  ///< including those before the preceding late ticks
 };
 
-/// Remembers between ticks only the velocity filter, the proxy, the safety monitor, what it was
-/// last told and how far it has followed, what was last measured, and the command in force.
+/// State between ticks: the velocity filter, the proxy, the safety monitor, the last inputs and the
+/// transfer to them, the last measurement, and the active command.
 ///
-/// The time between two measurements is what the device's clock says. One that keeps the servo's
-/// clock waits for it: a host that comes late has missed nothing of it. Of one that does not wait,
-/// missed deadlines are the monitor's business.
+/// The time between two measurements is taken from the device's clock. A device on the servo's
+/// clock waits for the servo, so a late host misses none of its periods. For a device that does not
+/// wait, the monitor checks the missed deadlines.
 class ServoLoop {
 public:
-    /// @param device  must outlive the loop, which is the only one to talk to it
+    /// @param device  must outlive the loop, and be used by nothing else
     ServoLoop(device::HapticDevice &device, double period_s);
 
     // A tick in three parts, each RT-safe.
@@ -38,43 +38,41 @@ public:
         return device_.read();
     }
 
-    /// From the measurement to the command that answers it. All that it found is in the sample
-    /// returned. Where nothing new was measured the command in force stands, as long as the monitor
-    /// lets it.
+    /// Computes the command for a measurement. All intermediate results are in the returned sample.
+    /// Without a new measurement the active command is held as long as the monitor allows.
     ServoSample update(const device::Measurement &measured, const ServoInputs &inputs,
                        const TickTiming &timing = {}) noexcept;
 
     void write() noexcept { device_.write(command_); }
 
-    /// All three.
+    /// All three parts.
     ServoSample tick(const ServoInputs &inputs, const TickTiming &timing = {}) noexcept {
         const ServoSample sample = update(read(), inputs, timing);
         write();
         return sample;
     }
 
-    /// An assertion failed in one of these: commands the safe state at once, whatever was going on.
-    /// From then on ticks measure and brake; law, surface and orders are not looked at any more.
-    /// Whoever runs the loop has to see to it, see `run_guarded`; else the program ends. RT-safe.
+    /// Call when an assertion failed in one of these: commands the safe state immediately. From
+    /// then on ticks only measure and brake; law, surface and requests are ignored. The caller must
+    /// guard the loop by `run_guarded`; otherwise a failed assertion ends the program. RT-safe.
     void fail(const AssertionFailure &failure) noexcept;
 
-    /// T from the next tick on, of loop and device; all that is remembered stays. Not on the
-    /// servo's thread.
-    /// @throw InputError for a period that the device cannot keep
+    /// Sets T of loop and device from the next tick on; keeps the state. Not on the servo's thread.
+    /// @throw InputError for a period that the device does not support
     void set_period(double period_s);
 
-    /// Sends the safe state, once and for all: the last thing a device hears. RT-safe.
+    /// Sends the safe state as the last command to the device. RT-safe.
     void stop() noexcept;
 
     [[nodiscard]] double period_s() const { return period_s_; }
     [[nodiscard]] const device::HapticDevice &device() const { return device_; }
 
 private:
-    /// How the device's time went on.
+    /// Device time since the last new measurement.
     struct Passed {
-        double since_last_s = 0.0; ///< between the last two measurements that told anything
+        double since_last_s = 0.0; ///< between the last two new measurements
         std::uint32_t missed_periods = 0;
-        std::uint32_t missed_in_a_row = 0; ///< that the monitor is to judge
+        std::uint32_t missed_in_a_row = 0; ///< for the monitor's check
     };
 
     void take_orders(const ServoInputs &inputs) noexcept;
@@ -109,12 +107,12 @@ private:
 
     device::HapticDevice &device_;
     double period_s_;
-    double time_base_s_ = 0.0;         ///< the servo's time when its period was last set,
-    std::uint64_t time_base_tick_ = 0; ///< and its tick
+    double time_base_s_ = 0.0;         ///< the servo's time when its period was last set
+    std::uint64_t time_base_tick_ = 0; ///< the tick at that time
     control::HapticLaw law_;
 
-    ServoInputs inputs_;        ///< the last, but for what is no valid wish
-    BumplessTransfer transfer_; ///< to what was last asked for
+    ServoInputs inputs_;        ///< the last valid ones
+    BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
@@ -122,14 +120,14 @@ private:
     bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
     SafetyMonitor safety_;
-    device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< in force
-    device::Measurement measured_; ///< the last that told anything
-    contact::Contact contact_;     ///< that it was in
+    device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< active
+    device::Measurement measured_;                                     ///< the last new one
+    contact::Contact contact_;                                         ///< at that measurement
     bool has_measured_ = false;
-    std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device that keeps the servo's clock
-    std::uint32_t held_ticks_ = 0;       ///< since the last measurement that told anything
+    std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device on the servo's clock
+    std::uint32_t held_ticks_ = 0;       ///< since the last new measurement
     std::uint64_t tick_ = 0;
-    std::uint64_t tick_begun_ = 0; ///< which an assertion may leave at any point
+    std::uint64_t tick_begun_ = 0; ///< may be abandoned at any point by an assertion
 };
 
 } // namespace springdrive::servo

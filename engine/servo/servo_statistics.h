@@ -1,4 +1,4 @@
-// How well a servo keeps its time, from its samples: whoever reads them adds them up.
+// Timing statistics of a servo, accumulated from its samples by their reader.
 #pragma once
 
 #include "engine/servo/duration_histogram.h"
@@ -24,15 +24,15 @@ public:
     [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
     [[nodiscard]] std::uint64_t missed_deadlines() const { return missed_; }
 
-    /// From the start of a tick to the next one's.
+    /// From the start of a tick to the start of the next.
     [[nodiscard]] const DurationHistogram &period() const { return period_; }
     /// From a tick's deadline to its start: the jitter.
     [[nodiscard]] const DurationHistogram &lateness() const { return lateness_; }
-    /// What the device took to be read.
+    /// Duration of reading the device.
     [[nodiscard]] const DurationHistogram &read() const { return read_; }
-    /// From the measurement to the command that answers it.
+    /// From the measurement to the command computed from it.
     [[nodiscard]] const DurationHistogram &compute() const { return compute_; }
-    /// What the device took to be told that.
+    /// Duration of writing to the device.
     [[nodiscard]] const DurationHistogram &write() const { return write_; }
 
 private:

@@ -11,10 +11,10 @@ double beyond(double value, double lowest, double highest) {
     return value > highest ? value - highest : std::min(0.0, value - lowest);
 }
 
-/// The damper is whole so far beyond the edge: it must not set in with a blow.
+/// The damper ramps up over this distance beyond the edge, to avoid a force step.
 constexpr double kDamperWithin_rad = 0.02;
 
-/// Only pushes back: a damper that would hold fast what swings away does not act.
+/// Only pushes back: the damper does not act against motion away from the edge.
 double push_back(const device::WorkspaceEdge &edge, double beyond_rad, double rate_rad_per_s) {
     if (beyond_rad == 0.0) {
         return 0.0;

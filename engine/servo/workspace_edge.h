@@ -1,6 +1,6 @@
 // The soft wall at the edge of the workspace: before each joint's stop, and before the links fold
-// too far, a spring and a damper push back. They push through the motors' own torque, so no tuning
-// switches them off.
+// too far, a spring and a damper push back. They act directly on the motor torque, so no tuning
+// disables them.
 #pragma once
 
 #include "base/vector.h"
@@ -8,8 +8,8 @@
 
 namespace springdrive::servo {
 
-/// How far joint angles are beyond limits drawn in by `margin_rad`: the joints, and the fold
-/// q₃ − q₂. Positive beyond the upper one, negative beyond the lower one, zero within [rad].
+/// How far joint angles are beyond limits reduced by `margin_rad`: the joints, and the fold q₃ −
+/// q₂. Positive beyond the upper limit, negative beyond the lower, zero within [rad].
 struct BeyondLimits {
     Vector3 joint_rad{Vector3::Zero()};
     double fold_rad = 0.0;

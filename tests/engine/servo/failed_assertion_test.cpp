@@ -76,9 +76,9 @@ void expect_said(const SafetyStatus &status, const testing::PlantedLine &line) {
     EXPECT_STREQ(status.failure.condition, line.condition);
     EXPECT_STREQ(status.failure.file, "tests/support/planted_device.h");
     EXPECT_EQ(status.failure.line, line.line);
-    EXPECT_EQ(description(status), "a mistake in the program, tests/support/planted_device.h:" +
-                                       std::to_string(line.line) + " asserts " + line.condition +
-                                       "; start it again");
+    EXPECT_EQ(description(status),
+              "internal error, assertion failed at tests/support/planted_device.h:" +
+                  std::to_string(line.line) + ": " + line.condition + "; restart the program");
 }
 
 class FailedAssertion : public ::testing::TestWithParam<Plant> {};

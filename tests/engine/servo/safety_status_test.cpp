@@ -22,16 +22,16 @@ TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
     EXPECT_EQ(told(TripCause::winding_temperature, 100.26, 100.0),
               "winding temperature, upper estimate, 100.3 °C, limit 100.0 °C");
     EXPECT_EQ(told(TripCause::missed_deadlines, 0.051, 0.05),
-              "deadlines missed in a row for 51.0 ms, limit 50.0 ms");
+              "consecutive deadlines missed for 51.0 ms, limit 50.0 ms");
     EXPECT_EQ(told(TripCause::window_silent, 2.001, 2.0),
-              "no sign of life of the window for 2.00 s, limit 2.00 s");
+              "no heartbeat from the window for 2.00 s, limit 2.00 s");
     EXPECT_EQ(told(TripCause::encoder_jump, 0.0123, 0.004),
-              "encoders jumped by, at the tip, 12.30 mm, limit 4.00 mm");
+              "encoder jump at the tip 12.30 mm, limit 4.00 mm");
     EXPECT_EQ(told(TripCause::beyond_stops, 0.0698131700797732, 0.0523598775598299),
               "joint angle beyond its stop by 4.0°, limit 3.0°");
     EXPECT_EQ(told(TripCause::energy, 0.0312, 0.03),
-              "energy given to the hand 31.2 mJ, limit 30.0 mJ");
-    EXPECT_EQ(told(TripCause::voltage, 13.5, 12.0), "lasting e_W 13.5 V, limit 12.0 V");
+              "energy delivered to the hand 31.2 mJ, limit 30.0 mJ");
+    EXPECT_EQ(told(TripCause::voltage, 13.5, 12.0), "sustained e_W 13.5 V, limit 12.0 V");
 }
 
 TEST(SafetyStatus, EveryCauseHasANameAndWordsOfItsOwn) {

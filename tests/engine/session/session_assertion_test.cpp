@@ -95,9 +95,9 @@ TEST(SessionAssertion, TheWindowGoesOnAndTheRecordTellsWhatFailed) {
     const std::string line = std::to_string(PlantedDevice::kInUpdate.line);
     std::ostringstream report;
     write_session_report(report, session);
-    EXPECT_NE(report.str().find("\nsafety: stopped, a mistake in the program, "
+    EXPECT_NE(report.str().find("\nsafety: stopped, internal error, assertion failed at "
                                 "tests/support/planted_device.h:" +
-                                line + " asserts " + where + "; start it again\n"),
+                                line + ": " + where + "; restart the program\n"),
               std::string::npos)
         << report.str();
     std::ostringstream complaints;
