@@ -1,4 +1,4 @@
-// A record as comma-separated values.
+// Exports a record as comma-separated values.
 #include "engine/record/record_export.h"
 
 #include "engine/record/selected_rows.h"

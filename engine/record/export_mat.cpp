@@ -1,4 +1,4 @@
-// A record as a MAT file of level 5, which MATLAB since 1996, Octave and scipy read.
+// Exports a record as a level 5 MAT file, which MATLAB since 1996, Octave and scipy can read.
 #include "engine/record/record_export.h"
 
 #include "base/input_error.h"
@@ -17,7 +17,7 @@ namespace springdrive::record {
 namespace {
 
 constexpr std::uint64_t kMostBytesAVariable = std::numeric_limits<std::int32_t>::max();
-/// Of the columns that are held at a time; one alone may be larger.
+/// Limit on the columns held in memory at a time; a single column may exceed it.
 constexpr std::uint64_t kBytesAtATime = 256U << 20U;
 constexpr const char *kTitle = "MATLAB 5.0 MAT-file, telemetry recorded by springdrive";
 
@@ -53,7 +53,7 @@ MatType mat_type(ColumnType type) {
 
 constexpr std::uint64_t in_eights(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
 
-/// What a variable takes in the file at least: tags, flags, dimensions, name and numbers.
+/// Minimum size of a variable in the file: tags, flags, dimensions, name and numbers.
 std::uint64_t bytes_in_file(const RecordColumn &column, std::uint64_t rows) {
     const std::uint64_t name = column.name.size() <= 4 ? 0 : in_eights(column.name.size());
     const std::uint64_t numbers = rows * bytes_of(column.type);
@@ -64,15 +64,15 @@ void check_sizes(const std::vector<RecordColumn> &columns, std::uint64_t rows) {
     for (const RecordColumn &column : columns) {
         if (rows > kMostBytesAVariable / bytes_of(column.type)) {
             throw InputError("column " + column.name + " has " + std::to_string(rows) +
-                             " rows, and a MAT file holds no variable above 2 GB; export a "
-                             "shorter range of time, or to NPY");
+                             " rows, but a variable in a MAT file is limited to 2 GB; export a "
+                             "shorter time range, or to NPY");
         }
     }
 }
 
 using Numbers = std::vector<std::byte>;
 
-/// A column's numbers of all rows of the range, for each of `columns`.
+/// For each of `columns` its values in all rows of the range.
 std::vector<Numbers> read_columns(RecordReader &record, const record::TimeRange &range,
                                   std::span<const RecordColumn> columns, std::uint64_t rows) {
     std::vector<Numbers> numbers(columns.size());
@@ -97,7 +97,7 @@ bool write_variable(mat_t *mat, const RecordColumn &column, Numbers &numbers) {
     return variable && Mat_VarWrite(mat, variable.get(), MAT_COMPRESSION_NONE) == 0;
 }
 
-/// False where the file could not be written.
+/// False if the file could not be written.
 bool write_variables(RecordReader &record, const record::TimeRange &range, std::uint64_t rows,
                      std::span<const RecordColumn> columns, const std::filesystem::path &file) {
     const std::unique_ptr<mat_t, CloseMat> mat(Mat_CreateVer(file.c_str(), kTitle, MAT_FT_MAT5));
@@ -126,16 +126,16 @@ ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
     const ExportSummary summary{rows, columns.size(), record.ending()};
     check_sizes(columns, rows);
     if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
-        throw InputError(file.string() + ": is no file to replace; give another name");
+        throw InputError(file.string() + ": is not a regular file; choose another name");
     }
-    std::uint64_t least_bytes = 128; // of the file's own header
+    std::uint64_t least_bytes = 128; // the file's header
     for (const RecordColumn &column : columns) {
         least_bytes += bytes_in_file(column, rows);
     }
-    // Under another name until all is there, so that a file of that name is not lost for nothing.
+    // Written under a temporary name, so that an existing file is replaced only on success.
     const std::filesystem::path unfinished = file.string() + ".unfinished";
     std::error_code error;
-    // The library does not tell that the disk is full: the size does.
+    // The library does not report a full disk; the file's size shows it.
     if (write_variables(record, range, rows, columns, unfinished) &&
         std::filesystem::file_size(unfinished, error) >= least_bytes && !error) {
         std::filesystem::rename(unfinished, file, error);
@@ -144,8 +144,8 @@ ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
         }
     }
     std::filesystem::remove(unfinished, error);
-    throw InputError(file.string() + ": cannot be written; check its folder, permissions and the "
-                                     "room on the disk");
+    throw InputError(file.string() + ": cannot be written; check its folder, permissions and free "
+                                     "disk space");
 }
 
 } // namespace springdrive::record

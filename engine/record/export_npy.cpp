@@ -1,8 +1,8 @@
-// A record as numpy's own file: a header in Python's syntax, then the rows, packed.
+// Exports a record as a NumPy file: a header in Python syntax, then the packed rows.
 //
 //   "\x93NUMPY" 1 0, u16 length, {'descr': [('tick', '<u8'), ...], ... 'shape': (N,), }, rows
 //
-// Version 2 has a u32 length, for a header that does not fit into 64 KB.
+// Version 2 has a u32 length, for headers above 64 KB.
 #include "engine/record/record_export.h"
 
 #include "engine/record/selected_rows.h"
@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view kNumpyMagic = "\x93NUMPY";
 constexpr std::size_t kAlignment = 64; ///< of the rows in the file
 
-/// Padded with blanks up to the alignment, `before` bytes after the beginning of the file.
+/// Starts `before` bytes into the file and is padded with blanks up to the alignment.
 std::string description(const std::vector<RecordColumn> &columns, std::uint64_t rows,
                         std::size_t before) {
     std::string text = "{'descr': [";
@@ -54,7 +54,7 @@ ExportSummary export_npy(RecordReader &record, const ExportSelection &selection,
                          std::ostream &out) {
     const auto columns = selected_columns(record.header(), selection.columns);
     const record::TimeRange range(record.header(), selection);
-    // The count stands before the rows, and the output may be one that cannot go back.
+    // The count precedes the rows, and the output may not be seekable.
     const std::uint64_t announced = record::count_rows(record, range);
     out << npy_header(columns, announced);
     std::string bytes;

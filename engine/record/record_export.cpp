@@ -15,9 +15,9 @@ namespace {
 constexpr std::size_t kMostSuggestions = 3;
 constexpr std::size_t kLongestCompared = 100;
 
-constexpr double kRounding = 1e-6; ///< of a period, that a bound of a range may be off
+constexpr double kRounding = 1e-6; ///< tolerance of a range's bounds, in periods
 
-/// Levenshtein's: how many letters to add, leave out or change.
+/// Levenshtein distance: the number of letters to insert, delete or change.
 std::size_t distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -51,8 +51,9 @@ std::string nearest_names(const RecordHeader &header, std::string_view name) {
 
 [[noreturn]] void refuse(const RecordHeader &header, const std::string &name) {
     const bool is_prefix = !name.empty() && name.back() == '*';
-    throw InputError((is_prefix ? "no column of the record fits " : "the record has no column ") +
-                     name + "; the nearest are " + nearest_names(header, name));
+    throw InputError(
+        (is_prefix ? "no column of the record matches " : "the record has no column ") + name +
+        "; the closest are " + nearest_names(header, name));
 }
 
 } // namespace
@@ -86,9 +87,9 @@ TimeRange::TimeRange(const RecordHeader &header, const ExportSelection &selectio
     : from_s_(selection.from_s), to_s_(selection.to_s), period_s_(header.period_s) {
     if (!(from_s_ <= to_s_)) {
         throw InputError("a range from " + std::to_string(from_s_) + " to " +
-                         std::to_string(to_s_) + " s holds nothing; give its beginning first");
+                         std::to_string(to_s_) + " s is empty; give its start first");
     }
-    // tick × T is rounded: 1.009 s of a kilohertz is the tick that says 1.0090000000000001.
+    // tick × T is rounded: at 1 kHz the tick at 1.009 s has the time 1.0090000000000001.
     from_s_ -= kRounding * period_s_;
     to_s_ += kRounding * period_s_;
     is_all_ = std::isinf(from_s_) && from_s_ < 0.0 && std::isinf(to_s_) && to_s_ > 0.0;
@@ -99,8 +100,8 @@ TimeRange::TimeRange(const RecordHeader &header, const ExportSelection &selectio
     } else if (tick != nullptr && tick->type == ColumnType::u64) {
         tick_offset_ = tick->offset;
     } else if (!is_all_) {
-        throw InputError("the record has neither time_s nor tick, so no range of time can be "
-                         "taken from it; export all of it");
+        throw InputError("the record has neither time_s nor tick, so no time range can be "
+                         "selected; export all of it");
     }
 }
 
@@ -121,8 +122,9 @@ std::uint64_t count_rows(RecordReader &record, const TimeRange &range) {
 
 void check_taken(std::ostream &out) {
     if (!out) {
-        throw InputError("the export is incomplete: its output takes no more; make room or choose "
-                         "another folder");
+        throw InputError(
+            "the export is incomplete: its output cannot be written; free disk space or choose "
+            "another folder");
     }
 }
 

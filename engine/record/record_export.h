@@ -1,7 +1,8 @@
-// Records for other programs: CSV for spreadsheets, NPY for Python, MAT for MATLAB and Octave.
+// Exports records for other programs: CSV for spreadsheets, NPY for Python, MAT for MATLAB and
+// Octave.
 //
-// All go by the file's own header, so that they take records of other versions too, and read the
-// file in pieces. CSV and NPY keep memory flat; MAT holds some columns at a time.
+// All use the file's own header, so that they also export records of other versions, and read the
+// file in pieces. CSV and NPY use constant memory; MAT holds a few columns at a time.
 #pragma once
 
 #include "engine/record/record_reader.h"
@@ -16,9 +17,9 @@
 namespace springdrive::record {
 
 struct ExportSelection {
-    /// Exact names, or the beginning of names and `*`; empty: all columns.
+    /// Exact names, or prefixes followed by `*`; empty: all columns.
     std::vector<std::string> columns;
-    // Inclusive, in the record's time_s; where that is missing, ticks × period.
+    // Inclusive, in the record's time_s; if that is missing, ticks × period.
     double from_s = -std::numeric_limits<double>::infinity();
     double to_s = std::numeric_limits<double>::infinity();
 };
@@ -26,26 +27,26 @@ struct ExportSelection {
 struct ExportSummary {
     std::uint64_t rows = 0; ///< exported
     std::size_t columns = 0;
-    RecordEnding ending; ///< of the record; print its text
+    RecordEnding ending; ///< of the record; its text is to be printed
 };
 
-/// In the order of the selection, each once.
-/// @throw InputError for a name that fits none, with those that are nearest.
+/// The selected columns, in the order of the selection, without duplicates.
+/// @throw InputError for a name that matches none, with the closest names.
 [[nodiscard]] std::vector<RecordColumn> selected_columns(const RecordHeader &header,
                                                          const std::vector<std::string> &names);
 
-/// Each reads the record from its beginning. @throw InputError for a selection that cannot be, and
-/// for an output that takes no more.
+/// Each of these reads the record from its beginning. @throw InputError for an invalid selection,
+/// and for an output that cannot be written.
 
-/// A line of names, then a line a row. Numbers in the fewest digits that read back as the same;
-/// NaN is an empty cell, what is true is 1.
+/// A line of names, then one line per row. Numbers have the fewest digits that read back as the
+/// same value; NaN is an empty cell, true is 1.
 ExportSummary export_csv(RecordReader &record, const ExportSelection &selection, std::ostream &out);
 
-/// One structured array, a field a column: np.load(file)["tip_x_m"].
+/// One structured array with a field per column: np.load(file)["tip_x_m"].
 ExportSummary export_npy(RecordReader &record, const ExportSelection &selection, std::ostream &out);
 
-/// One variable a column, N×1. Replaces a file of that name once all is there.
-/// @throw InputError too for more rows than a variable can have, 2 GB.
+/// One variable per column, N×1. Replaces an existing file only on success.
+/// @throw InputError also for more rows than a variable can have, 2 GB.
 ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
                          const std::filesystem::path &file);
 

@@ -18,7 +18,7 @@ constexpr std::size_t kCrcAt = 24;
 
 std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before) {
     if (bytes.empty()) {
-        return before; // zlib takes a null pointer for a wish to start anew
+        return before; // zlib would interpret a null pointer as a reset
     }
     return static_cast<std::uint32_t>(
         crc32_z(before, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size()));

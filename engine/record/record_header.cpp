@@ -30,7 +30,7 @@ struct TypeCode {
     std::string_view code;
 };
 
-/// By number of the type.
+/// Indexed by ColumnType.
 constexpr std::array<TypeCode, 6> kTypeCodes{{{ColumnType::u8, 1, "|u1"},
                                               {ColumnType::u16, 2, "<u2"},
                                               {ColumnType::u32, 4, "<u4"},

@@ -55,10 +55,10 @@ std::uint64_t count_or(const json &object, std::string_view key, std::uint64_t o
 }
 
 [[noreturn]] void refuse(const std::string &what) {
-    throw InputError("its header " + what + "; it is damaged or no record of springdrive");
+    throw InputError("its header " + what + "; it is damaged or not a springdrive record");
 }
 
-/// d, which was a whole number and called delay_samples before; 0 where it is told by neither.
+/// d; older files have an integer named delay_samples instead; 0 if neither is present.
 double delay_periods(const json &object) {
     const bool has_old_name = object.contains("delay_samples");
     if (has_old_name && object.contains("delay_periods")) {
@@ -90,15 +90,15 @@ RecordColumn column_from_json(const json &object, std::uint32_t offset, std::siz
     const std::string which = "column " + std::to_string(number);
     const auto type = column_type_with_code(text_or_nothing(object, "type"));
     if (!type) {
-        refuse("gives " + which + " a type that is unknown here");
+        refuse("gives " + which + " an unknown type");
     }
     RecordColumn column{text_or_nothing(object, "name"), text_or_nothing(object, "unit"), *type,
                         offset};
     if (!is_legal_name(column.name)) {
-        refuse("gives " + which + " a name that cannot be");
+        refuse("gives " + which + " an invalid name");
     }
     if (count_or(object, "offset", offset) != offset) {
-        refuse("puts " + which + " where it cannot be");
+        refuse("gives " + which + " an invalid offset");
     }
     return column;
 }
@@ -113,7 +113,7 @@ void read_columns(const json &list, RecordHeader &header) {
         header.columns.push_back(column_from_json(object, offset, header.columns.size() + 1));
         const RecordColumn &column = header.columns.back();
         if (!names.insert(column.name).second) {
-            refuse("has two columns " + column.name);
+            refuse("has more than one column " + column.name);
         }
         offset += bytes_of(column.type);
     }
@@ -143,7 +143,7 @@ void read_rows_layout(const json &document, RecordHeader &header) {
     }
     const std::uint64_t chunk_rows = count_or(document, "chunk_rows", 0);
     if (chunk_rows == 0 || chunk_rows > kMostPayloadBytes / header.row_bytes) {
-        refuse("has a chunk_rows that cannot be");
+        refuse("has an invalid chunk_rows");
     }
     header.chunk_rows = static_cast<std::uint32_t>(chunk_rows);
 }
@@ -175,14 +175,14 @@ std::string to_json(const RecordHeader &header) {
                          {"sha256", header.scene_sha256},
                          {"triangles", header.scene_triangles}};
     document["global_alpha_rad2_per_m2"] = header.global_alpha_rad2_per_m2;
-    // File names may hold bytes that are no UTF-8.
+    // File names may contain invalid UTF-8.
     return document.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 RecordHeader from_json(std::string_view text) {
     const json document = json::parse(text.begin(), text.end(), nullptr, false);
     if (!document.is_object()) {
-        refuse("is no JSON object");
+        refuse("is not a JSON object");
     }
     if (text_or_nothing(document, "format") != kFormat) {
         refuse("does not say \"" + std::string(kFormat) + "\"");

@@ -16,7 +16,7 @@ std::size_t size_of_file(const std::filesystem::path &path) {
     const std::uintmax_t bytes = is_file ? std::filesystem::file_size(path, error) : 0;
     if (!is_file || error) {
         throw InputError(path.string() + ": cannot be read: " +
-                         (error ? error.message() : std::string("it is no ordinary file")) +
+                         (error ? error.message() : std::string("it is not a regular file")) +
                          "; check its name and permissions");
     }
     return bytes;
@@ -65,7 +65,7 @@ void RecordReader::read_header() {
     std::array<std::byte, kMagic.size() + 4> start{};
     const std::size_t magic_but_version = kMagic.size() - 1;
     if (!read_exactly(start) || std::memcmp(start.data(), kMagic.data(), magic_but_version) != 0) {
-        throw InputError("is no record of springdrive; give a file made by `springdrive record`");
+        throw InputError("is not a springdrive record; give a file made by `springdrive record`");
     }
     if (static_cast<char>(start[magic_but_version]) != kMagic.back()) {
         throw InputError("is a record in a layout that this version does not know; read it with "
@@ -109,20 +109,20 @@ void RecordReader::stop(const std::string &why) {
     ending_.unusable_bytes = why.empty() ? 0 : file_bytes_ - position_;
 }
 
-/// What is wrong with a chunk, as far as its head tells, with `left` bytes after that in the file.
+/// What is wrong with a chunk according to its head, if `left` bytes follow it in the file.
 std::string RecordReader::complaint(const ChunkHead &head, std::uint64_t left) const {
     if (head.payload_bytes > kMostPayloadBytes) {
-        return "a chunk says that it is larger than any can be";
+        return "a chunk's size exceeds the maximum";
     }
     if (head.kind == static_cast<std::uint32_t>(ChunkKind::rows) &&
         (head.rows == 0 || head.rows > header_.chunk_rows ||
          std::uint64_t{head.rows} * header_.row_bytes != head.payload_bytes)) {
-        return "a chunk's size is not that of its rows";
+        return "a chunk's size does not match its rows";
     }
     return head.payload_bytes > left ? "the last chunk is incomplete" : "";
 }
 
-/// Reads one chunk of any kind, checked.
+/// Reads and checks one chunk of any kind.
 bool RecordReader::read_chunk(ChunkHead &head) {
     const std::uint64_t left = file_bytes_ - position_;
     std::array<std::byte, kChunkHeadBytes> bytes{};
@@ -141,7 +141,7 @@ bool RecordReader::read_chunk(ChunkHead &head) {
     }
     payload_.resize(head.payload_bytes);
     if (!read_exactly(payload_)) {
-        stop("the file cannot be read on");
+        stop("the file cannot be read further");
         return false;
     }
     const auto before_crc = std::span(bytes).first(kChunkHeadBytes - 4);

@@ -1,4 +1,4 @@
-// Reads a record file, chunk by chunk: memory stays flat, however large the file is.
+// Reads a record file, chunk by chunk, in constant memory.
 //
 //   RecordReader reader("grasp.rec");
 //   while (reader.next()) {
@@ -8,8 +8,8 @@
 //   }
 //   std::cout << reader.ending().text();
 //
-// Any file can be given to it. One whose writer was killed, or that is damaged, is read up to its
-// first chunk that is not whole; `ending` then says what was left unread, and why.
+// Accepts any file. If its writer was killed or it is damaged, it is read up to the first invalid
+// chunk; `ending` then reports what was not read, and why.
 #pragma once
 
 #include "engine/record/record_format.h"
@@ -29,42 +29,42 @@
 
 namespace springdrive::record {
 
-/// What was read so far, and how the file ended once `next` has returned false.
+/// What has been read so far, and, once `next` has returned false, how the file ended.
 struct RecordEnding {
     std::uint64_t rows = 0;
     std::uint64_t notes = 0;
-    std::uint64_t missing_ticks = 0;  ///< between the rows: samples that were lost
-    std::uint64_t unusable_bytes = 0; ///< after the last whole chunk
-    std::string why;                  ///< they are unusable; empty when there are none
+    std::uint64_t missing_ticks = 0;  ///< between the rows: lost samples
+    std::uint64_t unusable_bytes = 0; ///< after the last valid chunk
+    std::string why;                  ///< reason for unusable bytes; empty if there are none
 
-    /// One line for people: "12000 rows" with what is missing.
+    /// One line to display: "12000 rows" with what is missing.
     [[nodiscard]] std::string text() const;
 };
 
 class RecordReader {
 public:
-    /// @throw InputError naming the file, where it cannot be read, is no record, or its header is
+    /// @throw InputError naming the file, if it cannot be read, is not a record, or its header is
     ///        damaged.
     explicit RecordReader(const std::filesystem::path &path);
 
     [[nodiscard]] const RecordHeader &header() const { return header_; }
     [[nodiscard]] const std::filesystem::path &path() const { return path_; }
 
-    /// Goes on to the next chunk that holds rows or a note; false at the end.
+    /// Advances to the next chunk with rows or a note; false at the end.
     bool next();
-    /// Goes back before the first chunk.
+    /// Returns to before the first chunk.
     void rewind();
 
-    /// Of the chunk: 0 in a note.
+    /// Number of rows in the chunk: 0 for a note.
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
-    /// Of the chunk, below rows(); header().row_bytes long; good until `next`.
+    /// A row of the chunk, `number` below rows(); header().row_bytes long; valid until `next`.
     [[nodiscard]] std::span<const std::byte> row(std::uint32_t number) const;
     [[nodiscard]] bool is_note() const { return is_note_; }
-    /// Its JSON text; not checked, as anybody may have written it.
+    /// The note's JSON text, unchecked.
     [[nodiscard]] std::string_view note() const;
 
-    /// A row of the chunk, below rows(), with its columns found by their names.
-    /// @throw InputError naming the file and the column that is missing or not understood.
+    /// A row of the chunk, `number` below rows(), with columns identified by name.
+    /// @throw InputError naming the file and the column that is missing or invalid.
     [[nodiscard]] servo::ServoSample read_sample(std::uint32_t number);
 
     [[nodiscard]] const RecordEnding &ending() const { return ending_; }
@@ -81,7 +81,7 @@ private:
     std::ifstream stream_;
     std::uint64_t file_bytes_ = 0;
     std::uint64_t first_chunk_at_ = 0;
-    std::uint64_t position_ = 0; ///< after the last whole chunk
+    std::uint64_t position_ = 0; ///< after the last valid chunk
     RecordHeader header_;
     std::optional<std::uint32_t> tick_offset_; ///< within a row
     std::optional<RowDecoder> decoder_;

@@ -19,7 +19,8 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// Errno, or 0 when all was written. A call that ends early is continued: the next says why.
+/// Returns errno, or 0 if all was written. A short write is continued; the next call reports the
+/// error.
 int write_all(int descriptor, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -68,7 +69,7 @@ RecordWriter::RecordWriter(const std::filesystem::path &path, const RecordHeader
 RecordWriter::~RecordWriter() {
     try {
         close();
-    } catch (const std::exception &) { // said in the documentation
+    } catch (const std::exception &) { // documented: errors are ignored here
         descriptor_ = -1;
     }
 }
@@ -143,7 +144,7 @@ void RecordWriter::close() {
     const int result = ::close(descriptor_);
     const int error = errno;
     descriptor_ = -1;
-    // Some file systems find out only now that the disk is full.
+    // Some file systems report a full disk only now.
     if (result != 0 && error != EINTR) {
         throw InputError(path_.string() + ": the end of the recording may be missing: " +
                          reason(error) + "; read it once to see what was kept");
@@ -165,7 +166,7 @@ void RecordWriter::drop_file() noexcept {
 }
 
 void RecordWriter::end_at_last_chunk(int error) {
-    // Where even this fails, readers still stop at the chunk that is incomplete.
+    // If even this fails, readers still stop at the incomplete chunk.
     [[maybe_unused]] const int result =
         ::ftruncate(descriptor_, static_cast<off_t>(bytes_in_file_));
     ::close(descriptor_);
@@ -173,7 +174,7 @@ void RecordWriter::end_at_last_chunk(int error) {
     rows_waiting_ = 0;
     throw InputError(path_.string() + ": the recording ends after " +
                      std::to_string(rows_in_file_) + " rows, which are kept: " + reason(error) +
-                     "; make room or choose another folder");
+                     "; free disk space or choose another folder");
 }
 
 std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header) {

@@ -1,11 +1,11 @@
 // Writes a record file, chunk by chunk.
 //
-//   write(sample) ──► row in the chunk under way ──► full, or flush(): one write(2) ──► file
+//   write(sample) ──► row in the current chunk ──► full, or flush(): one write(2) ──► file
 //
-// What was handed to the system survives the end of this program, however it ends: `kill -9` loses
-// the chunk under way, 20 ms. A power cut loses what the system had not put on the disk yet, which
-// may be the last half minute; it is not asked to hurry, as that stalls the machine. Either way the
-// file is good up to its last whole chunk.
+// Data passed to the system survives any end of this program: `kill -9` loses the current chunk, 20
+// ms. A power failure loses what the system had not yet written to disk, up to the last half
+// minute; there is no fsync, as that stalls the machine. Either way the file is valid up to its
+// last complete chunk.
 #pragma once
 
 #include "engine/record/record_header.h"
@@ -20,30 +20,30 @@
 
 namespace springdrive::record {
 
-/// Of one thread. All its memory is allocated at once, but for notes.
+/// For use by one thread. Allocates all memory at construction, except for notes.
 class RecordWriter {
 public:
     static constexpr std::size_t kLongestNote = std::size_t{1} << 20U; ///< bytes
 
     /// Creates the file, with its header.
-    /// @param header  of `record_header`
-    /// @throw InputError where the file exists already or cannot be written: none is left behind.
+    /// @param header  made by `record_header`
+    /// @throw InputError if the file exists already or cannot be written; no file is left behind.
     RecordWriter(const std::filesystem::path &path, const RecordHeader &header);
-    /// Closes, and says nothing of what fails; call `close` to know.
+    /// Closes and ignores errors; call `close` to get them.
     ~RecordWriter();
     RecordWriter(const RecordWriter &) = delete;
     RecordWriter &operator=(const RecordWriter &) = delete;
 
-    /// Each of these @throw InputError where the disk takes no more, with the reason and how much
-    /// was kept. The file then ends with the last whole chunk, is closed, and all further calls do
-    /// nothing.
+    /// Each of these @throw InputError if the disk cannot be written, with the reason and how much
+    /// was kept. The file then ends with the last complete chunk and is closed, and all further
+    /// calls do nothing.
     void write(const servo::ServoSample &sample);
-    /// Ends the chunk under way, if it has rows.
+    /// Ends the current chunk, if it has rows.
     void flush();
-    /// Something that happened between the last row and the next, as JSON text of up to 1 MB.
-    /// Ends the chunk under way.
+    /// Records an event between the last row and the next, as JSON text of up to 1 MB. Ends the
+    /// current chunk.
     void note(std::string_view json);
-    /// Writes out what is still in memory. Harmless twice.
+    /// Writes what is still in memory and closes. May be called twice.
     void close();
 
     [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
@@ -61,15 +61,15 @@ private:
     int descriptor_ = -1;
     std::uint32_t row_bytes_;
     std::uint32_t chunk_rows_;
-    std::vector<std::byte> chunk_; ///< head and rows under way
+    std::vector<std::byte> chunk_; ///< the current chunk: head and rows
     std::uint32_t rows_waiting_ = 0;
-    std::uint64_t first_tick_ = 0; ///< of those
+    std::uint64_t first_tick_ = 0; ///< of the waiting rows
     std::uint64_t rows_in_file_ = 0;
     std::uint64_t bytes_in_file_ = 0;
 };
 
-/// The size of a file of `rows` rows written without notes or early ends of chunks. What a recorder
-/// writes on its own thread is as large, but for the head of a chunk at each pause.
+/// The size of a file of `rows` rows without notes or chunks that ended early. A recorder on its
+/// own thread writes the same, plus the head of a chunk for each pause.
 [[nodiscard]] std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header);
 
 } // namespace springdrive::record

@@ -97,7 +97,7 @@ void Recorder::run() {
         publish_status();
         std::unique_lock lock(mutex_);
         if (wake_.wait_for(lock, kBetweenDrains, [this] { return is_stopping_; })) {
-            return; // `stop` drains what came since
+            return; // `stop` drains the rest
         }
     }
 }
@@ -109,7 +109,7 @@ void Recorder::drain() {
 
 void Recorder::take(const servo::ServoSample &sample) {
     if (!writer_->is_open()) {
-        return; // the disk is full: the servo must not notice
+        return; // the disk is full; the servo is not affected
     }
     if (last_tick_ && sample.tick > *last_tick_) {
         gaps_ += sample.tick - *last_tick_ - 1;
@@ -132,7 +132,7 @@ void Recorder::write_notes() {
     }
 }
 
-/// A servo that goes on fills its chunks in 20 ms; this is for one that pauses.
+/// For a paused servo; a running one fills its chunks in 20 ms.
 void Recorder::flush_what_is_old() {
     if (writer_->rows_waiting() > 0 && Clock::now() - waiting_since_ >= kOldestRow) {
         guarded([&] { writer_->flush(); });
@@ -140,7 +140,7 @@ void Recorder::flush_what_is_old() {
 }
 
 void Recorder::publish_status() {
-    // What the ring lost shows as a gap too, but only once a later sample has come.
+    // Samples lost by the ring also show as a gap in the ticks, but only after a later sample.
     const std::uint64_t lost = std::max(gaps_, ring_.lost() - lost_before_);
     const std::scoped_lock lock(mutex_);
     status_.rows = writer_->rows_in_file();
@@ -148,7 +148,7 @@ void Recorder::publish_status() {
     status_.lost = lost;
 }
 
-/// Does something to the writer, and keeps what it complains of.
+/// Calls the writer, and stores its error message.
 template <typename Step> void Recorder::guarded(Step &&step) {
     try {
         step();

@@ -77,7 +77,7 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         device::DeviceCommand wanted = tick.found.command;
         wanted.e_W_V += sample.carried_V;
         tick.command = servo::limited(device_, wanted, limiter_inputs(sample, tick.now)).command;
-    } else { // nothing new was measured: what was in force stands
+    } else { // no new measurement: the last command is held
         tick.command = command_;
     }
     command_ = tick.command;

@@ -1,13 +1,13 @@
-// Puts a record through the control law again, tick by tick: the proof that a record holds all that
-// made its voltages, and a way to ask what another tuning would have made of the same motion.
+// Applies the control law to a record again, tick by tick: proves that a record contains everything
+// that determined its voltages, and shows what another tuning would have done with the same motion.
 //
-//   counts, θ and θ̇_f of the tick before ──► velocity filter, kinematics ──► x, J
+//   counts, θ and θ̇_f of the previous tick ──► velocity filter, kinematics ──► x, J
 //   x, contact, tuning ──► (30), (18) or (23), (10) ──► + carried ──► limits ──► e_W, R̂
 //
-// What the proxy found, what the monitor decided (its state, ramp and limits) and what a change of
-// tuning still carried is taken from the record; all else is computed by the servo's own code. A
-// tick whose predecessor is missing is the filter's memory only. Where nothing new was measured,
-// the law is asked of the last state again, and the last command stands.
+// The proxy's contact, the monitor's decisions (state, ramp and limits) and the offset of a
+// bumpless transfer are taken from the record; all else is computed by the servo's own code. A tick
+// without its predecessor only initialises the filter. Without a new measurement, the law is
+// evaluated for the last state again, and the last command is held.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -21,7 +21,7 @@
 
 namespace springdrive::record {
 
-/// The part of a sample that the law makes.
+/// The part of a sample that the law computes.
 struct ReplayedTick {
     control::Configuration now;
     control::LawOutcome found;
@@ -31,25 +31,25 @@ struct ReplayedTick {
 /// One quantity of a replay, compared bit by bit.
 struct ReplayedQuantity {
     const char *name = "";
-    std::uint64_t differing = 0;  ///< ticks
-    double greatest = 0.0;        ///< difference, in the quantity's unit
-    std::uint64_t first_tick = 0; ///< that differs
+    std::uint64_t differing = 0;  ///< number of ticks
+    double greatest = 0.0;        ///< maximum difference, in the quantity's unit
+    std::uint64_t first_tick = 0; ///< the first one that differs
 };
 
 class Replay {
 public:
-    /// @param tuning  instead of the record's, if given
+    /// @param tuning  replaces the record's, if given
     explicit Replay(const device::DeviceDescription &device,
                     const std::optional<control::Tuning> &tuning = std::nullopt);
 
-    /// The next tick of a record: what the law makes of it. Nothing where the one before is missing
-    /// and the filter's memory with it, nor after a failed assertion, when no law is asked.
+    /// The law's result for the next tick of a record. Empty if the previous tick, and with it the
+    /// filter's state, is missing, and after a failed assertion, when the law is not evaluated.
     std::optional<ReplayedTick> take(const servo::ServoSample &sample);
 
     [[nodiscard]] std::uint64_t replayed() const { return replayed_; }
     [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
-    /// θ, θ̇_f, x, η, α, x_Sd, θ_Sd, e_W and R̂ against the record.
+    /// θ, θ̇_f, x, η, α, x_Sd, θ_Sd, e_W and R̂, compared with the record.
     [[nodiscard]] const std::array<ReplayedQuantity, 9> &quantities() const { return quantities_; }
 
     [[nodiscard]] bool is_identical() const;
@@ -63,8 +63,8 @@ private:
     std::optional<control::Tuning> tuning_;
     control::HapticLaw law_;
     std::optional<servo::ServoSample> before_;
-    device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< of the tick before
-    bool has_measured_ = false; ///< whether anything was, since the servo began
+    device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< of the previous tick
+    bool has_measured_ = false; ///< whether there was a measurement since the servo started
     std::uint64_t replayed_ = 0;
     std::uint64_t skipped_ = 0;
     std::array<ReplayedQuantity, 9> quantities_;

@@ -29,7 +29,7 @@ template <typename Scalar> constexpr ColumnType type_of() {
     }
 }
 
-/// By number, for each enum in a sample.
+/// Names of an enum's values, in order, for each enum in a sample.
 template <typename Enum> std::vector<std::string> names_of() {
     if constexpr (std::is_same_v<Enum, device::DeviceHealth>) {
         return {"ok", "lost"};

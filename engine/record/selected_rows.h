@@ -1,4 +1,4 @@
-// The rows and columns that an export takes.
+// Selection of the rows and columns to export.
 #pragma once
 
 #include "engine/record/record_export.h"
@@ -9,10 +9,10 @@
 
 namespace springdrive::record {
 
-/// Tells the rows of a range of time.
+/// Selects the rows of a time range.
 class TimeRange {
 public:
-    /// @throw InputError for one that ends before it begins, or where rows have no time.
+    /// @throw InputError for a range that ends before it begins, or if rows have no time.
     TimeRange(const RecordHeader &header, const ExportSelection &selection);
 
     [[nodiscard]] bool holds(std::span<const std::byte> row) const;
@@ -27,7 +27,7 @@ private:
 };
 
 /// Reads the record from its beginning; calls take(row) for each row of the range, and end_chunk()
-/// after those of a chunk. Returns how many there were.
+/// after each chunk. Returns the number of rows.
 template <typename Take, typename EndChunk>
 std::uint64_t for_each_row(RecordReader &record, const TimeRange &range, Take &&take,
                            EndChunk &&end_chunk) {
@@ -50,10 +50,10 @@ std::uint64_t for_each_row(RecordReader &record, const TimeRange &range, Take &&
     return for_each_row(record, range, take, [] {});
 }
 
-/// How many rows the range has.
+/// The number of rows in the range.
 [[nodiscard]] std::uint64_t count_rows(RecordReader &record, const TimeRange &range);
 
-/// @throw InputError unless the stream has taken all.
+/// @throw InputError if the stream has failed.
 void check_taken(std::ostream &out);
 
 } // namespace springdrive::record

@@ -1,7 +1,7 @@
-// The one list of the columns of telemetry: records, exports and replays all read it.
+// The list of all telemetry columns, read by records, exports and replays.
 //
-// Whoever adds a member to ServoSample adds a line here; a test fails until that is done. Names
-// carry their unit; `unit` is the unit by itself, "1" where there is none.
+// Each member of ServoSample needs a line here; a test fails if one is missing. Names end in their
+// unit; `unit` is the unit alone, "1" if there is none.
 #pragma once
 
 #include "engine/control/parameters.h"
@@ -18,7 +18,7 @@ namespace columns {
 
 using Names3 = std::array<std::string_view, 3>;
 
-/// "limit_" before the name of a safety limit, put together while compiling.
+/// "limit_" before the name of a safety limit, concatenated at compile time.
 struct LimitName {
     std::array<char, 40> text{};
     std::size_t length = 0;
@@ -39,7 +39,7 @@ inline constexpr auto kLimitNames = [] {
     return names;
 }();
 
-/// Panels show some limits in other units than SI; the name always ends in the SI one.
+/// Panels show some limits in units other than SI; the name always ends in the SI unit.
 [[nodiscard]] constexpr std::string_view si_unit(const servo::SafetyLimit &limit) {
     const std::string_view name = limit.name;
     const std::string_view shown = limit.unit;
@@ -53,7 +53,7 @@ inline constexpr auto kLimitNames = [] {
     return parameter.unit == "–" ? "1" : parameter.unit;
 }
 
-/// The three components of anything that has an index.
+/// Visits the three components of anything that can be indexed.
 template <typename Visit, typename Vector>
 void visit_three(Visit &visit, const Names3 &names, std::string_view unit, Vector &v) {
     visit(names[0], unit, v[0]);
@@ -64,7 +64,7 @@ void visit_three(Visit &visit, const Names3 &names, std::string_view unit, Vecto
 template <typename ContactOf, typename Visit> void of_contact(ContactOf &c, Visit &visit) {
     visit("touching", "1", c.touching);
     visit_three(visit, {"proxy_x_m", "proxy_y_m", "proxy_z_m"}, "m", c.x0_m);
-    // P by rows.
+    // P, row by row.
     visit("allowed_motion_xx", "1", c.allowed_motion(0, 0));
     visit("allowed_motion_xy", "1", c.allowed_motion(0, 1));
     visit("allowed_motion_xz", "1", c.allowed_motion(0, 2));
@@ -85,7 +85,7 @@ template <typename ContactOf, typename Visit> void of_contact(ContactOf &c, Visi
     visit("material", "1", c.material);
 }
 
-/// Under the names of `kParameters`, so that a record reads like a tuning file.
+/// Named as in `kParameters`, so that a record uses the names of tuning files.
 template <typename TuningOf, typename Visit> void of_tuning(TuningOf &t, Visit &visit) {
     for (const control::Parameter &parameter : control::kParameters) {
         visit(parameter.name, si_unit(parameter), t.*parameter.value);
@@ -103,7 +103,7 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"theta_Sd1_rad", "theta_Sd2_rad", "theta_Sd3_rad"}, "rad", s.theta_Sd_rad);
     visit("inverse_possible", "1", s.inverse_possible);
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
-    visit("command_mode", "1", s.command.mode); // its number is that of the measurement
+    visit("command_mode", "1", s.command.mode); // command.number equals measurement_number
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
     visit_three(visit, {"R_hat1_Ohm", "R_hat2_Ohm", "R_hat3_Ohm"}, "Ω",
                 s.command.cancelled_resistance_Ohm);
@@ -145,8 +145,8 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
 
 /// Calls visit(name, unit, reference) for each scalar of the sample, always in the same order.
 /// @param sample  a ServoSample or const ServoSample
-/// @param visit   must take string_view, string_view and a reference to each of std::uint64_t,
-///                std::uint32_t, std::uint16_t, std::int32_t, double, bool and enums of a byte
+/// @param visit   must accept string_view, string_view and a reference to each of std::uint64_t,
+///                std::uint32_t, std::uint16_t, std::int32_t, double, bool and one-byte enums
 template <typename Sample, typename Visit> void for_each_column(Sample &sample, Visit &&visit) {
     using columns::visit_three;
     visit("tick", "1", sample.tick);

@@ -39,10 +39,10 @@ TEST(SelectedColumns, NameTheNearestOfOneThatIsNotThere) {
     const auto said = [](const std::string &name) {
         return complaint_of([&] { (void)names_of({"tick", name}); });
     };
-    EXPECT_EQ(said("tip_x").find("the record has no column tip_x; the nearest are tip_x_m"), 0U)
+    EXPECT_EQ(said("tip_x").find("the record has no column tip_x; the closest are tip_x_m"), 0U)
         << said("tip_x");
     EXPECT_NE(said("curent2_A").find("nearest are current2_A, "), std::string::npos);
-    EXPECT_NE(said("nothing*").find("no column of the record fits nothing*"), std::string::npos);
+    EXPECT_NE(said("nothing*").find("no column of the record matches nothing*"), std::string::npos);
     EXPECT_NE(said(""), "");
     EXPECT_NE(said(std::string(100'000, 'x')), "");
 }

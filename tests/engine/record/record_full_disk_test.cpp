@@ -78,7 +78,7 @@ TEST(FullDisk, EndsTheFileAtItsLastWholeChunkAndSaysSoOnce) {
         const std::string said = with_files_up_to(expected_bytes(10, header) + more, folder,
                                                   [&] { return write_until_full(file); });
         EXPECT_EQ(said, file.string() + ": the recording ends after 10 rows, which are kept: File "
-                                        "too large; make room or choose another folder");
+                                        "too large; free disk space or choose another folder");
         EXPECT_EQ(std::filesystem::file_size(file), expected_bytes(10, header));
         EXPECT_EQ(rows_in(file), 10U);
     }
@@ -136,8 +136,8 @@ TEST(FullDisk, EndsTheRecordingButNotTheDraining) {
     const std::string said = with_files_up_to(expected_bytes(25, header) + 7, folder,
                                               [&] { return record_until_full(file); });
     EXPECT_EQ(said, file.string() +
-                        ": the recording ends after 25 rows, which are kept: File too large; make "
-                        "room or choose another folder [25 rows, " +
+                        ": the recording ends after 25 rows, which are kept: File too large; free "
+                        "disk space or choose another folder [25 rows, " +
                         std::to_string(expected_bytes(25, header)) + " bytes, 1600 pushed]");
     EXPECT_EQ(rows_in(file), 25U);
 }
@@ -152,7 +152,7 @@ TEST(FullDisk, KeepsWhatFitsOnARealOne) {
     const std::uint64_t rows = std::filesystem::exists(file) ? rows_in(file) : 0;
     umount(folder.c_str());
     EXPECT_EQ(said, file.string() + ": the recording ends after " + std::to_string(rows) +
-                        " rows, which are kept: No space left on device; make room or choose "
+                        " rows, which are kept: No space left on device; free disk space or choose "
                         "another folder");
     const RecordHeader header = record_header(testing::kServo_hz);
     EXPECT_LE(expected_bytes(rows, header), std::uint64_t{1} << 20U);

@@ -128,8 +128,8 @@ TEST_F(DamagedRecord, IsReadUpToAChunkThatIsNotWhole) {
     const std::string start = "5 rows; the last " + left + " bytes of the file cannot be used: ";
     EXPECT_EQ(after_change_at(0), start + "there is no chunk where one should begin");
     EXPECT_EQ(after_change_at(8), start + "a chunk is damaged (CRC)");
-    EXPECT_EQ(after_change_at(16), start + "a chunk's size is not that of its rows");
-    EXPECT_EQ(after_change_at(23), start + "a chunk's size is not that of its rows");
+    EXPECT_EQ(after_change_at(16), start + "a chunk's size does not match its rows");
+    EXPECT_EQ(after_change_at(23), start + "a chunk's size does not match its rows");
     EXPECT_EQ(after_change_at(24), start + "a chunk is damaged (CRC)");
     EXPECT_EQ(after_change_at(28), start + "a chunk is damaged (CRC)");
     EXPECT_EQ(after_change_at(chunks[2].at - chunks[1].at - 1), start + "a chunk is damaged (CRC)");
@@ -149,7 +149,7 @@ TEST_F(DamagedRecord, HasChunksOfTheRightSizeOnly) {
                               chunk_bytes(0, 0, 6, rows + rows.substr(0, rows.size() / 5))}) {
         EXPECT_EQ(ending_of(file, header + chunk),
                   "0 rows; the last " + std::to_string(chunk.size()) +
-                      " bytes of the file cannot be used: a chunk's size is not that of its rows");
+                      " bytes of the file cannot be used: a chunk's size does not match its rows");
     }
 }
 
@@ -176,7 +176,7 @@ TEST(RecordReader, RefusesWhatIsNoRecord) {
     std::string damaged = good;
     damaged[100] ^= 1;
     EXPECT_NE(said(damaged).find("damaged (CRC)"), std::string::npos);
-    EXPECT_NE(complaint_of([&] { RecordReader{folder}; }).find("no ordinary file"),
+    EXPECT_NE(complaint_of([&] { RecordReader{folder}; }).find("not a regular file"),
               std::string::npos);
     EXPECT_NE(complaint_of([&] { RecordReader{folder / "none"}; }).find("cannot be read"),
               std::string::npos);
@@ -187,7 +187,7 @@ TEST(RecordReader, RefusesAHeaderThatIsNestedWithoutEnd) {
     for (const std::size_t depth : {std::size_t{500'000}, std::size_t{1} << 20U}) {
         write_file(file, header_bytes(std::string(depth, '[') +
                                       (depth == 500'000 ? std::string(depth, ']') : "")));
-        EXPECT_NE(complaint_of([&] { RecordReader{file}; }).find("no JSON object"),
+        EXPECT_NE(complaint_of([&] { RecordReader{file}; }).find("not a JSON object"),
                   std::string::npos);
     }
 }
