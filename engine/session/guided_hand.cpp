@@ -7,17 +7,17 @@ namespace springdrive::session {
 
 namespace {
 
-/// The last point in reach on the way from the workspace's centre to `wanted_m`.
+/// The last reachable point on the line from the workspace's centre to `wanted_m`.
 Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 &centre_m,
                          const Vector3 &wanted_m) {
     if (device::joint_angles_rad(geometry, wanted_m)) {
         return wanted_m;
     }
-    const Vector3 way_m = wanted_m - centre_m;
+    const Vector3 offset_m = wanted_m - centre_m;
     const auto is_in_reach = [&](double share) {
-        return device::joint_angles_rad(geometry, centre_m + share * way_m).has_value();
+        return device::joint_angles_rad(geometry, centre_m + share * offset_m).has_value();
     };
-    return centre_m + bisect({0.0, 1.0}, 20, is_in_reach).holds_at * way_m;
+    return centre_m + bisect({0.0, 1.0}, 20, is_in_reach).holds_at * offset_m;
 }
 
 } // namespace

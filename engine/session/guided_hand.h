@@ -1,4 +1,4 @@
-// The hand of a simulated world: where it wants to be, by a path or as it is asked.
+// The hand that holds a simulated device: its target, by a path or by request.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -11,15 +11,15 @@ namespace springdrive::session {
 
 class GuidedHand {
 public:
-    /// Takes hold of a device's tip, which is at the path's start, or else at `target_m`.
-    /// @param world  null where the hand is a person's: it is where it is then. Must outlive it.
+    /// Attaches the hand to a device's tip, which is at the path's start, or else at `target_m`.
+    /// @param world  must outlive this object; null for a real hand, which cannot be moved
     void take_hold(simulated::SimulatedWorld *world, const device::DeviceDescription &device,
                    const std::optional<simulated::HandPath> &path, const Vector3 &target_m);
 
-    /// As far as workspace and reach allow; without effect on a hand that follows a path.
+    /// Sets the target, limited to workspace and reach; no effect while the hand follows a path.
     void move_to(const Vector3 &target_m);
 
-    /// Where its path has it at that time of the servo.
+    /// Sets the target to that of the path at this servo time.
     void follow(double time_s);
 
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }

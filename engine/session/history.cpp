@@ -33,7 +33,7 @@ void History::set_rate(double servo_hz) {
 }
 
 void History::add(const servo::ServoSample &sample) {
-    const PlotSample now = plotted(sample); // of every tick: it has a filter
+    const PlotSample now = plotted(sample); // on every tick, because of the filter
     if (sample.tick % stride_ == 0) {
         keep(now);
     }

@@ -1,4 +1,4 @@
-// The last seconds of what the panels plot.
+// The last seconds of the plotted quantities.
 #pragma once
 
 #include "base/vector.h"
@@ -12,26 +12,26 @@ namespace springdrive::session {
 
 struct PlotSample {
     double time_s = 0.0;
-    double used_error_deg = 0.0;  ///< rendered force to normal, map in use; NaN when free
-    double felt_error_deg = 0.0;  ///< the same of the force below 30 Hz
-    double other_error_deg = 0.0; ///< what the other map would give on the same state
-    double force_N = 0.0;         ///< rendered
+    double used_error_deg = 0.0;  ///< rendered force to normal, active map; NaN when free
+    double felt_error_deg = 0.0;  ///< the same for the force below 30 Hz
+    double other_error_deg = 0.0; ///< of the other map in the same state
+    double force_N = 0.0;         ///< rendered force
 };
 
-/// A ring that forgets the oldest, of at most a thousand samples a second.
+/// A ring buffer of at most 1000 samples per second.
 class History {
 public:
-    /// @param servo_hz  as `servo_period_s` allows it
+    /// @param servo_hz  within the range that `servo_period_s` allows
     explicit History(double servo_hz) { set_rate(servo_hz); }
 
-    /// Another rate from the next sample on; what is plotted stays.
+    /// Changes the rate from the next sample on; keeps the history.
     void set_rate(double servo_hz);
 
     void add(const servo::ServoSample &sample);
 
     [[nodiscard]] std::size_t size() const { return size_; }
 
-    /// 0 is the oldest.
+    /// Index 0 is the oldest sample.
     [[nodiscard]] const PlotSample &operator[](std::size_t index) const {
         return samples_[(next_ + samples_.size() - size_ + index) % samples_.size()];
     }
@@ -41,7 +41,7 @@ private:
     void keep(const PlotSample &sample);
 
     double servo_hz_ = 0.0;
-    std::uint64_t stride_ = 1;              ///< one of so many ticks is plotted
+    std::uint64_t stride_ = 1;              ///< ticks per plotted sample
     Vector3 felt_force_N_{Vector3::Zero()}; ///< rendered force below 30 Hz while touching
     std::vector<PlotSample> samples_;
     std::size_t next_ = 0;

@@ -1,4 +1,5 @@
-// The model that a scene gets: remembered from earlier, or measured, at once or in the background.
+// The choice of a scene's model: read from the cache, or measured, immediately or in the
+// background.
 #pragma once
 
 #include "base/background.h"
@@ -9,45 +10,46 @@
 
 namespace springdrive::session {
 
-/// A scene without what is only drawn: all that a choice needs, and light enough to be copied.
+/// A scene without its visual data: all that a choice needs, and small enough to be copied.
 [[nodiscard]] scene::Scene without_looks(const scene::Scene &scene);
 
-/// By what a choice is remembered, beside its question.
+/// The key of a cached choice, in addition to its question.
 struct ModelMemory {
-    std::string device_text; ///< of the device's file
+    std::string device_text; ///< text of the device file
     std::string program_version;
 };
 
-/// What was measured before on this machine, by this program, for just this.
+/// The cached choice for exactly this question on this machine and program version, if any.
 [[nodiscard]] std::optional<model_selection::ModelChoice>
 remembered_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory);
 
-/// Measures now, whatever is remembered, and remembers that.
+/// Measures now, even if a choice is cached, and caches the result.
 [[nodiscard]] model_selection::ModelChoice
 measured_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory,
                 const model_selection::ModelProgress &progress = {});
 
-/// Remembered, or else measured.
+/// The cached choice, or else a measured one.
 [[nodiscard]] model_selection::ModelChoice
 known_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory,
              const model_selection::ModelProgress &progress);
 
-/// Measures in the background, one scene at a time. Of one thread.
+/// Measures in the background, one scene at a time. For use by one thread.
 class ModelMeasurement {
 public:
-    /// What is still being measured is let go of.
+    /// Starts a measurement; cancels one that is running.
     void begin(const model_selection::ModelQuestion &question, const ModelMemory &memory);
 
     [[nodiscard]] bool is_running() const { return measuring_.is_busy(); }
 
-    /// For people: "plant full, 40 %".
+    /// For display: "plant full, 40 %".
     [[nodiscard]] std::string progress() const;
 
-    /// The choice, once, when it is ready. Where it failed, `error` tells why from then on.
+    /// The choice, once, when it is ready. If the measurement failed, `error` holds the reason from
+    /// then on.
     [[nodiscard]] std::optional<model_selection::ModelChoice> take();
     [[nodiscard]] const std::string &error() const { return error_; }
 
-    /// Of another scene: what is being measured is not wanted any more, nor what failed.
+    /// Cancels the measurement and clears the error, for example because of a new scene.
     void forget() {
         measuring_.give_up();
         error_.clear();

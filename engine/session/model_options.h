@@ -1,4 +1,4 @@
-// Which model of a scene a session runs, as plain values.
+// Options for the model of a scene that a session runs.
 #pragma once
 
 #include "engine/lab/model_selection/model.h"
@@ -7,13 +7,13 @@
 
 namespace springdrive::session {
 
-/// By default the model is what the other options make it, the scene's surface as it is given.
+/// By default the other options determine the model, and the scene's surface is used as it is.
 struct ModelOptions {
-    /// The cheapest that the scene's tolerance allows; measured first if that is not known yet.
+    /// Use the cheapest model that meets the scene's tolerance; measured first if it is not cached.
     bool automatic = false;
-    /// Whether an automatic model may bring its motion controller: not where somebody tuned one.
+    /// Whether an automatic model may set the motion controller: not if the user has tuned one.
     bool takes_controller = true;
-    // What is set counts in any case.
+    // Values that are set take precedence.
     std::optional<simulated::PlantModel> plant;
     std::optional<double> longest_step_s;
     std::optional<model_selection::ContactShape> surface;

@@ -9,7 +9,7 @@ namespace springdrive::session {
 
 namespace {
 
-/// One after the other.
+/// The sum of two consecutive parts.
 record::RecorderStatus sum(const record::RecorderStatus &first,
                            const record::RecorderStatus &second) {
     return {first.rows + second.rows, first.bytes + second.bytes, first.lost + second.lost,
@@ -61,7 +61,7 @@ std::filesystem::path Recording::begin_part(const record::RecordHeader &header) 
     }
     std::size_t number = parts_.size() + 1;
     while (std::filesystem::exists(name_of_part(parts_.front(), number))) {
-        ++number; // of an earlier recording: nothing is overwritten
+        ++number; // exists from an earlier recording: do not overwrite it
     }
     std::filesystem::path file = name_of_part(parts_.front(), number);
     try {

@@ -1,4 +1,4 @@
-// What of a servo's run is kept in files: one for each device that it ran on.
+// Records a servo's run, in one file per device that it ran on.
 //
 //   touch.rec ──another device──► touch-2.rec ──another device──► touch-3.rec
 #pragma once
@@ -13,39 +13,40 @@
 
 namespace springdrive::session {
 
-/// Of one thread.
+/// For use by one thread.
 class Recording {
 public:
     /// @param servo  must outlive it
     explicit Recording(ServoRun &servo);
 
-    /// Records every tick from now on. One that runs is stopped first.
-    /// @throw InputError for a file that cannot be made
+    /// Records every tick from now on. A running recording is stopped first.
+    /// @throw InputError if the file cannot be created
     void start(const std::filesystem::path &file, const record::RecordHeader &header);
     void stop();
 
-    /// In lockstep: writes what came since.
+    /// In lockstep: writes the new samples.
     void pump() { recorder_->pump(); }
 
-    /// Something that happened between two ticks, as JSON text; nothing where nothing is recorded.
+    /// Records an event between two ticks, as JSON text; does nothing while not recording.
     void note(std::string_view json) { recorder_->note(json); }
 
-    /// Ends the file that runs, if one does, with all ticks up to now, and lets go of the servo.
+    /// Ends the current file, if any, with all ticks up to now, and detaches from the servo.
     /// @param last_note  JSON text
     void end_part(std::string_view last_note);
 
-    /// Goes on after `ServoRun::renew`: in a further file if one was ended; returns its name then.
-    /// @throw InputError for one that cannot be made; the recording has ended then
+    /// Continues after `ServoRun::renew`: if a file was ended, starts a new one and returns its
+    /// name.
+    /// @throw InputError if the file cannot be created; the recording has then ended
     std::filesystem::path begin_part(const record::RecordHeader &header);
 
     [[nodiscard]] bool is_running() const { return recorder_->is_recording(); }
-    /// Of all parts of the recording that runs, or else of the last one.
+    /// The status of all parts of the current recording, or else of the last one.
     [[nodiscard]] record::RecorderStatus status() const;
-    /// The file that is written to, or else the last one; empty when there was none.
+    /// The current file, or else the last one; empty if there was none.
     [[nodiscard]] std::filesystem::path file() const {
         return parts_.empty() ? std::filesystem::path() : parts_.back();
     }
-    /// In the order in which they were written.
+    /// All files, in the order in which they were written.
     [[nodiscard]] const std::vector<std::filesystem::path> &parts() const { return parts_; }
 
 private:
@@ -54,8 +55,8 @@ private:
     ServoRun &servo_;
     std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring
     std::vector<std::filesystem::path> parts_;
-    record::RecorderStatus ended_; ///< sum of the parts before
-    bool goes_on_ = false;         ///< between the end of a part and the next one's begin
+    record::RecorderStatus ended_; ///< sum of the previous parts
+    bool goes_on_ = false;         ///< between the end of a part and the start of the next
 };
 
 /// "touch-2.rec" after "touch.rec".

@@ -1,4 +1,4 @@
-// What a session has to say of itself beside what it is asked: each thing once.
+// Remarks of a session for the user, each one once.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace springdrive::session {
 
 class Remarks {
 public:
-    /// One line, a remedy behind a semicolon. Nothing where it was said before.
+    /// One line, with a remedy after a semicolon. Ignored if it was added before.
     void add(const std::string &text) {
         if (std::ranges::find(all_, text) == all_.end()) {
             all_.push_back(text);
@@ -19,7 +19,7 @@ public:
 
     [[nodiscard]] const std::vector<std::string> &all() const { return all_; }
 
-    /// Those that were not taken yet, to be printed.
+    /// The remarks not yet taken, for printing.
     [[nodiscard]] std::vector<std::string> take_new() {
         const auto first = all_.begin() + static_cast<std::ptrdiff_t>(taken_);
         taken_ = all_.size();

@@ -1,4 +1,4 @@
-// Loads scenes in the background, so that neither window nor servo waits for one.
+// Loads scenes in the background, so that neither window nor servo has to wait.
 #pragma once
 
 #include "base/background.h"
@@ -16,28 +16,28 @@
 
 namespace springdrive::session {
 
-/// A scene ready for eye and hand.
+/// A scene ready for display and touch.
 struct LoadedScene {
     scene::Scene scene;
     contact::HapticSurface surface;
-    std::string sha256; ///< of its file
+    std::string sha256; ///< of the scene's file
     std::optional<model_selection::ModelChoice>
-        choice{}; ///< of the model that it is to run with, if one was chosen
+        choice{}; ///< of the scene's model, if one was chosen
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.
 /// @throw InputError as `load_gltf` does.
-/// @throw NotWanted soon after `progress` was given up
+/// @throw NotWanted soon after `progress` was cancelled
 [[nodiscard]] std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                                       const device::Workspace &workspace,
                                                       scene::LoadProgress &progress);
 
-/// Of one thread. Going away waits until what is being loaded has ended, unfinished, which takes
-/// a second at the most.
+/// For use by one thread. The destructor cancels loading and waits until it has ended, at most a
+/// second.
 class SceneLoader {
 public:
-    /// What is still to be done with a loaded scene, in the background too: it owns all it uses,
-    /// and a scene with which it fails is not shown.
+    /// A final step for a loaded scene, also in the background. It must own all that it uses; if it
+    /// fails, the scene is not shown.
     using Finish = std::function<void(LoadedScene &, scene::LoadProgress &, BackgroundTalk &)>;
 
     explicit SceneLoader(device::Workspace workspace) : workspace_(std::move(workspace)) {}
@@ -45,13 +45,13 @@ public:
     SceneLoader(const SceneLoader &) = delete;
     SceneLoader &operator=(const SceneLoader &) = delete;
 
-    /// That scenes requested from now on are fitted into.
+    /// Scenes requested from now on are fitted into this workspace.
     void set_workspace(const device::Workspace &workspace) { workspace_ = workspace; }
 
-    /// Loads this one next; of several asked for meanwhile the last wins.
+    /// Loads this scene next; of several requests while loading, the last one counts.
     void request(const std::filesystem::path &file, const Finish &finish);
 
-    /// The scene, once, when it is ready. Where it failed, `error` tells why from then on.
+    /// The scene, once, when it is ready. If loading failed, `error` holds the reason from then on.
     [[nodiscard]] std::unique_ptr<LoadedScene> take();
 
     [[nodiscard]] bool is_loading() const { return loading_.is_busy(); }
@@ -66,9 +66,9 @@ private:
 
     device::Workspace workspace_;
     std::shared_ptr<scene::LoadProgress> progress_ = std::make_shared<scene::LoadProgress>();
-    std::optional<Request> next_; ///< asked for while another was loading
+    std::optional<Request> next_; ///< requested while another was loading
     std::string error_;
-    Background<std::unique_ptr<LoadedScene>> loading_; ///< the last, so that it is joined first
+    Background<std::unique_ptr<LoadedScene>> loading_; ///< last member, so that it is joined first
 };
 
 } // namespace springdrive::session

@@ -13,7 +13,7 @@ model_selection::ModelQuestion question_on(const scene::Scene &scene, const Mode
     return {&scene, ground.device, tuning, ground.period_s, ground.delay_periods};
 }
 
-/// As set by option, or else as chosen.
+/// Uses the surface set by option, or else that of the choice.
 void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
     std::optional<model_selection::ContactShape> shape;
     if (loaded.choice) {
@@ -31,7 +31,7 @@ bool uses(const model_selection::MotionController &controller, const control::Tu
     return tuning.map == controller.map && tuning.alpha_mode == controller.alpha_mode;
 }
 
-/// With another motion controller: that is what a model chooses.
+/// Restores the motion controller of the start, because a model chooses its own.
 control::Tuning with_controller_of(const control::Tuning &started_with, control::Tuning tuning) {
     tuning.map = started_with.map;
     tuning.alpha_mode = started_with.alpha_mode;

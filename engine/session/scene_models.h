@@ -1,5 +1,6 @@
-// Which model of a scene runs: how much of the device is simulated, what surface is touched, and by
-// what law. By the options it is the fullest, or the cheapest that the scene's tolerance allows.
+// Selects the model of a scene: what is simulated of the device, the touched surface, and the
+// control law. Depending on the options it is the most detailed one, or the cheapest that meets the
+// scene's tolerance.
 #pragma once
 
 #include "engine/session/model_measurement.h"
@@ -10,7 +11,7 @@
 
 namespace springdrive::session {
 
-/// What a model is measured for, beside the scene and the gains.
+/// The conditions for which a model is measured, in addition to the scene and the gains.
 struct ModelGround {
     device::DeviceDescription device;
     ModelMemory memory;
@@ -18,46 +19,46 @@ struct ModelGround {
     double delay_periods = 0.0;
 };
 
-/// Of one thread.
+/// For use by one thread.
 class SceneModels {
 public:
-    /// @param started_with  whose motion controller is a model's to replace
+    /// @param started_with  its motion controller may be replaced by a model's
     SceneModels(const ModelOptions &wanted, const control::Tuning &started_with,
                 const ModelGround &ground)
         : wanted_(wanted), started_with_(started_with), ground_(ground) {}
 
-    /// On another device, or at another rate. What was measured is of the old one.
+    /// Sets another device or rate, and cancels a measurement for the old one.
     void set_ground(const ModelGround &ground);
     [[nodiscard]] const ModelGround &ground() const { return ground_; }
 
-    /// From now on every scene gets its own.
+    /// From now on every scene gets its own model.
     void choose_automatically() { wanted_.automatic = true; }
     [[nodiscard]] bool is_automatic() const { return wanted_.automatic; }
 
-    /// What loading a scene ends with: its model is found, and its surface is that model's.
-    /// @param tuning  whose gains are in force: a model is as good as those it was measured with
+    /// The final step of loading a scene: finds its model and uses that model's surface.
+    /// @param tuning  the active gains, for which the model is measured
     [[nodiscard]] SceneLoader::Finish finish(const control::Tuning &tuning) const;
 
-    /// The scene is shown from now on: what was measured is of another.
+    /// Call when the scene is shown: cancels a measurement for the previous one.
     void note_shown(const LoadedScene &scene);
 
-    /// What is simulated and by what law, from what was chosen for the scene and what is set. What
-    /// somebody tuned since the choice before stays.
-    /// @param before          of the scene before, if one ran with a choice
-    /// @param may_hold_base   whether the base joint may be held from now on
+    /// Sets simulation and control law from the scene's choice and the options. A controller that
+    /// was tuned since the previous choice is kept.
+    /// @param before          choice of the previous scene, if it had one
+    /// @param may_hold_base   whether the base joint may be locked from now on
     void apply_to(const LoadedScene &scene,
                   const std::optional<model_selection::ModelChoice> &before, bool may_hold_base,
                   simulated::SimulationOptions &simulation, control::Tuning &tuning) const;
 
-    /// Finds in the background which model the scene would get, for `choice` to tell.
-    /// @param fresh  even if it is remembered from before
+    /// Finds in the background which model the scene would get; `choice` returns it.
+    /// @param fresh  measures even if a choice is cached
     void measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh);
     void give_up_measuring() { measurement_.forget(); }
-    /// Takes in what was measured.
+    /// Fetches a finished measurement.
     void update();
 
     [[nodiscard]] const ModelMeasurement &measurement() const { return measurement_; }
-    /// What the scene would get, once somebody measured it.
+    /// The choice for the shown scene, if measured.
     [[nodiscard]] const std::optional<model_selection::ModelChoice> &choice() const {
         return choice_;
     }
@@ -69,7 +70,7 @@ private:
     ModelOptions wanted_;
     control::Tuning started_with_;
     ModelGround ground_;
-    std::optional<model_selection::ModelChoice> choice_; ///< of the scene that is shown
+    std::optional<model_selection::ModelChoice> choice_; ///< for the shown scene
     ModelMeasurement measurement_;
 };
 

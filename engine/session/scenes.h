@@ -1,9 +1,9 @@
-// The scene that is shown and touched, and its exchange for another while the servo goes on.
+// The scene that is shown and touched, and its replacement while the servo is running.
 //
 //   request ──► SceneLoader, in the background ──► take_loaded ──► now()
-//                                                    │ the one before
+//                                                    │ the previous one
 //                                                    ▼
-//                   release on a thread of its own ◄── kept until the servo has let go of it
+//                         release on its own thread ◄── kept until the servo no longer uses it
 #pragma once
 
 #include "base/background_release.h"
@@ -17,31 +17,31 @@
 
 namespace springdrive::session {
 
-/// Of one thread.
+/// For use by one thread.
 class Scenes {
 public:
     /// @param first  not null
     Scenes(const device::Workspace &workspace, std::unique_ptr<LoadedScene> first);
 
-    /// Loads in the background; on failure the present one stays and `error` tells why. Of several
-    /// asked for meanwhile the last wins.
+    /// Loads in the background; on failure the current scene stays and `error` holds the reason. Of
+    /// several requests while loading, the last one counts.
     void request(const std::filesystem::path &file, const SceneLoader::Finish &finish = {});
 
-    /// Makes what has been loaded the present one, under a new number. Nothing where none has.
-    /// Returns the one before: it stays as it is until the servo has let go of it.
+    /// Makes a loaded scene the current one, with a new number. Returns the previous scene, which
+    /// stays valid until the servo no longer uses it; null if none was loaded.
     [[nodiscard]] const LoadedScene *take_loaded();
 
-    /// The servo works on the scene of that number, so it has let go of all before.
+    /// Call when the servo uses the scene with this number: earlier ones are released.
     void note_in_use(std::uint32_t id);
 
-    /// That scenes requested from now on are fitted into.
+    /// Scenes requested from now on are fitted into this workspace.
     void set_workspace(const device::Workspace &workspace) { loader_.set_workspace(workspace); }
 
     [[nodiscard]] LoadedScene &now() { return *now_; }
     [[nodiscard]] const LoadedScene &now() const { return *now_; }
-    /// 1 for the first.
+    /// Number of the current scene: 1 for the first.
     [[nodiscard]] std::uint32_t id() const { return id_; }
-    /// That are not released yet, since the servo may still be touching them.
+    /// Number of previous scenes not yet released, as the servo may still use them.
     [[nodiscard]] std::size_t retired() const { return retired_.size(); }
 
     [[nodiscard]] bool is_loading() const { return loader_.is_loading(); }

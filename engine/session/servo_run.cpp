@@ -100,7 +100,7 @@ bool ServoRun::stop_if_released() {
     if (servo::lets_pass(latest_.safety.state) || has_failed()) {
         return false;
     }
-    // What came back is a little old: look again where nothing can come after.
+    // The latest sample may be outdated: check again with the thread paused.
     const bool ran = servo_->pause();
     take_in();
     if (servo::lets_pass(latest_.safety.state) || has_failed()) {
@@ -148,7 +148,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     lost_ = lost_samples();
     device_ = &device;
     servo_ = std::make_unique<servo::Servo>(device, servo_hz);
-    // Counts from zero on, as the new loop has them: only what differs is an order.
+    // The new loop's counts start at zero: only a difference is a request.
     inputs_.stop_count = 0;
     inputs_.reset_count = 0;
     inputs_.release = false;

@@ -13,7 +13,7 @@ namespace springdrive::session {
 
 namespace {
 
-/// So long in a row a simulated world may stand still before it is worth a remark.
+/// Longest pause of a simulated device that causes no remark.
 constexpr double kStandstillTold_s = 0.05;
 
 } // namespace
@@ -22,7 +22,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     if (options.cpu) {
         servo::check_cpu(*options.cpu);
         servo::keep_off_cpu(
-            *options.cpu); // window, recorder and loader; the servo's thread goes there
+            *options.cpu); // window, recorder and loader; the servo's thread runs there
     }
     static_cast<void>(servo::servo_period_s(options.servo_hz));
     const std::string text = text_of_device(options.device.file);
@@ -93,7 +93,7 @@ void Session::note_standstill() {
     if (!told_of_standstill_ && longest_s > kStandstillTold_s) {
         told_of_standstill_ = true;
         remarks_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
-                     " ms; the simulated world waited");
+                     " ms; the simulation waited");
     }
 }
 
@@ -115,7 +115,7 @@ record::RecordHeader Session::header_of_record() const {
 
 void Session::start_recording(const std::filesystem::path &file) {
     recording_->start(file, header_of_record());
-    told_of_failure_ = false; // each record says it
+    told_of_failure_ = false; // noted in each record
 }
 
 void Session::request_scene(const std::filesystem::path &file) {
@@ -127,7 +127,7 @@ void Session::choose_models() {
     request_scene(scenes_->now().scene.file);
 }
 
-/// On other ground the model that runs is none that was measured.
+/// Under changed conditions the running model was not measured: chooses it again.
 void Session::choose_again() {
     if (models_->is_automatic()) {
         request_scene(scenes_->now().scene.file);
@@ -149,7 +149,7 @@ void Session::show(const LoadedScene &before) {
     servo_->touch(now.surface, scenes_->id(), tuning);
     recording_->note(note_on_scene(scenes_->id(), now));
     if (next_device_) {
-        prepare_again(); // to begin above this scene, not the one before
+        prepare_again(); // to start above this scene, not the previous one
     }
 }
 

@@ -1,11 +1,11 @@
-// What a window, a command or a study drives: a device, the servo on it, a scene, and what is kept
-// of it all. Device, servo rate and scene are exchanged one by one while the others go on.
+// A session, driven by a window, a command or a study: a device, its servo, a scene, and the
+// recording. Device, servo rate and scene can each be changed while the rest continues.
 //
 //   Scenes ──► now() ──► ServoRun ──► Recording ──► touch.rec, touch-2.rec, ...
 //     ▲                     │ ▲
 //   SceneModels         OpenDevice ──► SimulatedWorld ◄── GuidedHand
 //
-// The parts know nothing of each other; what concerns several of them is here.
+// The parts are independent of each other; what concerns several of them is here.
 #pragma once
 
 #include "device/factory/device_factory.h"
@@ -25,58 +25,58 @@
 
 namespace springdrive::session {
 
-/// Everything is called from one thread; servo and recorder have their own.
+/// For use by one thread; servo and recorder have their own.
 class Session {
 public:
-    /// Loads everything and starts nothing.
-    /// @param progress  told how far the scene is, if somebody wants to know
-    /// @throw InputError for what cannot be used
+    /// Loads everything without starting anything.
+    /// @param progress  reports the progress of loading the scene; may be null
+    /// @throw InputError for unusable options or files
     explicit Session(const SessionOptions &options, scene::LoadProgress *progress = nullptr);
     ~Session();
     Session(const Session &) = delete;
     Session &operator=(const Session &) = delete;
 
-    /// Starts the servo's thread, unless in lockstep, and the record that was asked for. What the
-    /// system refused is remarked. @param on_thread  see ServoThread
-    /// @throw InputError for a record that cannot be made.
+    /// Starts the servo's thread, unless in lockstep, and the recording, if requested. Adds a
+    /// remark for what the system refused. @param on_thread  see ServoThread
+    /// @throw InputError if the record cannot be created.
     void start(const std::function<void()> &on_thread = {});
 
-    /// Moves on by one frame: gives the servo a sign of life, in lockstep ticks it, takes in its
-    /// samples, a scene that finished loading, and a device that can be exchanged.
+    /// Advances by one frame: sends the servo's heartbeat, runs its ticks in lockstep, fetches
+    /// samples and a loaded scene, and continues an exchange of the device.
     void advance(double frame_s);
 
-    /// Stops the servo; the safe state is sent last. Takes in the last samples, ends the record.
+    /// Stops the servo; the safe state is sent last. Fetches the last samples, ends the record.
     void stop();
 
-    /// Loads in the background. Where models are chosen automatically, the scene gets its own
-    /// before it is shown, which may take as long as measuring does.
+    /// Loads a scene in the background. If models are chosen automatically, the scene's model is
+    /// chosen before it is shown, which may take as long as a measurement.
     void request_scene(const std::filesystem::path &file);
 
-    /// As if started with --model auto: the scene is loaded again, with its model.
+    /// Switches to --model auto: loads the scene again, with its model.
     void choose_models();
 
-    /// Finds in the background which model the scene would get with the gains in force.
-    /// @param fresh  even if it is remembered from before
+    /// Finds in the background which model the scene would get with the active gains.
+    /// @param fresh  measures even if a choice is cached
     void measure_model(bool fresh = false);
 
-    /// Records every tick from now on. @throw InputError for a file that cannot be made.
+    /// Records every tick from now on. @throw InputError if the file cannot be created.
     void start_recording(const std::filesystem::path &file);
 
-    /// Another rate from the next tick on; the record goes on in the same file.
-    /// @throw InputError for one that servo or device cannot keep; the old one stays then
+    /// Changes the rate from the next tick on; the record continues in the same file.
+    /// @throw InputError for a rate that servo or device do not support; it is then unchanged
     void set_servo_rate(double servo_hz);
 
-    /// Opens the other device at once. Then lets the force of the present one fade, closes it, and
-    /// begins on the other as at a start: it waits for rest in free space. Takes a second or so of
-    /// `advance`; until then all goes on. A record goes on in a further file.
-    /// @throw InputError where the other one cannot be opened, or an assertion failed in a tick:
-    ///        then nothing changes
+    /// Opens the new device immediately. Then ramps down the force of the current one, closes it,
+    /// and starts on the new one as usual, waiting for rest in free space. This takes about a
+    /// second of `advance`, during which everything continues. A record continues in a new file.
+    /// @throw InputError if the new device cannot be opened, or an assertion failed in a tick;
+    ///        nothing is then changed
     void exchange_device(const DeviceChoice &choice);
     [[nodiscard]] bool is_exchanging() const { return next_device_ != nullptr; }
 
-    /// Takes hold again of a device that was lost. What tripped stays tripped until a reset.
-    /// @param theta_rad  where its rotors stand; without, where they were last known to be
-    /// @throw InputError where it cannot be found
+    /// Connects again to a device that was lost. A trip stays until it is reset.
+    /// @param theta_rad  the rotors' angles; by default those last known
+    /// @throw InputError if it cannot be found
     void reconnect_device(const std::optional<Vector3> &theta_rad = std::nullopt);
 
     [[nodiscard]] ServoRun &servo() { return *servo_; }
@@ -94,13 +94,13 @@ public:
     [[nodiscard]] const device::DeviceDescription &description() const {
         return device_->device().description();
     }
-    /// What a simulated device is told to simulate, and the hand's path.
+    /// The options of the simulated device, including the hand's path.
     [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
     [[nodiscard]] Remarks &remarks() { return remarks_; }
     [[nodiscard]] const Remarks &remarks() const { return remarks_; }
 
 private:
-    struct Prepared; ///< a device, opened and with all that it takes to begin on it
+    struct Prepared; ///< an opened device with all that is needed to start on it
 
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
@@ -117,7 +117,7 @@ private:
     [[nodiscard]] record::RecordHeader header_of_record() const;
 
     SessionOptions options_;
-    std::unique_ptr<Scenes> scenes_; ///< whose surfaces the servo touches
+    std::unique_ptr<Scenes> scenes_; ///< declared before `servo_`, which uses their surfaces
     std::unique_ptr<SceneModels> models_;
     simulated::SimulationOptions simulation_;
     std::unique_ptr<factory::OpenDevice> device_;
@@ -127,7 +127,7 @@ private:
     GuidedHand hand_;
     bool has_started_ = false;
     bool told_of_standstill_ = false;
-    bool told_of_failure_ = false; ///< of an assertion
+    bool told_of_failure_ = false; ///< of a failed assertion
     std::function<void()> on_thread_;
     Remarks remarks_;
 };

@@ -22,7 +22,7 @@ std::string dump(const nlohmann::json &json) {
 } // namespace
 
 std::string text_of_device(const std::filesystem::path &file) {
-    static_cast<void>(device::read_device_file(file)); // refuses, with the reason, what is none
+    static_cast<void>(device::read_device_file(file)); // throws if it is not a valid device file
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -43,8 +43,8 @@ ModelGround Session::ground(const std::string &device_text, const device::Device
             options_.delay_periods};
 }
 
-/// On the scene that is shown: the tip begins above it, or where the hand's path does.
-/// @param tuning  of the servo, which a model may bring
+/// Opens a device for the shown scene: the tip starts above it, or at the start of the hand's path.
+/// @param tuning  of the servo; a model may change it
 Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const {
     const LoadedScene &scene = scenes_->now();
@@ -75,8 +75,8 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
 }
 
 void Session::exchange_device(const DeviceChoice &choice) {
-    if (servo_->has_failed()) { // a new servo would drive its motors
-        throw InputError("another device needs a new start: " +
+    if (servo_->has_failed()) { // a new servo would drive the motors again
+        throw InputError("changing the device requires a restart of the program: " +
                          servo::description(latest().safety));
     }
     control::Tuning tuning = servo_->inputs().tuning;
@@ -86,7 +86,7 @@ void Session::exchange_device(const DeviceChoice &choice) {
 
 void Session::prepare_again() {
     const DeviceChoice choice = next_device_->choice;
-    next_device_.reset(); // it may be the same device
+    next_device_.reset(); // close first: it may be the same device
     try {
         exchange_device(choice);
     } catch (const InputError &error) {
@@ -133,7 +133,7 @@ void Session::begin_on(Prepared next) {
         const std::filesystem::path part = recording_->begin_part(header_of_record());
         if (!part.empty()) {
             recording_->note(dump({{"continues", part_before.string()}}));
-            remarks_.add("the record goes on in " + part.string() + ", of the other device");
+            remarks_.add("the record continues in " + part.string() + ", for the new device");
         }
     } catch (const InputError &error) {
         remarks_.add(error.what());

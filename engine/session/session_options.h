@@ -1,4 +1,4 @@
-// What a session is to run on, as plain values: with a window or without.
+// Options of a session, with or without a window.
 #pragma once
 
 #include "device/factory/device_factory.h"
@@ -12,7 +12,7 @@
 
 namespace springdrive::session {
 
-/// Which device, and the file that describes it.
+/// The choice of a device, and the file that describes it.
 struct DeviceChoice {
     std::filesystem::path file;
     factory::DeviceKind kind = factory::DeviceKind::simulated;
@@ -29,11 +29,11 @@ struct SessionOptions {
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
     bool plays_script = false;  ///< without a path: the scripted touch, not `GuidedHand::move_to`
-    bool lockstep = false;      ///< the servo goes by `Session::advance`, not by a clock
-    std::optional<int> cpu;     ///< that the servo's thread is to stay on
-    std::optional<double> late_limit_s; ///< by deadlines missed in a row, lower than the device's
-    std::filesystem::path record;       ///< empty: nothing is recorded until asked for
-    std::string program_version;        ///< for records, and for what is remembered of models
+    bool lockstep = false;      ///< the servo is timed by `Session::advance`, not by a clock
+    std::optional<int> cpu;     ///< the processor of the servo's thread
+    std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
+    std::filesystem::path record;       ///< empty: nothing is recorded until requested
+    std::string program_version;        ///< for records, and for cached model choices
 };
 
 } // namespace springdrive::session

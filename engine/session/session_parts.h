@@ -1,4 +1,4 @@
-// Of a session alone: what its files share.
+// Internal to Session: declarations shared by its source files.
 #pragma once
 
 #include "engine/session/session.h"
@@ -11,16 +11,16 @@ namespace springdrive::session {
 
 struct Session::Prepared {
     DeviceChoice choice;
-    std::string text; ///< of the device's file
+    std::string text; ///< of the device file
     factory::DeviceRequest request;
     factory::OpenDevice device;
 };
 
-/// So that a record holds what the session ran on, whatever becomes of the file.
-/// @throw InputError with the reason for what is no device file
+/// The device file's text, so that a record is independent of the file.
+/// @throw InputError with the reason if it is not a valid device file
 [[nodiscard]] std::string text_of_device(const std::filesystem::path &file);
 
-/// Between rows of a record: which scene it is from here on.
+/// A note for a record: the scene from here on.
 [[nodiscard]] std::string note_on_scene(std::uint32_t scene_id, const LoadedScene &scene);
 
 } // namespace springdrive::session

@@ -35,7 +35,7 @@ nlohmann::json json_of(const servo::DurationHistogram &durations) {
             {"longest_s", durations.longest_s()}};
 }
 
-/// One that keeps its own time misses deadlines; a world that waits stands still instead.
+/// A device with its own clock misses deadlines; a simulated one is paused instead.
 void print_time(std::ostream &out, const Session &session) {
     const ServoRun &servo = session.servo();
     print(out, "servo: {} ticks at {:g} Hz{}", servo.statistics().ticks(), servo.rate_hz(),
@@ -47,7 +47,7 @@ void print_time(std::ostream &out, const Session &session) {
     const StoodStill &still = servo.stood_still();
     if (still.times > 0) {
         print(out,
-              "world: stood still {} times for {:.1f} ms in all, at most {:.1f} ms in a row, while "
+              "simulation: paused {} times, {:.1f} ms in total, at most {:.1f} ms in a row, while "
               "this computer was busy\n",
               still.times, kMilli * still.seconds, kMilli * still.longest_s);
     }

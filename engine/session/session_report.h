@@ -1,5 +1,4 @@
-// What a run that ended by itself has to tell: how the servo kept its time, whether it was stopped,
-// what was recorded.
+// Report on a completed run: the servo's timing, whether it was stopped, what was recorded.
 #pragma once
 
 #include "engine/session/session.h"
@@ -8,16 +7,17 @@
 
 namespace springdrive::session {
 
-/// A few lines for people.
+/// A few lines of text.
 void write_session_report(std::ostream &out, const Session &session);
 
-/// The same figures for programs: durations in seconds, no unit left out.
+/// The same figures as JSON: durations in seconds, units in all names.
 void write_session_json(std::ostream &out, const Session &session);
 
-/// Whether the safety monitor holds the device; says so on `complaints`, with the cause.
+/// Whether the safety monitor has stopped the device; if so, writes the cause to `complaints`.
 [[nodiscard]] bool was_stopped(const Session &session, std::ostream &complaints);
 
-/// Whether the record, if there was one, holds every tick; if not, says on `complaints` why.
+/// Whether the record, if there was one, holds every tick; if not, writes the reason to
+/// `complaints`.
 [[nodiscard]] bool record_is_whole(const Session &session, std::ostream &complaints);
 
 } // namespace springdrive::session

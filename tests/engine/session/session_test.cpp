@@ -231,7 +231,7 @@ TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
     EXPECT_GT(session.servo().stood_still().longest_s, 0.4 * silence_s);
     int told = 0;
     for (const std::string &remark : session.remarks().take_new()) {
-        told += remark.find("the simulated world waited") != std::string::npos ? 1 : 0;
+        told += remark.find("the simulation waited") != std::string::npos ? 1 : 0;
     }
     EXPECT_EQ(told, 1);
 }
