@@ -13,7 +13,7 @@
 namespace springdrive {
 namespace {
 
-// Each tier by itself, whatever this build is for.
+// Each tier separately, in every build type.
 #pragma push_macro("SPRINGDRIVE_AUDIT")
 #undef SPRINGDRIVE_AUDIT
 #define SPRINGDRIVE_AUDIT 1
@@ -89,7 +89,7 @@ TEST(RunGuarded, LeavesTheWorkThatFailsAndTellsAtOnce) {
     EXPECT_FALSE(run_guarded(
         [&] {
             told.emplace_back("began");
-            need_positive(-1); // noexcept: no exception could leave it
+            need_positive(-1); // noexcept: an exception could not leave it
             told.emplace_back("ended");
         },
         tell));

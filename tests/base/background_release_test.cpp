@@ -27,7 +27,7 @@ TEST(BackgroundRelease, ReleasesAllWithoutMakingAnybodyWait) {
         for (int i = 0; i < 20; ++i) {
             release.let_go(std::make_unique<Heavy>());
         }
-        EXPECT_EQ(alive, 20); // here, although none of them can have gone
+        EXPECT_EQ(alive, 20); // reached although none can have been destroyed
         may_go = true;
         may_go.notify_all();
     }

@@ -76,7 +76,7 @@ TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
         }
     });
     background.ask_to_end();
-    EXPECT_TRUE(background.is_busy()); // until it was taken
+    EXPECT_TRUE(background.is_busy()); // until the result is taken
     EXPECT_THROW(waited_for(background), std::runtime_error);
     EXPECT_FALSE(background.is_busy());
 }
@@ -98,7 +98,7 @@ TEST(Background, GivingUpDoesNotWaitButGoingAwayDoes) {
     std::atomic<bool> may_end{false};
     {
         Background<int> background;
-        for (int i = 0; i < 3; ++i) { // two are given up while the third runs
+        for (int i = 0; i < 3; ++i) { // two are cancelled while the third runs
             background.start([&](BackgroundTalk &talk) {
                 while (talk.is_wanted() || !may_end) {
                     std::this_thread::yield();

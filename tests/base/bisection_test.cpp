@@ -18,7 +18,7 @@ TEST(LastThatHolds, IsFoundFromEitherSide) {
         const auto below = [&](double value) { return value < line; };
         const auto above = [&](double value) { return value > line; };
         for (const double share : {1e-3, 1e-6, 1e-9}) {
-            // The line lies within a bracket w wide, w <= share (|line| + w).
+            // The boundary lies within a bracket of width w, w <= share (|line| + w).
             const double tolerance = share * std::abs(line) / (1.0 - share);
             const double up = last_that_holds({-20.0, 20.0}, share, below);
             const double down = last_that_holds({20.0, -20.0}, share, above);
@@ -51,7 +51,7 @@ TEST(Bisection, HalvesAsOftenAsItIsTold) {
 }
 
 TEST(Bisection, TakesAnotherMiddle) {
-    // By equal factors: from 1 to 2^64 in six steps to a factor of two.
+    // Geometric mean: from 1 to 2^64 in six steps to a factor of two.
     int tried = 0;
     const Bracket bracket = bisect(
         {1.0, std::ldexp(1.0, 64)},

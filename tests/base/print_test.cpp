@@ -1,4 +1,4 @@
-// Covers base/print.h. What it does not compile is tried by tests/forbidden_formats.
+// Covers base/print.h. Formats that must not compile are tested by tests/forbidden_formats.
 #include "base/print.h"
 
 #include <gtest/gtest.h>

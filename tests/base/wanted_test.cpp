@@ -1,4 +1,4 @@
-// Covers base/wanted.h, and base/parallel.h as far as it hands the wish on.
+// Covers base/wanted.h, and how base/parallel.h passes on the cancellation.
 #include "base/parallel.h"
 #include "base/wanted.h"
 

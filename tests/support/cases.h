@@ -1,11 +1,11 @@
-// How long a proof is: a sample by default, the whole under tests/long.
+// Number of cases of a test: a sample by default, all under tests/long.
 #pragma once
 
 #include <cstdlib>
 
 namespace springdrive::testing {
 
-/// How many cases to try: `few`, or `all` where tests/long asks for the whole proof.
+/// Number of cases to try: `few`, or `all` when run by tests/long.
 inline int cases(int few, int all) {
     return std::getenv("SPRINGDRIVE_LONG") != nullptr ? all : few; // NOLINT(concurrency-mt-unsafe)
 }

@@ -6,7 +6,7 @@
 
 namespace springdrive::testing {
 
-/// What InputError says; empty when nothing was thrown.
+/// The message of the InputError that `step` throws; empty if it throws nothing.
 template <typename Step> std::string complaint_of(Step &&step) {
     try {
         step();

@@ -1,4 +1,4 @@
-// Where a device is tried: random configurations over its workspace.
+// Random configurations over a device's workspace.
 #pragma once
 
 #include "device/core/device_file.h"

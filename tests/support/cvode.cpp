@@ -6,7 +6,7 @@ namespace springdrive::testing {
 
 namespace {
 
-/// In absolute terms a hundredth of it.
+/// The absolute tolerance is a hundredth of it.
 constexpr double kRelativeTolerance = 1e-12;
 
 int call_rates(realtype time_s, N_Vector y, N_Vector y_rate, void *rates) {

@@ -1,4 +1,4 @@
-// CVODE (SUNDIALS) as the judge of our own integrators.
+// CVODE (SUNDIALS) as the reference for our own integrators.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@ namespace springdrive::testing {
 using Rates = std::function<Eigen::VectorXd(double time_s, const Eigen::VectorXd &y)>;
 
 /// y at `end_s`, from `start` at time 0, by Adams' method of variable order and step. The error of
-/// a step is held below 1e-12 of each component, or 1e-14 where a component is small.
-/// @throw std::runtime_error where CVODE gives up.
+/// a step is kept below 1e-12 of each component, or 1e-14 if a component is small. @throw
+/// std::runtime_error if CVODE fails.
 [[nodiscard]] Eigen::VectorXd integrate(const Rates &rates, const Eigen::VectorXd &start,
                                         double end_s);
 

@@ -1,5 +1,4 @@
-// Gain limits of loops whose delay is no whole number of periods: eigenvalues against two
-// simulations.
+// Gain limits of loops with a fractional delay: eigenvalues compared with two simulations.
 #pragma once
 
 #include "engine/lab/limits/simulated_limit.h"
@@ -16,7 +15,7 @@
 
 namespace springdrive::testing {
 
-/// Runge-Kutta tells the same as eigenvalues 2 % inside and 2 % outside of a limit of K_P.
+/// Expects Runge-Kutta to agree with the eigenvalues 2 % inside and 2 % outside of a limit of K_P.
 inline void expect_runge_kutta_agrees(const loops::StabilityCase &which,
                                       const limits::StabilityLimit &limit) {
     const double outward = limit.stable_below ? 0.02 : -0.02;
@@ -29,9 +28,9 @@ inline void expect_runge_kutta_agrees(const loops::StabilityCase &which,
     }
 }
 
-/// So many random loops with d from 0 to 3: K_P at which they become unstable, by eigenvalues,
-/// within 2 % of where one motor in time does; and on its right side by Runge-Kutta steps.
-/// Returns the worst deviation of the first, as a share.
+/// For random loops with d from 0 to 3: the K_P at which they become unstable, by eigenvalues, is
+/// within 2 % of that of a simulated motor, and on the correct side by Runge-Kutta steps. Returns
+/// the largest relative deviation of the former.
 inline double expect_gain_limits_agree(int loops, unsigned seed) {
     std::mt19937_64 random(seed);
     const loops::StabilityParameter &kp = *loops::stability_parameter_named("kp");

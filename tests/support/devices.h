@@ -9,7 +9,7 @@
 
 namespace springdrive::device {
 
-/// For GoogleTest, which would print its bytes.
+/// For GoogleTest, which would otherwise print its bytes.
 inline void PrintTo(const DeviceDescription &device, std::ostream *out) { *out << device.name; }
 
 } // namespace springdrive::device
@@ -25,13 +25,13 @@ inline device::DeviceDescription phantom_premium_1_5() {
     return device::read_device_file(assets() / "devices/phantom_premium_1_5.toml");
 }
 
-/// The first motor of the PHANTOM 1.0; its three are alike.
+/// The first motor of the PHANTOM 1.0; its three motors are identical.
 inline const device::MotorParameters &phantom_motor() {
     static const device::MotorParameters read = phantom_1_0().motor[0];
     return read;
 }
 
-/// A place in its workspace where nothing is zero or symmetrical.
+/// A position in its workspace where nothing is zero or symmetrical.
 inline const Vector3 kOffCentre_m(0.02, 0.03, 0.01);
 
 } // namespace springdrive::testing

@@ -14,7 +14,7 @@ namespace springdrive::testing {
 
 namespace {
 
-/// Of the volts themselves.
+/// Of the voltages.
 constexpr double kRoundOff_V = 1e-9;
 
 bool is_held_back(const servo::ServoSample &sample) {
@@ -70,7 +70,7 @@ private:
         return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
     }
 
-    /// e_W that the law wants on the motion of `now`, touching as it does, as `tuned` was tuned.
+    /// The law's e_W for the motion and contact of `now` with the tuning of `tuned`.
     [[nodiscard]] Vector3 wanted_V(const servo::ServoSample &before, const servo::ServoSample &now,
                                    const servo::ServoSample &tuned) const {
         control::VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
@@ -81,7 +81,7 @@ private:
         return law_(state, now.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
     }
 
-    /// And what it last was, where a scene is another: its contact is not known any more.
+    /// The last e_W if the scene is new, as the old scene's contact is then unknown.
     [[nodiscard]] Vector3 unchanged_V(const servo::ServoSample &before,
                                       const servo::ServoSample &now) const {
         if (now.scene_id == before.scene_id) {
@@ -96,7 +96,7 @@ private:
 
     void check_step(const servo::ServoSample &before, const servo::ServoSample &now) {
         if (is_held_back(before) || is_held_back(now)) {
-            return; // what the limiter takes off is no part of a change
+            return; // the limiter's reduction is not part of a change
         }
         const Vector3 unchanged = unchanged_V(before, now);
         const double step_V =

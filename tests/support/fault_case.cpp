@@ -45,7 +45,7 @@ FaultCase random_case(std::mt19937 &random, int number, Place place) {
     what.start_m = {across(), uniform(random, 0.012, 0.03), across()};
     what.target_m = {across(), uniform(random, 0.012, 0.03), across()};
     what.hand_m_per_s = log_uniform(random, 0.05, 0.4);
-    if (what.on_plate) { // pressing with 1 N to 4 N, against some 1.5 N/mm
+    if (what.on_plate) { // pressing with 1 N to 4 N on about 1.5 N/mm
         what.target_m = what.start_m + Vector3(0.005, 0.0, -0.003);
         what.target_m.y() = -uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
         what.hand_m_per_s = log_uniform(random, 0.12, 0.4);

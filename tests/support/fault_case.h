@@ -1,4 +1,4 @@
-// When, where and to whom a fault is to happen: drawn at random, from a seed.
+// Random conditions of a fault: when, where and with which hand, from a seed.
 #pragma once
 
 #include "device/simulated/simulation_options.h"
@@ -10,14 +10,14 @@
 
 namespace springdrive::testing {
 
-/// Each cause of a trip gets so many, in tests that say how many in their property "faults".
+/// Number of faults per cause of a trip; tests record it in their property "faults".
 inline constexpr int kFaultsOfACause = 78;
 static_assert(13 * kFaultsOfACause > 1000);
 
 inline const device::HandParameters kLightHand{0.03, 1.0, 100.0, 3.0};
 inline const device::HandParameters kFirmHand{0.3, 30.0, 1500.0, 20.0};
 
-/// Where the hand is when the fault comes.
+/// Position of the hand when the fault occurs.
 enum class Place : std::uint8_t { anywhere, free, plate, running_free, running_on_plate };
 
 struct FaultCase {
@@ -26,8 +26,8 @@ struct FaultCase {
     double servo_hz = 1000.0;
     bool firm = false;
     bool on_plate = false;
-    Vector3 start_m{Vector3::Zero()};  ///< where it rests at first
-    Vector3 target_m{Vector3::Zero()}; ///< where the hand then goes
+    Vector3 start_m{Vector3::Zero()};  ///< where it rests initially
+    Vector3 target_m{Vector3::Zero()}; ///< where the hand then moves
     double hand_m_per_s = 0.2;
     std::uint64_t at_tick = 0;
 
@@ -35,7 +35,7 @@ struct FaultCase {
     [[nodiscard]] std::string description() const;
 };
 
-/// Tunings, rates and hands in turn by the number of the case; all else at random.
+/// Tunings, rates and hands cycle with the number of the case; all else is random.
 [[nodiscard]] FaultCase random_case(std::mt19937 &random, int number, Place place);
 
 [[nodiscard]] double uniform(std::mt19937 &random, double lowest, double highest);

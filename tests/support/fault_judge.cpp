@@ -59,7 +59,7 @@ servo::TripCause FaultJudge::first_must() const {
                                     : static_cast<servo::TripCause>(found - findings_.begin());
 }
 
-/// @param slack  a share of the limit within which either answer is right
+/// @param slack  share of the limit within which either result is correct
 void FaultJudge::find(servo::TripCause cause, double measured, double limit, double slack) {
     Finding &finding = findings_[static_cast<std::size_t>(cause)];
     if (!finding.must && (finding.limit == 0.0 || measured > finding.measured)) { // or the first
@@ -90,8 +90,8 @@ void FaultJudge::look_at_window(const servo::ServoInputs &inputs, const servo::T
     find(servo::TripCause::window_silent, silent_s_, limits.window_silence_s, kRoundOff);
 }
 
-/// Peak currents, and the upper estimate of each winding's temperature: its network from
-/// winding_temperature.h taken in small straight steps.
+/// Peak currents, and the upper estimate of each winding's temperature: the network of
+/// winding_temperature.h integrated by small Euler steps.
 void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSample &sample) {
     constexpr int kParts = 8;
     const double h = period_s_ / kParts;
@@ -117,7 +117,7 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSa
                 h * (inner_W - outer_W) * thermal.housing_ambient_K_per_W / thermal.motor_time_s;
         }
         const double limit_C = std::min(thermal.greatest_winding_C, sample.limits.winding_C);
-        constexpr double kSlack_K = 5e-4; // of steps this straight
+        constexpr double kSlack_K = 5e-4; // error of the Euler steps
         find(servo::TripCause::winding_temperature, winding_C_[j], limit_C, kSlack_K / limit_C);
     }
     current_A_ = current_A;
@@ -126,7 +126,8 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSa
 void FaultJudge::look_at_motion(const TipAt &now, const servo::ServoSample &sample,
                                 double since_last_s) {
     if (knows_tip_) {
-        // No hand does twice the greatest speed; and less than that speed is none of the encoders'.
+        // A hand cannot move at twice the maximum speed; a displacement below that speed is not an
+        // encoder fault.
         const double count_m =
             2.0 * std::numbers::pi / device_.encoder_counts_per_turn * now.J.norm();
         const double way_m = device_.limits.tip_speed_m_per_s * since_last_s;
@@ -153,8 +154,8 @@ void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
     find(servo::TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
 }
 
-/// The definition of energy_observer.h: ΔG = F̄·Δx + ΔS, forgotten over half a second. What of the
-/// spring's force is not let through counts as held at a constant force.
+/// The definition of energy_observer.h: ΔG = F̄·Δx + ΔS, decaying over half a second. A spring
+/// whose force is limited counts as yielding at constant force.
 void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
                                 const servo::ServoSample &sample) {
     if (state_ != servo::SafetyState::running) {
@@ -170,10 +171,11 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
         const Vector3 stretch_m = sample.contact.x0_m - now.tip_m;
         stored_J = 0.5 * spring_N.dot(stretch_m) * (1.0 - (1.0 - share_) * (1.0 - share_));
     }
-    // Held is what the hand put in: it rises by no more than that, falls by no more than it gets.
+    // Energy counted as stored: rises by no more than the hand puts in, falls by no more than it
+    // receives.
     double held_J = stored_J;
     if (knows_energy_) {
-        const double changed_J = 0.0; // the tuning stands while the observer looks on
+        const double changed_J = 0.0; // the tuning is constant while the observer runs
         const double work_J = 0.5 * (force_N + energy_force_N_).dot(now.tip_m - energy_tip_m_);
         double stretched_J = stored_J - stored_J_ - changed_J;
         stretched_J = work_J > 0.0 ? std::min(0.0, std::max(stretched_J, -work_J))
@@ -204,8 +206,8 @@ void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const servo::ServoSa
         worst_V, limit_V};
 }
 
-/// How much of the force that was wanted may go out, by the rule of command_limiter.h: so much that
-/// the currents it settles at, and their force, are within 95 % of their limits.
+/// The share of the requested force that may be passed on, by the rule of command_limiter.h: steady
+/// currents, and their force, are within 95 % of their limits.
 FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const device::DeviceCommand &wanted,
                                           const servo::ServoSample &sample) const {
     const device::MotorParameters &motor = device_.motor[0];
@@ -244,7 +246,7 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
         measured.arrival == device::Arrival::repeated ||
         measured.arrival == device::Arrival::corrupt ||
         measured.arrival == device::Arrival::absent) {
-        return; // of the rest it tells nothing
+        return; // no information about the rest
     }
     find(servo::TripCause::not_finite, measured.current_A.allFinite() ? 0.0 : 1.0, 0.5, 0.0);
 

@@ -1,9 +1,9 @@
-// Says by its own reckoning what of a servo's faults can be seen in a tick: from the device's
-// answer and what the window sent, with formulae of its own where the safety monitor has its.
+// Independent reference for which of a servo's faults can be detected in a tick: from the device's
+// measurement and the window's inputs, with its own formulae instead of the safety monitor's.
 //
-// For each cause two answers: whether it *may* be called a fault, and whether it *must*. They
-// differ by round-off, or where the limit is the monitor's own choice, by what no two could quarrel
-// about.
+// For each cause two results: whether it *may* be called a fault, and whether it *must*. They
+// differ by round-off, or, where the limit is the monitor's own choice, by a margin that any choice
+// must respect.
 #pragma once
 
 #include "engine/control/haptic_law.h"
@@ -40,17 +40,17 @@ class FaultJudge {
 public:
     FaultJudge(const device::DeviceDescription &device, double period_s);
 
-    /// One tick on: what came from the device, and what the servo made of it.
+    /// Advances by one tick: the device's measurement, and the servo's result.
     void look(const device::Measurement &measured, const servo::ServoInputs &inputs,
               const servo::TickTiming &timing, const servo::ServoSample &sample);
 
-    /// As the monitor is reset in the coming tick, so is what the judge remembers.
+    /// Resets the state, as the monitor is reset in the next tick.
     void reset();
 
     [[nodiscard]] const Finding &of(servo::TripCause cause) const {
         return findings_[static_cast<std::size_t>(cause)];
     }
-    /// The first of the causes that must trip, in their order; none where none must.
+    /// The first cause that must trip, in their order; none if none must.
     [[nodiscard]] servo::TripCause first_must() const;
     [[nodiscard]] double generated_J() const { return generated_J_; }
     [[nodiscard]] double upper_winding_C() const { return winding_C_.maxCoeff(); }
@@ -66,7 +66,7 @@ private:
     void look_at_energy(const TipAt &now, const Vector3 &force_N, const servo::ServoSample &sample);
     void look_at_voltage(const Vector3 &bearable_V, const servo::ServoSample &sample);
 
-    /// What force and currents bear of a wanted command.
+    /// The part of a requested command that force and current limits allow.
     struct Bearable {
         double share = 1.0;
         Vector3 e_W_V{Vector3::Zero()};
@@ -90,7 +90,7 @@ private:
     double stale_s_ = 0.0;
     double elapsed_s_ = 0.0;        ///< since the last tick
     std::uint64_t period_ = 0;      ///< of the device, in the last tick
-    std::uint64_t told_period_ = 0; ///< the same of the last tick that told anything
+    std::uint64_t told_period_ = 0; ///< the same in the last tick with a new measurement
     Vector3 current_A_{Vector3::Zero()};
     Vector3 winding_C_;
     Vector3 housing_C_;
@@ -101,7 +101,7 @@ private:
     double stored_J_ = 0.0;
     double held_J_ = 0.0;
     double generated_J_ = 0.0;
-    double share_ = 1.0; ///< of the force let through in the last tick
+    double share_ = 1.0; ///< of the force passed on in the last tick
     int may_volts_ = 0;  ///< ticks in a row
     int must_volts_ = 0;
 };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kHandGoes_s = 0.35; // from rest
 constexpr int kLatched_ticks = 200;
-constexpr double kForceRoundOff = 2e-3; // of encoder counts against the truth
+constexpr double kForceRoundOff = 2e-3; // of encoder counts relative to the true angles
 constexpr double kHeartbeat_s = 0.016;
 
 simulated::SimulationOptions at_rate_with_hand(const FaultCase &what,
@@ -95,8 +95,8 @@ void FaultTrial::check(const device::Measurement &measured) {
     }
 }
 
-/// True forces by true currents, at the end of every tick. Once it has tripped, no more than what a
-/// shorted winding has still to lose, e^(−T R/L) a tick, and what it answers the hand's speed with.
+/// Checks the true force of the true currents at the end of every tick. After a trip it is at most
+/// what a shorted winding retains, e^(−T R/L) per tick, plus its response to the hand's speed.
 void FaultTrial::check_force() {
     const device::DeviceDescription &device_of = device().description();
     const TipAt tip(device_of.geometry, truth().theta_rad);
@@ -115,7 +115,7 @@ void FaultTrial::check_force() {
     }
     above_force_ = force_N > bound_N ? above_force_ + 1 : 0;
     if (force_is_bounded && above_force_ > 1) {
-        force_is_bounded = false; // say it once
+        force_is_bounded = false; // report it once
         ADD_FAILURE() << force_N << " N in tick " << ticks_ << ", after " << force_N_ << " N";
     }
     force_N_ = force_N;
@@ -128,7 +128,7 @@ void FaultTrial::check_braking() const {
     EXPECT_TRUE(last.command.cancelled_resistance_Ohm.isZero(0.0));
 }
 
-/// The cause is one that can be seen, none that must come first is passed over, its numbers fit.
+/// The cause can be detected, no cause with precedence is skipped, and its numbers match.
 void FaultTrial::check_trip() const {
     const servo::SafetyStatus &status = last.safety;
     const Finding &found = judge.of(status.cause);
@@ -144,8 +144,7 @@ void FaultTrial::check_trip() const {
     }
     EXPECT_GT(status.measured, status.limit);
     EXPECT_NEAR(status.measured, found.measured, 2e-3 * found.limit);
-    if (status.cause !=
-        servo::TripCause::encoder_jump) { // how far is a jump, is for the monitor to say
+    if (status.cause != servo::TripCause::encoder_jump) { // the monitor defines the size of a jump
         EXPECT_NEAR(status.limit, found.limit, 1e-9 * found.limit);
     }
 }
@@ -218,7 +217,7 @@ void FaultTrial::expect_reset_waits() {
     }
 }
 
-/// It starts: for a tenth of a second the tip was at one place, and touched nothing.
+/// It starts: for 0.1 s the tip was at one place and touched nothing.
 void FaultTrial::check_rest() const {
     EXPECT_GE(since_reset_, static_cast<std::uint64_t>(ticks_in(0.1)));
     for (const auto &[tip_m, touching] : recent_) {

@@ -1,13 +1,13 @@
-// Runs one fault through a servo on a simulated device, and holds what it does against a judge of
-// its own (fault_judge.h).
+// Runs one fault through a servo on a simulated device, and compares its behaviour with an
+// independent reference (fault_judge.h).
 //
 //   rest ── starting ── running ──► fault ──► trip ──► braking ──► reset ──► trip again
 //           hand moves or presses                          └─ mended ─► reset ──► rest ──► starting
 //
-// In every tick, whatever happens: samples are contiguous; what the device hears is what the last
-// sample says; a trip has a cause that the judge sees, and no earlier one that must be named before
-// it; what must trip does so in time; and the true tip force is not above its limit twice in a row,
-// but for what the hand itself does to shorted windings.
+// Checked in every tick: samples are contiguous; the device's command is that of the last sample; a
+// trip has a cause that the reference detects, and no cause with precedence is skipped; what must
+// trip does so in time; and the true tip force is not above its limit twice in a row, except for
+// the response of shorted windings to the hand.
 #pragma once
 
 #include "engine/lab/rig/servo_rig.h"
@@ -21,7 +21,7 @@
 
 namespace springdrive::testing {
 
-/// Whose hand holds the tip: that of the case, or that of the simulation's options.
+/// Which hand holds the tip: that of the case, or that of the simulation's options.
 enum class HandOf : std::uint8_t { fault_case, options };
 
 class FaultTrial : public rig::ServoRig {
@@ -29,36 +29,39 @@ public:
     explicit FaultTrial(const FaultCase &what, const simulated::SimulationOptions &options = {},
                         HandOf hand = HandOf::fault_case);
 
-    /// A tick, judged; the hand goes and the window lives as the case says.
+    /// Runs and checks a tick; hand and window behave as the case specifies.
     servo::ServoSample step();
-    /// Until the tick of the fault is the next. Nothing may trip on the way.
+    /// Runs up to the tick before the fault. Nothing may trip.
     void run_to_fault();
-    /// Until it trips, at most for so long.
+    /// Runs until it trips, at most for `at_most_s`.
     void run_to_trip(double at_most_s);
     void expect_tripped_by(servo::TripCause cause) const;
-    /// Brakes on, though nothing is wrong any more or all still is.
+    /// Expects braking to continue, whether the fault is gone or not.
     void expect_latched();
-    /// A reset does not help while the fault is there. No cause: any will do.
+    /// Expects that a reset trips again while the fault persists. TripCause::none stands for any
+    /// cause.
     void expect_reset_trips_again(servo::TripCause cause, double within_s);
-    /// Or where the fault shows only with voltage on: it does not start, since the tip touches.
+    /// For faults that show only with voltage on: expects no start after a reset, since the tip
+    /// touches.
     void expect_reset_waits();
-    /// And does when it is gone: after the tip has come to rest in free space, not before.
+    /// Expects a start after a reset once the fault is gone: when the tip rests in free space, not
+    /// before.
     void expect_recovery();
     void reset();
 
-    /// From the next period on.
+    /// Applies a fault from the next period on.
     void commit(rig::FaultKind kind, const Vector3 &size) { device().commit({kind, size}); }
 
-    /// Ticks from the first that must trip to the trip; the command goes out in the next.
+    /// Ticks from the first that must trip to the trip; the command takes effect in the next.
     [[nodiscard]] int most_ticks_late() const { return most_ticks_late_; }
     [[nodiscard]] double greatest_force_N() const { return greatest_force_N_; }
     [[nodiscard]] int ticks_in(double time_s) const;
 
     FaultCase what;
     FaultJudge judge;
-    std::function<servo::TickTiming()> timing; ///< none: never late
+    std::function<servo::TickTiming()> timing; ///< empty: never late
     bool window_lives = true;
-    bool force_is_bounded = true; ///< false where the fault itself leaves no bound
+    bool force_is_bounded = true; ///< false if the fault makes the force unbounded
 
 private:
     void check(const device::Measurement &measured);
@@ -72,7 +75,7 @@ private:
     std::uint64_t since_reset_ = 0;
     int late_ = 0;
     int most_ticks_late_ = 0;
-    int above_force_ = 0; ///< ticks in a row
+    int above_force_ = 0; ///< consecutive ticks
     double force_N_ = 0.0;
     double brake_N_ = 0.0; ///< of shorted windings at the hand's speed
     double greatest_force_N_ = 0.0;

@@ -11,7 +11,7 @@ namespace springdrive::testing {
 
 namespace {
 
-/// Of this process. It stays where a test failed, to be looked at.
+/// This process's folder. It is kept for inspection if a test failed.
 class OwnFolder {
 public:
     OwnFolder()

@@ -1,4 +1,4 @@
-// Files of a test's own.
+// Temporary files of tests.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace springdrive::testing {
 
-/// A folder of its own for one test, empty. It goes when the process ends, unless a test failed.
+/// An empty folder for one test. It is removed when the process ends, unless a test failed.
 [[nodiscard]] std::filesystem::path fresh_folder(const std::string &name);
 
 [[nodiscard]] std::string contents_of(const std::filesystem::path &file);

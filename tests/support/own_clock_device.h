@@ -1,5 +1,5 @@
-// Claims to be hardware: a device that does not wait for the servo. Its clock is the computer's,
-// and its plant moves on by as many periods as passed.
+// Imitates hardware: a device that does not wait for the servo. Its clock is the computer's, and
+// its plant advances by the number of periods that have passed.
 #pragma once
 
 #include "device/core/forwarding_device.h"
@@ -12,7 +12,8 @@ namespace springdrive::testing {
 
 class OwnClockDevice final : public device::ForwardingDevice {
 public:
-    /// @param most_periods  that the plant makes up for in one read; a longer gap leaves it behind
+    /// @param most_periods  by which the plant advances at most in one read; after a longer gap it
+    ///                      lags
     OwnClockDevice(device::HapticDevice &device, double period_s, int most_periods = 100)
         : device::ForwardingDevice(device), period_s_(period_s), most_periods_(most_periods) {}
 

@@ -1,5 +1,5 @@
-// A simulated device with a mistake in it: an assertion that fails when it is told to, in a chosen
-// part of the servo's tick. It remembers what it heard.
+// A simulated device with a planted bug: an assertion that fails on request, in a chosen part of
+// the servo's tick. It stores the commands that it receives.
 #pragma once
 
 #include "base/assertions.h"
@@ -19,11 +19,11 @@ namespace springdrive::testing {
 
 inline const Vector3 kPlantedStart_m(0.0, 0.02, 0.0);
 
-/// Where in a tick.
+/// Position in a tick.
 enum class Plant : std::uint8_t {
     in_read,
-    in_update, ///< while the law's answer is being found
-    in_write,  ///< once the answer is known, before the device has it
+    in_update, ///< while the law is evaluated
+    in_write,  ///< after the command is computed, before the device has it
 };
 
 [[nodiscard]] inline std::string name_of(Plant plant) {
@@ -43,12 +43,12 @@ public:
         heard_.reserve(1U << 17U);
     }
 
-    /// Fails so many times from now on. Any thread.
+    /// Fails `times` times from now on. Any thread.
     void arm(int times = 1) { to_come_.store(times); }
     void refuse_to_brake() { refuses_ = true; }
     void report(std::uint16_t faults) { faults_.bits = faults; }
 
-    // Once the servo has stopped, but for `failures`.
+    // All but `failures` only after the servo has stopped.
     [[nodiscard]] const std::vector<device::DeviceCommand> &heard() const { return heard_; }
     [[nodiscard]] std::size_t heard_when_it_failed() const { return heard_when_it_failed_; }
     [[nodiscard]] int failures() const { return failures_.load(); }
@@ -68,7 +68,7 @@ public:
     }
     static constexpr PlantedLine kInRead{"!fails(Plant::in_read)", __LINE__ - 6};
 
-    /// Asked for by the window's thread, too.
+    /// Also called by the window's thread.
     [[nodiscard]] device::DeviceClock clock() const override {
         SPRINGDRIVE_ASSERT(!is_answering() || !fails(Plant::in_update));
         return device::ForwardingDevice::clock();
@@ -97,7 +97,7 @@ private:
                                                              kPlantedStart_m);
     }
 
-    /// Whether the calling thread is between `read` and `write`, where it finds its answer.
+    /// Whether the calling thread is between `read` and `write`, where it computes the command.
     [[nodiscard]] bool is_answering() const noexcept {
         return answering_.load() == std::this_thread::get_id();
     }

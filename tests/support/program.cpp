@@ -24,8 +24,8 @@ constexpr std::chrono::minutes kLongest{2};
         const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
         dup2(descriptor, stream);
     };
-    // Graphics drivers leave memory behind when they are unloaded; what we leak ourselves shows in
-    // the tests that run within their own program.
+    // Graphics drivers leak memory when they are unloaded; our own leaks show in the tests that run
+    // within the test program.
     setenv("ASAN_OPTIONS", "detect_leaks=0", 1); // NOLINT(concurrency-mt-unsafe)
     redirect(STDOUT_FILENO, folder / "out");
     redirect(STDERR_FILENO, folder / "error");

@@ -1,4 +1,4 @@
-// Runs the springdrive program as a user would, and keeps what it said.
+// Runs the springdrive program as a user would, and captures its output.
 #pragma once
 
 #include "tests/support/files.h"
@@ -11,7 +11,7 @@
 namespace springdrive::testing {
 
 struct Ending {
-    int exit_status = -1; ///< −1 when a signal ended it
+    int exit_status = -1; ///< −1 if a signal ended it
     std::string out;
     std::string error;
     std::chrono::duration<double> after_signal{0.0};
@@ -22,10 +22,10 @@ struct Ending {
 [[nodiscard]] Ending run_program(const std::vector<std::string> &arguments, int signal = 0,
                                  const std::filesystem::path &started = {});
 
-/// That it ended with that status and one line that names this.
+/// Expects that it ended with `status` and one line that contains `names`.
 void expect_one_line(const Ending &ending, int status, const std::string &names);
 
-/// That it refused: one line of its own that names this, nothing on standard output.
+/// Expects an error: one line that contains `names`, nothing on standard output.
 void expect_refused(const Ending &ending, const std::string &names);
 
 } // namespace springdrive::testing

@@ -1,4 +1,4 @@
-// Loops for tests of stability, drawn at random over what motors, servos and hands may be.
+// Random loops for stability tests, over the range of realistic motors, servos and hands.
 #pragma once
 
 #include "engine/lab/limits/stability_limits.h"
@@ -12,7 +12,7 @@
 
 namespace springdrive::testing {
 
-/// Numbers between two others.
+/// Random numbers within a range.
 class Draw {
 public:
     explicit Draw(std::mt19937_64 &random) : random_(random) {}
@@ -27,7 +27,7 @@ private:
     std::mt19937_64 &random_;
 };
 
-/// A motor such as there are from watch makers' to robots'.
+/// A motor in the range from watches to robots.
 inline device::MotorParameters random_motor(std::mt19937_64 &random) {
     Draw draw(random);
     device::MotorParameters motor = phantom_1_0().motor[0];
@@ -51,7 +51,7 @@ inline control::Tuning random_tuning(const device::MotorParameters &motor,
     return tuning;
 }
 
-/// One motor that moves an inertia of its own, in one hand or in none.
+/// One motor with a load inertia, with or without a hand.
 inline loops::StabilityCase random_rotor_loop(std::mt19937_64 &random) {
     Draw draw(random);
     loops::StabilityCase which;
@@ -66,7 +66,7 @@ inline loops::StabilityCase random_rotor_loop(std::mt19937_64 &random) {
     return which;
 }
 
-/// The same with a delay of any number of periods up to three.
+/// The same with a delay of up to three periods, whole or fractional.
 inline loops::StabilityCase random_delayed_loop(std::mt19937_64 &random) {
     loops::StabilityCase which = random_rotor_loop(random);
     which.delay_periods = Draw(random).even(0.0, 3.0);

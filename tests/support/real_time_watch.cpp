@@ -30,7 +30,7 @@ void count(std::atomic<int> &counter) {
 
 void count_allocation() { count(springdrive::testing::watched().allocations); }
 
-/// The C library's own function behind a name that is taken here.
+/// The C library's function behind a name that is overridden here.
 template <typename Function> Function behind(const char *name) {
     return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
@@ -40,7 +40,7 @@ using ReadWriteCall = int (*)(pthread_rwlock_t *);
 
 } // namespace
 
-// glibc's own allocator behind names that we take.
+// glibc's allocator behind the names that are overridden here.
 extern "C" {
 void *__libc_malloc(std::size_t size);                      // NOLINT
 void *__libc_calloc(std::size_t count, std::size_t size);   // NOLINT
@@ -100,16 +100,16 @@ namespace springdrive::testing {
 
 namespace {
 
-/// Reading the clock and sleeping; coming back from the handler below; and, so that `exit` is one
-/// from any thread, the end of the process.
+/// Reading the clock and sleeping; returning from the handler below; and the end of the process, so
+/// that any thread may call `exit`.
 constexpr std::array kAllowed{SYS_clock_nanosleep, SYS_clock_gettime, SYS_restart_syscall,
                               SYS_rt_sigreturn, SYS_exit_group};
 
-/// A child that takes longer hangs.
+/// A child that takes longer counts as hung.
 constexpr unsigned kPatience_s = 100;
 
-/// A watched thread that made another call sleeps from here on, so that it makes no more. Whoever
-/// waits for its process sees the number.
+/// A watched thread that made another call sleeps from here on, so that it makes no more. The
+/// process that waits for it sees the number.
 [[noreturn]] void put_to_sleep(int /*signal*/, siginfo_t *info, void * /*context*/) {
     watched().system_call = info->si_syscall;
     constexpr timespec kLong{3600, 0};
@@ -118,8 +118,8 @@ constexpr unsigned kPatience_s = 100;
     }
 }
 
-/// For the calling thread alone. No safety depends on it, so it looks at the number only, not at
-/// the machine's other system call tables.
+/// For the calling thread only. It is not a security measure, so it checks only the number, not
+/// other system call tables.
 bool install_filter() {
     constexpr std::size_t kLength = 2 + 2 * kAllowed.size();
     std::array<sock_filter, kLength> program{};

@@ -1,11 +1,11 @@
-// Watches threads that must do nothing but compute: what they allocate and lock is counted, and a
-// system call that a servo has no business with puts them to sleep for good.
+// Watches threads that must only compute: allocations and locks are counted, and a system call that
+// a servo must not make puts the thread to sleep permanently.
 //
 //   watched thread ──┬─ malloc, free, operator new ... ──► watched().allocations
 //                    ├─ pthread_mutex_lock ... ──────────► watched().locks
-//                    └─ system call ─► seccomp ─► SIGSYS ► watched().system_call, sleeps for ever
+//                    └─ system call ─► seccomp ─► SIGSYS ► watched().system_call, sleeps forever
 //
-// Takes malloc's place in the program that it is linked into; the sanitizers do so themselves.
+// Replaces malloc in the program that it is linked into, as the sanitizers do themselves.
 #pragma once
 
 #include <atomic>
@@ -13,16 +13,16 @@
 
 namespace springdrive::testing {
 
-/// What all watched threads of this process have done.
+/// Counts over all watched threads of this process.
 struct Watched {
     std::atomic<int> allocations{0}; ///< frees are counted too: they may lock
     std::atomic<int> locks{0};
-    std::atomic<int> system_call{-1}; ///< number of the one that was caught
+    std::atomic<int> system_call{-1}; ///< number of a caught system call
     std::atomic<bool> has_filter{false};
 };
 [[nodiscard]] Watched &watched();
 
-/// Counts what the calling thread allocates and locks, as long as it lives.
+/// While it exists, counts the calling thread's allocations and locks.
 class CountingWatch {
 public:
     CountingWatch();
@@ -31,19 +31,19 @@ public:
     CountingWatch &operator=(const CountingWatch &) = delete;
 };
 
-/// Watches the calling thread from now until its process ends, system calls too: all but reading
-/// the clock and sleeping are caught. Nothing takes a filter away again: meant for `in_a_child`.
+/// Watches the calling thread until its process ends, including system calls: all but reading the
+/// clock and sleeping are caught. A filter cannot be removed, so use it in a child process.
 void watch_this_thread_for_good();
 
-/// Runs `work` in a process of its own. Whoever starts threads there that cannot be joined, as
-/// those that are watched for good, ends it with `end_this_child`.
-/// @return whether `work` failed no expectation; its messages are on standard output
+/// Runs `work` in a child process. If `work` starts threads that cannot be joined, such as
+/// permanently watched ones, it must end with `end_this_child`. @return whether `work` failed no
+/// expectation; its messages are on standard output
 [[nodiscard]] bool holds_in_a_child(const std::function<void()> &work);
 
-/// Ends the child at once, with all its threads and without any destructor.
+/// Ends the child immediately, with all its threads and without destructors.
 [[noreturn]] void end_this_child();
 
-/// Whether this kernel lets a process filter its own system calls.
+/// Whether this kernel allows a process to filter its own system calls.
 [[nodiscard]] bool can_filter_system_calls();
 
 } // namespace springdrive::testing

@@ -1,5 +1,5 @@
-// One motor under its servo in time by Runge-Kutta steps: a truth that shares no code with what
-// predicts and what simulates.
+// Time simulation of one motor and its servo by Runge-Kutta steps: an independent reference that
+// shares no code with predictions and simulation.
 #pragma once
 
 #include "device/core/phantom/kinematics.h"
@@ -36,11 +36,11 @@ public:
             std::max(std::abs(dR_Ohm_) / motor_.inductance_H,
                      std::sqrt((K_L + load_.stiffness_Nm_per_rad) / load_.inertia_kg_m2) +
                          load_.damping_Nms_per_rad / load_.inertia_kg_m2);
-        // Of the fastest mode, a twentieth: within (1/20)⁴/120 = 5e-8 of it.
+        // A twentieth of the fastest mode's time constant: error (1/20)⁴/120 = 5e-8.
         steps_a_second_ = 20.0 * fastest_per_s;
     }
 
-    /// The largest |θ̇| over so many periods.
+    /// The largest |θ̇| over `periods` periods.
     double run(int periods) {
         double largest = 0.0;
         for (int k = 0; k < periods; ++k) {
@@ -53,9 +53,9 @@ public:
         return largest;
     }
 
-    /// Whether it has come to less after many periods than it was, looked at twice.
+    /// Whether the motion has decayed after many periods, by two comparisons.
     bool dies_out() {
-        run(400); // what is left of the start
+        run(400); // initial transient
         double before = run(kBlock);
         for (int i = 0; i < 10; ++i) {
             const double now = run(kBlock);
@@ -117,7 +117,7 @@ private:
     Vector3 state_{1e-3, 0.1, 0.0}; ///< θ, θ̇, i
     double before_rad_ = 1e-3;
     double filtered_ = 0.0;
-    std::deque<double> held_V_; ///< the one in force at first, then the others
+    std::deque<double> held_V_; ///< the active one first, then the pending ones
 };
 
 } // namespace springdrive::testing

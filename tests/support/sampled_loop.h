@@ -1,5 +1,5 @@
-// One motor under the sampled law (10) as scalars, for tests: what sampled_loop_test.cpp proves by
-// simulation, and the loops of a whole device are then held against.
+// One motor under the sampled law (10) as scalars, for tests: verified by simulation in
+// sampled_loop_test.cpp, and the reference for the loops of a whole device.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -13,7 +13,7 @@
 
 namespace springdrive::loops {
 
-/// A motor that moves freely, but for its load and the hand on it:
+/// A motor that moves freely, except for its load and the hand on it:
 ///
 ///   L di/dt = e_W − dR i − k_T θ̇
 ///   (J_m + J_device + J_hand) θ̈ = k_T i − (b_device + b_hand) θ̇ − (k_device + k_hand) θ
@@ -23,8 +23,8 @@ namespace springdrive::loops {
 /// the loop with η = 1 − a.
 struct SampledLoop {
     SpringDrive drive;
-    device::RotorLoad device; ///< beside the rotor's own inertia
-    device::RotorLoad hand;   ///< none: the device runs free
+    device::RotorLoad device; ///< in addition to the rotor's inertia
+    device::RotorLoad hand;   ///< zero: no hand
 };
 
 inline Eigen::MatrixXd one(double value) { return Eigen::MatrixXd::Constant(1, 1, value); }
@@ -53,8 +53,8 @@ inline SampledLaw sampled_law(const SpringDrive &drive) {
             drive.delay_periods};
 }
 
-/// What the motor of a joint carries of the device while all joints but its own stand still, at the
-/// zero pose: M(0)/N² and the joint's viscous friction. Without the rotor.
+/// The device's load on a joint's motor at the zero pose while all other joints are at rest:
+/// M(0)/N² and the joint's viscous friction. Without the rotor.
 /// @param joint  0, 1 or 2
 inline device::RotorLoad device_load(const device::DeviceDescription &device, int joint) {
     const device::LinkageMoments moments =
@@ -75,7 +75,7 @@ inline double largest_eigenvalue(const SampledLoop &loop) {
                               driven_load(loop).stiffness_Nm_per_rad);
 }
 
-/// True where every motion dies out.
+/// True if every motion decays.
 inline bool is_stable(const SampledLoop &loop) {
     return largest_eigenvalue(loop) < 1.0 - kEigenvalueRoundOff;
 }

@@ -1,4 +1,4 @@
-// Cases of stability that several tests share.
+// Stability cases that several tests share.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"

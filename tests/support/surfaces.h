@@ -9,7 +9,7 @@
 
 namespace springdrive::contact {
 
-/// For GoogleTest, which would print its bytes.
+/// For GoogleTest, which would otherwise print its bytes.
 inline void PrintTo(const TriangleSoup &soup, std::ostream *out) {
     *out << soup.triangles.size() << " triangles";
 }

@@ -18,15 +18,16 @@ namespace springdrive::testing {
 namespace {
 
 constexpr double kChanges_hz = 10'000.0;
-constexpr double kSceneShare = 0.0004; // of the changes: some four a second
+constexpr double kSceneShare = 0.0004; // of the changes: about four per second
 constexpr std::uint32_t kSerials = 40;
 constexpr std::uint64_t kMostTold = 5;
-constexpr double kPress_s = 0.15; // down, and as long up: a new scene around the tip starts free
+constexpr double kPress_s = 0.15; // down, and as long up: in a new scene around the tip the proxy
+                                  // starts free
 const Vector3 kFree_m(0.0, 0.02, 0.0);
 const Vector3 kAbove_m(-0.005, 0.006, 0.0);
 const Vector3 kPressing_m(0.005, -0.012, 0.0);
 
-/// What the serial number of a set makes of its limits and of α of AlphaMode::global.
+/// Encodes the serial number of a set in its limits and in α of AlphaMode::global.
 double winding_C(std::uint32_t serial) { return 99.0 - 0.5 * serial; }
 double beyond_stops_rad(std::uint32_t serial) { return 0.05 - 0.001 * serial; }
 double global_alpha(std::uint32_t serial) { return 500.0 + 100.0 * serial; }
@@ -71,7 +72,8 @@ TuningStorm::TuningStorm(double servo_hz)
     inputs_.surface = surfaces_.data();
 }
 
-/// All parameters within their ranges; K_D and η are tied to K_P and α, as what glides to them is.
+/// All parameters are within their ranges; K_D and η are proportional to K_P and α, also during
+/// transitions.
 void TuningStorm::publish() {
     const auto serial = std::uniform_int_distribution<std::uint32_t>(0, kSerials - 1)(random_);
     std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -100,7 +102,7 @@ void TuningStorm::publish() {
     ++figures_.published;
 }
 
-/// Up and down, again and again; up after a trip, for the rest that a start wants.
+/// Up and down repeatedly; up after a trip, to rest as a start requires.
 void TuningStorm::lift_and_press(const servo::ServoSample &sample) {
     const auto ticks = static_cast<std::uint64_t>(kPress_s / period_s_);
     if (passes(sample)) {
@@ -122,7 +124,7 @@ void TuningStorm::expect(bool good, const servo::ServoSample &sample, const char
     }
 }
 
-/// What is in force is whole, and within its ranges.
+/// The active set is consistent, and within its ranges.
 void TuningStorm::check_set(const servo::ServoSample &sample) {
     const control::Tuning &tuning = sample.tuning;
     expect(control::is_valid(tuning), sample, "a parameter out of its range");
@@ -136,7 +138,7 @@ void TuningStorm::check_set(const servo::ServoSample &sample) {
     expect((tuning.map == control::MotionMap::transpose) == (serial % 2 == 0) &&
                static_cast<std::uint32_t>(tuning.alpha_mode) == serial % 3,
            sample, "a map of another set");
-    // Glided together, arrived together: within what counts as arrived.
+    // Related parameters move together, within the tolerance of the transition's end.
     expect(std::abs(tuning.K_D_Vs_per_rad / 0.1 - tuning.K_P_V_per_rad / 20.0) < 1e-5 &&
                std::abs(tuning.eta - tuning.alpha_rad2_per_m2 / 20'000.0) < 1e-5,
            sample, "K_D or η of another set");
@@ -144,14 +146,14 @@ void TuningStorm::check_set(const servo::ServoSample &sample) {
            "a surface of another scene");
 }
 
-/// e_W as wanted on the state of one sample under the tuning of another, within the supply.
+/// The law's e_W for the state of one sample with the tuning of another, within the supply.
 Vector3 TuningStorm::wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
                               const control::Configuration &now) const {
     return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
 }
 
-/// The step that this tick's changes alone made of e_W: to what it would have been without them,
-/// or after a change of scene to what it last was. And R̂ i, by as little.
+/// Checks the step of e_W due to this tick's changes alone: relative to e_W without them, or after
+/// a change of scene to the last e_W. R̂ i must change as little.
 void TuningStorm::check_step(const servo::ServoSample &sample) {
     const auto within_supply = [&](const Vector3 &e_W_V) -> Vector3 {
         return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);

@@ -1,9 +1,8 @@
-// A storm of changes on a servo that runs on its own thread: 10,000 sets of inputs a second, all at
-// random within their ranges, while a hand presses on one of three surfaces. Every sample is
-// checked.
+// Stress test with changes to a servo on its own thread: 10,000 sets of random valid inputs per
+// second, while a hand presses on one of three surfaces. Every sample is checked.
 //
-// One serial number shows in several fields of each set, so that a torn one would be seen in the
-// samples: in limits that trip nothing, in K_D and η, which go with K_P and α, and in α of
+// Each set encodes a serial number in several fields, so that a torn set would show in the samples:
+// in limits that trip nothing, in K_D and η, which are tied to K_P and α, and in α of
 // AlphaMode::global.
 #pragma once
 
@@ -18,16 +17,16 @@
 
 namespace springdrive::testing {
 
-/// What a storm has shown.
+/// Results of a run.
 struct StormFigures {
     std::uint64_t published = 0;
     std::uint64_t samples = 0;
     std::uint64_t felt = 0;   ///< with voltage on and the tip touching
-    std::uint64_t scenes = 0; ///< that came into force
-    std::uint64_t trips = 0;  ///< wild tunings are not all stable
-    std::uint64_t faults = 0; ///< expectations that failed; the first few say which
+    std::uint64_t scenes = 0; ///< that became active
+    std::uint64_t trips = 0;  ///< random tunings are not all stable
+    std::uint64_t faults = 0; ///< failed expectations; the first few are reported
     std::array<int, servo::kTripCauseNames.size()> by_cause{};
-    double greatest_step_V = 0.0; ///< that a change made of e_W in a tick
+    double greatest_step_V = 0.0; ///< of e_W due to a change in a tick
 
     [[nodiscard]] std::string text() const;
 };
@@ -58,8 +57,8 @@ private:
     StormFigures figures_;
     bool knows_before_ = false;
     servo::ServoSample before_;
-    std::uint64_t next_reset_ = 0; ///< no sooner than in this tick
-    servo::Servo servo_;           ///< the last, so that it stops first
+    std::uint64_t next_reset_ = 0; ///< no earlier than in this tick
+    servo::Servo servo_;           ///< last member, so that it stops first
 };
 
 } // namespace springdrive::testing

@@ -21,7 +21,7 @@ std::string good_text() {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The message for the good file with its first `from` replaced by `to`.
+/// The error message for the valid file with its first `from` replaced by `to`.
 std::string complaint(const std::string &from, const std::string &to) {
     std::string text = good_text();
     const std::size_t at = text.find(from);
@@ -121,12 +121,12 @@ TEST(DeviceFile, RefusesAnAmplifierThatCancelsMoreThanItMay) {
 
 struct Range {
     const char *key;
-    const char *value; ///< as it stands in the file
+    const char *value; ///< as written in the file
     std::vector<const char *> allowed;
     std::vector<const char *> refused;
 };
 
-/// Both ends of a range are taken, what is beyond is not, nor is a file without the key.
+/// Both ends of a range are accepted; values beyond it and a missing key are rejected.
 void expect_range(const std::string &table, const Range &range) {
     const std::string line = std::string(range.key) + " = " + range.value;
     for (const char *value : range.allowed) {

@@ -1,4 +1,5 @@
-// Covers device/factory/device_factory.cpp: the life of a device, in every order.
+// Covers device/factory/device_factory.cpp: opening, zeroing, closing and reconnecting in every
+// order.
 #include "device/factory/device_factory.h"
 
 #include "base/input_error.h"
@@ -76,10 +77,11 @@ TEST(DeviceFactory, TheSimulatedOneKnowsWhereItStands) {
     const Vector3 theta = theta_rad(open, open.device().read());
     const Vector3 tip_m =
         device::tip_position_m(geometry, device::joint_from_motor(geometry, theta));
-    EXPECT_LT((tip_m - kStart_m).norm(), 1e-3); // to its counts, and what its weight bends the hand
+    EXPECT_LT((tip_m - kStart_m).norm(), 1e-3); // up to counts and the hand's deflection under its
+                                                // weight
 }
 
-/// What a device must be after a call, whatever came before.
+/// The state that a device must have after a call, in any previous state.
 enum class Call : std::uint8_t { zero, close, reconnect };
 
 void make(Call call, OpenDevice &open, DeviceState &expected) {
@@ -121,7 +123,7 @@ TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
             const double tolerance_rad = 40.0 * device->description().rad_per_count();
             if (call == Call::zero && !is_closed) {
                 ASSERT_LT((theta_rad(open, measured) - kElsewhere_rad).norm(), tolerance_rad);
-            } else if (call == Call::reconnect) { // it counts from where it stands
+            } else if (call == Call::reconnect) { // counts start at the present position
                 ASSERT_LT(theta_rad(open, measured).norm(), tolerance_rad);
             }
         }
@@ -143,9 +145,9 @@ TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
     };
     EXPECT_GT(greatest_current_A(), 0.5);
     open.close();
-    greatest_current_A(); // while what moved comes to rest
+    greatest_current_A(); // while motion decays
     EXPECT_LT(greatest_current_A(), 0.3);
-    open.reconnect(); // and a command of before is not in force any more
+    open.reconnect(); // a command from before is no longer active
     EXPECT_LT(open.device().read().current_A.cwiseAbs().maxCoeff(), 0.3);
     EXPECT_GT(greatest_current_A(), 0.5);
 }

@@ -19,14 +19,14 @@ using Modes = std::array<FrictionMode, 3>;
 constexpr std::array<FrictionMode, 3> kModes{FrictionMode::stopped, FrictionMode::turning_forward,
                                              FrictionMode::turning_backward};
 
-/// A v = b + f with f in its range, the size of what is looked for about 1.
+/// A v = b + f with f in its range and a solution of order 1.
 struct Problem {
     Matrix3 A{Matrix3::Identity()};
     Vector3 b{Vector3::Zero()};
     FrictionRange friction;
 };
 
-/// @param skew  the part of A that does no work, as the inertia's secant gives it
+/// @param skew  the skew part of A, which does no work, as in the inertia's secant
 Problem random_problem(std::mt19937_64 &random, double skew) {
     Matrix3 root;
     root << testing::random_vector(random, 1.0), testing::random_vector(random, 1.0),
@@ -38,14 +38,14 @@ Problem random_problem(std::mt19937_64 &random, double skew) {
     problem.A = root * root.transpose() + 0.01 * Matrix3::Identity() + without_work;
     problem.b = testing::random_vector(random, 1.0);
     Vector3 rate = testing::random_vector(random, 1.0);
-    for (double &one : rate) { // at rest, one in three
+    for (double &one : rate) { // one in three is at rest
         one = std::abs(one) < 1.0 / 3.0 ? 0.0 : one;
     }
     problem.friction = FrictionRange::after(rate, testing::random_vector(random, 1.0).cwiseAbs());
     return problem;
 }
 
-/// Whether every joint's friction is what its motion calls for, up to round-off.
+/// Whether every joint's friction is consistent with its motion, up to round-off.
 bool is_complementary(const Problem &problem, const Vector3 &v, double tolerance) {
     const Vector3 f = problem.A * v - problem.b;
     for (int j = 0; j < 3; ++j) {
@@ -62,7 +62,7 @@ bool is_complementary(const Problem &problem, const Vector3 &v, double tolerance
     return true;
 }
 
-/// v for given modes; the rows of stopped joints say vⱼ = 0.
+/// v for given modes; the rows of stopped joints are vⱼ = 0.
 Vector3 solution_for(const Problem &problem, const Modes &modes) {
     Matrix3 system = problem.A;
     Vector3 right = problem.b;
@@ -83,7 +83,7 @@ Vector3 solution_for(const Problem &problem, const Modes &modes) {
     return system.fullPivLu().solve(right);
 }
 
-/// All of the 27 combinations that are complementary, which round-off can make more than one.
+/// All complementary ones among the 27 combinations; due to round-off there can be more than one.
 std::vector<Vector3> brute_force(const Problem &problem, double tolerance) {
     std::vector<Vector3> found;
     for (const FrictionMode first : kModes) {
@@ -99,8 +99,8 @@ std::vector<Vector3> brute_force(const Problem &problem, double tolerance) {
     return found;
 }
 
-/// Round-off, grown by the condition of A: its least eigenvalue is 0.01 and more, its entries
-/// below 4.
+/// Round-off, amplified by the condition of A: its smallest eigenvalue is at least 0.01, its
+/// entries are below 4.
 constexpr double kTolerance = 1e-12;
 
 class FrictionSolver : public ::testing::TestWithParam<double> {};
@@ -116,13 +116,14 @@ TEST_P(FrictionSolver, FindsTheOneAnswerFromAnyStart) {
         ASSERT_TRUE(is_complementary(problem, v, kTolerance)) << "problem " << i;
         const std::vector<Vector3> truth = brute_force(problem, kTolerance);
         ASSERT_FALSE(truth.empty());
-        for (const Vector3 &one : truth) { // exactly one, whatever the number of ways to it
+        for (const Vector3 &one : truth) { // exactly one solution, even if several combinations
+                                           // give it
             ASSERT_LT((v - one).norm(), 100.0 * kTolerance * (1.0 + v.norm())) << "problem " << i;
         }
         for (int j = 0; j < 3; ++j) {
             const FrictionMode mode = modes[static_cast<std::size_t>(j)];
             stopped += mode == FrictionMode::stopped ? 1 : 0;
-            ASSERT_TRUE(mode != FrictionMode::stopped || v[j] == 0.0); // to the last bit
+            ASSERT_TRUE(mode != FrictionMode::stopped || v[j] == 0.0); // exactly
         }
     }
     EXPECT_GT(stopped, 3000); // of 30,000 joints

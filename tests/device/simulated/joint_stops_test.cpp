@@ -37,7 +37,7 @@ TEST(JointStops, DoExactlyTheWorkThatTheirEnergyTells) {
     int pressed = 0;
     for (int i = 0; i < 10'000; ++i) {
         const Vector3 q_a = random_angles(random);
-        // Far and near, down to a step that a joint at rest would take.
+        // Large and small steps, down to that of a joint at rest.
         const Vector3 q_b = q_a + std::pow(10.0, -(i % 12)) * testing::random_vector(random, 1.0);
         const StopTorque stop = stop_torque(limits(), q_a, q_b);
         const double before_J = stop_energy_J(limits(), q_a);
@@ -97,7 +97,7 @@ TEST(JointStops, PressBackBeyondEachOfTheirEightLines) {
         const Vector3 in = line.at_rad - kBeyond_rad * line.outwards;
         const Vector3 torque_Nm = stop_torque(box, out, out).torque_Nm;
         EXPECT_LT(torque_Nm.dot(line.outwards), 0.0);
-        EXPECT_LT(torque_Nm.cross(line.outwards).norm(), 1e-15); // straight against it
+        EXPECT_LT(torque_Nm.cross(line.outwards).norm(), 1e-15); // exactly opposed to it
         EXPECT_EQ(stop_torque(box, in, in).torque_Nm, Vector3::Zero());
     }
 }

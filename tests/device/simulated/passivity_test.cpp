@@ -1,5 +1,5 @@
-// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and free_tip.h: with no source
-// on, the plant never gains energy, and friction holds what it can hold.
+// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and free_tip.h: without a source
+// the plant never gains energy, and friction holds loads below breakaway.
 #include "device/simulated/simulated_phantom.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -18,17 +18,17 @@
 namespace springdrive::simulated {
 namespace {
 
-/// Nothing holds the tip; `mass_kg` sits on it.
+/// A free tip with a mass `mass_kg`.
 SimulationOptions free_running(double mass_kg) {
     SimulationOptions options;
     options.hand = {mass_kg, 0.0, 0.0, 0.0, 1.0};
     return options;
 }
 
-/// A path on which the hand wants to stay.
+/// A path that stays at one point.
 HandPath at(const Vector3 &target_m) { return HandPath({{0.0, target_m}}); }
 
-/// A place in the workspace that the linkage can take.
+/// A reachable position in the workspace.
 Vector3 random_place(std::mt19937_64 &random, const device::DeviceDescription &device) {
     while (true) {
         const Vector3 q_rad = testing::random_workspace_angles(device, random);
@@ -51,7 +51,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
         options.longest_step_s = 1e-3; // ten times the default: the claim holds for any step
         options.effects.structural_compliance = run % 3 == 0;
         options.effects.gravity = run % 5 != 0;
-        if (run % 4 == 0) { // nothing that takes energy away, other than the windings
+        if (run % 4 == 0) { // no dissipation other than in the windings
             options.effects.viscous_friction = false;
             options.effects.coulomb_friction = false;
         }
@@ -61,7 +61,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
                              shorted ? testing::random_vector(random, 2.0) : Vector3::Zero());
 
         double before_J = device.stored_energy_J();
-        // What the sums that make up the energy come to: kinetic and, up to 0.1 J, gravity.
+        // Magnitude of the terms of the energy: kinetic and, up to 0.1 J, gravity.
         const double scale_J = std::abs(before_J) + 0.1;
         double total_rise_J = 0.0;
         for (int k = 0; k < 1000; ++k) {
@@ -73,7 +73,7 @@ TEST_P(FreeRunning, NeverGainsEnergyIn10Seconds) {
             total_rise_J += std::max(0.0, now_J - before_J);
             before_J = now_J;
         }
-        // A tenth of what the bound of a period would let pass in a thousand.
+        // A tenth of what the bound for one period would allow over a thousand.
         EXPECT_LE(total_rise_J, 1e-11 * scale_J) << "run " << run;
     }
 }
@@ -88,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Windings, FreeRunning,
                          });
 
 TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
-    // 300 rad/s under half a kilogramme, ten times the default step: one step alone has no answer
-    // that iteration finds.
+    // 300 rad/s with half a kilogramme, ten times the default step: the iteration does not converge
+    // for a single step.
     device::DeviceDescription description = testing::phantom_premium_1_5();
     description.inertia.tip_load_kg = 0.5;
     SimulationOptions options = free_running(0.0);
@@ -108,7 +108,7 @@ TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
 }
 
 TEST(LinkageStep, SaysTheWayOfJointsAndTipInOneStepAndInSmallerOnes) {
-    // What a tip behind a compliant structure is pulled along by. The faster motion is taken in
+    // This motion drives a tip behind a compliant structure. The faster motion is divided into
     // smaller steps, as above.
     device::DeviceDescription description = testing::phantom_premium_1_5();
     description.inertia.tip_load_kg = 0.5;
@@ -133,8 +133,7 @@ TEST(LinkageStep, SaysTheWayOfJointsAndTipInOneStepAndInSmallerOnes) {
 TEST(Lossless, FreeRunningKeepsItsEnergy) {
     std::mt19937_64 random(12);
     SimulationOptions options = free_running(0.0);
-    options.amplifier =
-        device::AmplifierKind::current_drive; // commanded to no current: open windings
+    options.amplifier = device::AmplifierKind::current_drive; // zero current command: open windings
     options.effects = PlantEffects::none();
     options.effects.gravity = true;
     for (int run = 0; run < 5; ++run) {
@@ -144,7 +143,7 @@ TEST(Lossless, FreeRunningKeepsItsEnergy) {
         const double initial_J = device.stored_energy_J();
         for (int k = 0; k < 1000; ++k) {
             device.advance(device::DeviceCommand::braking());
-            // 100,000 sub-steps whose round-off adds up like a random walk.
+            // 100,000 sub-steps whose round-off accumulates like a random walk.
             ASSERT_NEAR(device.stored_energy_J(), initial_J, 1e-12 * (std::abs(initial_J) + 0.1));
         }
     }
@@ -152,7 +151,7 @@ TEST(Lossless, FreeRunningKeepsItsEnergy) {
 
 /// A hand that pulls with a constant force, and its device without weight.
 SimulationOptions pulled(const Vector3 &force_N) {
-    constexpr double kSpring_N_per_m = 1e-3; // so soft that the way of the tip does not matter
+    constexpr double kSpring_N_per_m = 1e-3; // so soft that the tip's displacement does not matter
     SimulationOptions options;
     options.effects.gravity = false;
     options.hand = {0.0, 0.0, kSpring_N_per_m, 100.0, 1.0};
@@ -202,8 +201,8 @@ TEST(Friction, GivesWayAboveBreakaway) {
 }
 
 TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
-    // With weight, held by a hand: after the swing has died, friction holds what hand and gravity
-    // leave, without a chatter.
+    // With weight, held by a hand: after the oscillation has decayed, friction balances hand and
+    // gravity without chatter.
     SimulationOptions options;
     options.path = at(testing::kOffCentre_m);
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
@@ -220,7 +219,7 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
 }
 
 TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
-    // Alone, Coulomb friction takes τ_c |Δq| from every joint that turns.
+    // Coulomb friction alone dissipates τ_c |Δq| at every joint that turns.
     SimulationOptions options = free_running(0.0);
     options.amplifier = device::AmplifierKind::current_drive;
     options.effects = PlantEffects::none();
@@ -239,7 +238,7 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     EXPECT_EQ(device.truth().theta_rate_rad_per_s, Vector3::Zero());
     const double lost_J =
         coulomb_Nm.dot(device::joint_from_motor(device.description().geometry, way_rad));
-    // Exact but for the one sub-step in which a joint stops, h = 100 µs of a tenth of a second.
+    // Exact except for the sub-step in which a joint stops, h = 100 µs of 0.1 s.
     EXPECT_NEAR(lost_J / initial_J, 1.0, 1e-3);
 }
 
@@ -260,8 +259,8 @@ TEST(JointStops, HoldALinkageThatFallsIntoThem) {
                                 q[2] - q[1] - limits.greatest_q3_minus_q2_rad,
                                 limits.least_q3_minus_q2_rad - (q[2] - q[1])});
     }
-    EXPECT_GT(deepest_rad, 0.0); // it did reach one
-    // All that it begins with, and 0.1 J that the links could fall by, in a spring of 100 N·m/rad.
+    EXPECT_GT(deepest_rad, 0.0); // it reached one
+    // The whole initial energy plus 0.1 J of gravity, stored in a spring of 100 N·m/rad.
     EXPECT_LT(deepest_rad, std::sqrt(2.0 * (kinetic_J + 0.1) / 100.0));
 }
 

@@ -1,5 +1,5 @@
-// Covers what of device/simulated/simulated_phantom.cpp, linkage_step.cpp and plant_setup.cpp
-// leaves parts of the plant out: inductance, masses, the base joint.
+// Covers the reduced plants of device/simulated/simulated_phantom.cpp, linkage_step.cpp and
+// plant_setup.cpp: without inductance, masses or base joint.
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"
@@ -40,7 +40,7 @@ device::DeviceCommand voltage(const Vector3 &e_W_V) {
     return {e_W_V, Vector3::Constant(kCancelled_Ohm)};
 }
 
-/// The tip's way from its start, under a constant command.
+/// The tip's displacement from its start, under a constant command.
 template <typename Command>
 Vector3 moved_m(const device::DeviceDescription &device, const SimulationOptions &options,
                 const Command &command, int periods = kPeriods) {
@@ -55,7 +55,7 @@ Vector3 moved_m(const device::DeviceDescription &device, const SimulationOptions
 
 constexpr double kSmall = 1e-6;
 
-/// The base joint at the start, reflected to itself.
+/// Parameters of the base joint at the start, in joint coordinates.
 struct BaseJoint {
     device::DeviceDescription device = testing::phantom_1_0();
     Vector3 q_rad = *device::joint_angles_rad(device.geometry, testing::kOffCentre_m);
@@ -83,7 +83,7 @@ TEST(RigidBody, RunsUpAsARotorBehindADamper) {
     for (int k = 1; k <= kPeriods; ++k) {
         const device::Measurement state = plant.advance(command);
         const double rate = kSmall / base.k_T * (1.0 - std::exp(-1e-3 * k / tau_s));
-        // Second order: (h/τ)²/12 = 5e-6 of the way, τ being 13 ms.
+        // Second order: a relative error of (h/τ)²/12 = 5e-6, with τ = 13 ms.
         ASSERT_NEAR(plant.truth().theta_rate_rad_per_s[0], rate, 1e-5 * kSmall / base.k_T);
         ASSERT_NEAR(state.current_A[0], (kSmall - base.k_T * rate) / base.dR_Ohm,
                     1e-5 * kSmall / base.dR_Ohm);
@@ -106,7 +106,7 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
         plant.advance(voltage(Vector3::Zero()));
         const double way_m = (plant.truth().tip_m - testing::kOffCentre_m).dot(sideways);
         ASSERT_NEAR(way_m, kSmall * (1.0 - std::exp(-1e-3 * k / tau_s)), 1e-5 * kSmall);
-        // The hand's force is what the drive takes.
+        // The hand's force equals that of the drive.
         ASSERT_NEAR(plant.truth().hand_force_N.dot(sideways),
                     base.drive_Nms_per_rad * (way_m - before_m) / 1e-3 / r_squared, 1e-12);
         before_m = way_m;
@@ -126,7 +126,7 @@ TEST(Coupling, WithACurrentDriveTheHandAloneHoldsTheTip) {
     EXPECT_LT((end_m - force_N / options.hand.stiffness_N_per_m).norm(), 1e-6 * end_m.norm());
 }
 
-// Everything at once against CVODE.
+// All effects together, compared with CVODE.
 
 struct Case {
     PlantDynamics dynamics = PlantDynamics::rigid_body;
@@ -141,7 +141,7 @@ struct Case {
 };
 void PrintTo(const Case &plant, std::ostream *out) { *out << plant.name(); }
 
-/// The equations of simulated_phantom.h with what is left out left out, y = (q, q̇, i).
+/// The equations of simulated_phantom.h without the omitted parts, y = (q, q̇, i).
 class Equations {
 public:
     Equations(const device::DeviceDescription &device, const SimulationOptions &options,
@@ -164,7 +164,7 @@ private:
         const Vector3 q = y.head<3>();
         VectorXd y_rate = VectorXd::Zero(9);
         if (options_.dynamics == PlantDynamics::coupling) {
-            // Without masses: damping · q̇ = what does not depend on q̇.
+            // Without masses: damping · q̇ = the terms independent of q̇.
             Matrix3 damping = Matrix3::Zero();
             for (int column = 0; column < 3; ++column) {
                 damping.col(column) =
@@ -213,7 +213,7 @@ private:
                device_.motor[0].torque_constant_Nm_per_A *
                    device::motor_from_joint(device_.geometry, current_A);
     }
-    /// In a plane, the base joint does not answer.
+    /// In a plane, the base joint does not move.
     [[nodiscard]] Vector3 solved(const Matrix3 &A, const Vector3 &b) const {
         if (!options_.planar) {
             return A.inverse() * b;
@@ -275,9 +275,10 @@ INSTANTIATE_TEST_SUITE_P(Plants, ReducedPlant,
                                            Case{PlantDynamics::electromechanical, true}),
                          [](const auto &instance) { return instance.param.name(); });
 
-// What is left out, made small.
+// Convergence as the omitted quantities become small.
 
-/// How the fuller plant nears the reduced one as what is left out is halved: the order.
+/// The order of convergence of the fuller plant to the reduced one as the omitted quantity is
+/// halved.
 template <typename Fuller> double order(const Vector3 &reduced_m, const Fuller &fuller_m) {
     return std::log2((fuller_m(1.0 / 16.0) - reduced_m).norm() /
                      (fuller_m(1.0 / 32.0) - reduced_m).norm());
@@ -358,7 +359,7 @@ TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
                 ASSERT_LT((a.current_A - b.current_A).norm(), 100.0 * kRoundOff) << model.name;
                 ASSERT_LT((a.hand_force_N - b.hand_force_N).norm(), 1e-9) << model.name;
             }
-            EXPECT_GT((planar.truth().tip_m - start_m).norm(), 1e-4) << model.name; // it did move
+            EXPECT_GT((planar.truth().tip_m - start_m).norm(), 1e-4) << model.name; // it moved
         }
     }
 }
@@ -385,7 +386,7 @@ TEST(Planar, TheBaseStandsStillWhateverPushes) {
     }
 }
 
-// What holds for all.
+// Properties of all reduced plants.
 
 TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
     const device::DeviceDescription device = testing::phantom_1_0();
@@ -416,7 +417,7 @@ TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
 }
 
 TEST(ReducedPlants, StandWhateverStepAndHand) {
-    // Steps as long as the servo's period, and hands from none to a vice.
+    // Steps as long as the servo's period, and hands from none to a very stiff one.
     for (const PlantModel &model : kPlantModels) {
         for (const device::HandParameters &hand :
              {device::HandParameters{0.01, 0.0, 0.0, 0.0, 1.0},

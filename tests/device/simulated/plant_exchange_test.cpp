@@ -1,4 +1,4 @@
-// Covers SimulatedPhantom::simulate_as: how much is simulated changes while the device runs.
+// Covers SimulatedPhantom::simulate_as: changes of the model while the device runs.
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/plant_model.h"
@@ -45,7 +45,7 @@ TEST(PlantExchange, ABaseThatWasHeldIsLetGoOf) {
         EXPECT_EQ(device.truth().theta_rad[0], held_rad) << model.name;
         device.simulate_as(simulating(model, false));
         run(device, 1000);
-        // A hand of 300 N/m against some 0.05 N of friction and weight, and the structure.
+        // A hand of 300 N/m against about 0.05 N of friction and weight, and the structure.
         EXPECT_NEAR(sideways_m(device), (testing::kOffCentre_m + kSideways_m).x(), 2e-3)
             << model.name;
     }
@@ -99,8 +99,8 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
             for (int k = 0; k < 200; ++k) {
                 const device::Measurement state = device.advance(device::DeviceCommand::braking());
                 for (std::size_t j = 0; j < 3; ++j) {
-                    // Twice as fast as the hand's target goes, 0.8 m/s, is some 50 counts of a
-                    // motor a tick.
+                    // Twice the speed of the hand's target, 0.8 m/s, is about 50 counts of a motor
+                    // per tick.
                     EXPECT_LT(std::abs(state.counts[j] - last.counts[j]), 60)
                         << from.name << " to " << to.name << ", tick " << k;
                 }
@@ -111,7 +111,7 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
 }
 
 TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
-    // Without dry friction a rest has no past.
+    // Without dry friction the rest position does not depend on history.
     const device::DeviceCommand push{Vector3(0.05, -0.04, 0.03), Vector3::Constant(1.5)};
     for (const PlantModel &from : kPlantModels) {
         for (const PlantModel &to : kPlantModels) {
@@ -137,7 +137,8 @@ TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
 TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
     const device::DeviceDescription description = testing::phantom_1_0();
     const Vector3 within_rad(0.0, 0.7, 0.7 - 60.0 * std::numbers::pi / 180);
-    const Vector3 beyond_rad(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180); // they fold 65°
+    const Vector3 beyond_rad(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180); // the fold limit is
+                                                                             // 65°
     const Vector3 within_m = device::tip_position_m(description.geometry, within_rad);
     const Vector3 beyond_m = device::tip_position_m(description.geometry, beyond_rad);
     ASSERT_TRUE(device::can_reach(description, within_m));
@@ -147,14 +148,14 @@ TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
     device.simulate_as(simulating(kPlantModels.back()));
     for (int k = 0; k < 500; ++k) {
         run(device, 1);
-        // It only sags. A stop of 100 N·m/rad, pressed in by 5°, would throw the motors at more
-        // than 100 rad/s.
+        // It only sags. A stop of 100 N·m/rad, compressed by 5°, would accelerate the motors to
+        // more than 100 rad/s.
         ASSERT_LT(device.truth().theta_rate_rad_per_s.norm(), 10.0) << k;
     }
     device.set_hand_target(within_m);
     run(device, 1000);
     EXPECT_TRUE(device::can_reach(description, device.truth().tip_m));
-    device.set_hand_target(beyond_m); // from inside they hold
+    device.set_hand_target(beyond_m); // from inside the stops hold
     run(device, 1000);
     const Vector3 q_rad = device::joint_from_motor(description.geometry, device.truth().theta_rad);
     EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.least_q3_minus_q2_rad - 0.02);

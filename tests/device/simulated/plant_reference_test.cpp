@@ -33,7 +33,7 @@ struct Trial {
     Vector3 start_current_A{Vector3::Zero()};
 };
 
-/// How a trial ends.
+/// The final state of a trial.
 struct Ending {
     Vector3 theta_rad{Vector3::Zero()};
     Vector3 tip_m{Vector3::Zero()};
@@ -50,7 +50,7 @@ public:
         start_ << trial.start_q_rad, trial.start_rate, trial.start_current_A, target_m_,
             device::joint_jacobian(device_.geometry, trial.start_q_rad) * trial.start_rate,
             Vector3::Zero();
-        // A hand's mass has to be accelerated, but not held up.
+        // A hand's mass adds inertia, but no weight.
         inertia_ = device::linkage_moments(device_.geometry, device_.inertia,
                                            bends() ? 0.0 : options_.hand.mass_kg);
         weight_ = device::linkage_moments(device_.geometry, device_.inertia, 0.0);
@@ -158,7 +158,7 @@ Ending simulated(const Trial &trial, double step_s) {
     return {t.theta_rad, t.tip_m, t.current_A, t.hand_force_N};
 }
 
-/// What a trial is about.
+/// Parameters of a trial.
 struct Plant {
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     bool bends = false;

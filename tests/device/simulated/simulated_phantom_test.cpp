@@ -21,14 +21,14 @@ device::DeviceCommand voltage(const Vector3 &e_W_V, double R_hat_Ohm) {
     return {e_W_V, Vector3::Constant(R_hat_Ohm)};
 }
 
-/// Rigid links, rotors, windings and encoders alone.
+/// Only rigid links, rotors, windings and encoders.
 SimulationOptions bare() {
     SimulationOptions options;
     options.effects = PlantEffects::none();
     return options;
 }
 
-/// Held as in a vice.
+/// Held by a very stiff hand.
 SimulationOptions held() {
     SimulationOptions options = bare();
     options.hand = {1e6, 1e6, 1e9, 1e9, 1.0};
@@ -45,8 +45,8 @@ TEST(SimulatedPhantom, StaysAtRestWhereItStarts) {
 }
 
 TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
-    // A hand as stiff as a vice holds the tip: the motor sees θ̇ = 0, and (11) is a plain RL
-    // circuit with the closed form i = e_W/dR (1 − e^(−dR t/L)).
+    // A very stiff hand holds the tip: the motor sees θ̇ = 0, and (11) is a plain RL circuit with
+    // the closed form i = e_W/dR (1 − e^(−dR t/L)).
     SimulatedPhantom device(testing::phantom_1_0(), held(), testing::kOffCentre_m);
     const double dR = 0.3;
     const device::MotorParameters &m = device.description().motor[0];
@@ -55,7 +55,7 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
         const device::Measurement state = device.advance(command);
         const Vector3 expected =
             command.e_W_V / dR * (1.0 - std::exp(-dR * k * 1e-3 / m.inductance_H));
-        // The vice gives by 1 µm per kN; what is left of k_T θ̇ is below 1e-7 of e_W.
+        // The hand yields by 1 µm per kN; the remaining k_T θ̇ is below 1e-7 of e_W.
         EXPECT_LT((state.current_A - expected).norm(), 1e-6 * expected.norm());
     }
 }
@@ -80,7 +80,7 @@ TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
     for (int k = 0; k < 200; ++k) {
         before = device.advance(command).current_A[0];
     }
-    // On the rail the winding sees the supply through its whole resistance.
+    // At the supply limit the winding has its full resistance.
     EXPECT_LE(before, m.supply_V / m.resistance_Ohm * (1.0 + 1e-9));
     EXPECT_GT(before, 0.9 * m.supply_V / m.resistance_Ohm);
 }
@@ -114,7 +114,7 @@ TEST(SimulatedPhantom, EncodersRoundToTheNearestCount) {
                       0.5 * rad_per_count + 1e-12);
         }
     }
-    EXPECT_GT((device.truth().tip_m - testing::kOffCentre_m).norm(), 0.01); // it did move
+    EXPECT_GT((device.truth().tip_m - testing::kOffCentre_m).norm(), 0.01); // it moved
 }
 
 TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
@@ -124,7 +124,7 @@ TEST(SimulatedPhantom, ADelayShiftsTheCommandByWholeSamples) {
         SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
         const device::DeviceCommand kick = voltage(Vector3(1.0, 0.0, 0.0), 1.0);
         int silent = 0;
-        while (device.advance(kick).current_A[0] < 1e-9) { // round-off of the rest at the start
+        while (device.advance(kick).current_A[0] < 1e-9) { // round-off of the initial rest
             ++silent;
         }
         EXPECT_EQ(silent, delay);
@@ -148,7 +148,7 @@ TEST(SimulatedPhantom, AFractionOfADelaySplitsAPeriodExactly) {
             const double since_s = std::max(0.0, k - options.delay_periods) * 1e-3;
             const Vector3 expected_A =
                 command.e_W_V / dR * (1.0 - std::exp(-dR * since_s / m.inductance_H));
-            // The vice gives by 1 µm per kN; what is left of k_T θ̇ is below 1e-7 of e_W.
+            // The hand yields by 1 µm per kN; the remaining k_T θ̇ is below 1e-7 of e_W.
             EXPECT_LT((current_A - expected_A).norm(), 1e-6 * expected_A.norm() + 1e-12)
                 << "d = " << options.delay_periods << ", k = " << k;
         }
@@ -189,7 +189,7 @@ TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
 TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
     SimulationOptions options = bare();
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
-    device::DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // looks at none of them
+    device::DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // ignores the values
     open.mode = device::CommandMode::open;
     device::DeviceCommand brake = open;
     brake.mode = device::CommandMode::brake;
@@ -236,7 +236,7 @@ TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
         EXPECT_EQ(measured.health, device::DeviceHealth::lost);
         EXPECT_EQ(measured.arrival, device::Arrival::absent);
     }
-    EXPECT_LT(device.truth().current_A.norm(), 1e-3); // nothing drives it
+    EXPECT_LT(device.truth().current_A.norm(), 1e-3); // no drive
     device.reconnect();
     const device::Measurement back = device.read();
     EXPECT_EQ(back.health, device::DeviceHealth::ok);
@@ -247,7 +247,7 @@ TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
 TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
     SimulationOptions options;
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
-    // Shorted windings brake, the target runs away at its greatest speed.
+    // Shorted windings brake while the target moves away at its maximum speed.
     device.set_hand_target(testing::kOffCentre_m + Vector3(0.5, 0.0, 0.0));
     const double greatest = options.hand.greatest_force_N + 2.0 * options.hand.damping_Ns_per_m *
                                                                 options.hand.greatest_speed_m_per_s;
@@ -260,14 +260,14 @@ TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
 TEST(SimulatedPhantom, ACommandThatIsNotFiniteBrakes) {
     SimulatedPhantom device(testing::phantom_1_0(), bare(), testing::kOffCentre_m);
     device.advance(voltage(Vector3(NAN, 1.0, INFINITY), 1.0));
-    EXPECT_LT(device.truth().current_A.norm(), 1e-12); // round-off of the rest at the start
+    EXPECT_LT(device.truth().current_A.norm(), 1e-12); // round-off of the initial rest
     EXPECT_TRUE(device.truth().tip_m.allFinite());
 }
 
 TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
     const device::DeviceDescription description = testing::phantom_1_0();
     EXPECT_THROW(SimulatedPhantom(description, {}, Vector3(1.0, 0.0, 0.0)), InputError);
-    // Within reach, but the links fold further than their stops allow: 70° in place of 65°.
+    // Within reach, but the links fold further than their stops allow: 70° instead of 65°.
     const Vector3 folded_m = device::tip_position_m(
         description.geometry, Vector3(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180));
     EXPECT_THROW(SimulatedPhantom(description, {}, folded_m), InputError);

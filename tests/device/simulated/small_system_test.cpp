@@ -19,7 +19,7 @@ template <int size> void expect_solutions() {
         const Matrix root = Matrix::NullaryExpr([&] { return one(random); });
         const Matrix other = Matrix::NullaryExpr([&] { return one(random); });
         const Vector x = Vector::NullaryExpr([&] { return one(random); });
-        // A positive definite part, and one that does no work.
+        // A positive definite part, and a skew part.
         const Matrix A =
             root * root.transpose() + 0.01 * Matrix::Identity() + (other - other.transpose());
         // Condition up to some hundreds, and tens of operations.

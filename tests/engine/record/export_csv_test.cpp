@@ -29,7 +29,7 @@ std::vector<std::string> cells_of(const std::string &line) {
     return cells;
 }
 
-/// What a cell should read back as, by the C library.
+/// Expects a cell to read back as the same number, by the C library.
 void expect_cell(const std::string &cell, ColumnType type, const char *from) {
     const auto *const bytes = reinterpret_cast<const std::byte *>(from);
     if (type == ColumnType::f64) {

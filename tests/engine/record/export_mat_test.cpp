@@ -1,4 +1,4 @@
-// Covers engine/record/export_mat.cpp, by the library's reader and by hand.
+// Covers engine/record/export_mat.cpp, by the library's reader and byte by byte.
 #include "engine/record/record_export.h"
 
 #include "tests/engine/record/record_bytes.h"
@@ -42,7 +42,7 @@ std::map<std::string, MatVariable> read_mat(const std::filesystem::path &file) {
 
 TEST(ExportMat, HoldsEveryBitOfAllColumns) {
     const auto folder = fresh_folder("mat");
-    // 1 to 4 rows of a byte are written in another way than 5.
+    // 1 to 4 rows of a byte are stored differently from 5.
     for (const std::size_t rows : {1U, 2U, 4U, 5U, 57U}) {
         const auto samples = testing::random_samples(rows, 1000.0, rows);
         const auto file = folder / (std::to_string(rows) + ".rec");

@@ -1,5 +1,5 @@
-// Covers engine/record/export_npy.cpp, by a parser of NPY of its own; and by numpy where
-// python3 has it.
+// Covers engine/record/export_npy.cpp, by an independent NPY parser, and by NumPy if python3 has
+// it.
 #include "engine/record/record_export.h"
 
 #include "tests/engine/record/record_bytes.h"
@@ -24,7 +24,7 @@ struct Npy {
     std::string data;
 };
 
-/// By numpy's description of the format.
+/// By NumPy's description of the format.
 Npy parse_npy(const std::string &bytes) {
     Npy npy;
     EXPECT_EQ(bytes.substr(0, 6), "\x93NUMPY");
@@ -80,7 +80,7 @@ TEST(ExportNpy, HoldsEveryBitOfAllColumns) {
     EXPECT_EQ(npy.data, expected);
 }
 
-// numpy takes no longer one without being asked to.
+// NumPy rejects a longer one by default.
 TEST(ExportNpy, HasAHeaderBelowTenThousandCharacters) {
     const auto file = fresh_folder("npy_header") / "a.rec";
     testing::write_record(file, 1000.0, {});
@@ -131,7 +131,7 @@ bool succeeds(const std::string &command) {
     return std::system((command + " 2>&1").c_str()) == 0; // NOLINT(concurrency-mt-unsafe,cert-*)
 }
 
-/// Empty where there is none.
+/// Empty if there is none.
 std::string python_with_numpy() {
     for (const std::string python : {"python3", "/usr/bin/python3"}) {
         if (succeeds(python + " -c 'import numpy' >/dev/null")) {

@@ -1,4 +1,4 @@
-// A record file taken apart by its documentation alone, without the code under test.
+// Parses a record file from its documentation alone, without the code under test.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,7 @@ struct RecordBytes {
     std::vector<ChunkBytes> chunks;
 };
 
-/// @throw std::exception for anything that is not as documented, to the last byte.
+/// @throw std::exception for any byte that is not as documented.
 inline RecordBytes take_apart(const std::string &file) {
     const auto insist = [](bool is_so, const char *what) {
         if (!is_so) {

@@ -47,7 +47,7 @@ TEST(SelectedColumns, NameTheNearestOfOneThatIsNotThere) {
     EXPECT_NE(said(std::string(100'000, 'x')), "");
 }
 
-/// The ticks that an export from `from_s` to `to_s` holds.
+/// The ticks in an export from `from_s` to `to_s`.
 std::string ticks_of(const std::filesystem::path &file, double from_s, double to_s) {
     RecordReader reader(file);
     std::ostringstream out;
@@ -56,7 +56,7 @@ std::string ticks_of(const std::filesystem::path &file, double from_s, double to
     EXPECT_EQ(static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')),
               summary.rows + 1);
     std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.substr(5); // behind "tick"
+    return text.substr(5); // after "tick"
 }
 
 TEST(SelectedRows, AreThoseOfTheRangeWithBothItsEnds) {

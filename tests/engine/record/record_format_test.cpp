@@ -14,7 +14,7 @@ std::span<const std::byte> bytes_of(std::string_view text) {
     return {reinterpret_cast<const std::byte *>(text.data()), text.size()};
 }
 
-// The check value of CRC-32 in every list of them.
+// The published check value of CRC-32.
 TEST(RecordFormat, UsesTheCommonCrc32) {
     EXPECT_EQ(crc32_of(bytes_of("123456789")), 0xCBF43926U);
     EXPECT_EQ(crc32_of({}), 0U);

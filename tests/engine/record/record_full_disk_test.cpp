@@ -1,4 +1,4 @@
-// Covers engine/record/record_writer.cpp and recorder.cpp on disks that take no more.
+// Covers engine/record/record_writer.cpp and recorder.cpp on full disks.
 #include "engine/record/recorder.h"
 
 #include "engine/record/record_reader.h"
@@ -20,7 +20,7 @@ using testing::complaint_of;
 using testing::contents_of;
 using testing::fresh_folder;
 
-/// Runs `step` in a process whose files cannot grow beyond `bytes`, and returns what it says.
+/// Runs `step` in a process whose files cannot grow beyond `bytes`, and returns its message.
 std::string with_files_up_to(std::uint64_t bytes, const std::filesystem::path &folder,
                              const std::function<std::string()> &step) {
     const pid_t child = fork();
@@ -48,7 +48,7 @@ std::uint64_t rows_in(const std::filesystem::path &file) {
     return reader.ending().rows;
 }
 
-/// Writes until it fails; then goes on, which must do nothing.
+/// Writes until it fails; then continues, which must do nothing.
 std::string write_until_full(const std::filesystem::path &file) {
     RecordWriter writer(file, record_header(testing::kServo_hz));
     servo::ServoSample sample;
@@ -70,7 +70,7 @@ std::string write_until_full(const std::filesystem::path &file) {
 
 TEST(FullDisk, EndsTheFileAtItsLastWholeChunkAndSaysSoOnce) {
     const RecordHeader header = record_header(testing::kServo_hz);
-    // Nothing, a byte, and all but a byte of a chunk fit after two of them.
+    // After two chunks, zero bytes, one byte, and all but one byte of a chunk fit.
     for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1},
                                      expected_bytes(5, header) - expected_bytes(0, header) - 1}) {
         const auto folder = fresh_folder("full_disk");
@@ -102,7 +102,8 @@ TEST(FullDisk, IsNotTriedOnADeviceThatExists) {
 
 std::uint64_t g_pushed_while_full = 0;
 
-/// Fills the disk through a recorder; then pushes 100 rings more, each of which it must take.
+/// Fills the disk through a recorder; then pushes 100 more full rings, each of which must be
+/// drained.
 std::string record_until_full(const std::filesystem::path &file) {
     SampleRing<servo::ServoSample> ring(16);
     Recorder recorder(ring);

@@ -1,5 +1,5 @@
-// Covers engine/record/record_reader.cpp: whatever becomes of a file, reading it ends, with
-// the rows before the damage or one clear line.
+// Covers engine/record/record_reader.cpp: for any damaged file, reading ends with the rows before
+// the damage or one clear message.
 #include "engine/record/record_reader.h"
 
 #include "engine/record/record_export.h"
@@ -30,7 +30,7 @@ std::string good_record() {
     return testing::contents_of(file);
 }
 
-/// What reading comes to. Rows are compared with those of the good file.
+/// Outcome of reading. Rows are compared with those of the intact file.
 struct Outcome {
     bool refused = false;
     std::uint64_t rows = 0;
@@ -83,7 +83,7 @@ protected:
 TEST_F(RecordFuzz, SurvivesACutAnywhere) {
     const std::size_t header_end = parts.chunks[0].at;
     for (std::size_t i = 0; i < 1500; ++i) {
-        // All lengths near the edges of the pieces, and random ones.
+        // Lengths near the boundaries of the parts, and random ones.
         const auto &chunk = parts.chunks[i % parts.chunks.size()];
         const std::size_t length = i < 300
                                        ? std::min(good.size(), chunk.at + i / parts.chunks.size())
@@ -102,7 +102,7 @@ TEST_F(RecordFuzz, SurvivesACutAnywhere) {
 TEST_F(RecordFuzz, FindsEveryFlippedBit) {
     const std::size_t header_end = parts.chunks[0].at;
     for (std::size_t i = 0; i < 3000; ++i) {
-        // Heads and the beginning of the file are small: aim at them.
+        // Heads and the beginning of the file are small, so they are targeted.
         const auto &chunk = parts.chunks[below(parts.chunks.size())];
         const std::size_t at = i % 3 == 0   ? below(16)
                                : i % 3 == 1 ? chunk.at + below(40)
@@ -119,7 +119,7 @@ TEST_F(RecordFuzz, FindsEveryFlippedBit) {
     }
 }
 
-// Whoever means harm computes the CRC anew.
+// Malicious damage has a valid CRC.
 TEST_F(RecordFuzz, SurvivesDamageWhoseCrcFits) {
     for (int i = 0; i < 1500; ++i) {
         std::string json = parts.json;

@@ -1,4 +1,4 @@
-// Covers engine/record/ as a whole: a program that is killed in the midst of recording.
+// Covers engine/record/ as a whole: a program that is killed while recording.
 #include "engine/record/recorder.h"
 
 #include "engine/record/record_reader.h"
@@ -25,16 +25,16 @@ constexpr std::uint64_t kMostLost = 1000; // 0.1 s
 constexpr std::uint64_t kNothing = ~std::uint64_t{0};
 
 using Newest = std::atomic<std::uint64_t>;
-static_assert(Newest::is_always_lock_free); // it is shared between processes
+static_assert(Newest::is_always_lock_free); // shared between processes
 
-/// Memory that outlives a child.
+/// Shared memory that outlives a child process.
 Newest &shared_tick() {
     void *const memory =
         mmap(nullptr, sizeof(Newest), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     return *new (memory) Newest(kNothing);
 }
 
-/// Ticks in real time until it is killed.
+/// Runs ticks in real time until it is killed.
 [[noreturn]] void record_for_ever(const std::filesystem::path &file, Newest &newest) {
     SampleRing<servo::ServoSample> ring(1U << 14U);
     Recorder recorder(ring);
@@ -50,7 +50,7 @@ Newest &shared_tick() {
     }
 }
 
-/// Ticks from 0, none left out: their count.
+/// Checks that ticks start at 0 without gaps; returns their number.
 std::uint64_t contiguous_rows(const std::filesystem::path &file) {
     RecordReader reader(file);
     std::uint64_t rows = 0;
@@ -76,7 +76,7 @@ TEST(RecordKill, LosesATenthOfASecondAtTheMost) {
         if (child == 0) {
             record_for_ever(file, newest);
         }
-        while (newest == kNothing) { // until it has begun, however busy the machine
+        while (newest == kNothing) { // until it has started, even on a busy machine
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(some_ms(random)));

@@ -1,4 +1,4 @@
-// Covers engine/record/record_writer.cpp, but for full disks: record_full_disk_test.cpp.
+// Covers engine/record/record_writer.cpp, except for full disks: record_full_disk_test.cpp.
 #include "engine/record/record_writer.h"
 
 #include "tests/engine/record/record_bytes.h"

@@ -1,4 +1,4 @@
-// Covers engine/record/recorder.cpp; its sudden end: record_kill_test.cpp.
+// Covers engine/record/recorder.cpp; for a killed process see record_kill_test.cpp.
 #include "engine/record/recorder.h"
 
 #include "engine/record/record_reader.h"
@@ -151,7 +151,7 @@ TEST(Recorder, RefusesANoteThatIsTooLong) {
     EXPECT_EQ(story_of(file), "");
 }
 
-/// Waits for what another thread will do, for a minute at the most.
+/// Waits for a condition set by another thread, at most a minute.
 template <typename Condition> bool comes_true(Condition &&condition) {
     for (int i = 0; i < 60'000 && !condition(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -164,7 +164,7 @@ TEST(Recorder, WritesOnItsOwnThreadEvenWhenTheServoPauses) {
     SampleRing<servo::ServoSample> ring(1024);
     Recorder recorder(ring);
     recorder.start(file, record_header(10'000.0), Mode::own_thread);
-    push(ring, 0, 7); // far from a chunk of 200
+    push(ring, 0, 7); // far less than a chunk of 200
     EXPECT_TRUE(comes_true([&] { return recorder.status().rows == 7; }));
     EXPECT_EQ(recorder.status().bytes, std::filesystem::file_size(file));
     recorder.note("paused");
@@ -175,7 +175,7 @@ TEST(Recorder, WritesOnItsOwnThreadEvenWhenTheServoPauses) {
     EXPECT_EQ(story_of(file), "0 1 2 3 4 5 6 {paused} 7 8 {end} ");
 }
 
-// For the thread sanitizer: all that may be called at the same time, at the same time.
+// For the thread sanitizer: calls everything that may run concurrently.
 TEST(Recorder, MayBeAskedByAnyThread) {
     const auto file = fresh_folder("recorder_threads") / "a.rec";
     SampleRing<servo::ServoSample> ring(1U << 12U);

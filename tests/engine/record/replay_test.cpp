@@ -1,5 +1,5 @@
-// Covers engine/record/replay.cpp: the servo's own samples give the same bits again, and any
-// other bit is found.
+// Covers engine/record/replay.cpp: the servo's own samples are reproduced bit for bit, and any
+// different bit is detected.
 #include "engine/record/replay.h"
 
 #include "engine/control/parameters.h"
@@ -18,7 +18,7 @@ namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
-/// A touch with changes of everything on the way: tuning, maps, limits, a trip and a reset.
+/// A touch during which everything changes: tuning, maps, limits, a trip and a reset.
 std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
     std::mt19937_64 random(seed);
     simulated::SimulationOptions options;
@@ -71,7 +71,7 @@ TEST(Replay, GivesTheServosOwnBitsAgain) {
         EXPECT_EQ(replay.replayed(), samples.size());
         EXPECT_EQ(replay.skipped(), 0U);
         EXPECT_TRUE(replay.is_identical());
-        bool drove = false; // the record has something to say
+        bool drove = false; // not vacuous
         bool carried = false;
         for (const servo::ServoSample &sample : samples) {
             drove = drove || !sample.command.e_W_V.isZero(1e-2);

@@ -21,8 +21,8 @@ namespace springdrive::testing {
 
 inline constexpr double kServo_hz = 250.0; ///< 5 rows a chunk
 
-/// Every column random, with numbers that are hard to write: NaN, −0, subnormal, infinite. Enums
-/// stay within what they can be.
+/// Random values in every column, including NaN, −0, subnormal and infinite numbers. Enums have
+/// valid values.
 inline servo::ServoSample random_sample(std::mt19937_64 &random, std::uint64_t tick) {
     using Limits = std::numeric_limits<double>;
     const std::vector<double> hard{
@@ -45,7 +45,7 @@ inline servo::ServoSample random_sample(std::mt19937_64 &random, std::uint64_t t
     return sample;
 }
 
-/// Its row as bytes: two samples are the same if these are, NaN or not.
+/// Its row as bytes, for comparing samples including NaN.
 inline std::string row_of(const servo::ServoSample &sample) {
     const std::vector<record::RecordColumn> columns = record::sample_columns();
     std::string row(columns.back().offset + record::bytes_of(columns.back().type), '\0');

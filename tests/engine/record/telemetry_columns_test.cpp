@@ -11,7 +11,7 @@
 namespace springdrive::record {
 namespace {
 
-/// Where the members of a sample lie that the list knows: address to bytes.
+/// Addresses and sizes of the sample's members that are in the list.
 std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
     std::map<const char *, std::size_t> found;
     for_each_column(sample, [&](std::string_view name, std::string_view, const auto &value) {
@@ -22,7 +22,7 @@ std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
 }
 
 TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndWhatIsToldOtherwise) {
-    // The number of the command is that of the measurement; what assertion failed is in a note.
+    // The command's number equals the measurement's; a failed assertion is stored as a note.
     const servo::ServoSample sample;
     auto found = places(sample);
     const auto *const begin = reinterpret_cast<const char *>(&sample);
@@ -37,8 +37,8 @@ TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndWhatIsToldOtherwise) 
     }
 }
 
-// A small member may hide in padding. These do not compile when one is added or taken away: first
-// see to it that the list has it, then name it here.
+// A small member could be hidden in padding. These bindings do not compile if one is added or
+// removed: update the list first, then these.
 TEST(TelemetryColumns, KnowEveryMember) {
     const servo::ServoSample sample;
     [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
@@ -73,7 +73,7 @@ TEST(TelemetryColumns, HaveNamesThatFitEverywhereAndUnits) {
     EXPECT_EQ(names.count("limit_beyond_stops_rad"), 1U);
 }
 
-/// What a name has to end in.
+/// The required ending of a name.
 std::string ending_for(std::string_view unit) {
     const std::map<std::string_view, std::string> spelled{{"1", ""},
                                                           {"SI", ""},
@@ -142,7 +142,7 @@ TEST(TelemetryColumns, StandForTheMemberOfTheirName) {
     EXPECT_EQ(value_of(sample, "trip_cause"), static_cast<double>(servo::TripCause::voltage));
 }
 
-/// Those that could stand for each other unnoticed: of one type and unit, side by side.
+/// Members that could be swapped unnoticed: adjacent, of the same type and unit.
 TEST(TelemetryColumns, OfOneUnitStandForTheMemberOfTheirNameToo) {
     servo::ServoSample sample;
     const std::map<std::string, double *> members{

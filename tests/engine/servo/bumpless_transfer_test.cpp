@@ -17,15 +17,15 @@ namespace {
 BumplessTransfer transfer_at(double period_s) { return {testing::phantom_1_0(), period_s}; }
 
 TEST(BumplessTransfer, NoChangeMovesTheVoltageByMoreThanItsBound) {
-    // A law that moves by itself, and is changed now and then: what goes out moves as the law does,
-    // and by the bound beside. All of it is within the supply.
+    // A law that varies by itself and is changed occasionally: the output follows the law to within
+    // the bound. All values are within the supply.
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> chance(0.0, 1.0);
     for (const double period_s : {1.0 / 250, 1e-3, 1e-4}) {
         const double bound_V = kGreatestChange_V_per_s * period_s;
         BumplessTransfer transfer = transfer_at(period_s);
         Vector3 set_V = testing::random_vector(random, 3.0);
-        Vector3 own_V = Vector3::Zero(); // what the law's state makes of it
+        Vector3 own_V = Vector3::Zero(); // the law's own variation
         Vector3 out_V = transfer.transferred_V(set_V, std::nullopt, false, true);
         EXPECT_EQ(out_V, set_V);
         int changes = 0;
@@ -58,7 +58,7 @@ TEST(BumplessTransfer, LetsGoOfAllOfItInTheTimeItTakes) {
         EXPECT_NEAR(now_V[1], -std::max(0.0, 1.0 - 0.05 * tick), 1e-12);
         EXPECT_EQ(now_V[2], 0.0);
     }
-    EXPECT_EQ(transfer.carried_V(), Vector3::Zero()); // to the last bit
+    EXPECT_EQ(transfer.carried_V(), Vector3::Zero()); // exactly
 }
 
 TEST(BumplessTransfer, CarriesNoMoreThanTheSupplyWouldHaveGiven) {
@@ -98,14 +98,14 @@ TEST(BumplessTransfer, LetsParametersGlideToWhatIsWanted) {
     for (int tick = 1; tick <= 1500; ++tick) {
         transfer.approach(wanted, true);
         const control::Tuning &now = transfer.active().tuning;
-        EXPECT_EQ(now.map, wanted.tuning.map); // at once: what e_W does then is carried over
+        EXPECT_EQ(now.map, wanted.tuning.map); // immediately: the step of e_W is compensated
         EXPECT_EQ(transfer.active().global_alpha_rad2_per_m2, 1234.0);
         const double left = std::exp(-tick * kPeriod_s / kGlide_s);
         for (const control::Parameter &parameter : control::kParameters) {
             const double end = wanted.tuning.*parameter.value;
             const double range = parameter.highest - parameter.lowest;
             EXPECT_NEAR(now.*parameter.value, end + left * (start.*parameter.value - end),
-                        1e-6 * range) // which it leaps at the end
+                        1e-6 * range) // the final step
                 << parameter.name;
         }
     }

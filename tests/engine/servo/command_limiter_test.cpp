@@ -19,7 +19,7 @@
 namespace springdrive::servo {
 namespace {
 
-/// One random tick of one device: what is wanted, and what stands.
+/// One random tick of one device: the requested command, and the state.
 struct Case {
     device::DeviceDescription device;
     LimiterInputs inputs;
@@ -65,7 +65,7 @@ protected:
                                                      testing::phantom_premium_1_5()};
 };
 
-/// dR of (6) at the least R of any commutator angle, as far as an amplifier goes.
+/// dR of (6) at the smallest R of any commutator angle, limited by the amplifier.
 Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_hat_Ohm) {
     Vector3 dR_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -76,7 +76,7 @@ Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_h
     return dR_Ohm;
 }
 
-/// Where the currents of a command go to while the motors turn on: (e_W − k_T θ̇)/dR.
+/// Steady currents of a command at constant speed: (e_W − k_T θ̇)/dR.
 Vector3 settling_A(const Case &c, const device::DeviceCommand &command) {
     const double k_T = c.device.motor[0].torque_constant_Nm_per_A;
     return (command.e_W_V - k_T * c.inputs.now.theta_rate_rad_per_s)
@@ -112,7 +112,7 @@ TEST_F(CommandLimiter, SettlingForceAndCurrentsKeepWithinTheirLimits) {
 }
 
 TEST_F(CommandLimiter, WindingsThatAreAlikeStayWithinTheLimitAllTheWay) {
-    // i(t) = i_s + (i₀ − i_s) e^(−t dR/L) from any currents that are within it themselves.
+    // i(t) = i_s + (i₀ − i_s) e^(−t dR/L) from any currents within the limit.
     for (int run = 0; run < 5000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
@@ -131,9 +131,9 @@ TEST_F(CommandLimiter, WindingsThatAreAlikeStayWithinTheLimitAllTheWay) {
 }
 
 TEST_F(CommandLimiter, WindingsOfUnequalWarmthPassTheShareButByLittle) {
-    // R̂ differs by what the guard allows a warm winding more than a cold one, so their time
-    // constants do too, and the way from rest is bent. It is what the share leaves room for: the
-    // limit itself is passed by a tenth at the most, and hardly ever.
+    // The guard allows a warm winding a larger R̂ than a cold one, so time constants differ and the
+    // path from rest is curved. The margin of kLimiterShare covers this: the limit itself is
+    // exceeded by at most a tenth, and very rarely.
     double worst = 0.0;
     int ways_beyond = 0;
     constexpr int kWays = 20'000;
@@ -250,7 +250,7 @@ TEST_F(CommandLimiter, AtNoRampNothingPassesAndAtHalfOfItHalfDoes) {
 }
 
 TEST_F(CommandLimiter, TheEdgePushesThroughWhateverTheTuningIs) {
-    // The soft wall's torque arrives at the joint: k_T e_W/dR N is what the spring there asks for.
+    // The soft wall's torque acts at the joint: k_T e_W/dR N equals that of its spring.
     const device::DeviceDescription &device = devices[0];
     const double beyond_rad = 0.01;
     const double q1_rad = device.joint_limits.highest_rad[0] - device.edge.margin_rad + beyond_rad;

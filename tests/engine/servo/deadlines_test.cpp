@@ -15,19 +15,19 @@ namespace {
 
 using Nanoseconds = std::int64_t;
 
-/// When deadline n of a whole rate is, in whole numbers: the nearest nanosecond.
+/// Time of deadline n at an integer rate, in integer arithmetic: the nearest nanosecond.
 Nanoseconds exact_ns(std::int64_t n, std::int64_t rate_hz) {
-    const std::int64_t rest = n % rate_hz; // of a second
+    const std::int64_t rest = n % rate_hz; // in fractions of a second
     return n / rate_hz * 1'000'000'000 + (2'000'000'000 * rest + rate_hz) / (2 * rate_hz);
 }
 
-/// The plain reference: a list of what became of every deadline, found by walking through them.
+/// A simple reference: the outcome of every deadline, found by iterating over them.
 struct Reference {
     explicit Reference(std::int64_t rate) : rate_hz(rate) {}
 
     [[nodiscard]] Nanoseconds due_ns() const { return exact_ns(next, rate_hz); }
 
-    /// The thread wakes: it serves the last deadline that is not ahead; those before are missed.
+    /// The thread wakes: it serves the last deadline that has passed; earlier ones are missed.
     void begin(Nanoseconds now_ns) {
         while (exact_ns(next + 1, rate_hz) <= now_ns) {
             ++next;
@@ -38,7 +38,7 @@ struct Reference {
         total += missed;
     }
 
-    /// The tick ends: what passed meanwhile is missed, and the next that is ahead is waited for.
+    /// The tick ends: deadlines that passed meanwhile are missed, and it waits for the next one.
     void end(Nanoseconds now_ns) {
         missed = 0;
         ++next;
@@ -56,7 +56,7 @@ struct Reference {
     std::vector<std::int64_t> served;
 };
 
-/// Neither on a deadline nor within a nanosecond of one, where rounding may decide.
+/// Not within a nanosecond of a deadline, where rounding may decide.
 Nanoseconds off_deadlines(Nanoseconds now_ns, std::int64_t rate_hz) {
     const std::int64_t n = now_ns * rate_hz / 1'000'000'000;
     for (const std::int64_t near : {n, n + 1}) {
@@ -67,7 +67,7 @@ Nanoseconds off_deadlines(Nanoseconds now_ns, std::int64_t rate_hz) {
     return now_ns;
 }
 
-/// Mostly a share of the period, now and then many of them.
+/// Mostly a fraction of a period, sometimes many periods.
 Nanoseconds any_delay(std::mt19937_64 &random, double period_ns, double often) {
     std::uniform_real_distribution<double> one(0.0, 1.0);
     if (one(random) > often) {
@@ -109,7 +109,7 @@ TEST(Deadlines, AreThoseOfAPlainReference) {
 }
 
 TEST(Deadlines, DoNotDriftOverAHundredMillionTicks) {
-    // Gone through by sleeping for long: what is due then is due at the very nanosecond.
+    // Skips ahead by long sleeps: the deadlines there are exact to the nanosecond.
     for (const std::int64_t rate_hz : {250, 3000, 7000, 9999, 10'000}) {
         Deadlines deadlines(static_cast<double>(rate_hz));
         for (std::int64_t n = 9'999'999; n <= 100'000'000; n += 9'999'999) {
@@ -122,7 +122,7 @@ TEST(Deadlines, DoNotDriftOverAHundredMillionTicks) {
 }
 
 TEST(Deadlines, InTimeTickAfterTickNoneIsMissedHoweverLong) {
-    // Woken on the very nanosecond, for as long as a test may take.
+    // Woken exactly on time, for as many ticks as a test can run.
     Deadlines deadlines(3000.0);
     for (std::int64_t n = 1; n <= 3'000'000; ++n) {
         const Nanoseconds due_ns = deadlines.next_ns();
@@ -163,7 +163,7 @@ TEST(Deadlines, InARowEndsWithATickThatMissedNone) {
     tick(1000, 3'500'000); // itself in time, but it takes three more
     deadlines.begin(deadlines.next_ns());
     EXPECT_EQ(deadlines.missed(), 3U);
-    EXPECT_EQ(deadlines.missed_in_a_row(), 3U); // from here on: the one before missed none
+    EXPECT_EQ(deadlines.missed_in_a_row(), 3U); // counted from here: the previous tick missed none
     deadlines.end(deadlines.next_ns() + 100'000);
     tick(1000, 100'000);
     EXPECT_EQ(deadlines.missed_in_a_row(), 0U);

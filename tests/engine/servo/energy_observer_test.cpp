@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kObserverPeriod_s = 1e-3;
 constexpr double kLimit_J = 0.03;
-constexpr double kForgetsNothing_s = 1e-15; ///< as a period: too short for any memory to fade in
+constexpr double kForgetsNothing_s = 1e-15; ///< a period too short for any decay
 
-/// The coupling in the hand: F = −K d, d from the proxy to the tip; held in the spring: ½ K d².
+/// The coupling: F = −K d, d from the proxy to the tip; stored energy ½ K d².
 struct Spring {
     double stiffness_N_per_m = 1000.0;
 
@@ -32,7 +32,7 @@ void go(EnergyObserver &observer, const Spring &spring, const Vector3 &tip_m) {
 }
 
 TEST(EnergyObserver, AnExactSpringMakesNothing) {
-    // Trapezia are exact for a force that is linear in the way, however coarse the steps.
+    // The trapezoidal rule is exact for a force that is linear in the displacement, for any step.
     std::mt19937_64 random(1);
     for (int run = 0; run < 100; ++run) {
         EnergyObserver observer(kObserverPeriod_s);
@@ -41,7 +41,7 @@ TEST(EnergyObserver, AnExactSpringMakesNothing) {
         go(observer, spring, first_m);
         for (int tick = 0; tick < 1000; ++tick) {
             go(observer, spring, testing::random_vector(random, 5e-3));
-            ASSERT_LT(std::abs(observer.generated_J()), 1e-13); // of some 0.1 J that go to and fro
+            ASSERT_LT(std::abs(observer.generated_J()), 1e-13); // of about 0.1 J exchanged
         }
         go(observer, spring, first_m);
         ASSERT_LT(std::abs(observer.generated_J()), 1e-13);
@@ -49,8 +49,8 @@ TEST(EnergyObserver, AnExactSpringMakesNothing) {
 }
 
 TEST(EnergyObserver, ASpringThatIsStifferOnTheWayOutGivesItsSurplus) {
-    // In against K, out against K + ΔK: the hand gets ½ ΔK d² for nothing, counted once all that it
-    // put in is out again. Nothing is forgotten meanwhile.
+    // In against K, out against K + ΔK: the hand receives ½ ΔK d² of generated energy, counted once
+    // all that it put in is returned. No decay meanwhile.
     const double depth_m = 5e-3;
     const Spring in{1000.0};
     const Spring out{1200.0};
@@ -72,8 +72,8 @@ TEST(EnergyObserver, ASpringThatIsStifferOnTheWayOutGivesItsSurplus) {
 }
 
 TEST(EnergyObserver, WhatTheForceGivesBeyondTheSpringIsTheSurplus) {
-    // The spring of the law is K throughout; the rendered force is K on the way in, and stiffer on
-    // the way out, as a lag makes it. Over a closed path ½ ΔK d² was made, wherever one looks last.
+    // The law's spring is K throughout; the rendered force is that of K on the way in, and stiffer
+    // on the way out, as caused by a lag. Over a closed path ½ ΔK d² is generated.
     const double depth_m = 5e-3;
     const Spring law{1000.0};
     for (const double surplus_N_per_m : {0.0, 100.0, 400.0}) {
@@ -92,7 +92,7 @@ TEST(EnergyObserver, WhatTheForceGivesBeyondTheSpringIsTheSurplus) {
 }
 
 TEST(EnergyObserver, ADamperOnlyTakes) {
-    // F = −b v: every step's G is what it took, −Σ F Δx, down to the credit's bound.
+    // F = −b v: G decreases by the dissipated energy, −Σ F Δx, down to its lower bound.
     EnergyObserver observer(kForgetsNothing_s);
     double taken_J = 0.0;
     const double force_N = -2.0;
@@ -121,7 +121,7 @@ TEST(EnergyObserver, ForgetsWithItsTimeConstantAtAnyRate) {
 }
 
 TEST(EnergyObserver, CreditIsBounded) {
-    // However much was put in before, the limit and as much again is all that can come back out.
+    // Regardless of the energy put in before, at most twice the limit can be returned.
     EnergyObserver observer(kForgetsNothing_s);
     Vector3 tip_m = Vector3::Zero();
     const auto move = [&](double force_N, double way_m) {
@@ -141,8 +141,8 @@ TEST(EnergyObserver, CreditIsBounded) {
 }
 
 TEST(EnergyObserver, AChangedSpringIsNoStretchedOne) {
-    // Stiffened at 5 mm and then let go: 25 mJ more come out than went in, of which an operator who
-    // changes a tuning is the source, and nobody else is excused.
+    // Stiffened at 5 mm and then released: 25 mJ more come out than went in, supplied by the
+    // operator's change of tuning; any further energy is counted.
     const double depth_m = 5e-3;
     for (const bool told : {false, true}) {
         EnergyObserver observer(kForgetsNothing_s);
@@ -162,7 +162,7 @@ TEST(EnergyObserver, AChangedSpringIsNoStretchedOne) {
 }
 
 TEST(EnergyObserver, AModelThatHoldsTooMuchAccusesNobody) {
-    // The model has twice the stiffness of the force, in and out: nothing is made.
+    // The model has twice the stiffness of the force, in and out: nothing is generated.
     EnergyObserver observer(kForgetsNothing_s);
     const Spring force{1000.0};
     const Spring model{2000.0};
@@ -185,12 +185,13 @@ TEST(EnergyObserver, StartsAnewAfterAReset) {
     observer.update(Vector3(0.01, 0, 0), push_N, 0.0, 0.0, kLimit_J);
     observer.reset();
     EXPECT_EQ(observer.generated_J(), 0.0);
-    observer.update(Vector3(1.0, 0, 0), push_N, 5.0, 0.0, kLimit_J); // no way from the place before
+    observer.update(Vector3(1.0, 0, 0), push_N, 5.0, 0.0, kLimit_J); // no displacement from the
+                                                                     // previous position
     EXPECT_EQ(observer.generated_J(), 0.0);
 }
 
 TEST(EnergyObserver, ALimitedSpringHoldsWhatItTakesToStretchIt) {
-    // Against the integral of min(K x, share K d) over the way, in fine steps.
+    // Compared with the integral of min(K x, share K d) over the displacement, in fine steps.
     const double K_N_per_m = 1500.0;
     const double depth_m = 4e-3;
     for (const double share : {0.0, 0.1, 0.5, 0.9, 1.0}) {

@@ -23,7 +23,7 @@ using testing::PlantedDevice;
 
 constexpr int kPressing = 1900; // ticks, by when the tip is deep in the plate
 
-/// A hand presses the tip of a device with a mistake into a plate.
+/// A hand presses the tip of a device with a planted bug into a plate.
 struct Pressed {
     explicit Pressed(Plant plant, double servo_hz = 1000.0)
         : device(plant, hand()), servo(device, servo_hz) {
@@ -40,7 +40,7 @@ struct Pressed {
         servo.drain([&](const ServoSample &sample) { samples.push_back(sample); });
     }
 
-    /// Until the servo's thread has ended so many ticks more.
+    /// Waits until the servo's thread has completed `ticks` more ticks.
     void wait_for(std::size_t ticks) {
         for (const std::size_t end = samples.size() + ticks; samples.size() < end; take_in()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -55,7 +55,7 @@ struct Pressed {
     std::vector<ServoSample> samples;
 };
 
-/// From the failure on the device has heard nothing but to brake, and before that it was driven.
+/// From the failure on the device received only braking commands, and before that it was driven.
 void expect_braked(const PlantedDevice &device) {
     const std::vector<device::DeviceCommand> &heard = device.heard();
     const std::size_t failed = device.heard_when_it_failed();
@@ -90,7 +90,7 @@ TEST_P(FailedAssertion, TheNextThingThatTheDeviceHearsIsToBrakeAndItHearsNothing
     rig.servo.advance(500);
     rig.take_in();
     expect_braked(rig.device);
-    // No tick is missing, and all since say what happened.
+    // No tick is missing, and all since report the failure.
     ASSERT_EQ(rig.samples.size(), kPressing + 500U);
     for (std::size_t i = 0; i < rig.samples.size(); ++i) {
         ASSERT_EQ(rig.samples[i].tick, i);
@@ -99,7 +99,7 @@ TEST_P(FailedAssertion, TheNextThingThatTheDeviceHearsIsToBrakeAndItHearsNothing
     expect_said(rig.samples[kPressing].safety, rig.device.line());
     expect_said(rig.samples.back().safety, rig.device.line());
     EXPECT_TRUE(rig.samples.back().command.e_W_V.isZero(0.0));
-    EXPECT_NE(rig.samples.back().counts, rig.samples[kPressing].counts); // it goes on measuring
+    EXPECT_NE(rig.samples.back().counts, rig.samples[kPressing].counts); // it still measures
     EXPECT_NE(rig.samples.back().tip_m, rig.samples[kPressing].tip_m);
 }
 
@@ -137,14 +137,14 @@ TEST(ServoAssertion, NothingButANewStartLeavesIt) {
     rig.inputs.stop_count = 1;
     rig.inputs.reset_count = 2;
     rig.inputs.release = true;
-    rig.inputs.scene_id = 2; // the publisher learns that the first one's surface is free
+    rig.inputs.scene_id = 2; // tells the publisher that the first surface is no longer used
     rig.inputs.surface = nullptr;
     rig.servo.publish(rig.inputs);
     rig.servo.advance(100);
     rig.servo.set_rate(2000.0);
     rig.inputs.release = false;
     rig.servo.publish(rig.inputs);
-    rig.servo.start(); // goes on where it was
+    rig.servo.start(); // continues in the same state
     rig.take_in();
     EXPECT_EQ(rig.samples.back().scene_id, 2U);
     rig.wait_for(3000);
@@ -175,7 +175,7 @@ TEST(ServoAssertion, OneThatFailsAgainWhileBrakingEndsTheTicksNotTheProgram) {
         rig.servo.stop();
         expect_braked(rig.device);
         EXPECT_EQ(rig.device.failures(), 2);
-        // Once at each failure, and last of all.
+        // Once at each failure, and at the end.
         EXPECT_EQ(rig.device.heard().size(), rig.device.heard_when_it_failed() + 3);
     }
 }
@@ -191,7 +191,7 @@ TEST(ServoAssertion, WindingsThatAreOpenStayOpen) {
     EXPECT_EQ(rig.device.failures(), 1);
     EXPECT_EQ(rig.device.heard().back().mode, device::CommandMode::open);
     rig.take_in();
-    expect_said(rig.samples.back().safety, rig.device.line()); // not the board's fault any more
+    expect_said(rig.samples.back().safety, rig.device.line()); // no longer the board's fault
 }
 
 TEST(ServoAssertionDeathTest, IfTheSafeCommandFailsTooTheProgramEnds) {

@@ -1,5 +1,5 @@
-// Covers what the safety monitor must not do: hands that press, tap and slide as people do must
-// never trip it, whatever the tuning, the rate and the surface.
+// Covers false alarms of the safety monitor: hands that press, tap and slide as people do must
+// never trip it, with any tuning, rate and surface.
 #include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ void run(testing::FaultTrial &rig, double until_s, Extremes &seen) {
 
 class FalseAlarm : public ::testing::TestWithParam<double> {};
 
-/// One parameter is the servo's rate; everything else in turn.
+/// The servo's rate is the parameter; everything else cycles.
 TEST_P(FalseAlarm, NoneWhereHandsPressAndTap) {
     std::mt19937 random(51);
     Extremes all;

@@ -1,7 +1,7 @@
-// Covers the safety monitor's answer to faults of what is rendered: amplifiers that give more than
-// was asked for, or the opposite; windings that sag below R̂; counts that come late, so that a
-// contact makes energy. What is held to in every tick of every fault is said in
-// tests/support/fault_trial.h: the true force too is above its limit in one tick at the most.
+// Covers the safety monitor's response to faults of the rendered force: amplifiers with a wrong
+// gain or sign; windings whose R sags below R̂; late counts, so that a contact generates energy.
+// The checks in every tick are listed in tests/support/fault_trial.h: the true force, too, is above
+// its limit for at most one tick.
 #include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
@@ -22,17 +22,17 @@ TEST(FaultInjection, TipForce) {
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
-        // The device's own limit, or one that was lowered while nobody felt it.
+        // The device's own limit, or one that was lowered while no motor was driven.
         const double limit_N = i % 2 == 0 ? 8.5 : testing::uniform(random, 6.0, 8.0);
         rig.inputs.limits.tip_force_N = limit_N;
         rig.run_to_fault();
         const double force_N = rig.last.tip_force_N.norm();
         EXPECT_GT(force_N, 0.2);
-        // An amplifier that gives too much.
+        // An amplifier with excessive gain.
         const double gain = limit_N / force_N * testing::log_uniform(random, 1.1, 2.0);
         rig.commit(rig::FaultKind::amplifier_gain, Vector3::Constant(gain));
         rig.run_to_trip(0.05);
-        // Where one tick brings it beyond both limits, the winding's is named.
+        // If one tick exceeds both limits, the winding's is reported.
         rig.expect_tripped_by(rig.last.safety.cause == TripCause::current ? TripCause::current
                                                                           : TripCause::tip_force);
         rig.expect_latched();
@@ -48,14 +48,15 @@ TEST(FaultInjection, Energy) {
     std::mt19937 random(42);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::running_on_plate);
-        what.firm = what.firm && what.tuning_name != "soft"; // it would hold a soft spring's double
+        what.firm = what.firm && what.tuning_name != "soft"; // it would hold even twice a soft
+                                                             // spring
         what.target_m.y() = -testing::uniform(random, 1.0, 2.5) * (what.firm ? 1.5e-3 : 11e-3);
         testing::FaultTrial rig(what);
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.inputs.limits.generated_energy_J =
             0.03 * testing::uniform(random, 0.1, what.firm ? 0.3 : 1.0);
-        // Wires swapped: what should push out pulls in.
+        // Reversed polarity: the force pulls in instead of pushing out.
         rig.commit(rig::FaultKind::amplifier_gain,
                    -Vector3::Ones() * testing::uniform(random, 1.0, 1.4));
         rig.run_to_trip(1.0);
@@ -67,7 +68,7 @@ TEST(FaultInjection, Energy) {
     }
 }
 
-/// One of the faults that may show in several ways, or in none.
+/// A fault that may show in several ways, or not at all.
 rig::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
     switch (std::uniform_int_distribution<int>(0, 4)(random)) {
     case 0: // R falls to R̂, or below it

@@ -1,6 +1,6 @@
-// Covers the safety monitor's answer to faults of what is measured: a device that does not answer,
-// values that are none, encoders that jump, currents beyond the amplifiers. What is held to in
-// every tick of every fault is said in tests/support/fault_trial.h.
+// Covers the safety monitor's response to faults of measurements: a device that does not answer,
+// values that are not finite, encoder jumps, currents beyond the amplifiers' limits. The checks in
+// every tick are listed in tests/support/fault_trial.h.
 #include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ Vector3 some_motors(std::mt19937 &random) {
     return signs;
 }
 
-/// A fault that is there at once, and each time that somebody resets.
+/// A fault that is present immediately, and after each reset.
 void see_through(testing::FaultTrial &rig, rig::FaultKind kind, const Vector3 &size,
                  TripCause cause) {
     rig.run_to_fault();
@@ -49,7 +49,7 @@ TEST(FaultInjection, DeviceLost) {
     }
 }
 
-/// What only keeps silent, repeats itself or garbles what it says is borne for the budget's time.
+/// Missing, repeated or corrupt measurements are tolerated for the limit's time.
 TEST(FaultInjection, StaleMeasurements) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(24);
@@ -59,7 +59,7 @@ TEST(FaultInjection, StaleMeasurements) {
         constexpr std::array<rig::FaultKind, 3> kKinds{
             rig::FaultKind::absent, rig::FaultKind::corrupt, rig::FaultKind::repeated};
         rig.run_to_fault();
-        rig.force_is_bounded = false; // the hand moves on behind a held e_W
+        rig.force_is_bounded = false; // the hand continues to move against a held e_W
         rig.commit(kKinds[static_cast<std::size_t>(i) % kKinds.size()], Vector3::Zero());
         const double budget_s = rig.device().description().limits.stale_s;
         rig.run_to_trip(budget_s + 2.0 / rig.what.servo_hz);
@@ -112,7 +112,7 @@ TEST(FaultInjection, CurrentReading) {
     }
 }
 
-/// Counts that move the tip by so much, the motors as in `signs`.
+/// Counts that move the tip by a given distance, with motor directions as in `signs`.
 Vector3 jump_counts(const testing::FaultTrial &rig, const Vector3 &signs, double way_m) {
     const device::DeviceDescription &device = rig.device().description();
     const testing::TipAt now(device.geometry, rig.truth().theta_rad);
@@ -121,7 +121,7 @@ Vector3 jump_counts(const testing::FaultTrial &rig, const Vector3 &signs, double
     return (signs * (way_m / tip_m_per_count)).array().round();
 }
 
-/// Further than a tip at twice its greatest speed comes in a tick, and five counts.
+/// More than a tip at twice its maximum speed moves in a tick, plus five counts.
 double surely_a_jump_m(const testing::FaultTrial &rig) {
     const device::DeviceDescription &device = rig.device().description();
     const testing::TipAt now(device.geometry, rig.truth().theta_rad);
@@ -144,7 +144,7 @@ TEST(FaultInjection, EncoderJump) {
         rig.expect_tripped_by(TripCause::encoder_jump);
         EXPECT_NEAR(rig.last.safety.measured, way_m, 0.5 * way_m);
         rig.expect_latched();
-        if (flickers) { // one that is off for good looks like any other place, once accepted
+        if (flickers) { // a permanent offset looks like any other position, once accepted
             rig.expect_reset_trips_again(TripCause::none, 0.01); // as a jump or as a speed
         }
         rig.device().mend();

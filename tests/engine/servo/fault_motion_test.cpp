@@ -1,6 +1,6 @@
-// Covers the safety monitor's answer to what moves or warms too much: a hand that yanks, joints or
-// encoders beyond the stops, a hot motor, a lasting wish for more voltage. What is held to in every
-// tick of every fault is said in tests/support/fault_trial.h.
+// Covers the safety monitor's response to excessive motion, heat and voltage: a hand that yanks,
+// joints or encoders beyond the stops, a hot motor, a sustained request for more voltage. The
+// checks in every tick are listed in tests/support/fault_trial.h.
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_trial.h"
@@ -20,7 +20,7 @@
 namespace springdrive::servo {
 namespace {
 
-/// Where the hand goes before the fault, and from then on at another speed to another place.
+/// The hand's path before the fault, and from then on with another speed and target.
 simulated::SimulationOptions yanking(const testing::FaultCase &what, const Vector3 &end_m,
                                      double speed_m_per_s) {
     const double yank_s = static_cast<double>(what.at_tick) / what.servo_hz;
@@ -67,14 +67,14 @@ TEST(FaultInjection, TipSpeed) {
         EXPECT_GT(rig.truth().tip_velocity_m_per_s.norm(), 0.8 * limit); // no false alarm
         rig.expect_latched();
         rig.inputs.limits = unlowered();
-        for (int tick = 0; tick < rig.ticks_in(0.7); ++tick) { // until the hand is there
+        for (int tick = 0; tick < rig.ticks_in(0.7); ++tick) { // until the hand has arrived
             rig.step();
         }
         rig.expect_recovery();
     }
 }
 
-/// Joint angles near one of the stops that can be reached at all, well off all others.
+/// Joint angles near one reachable stop, far from all others.
 Vector3 angles_near(std::mt19937 &random, const device::JointLimits &stops, int stop) {
     constexpr double kOff_rad = 0.2;
     const double near_rad =
@@ -117,7 +117,7 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
         {{0, 1.0}, {0, -1.0}, {1, 1.0}, {2, -1.0}, {2, 1.0}, {2, -1.0}}};
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::free);
-        what.firm = true; // a light one gives way to the soft wall, and gets nowhere
+        what.firm = true; // a light hand would yield to the soft wall
         const int stop = i % 6;
         const device::DeviceDescription device = testing::phantom_1_0();
         const Vector3 q_rad = angles_near(random, device.joint_limits, stop);
@@ -152,7 +152,7 @@ TEST(FaultInjection, WindingTemperature) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        // As if the motor were so much hotter: what is left to the limit is used up soon.
+        // As if the motor were hotter: the remaining margin is exhausted soon.
         rig.inputs.limits.winding_C =
             rig.judge.upper_winding_C() + testing::uniform(random, -0.05, 0.05);
         rig.run_to_trip(2.0);
@@ -174,7 +174,7 @@ TEST(FaultInjection, VoltageThatLasts) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        // Lowered, it glides there in up to a second.
+        // A lowered limit is reached within a second.
         rig.inputs.limits.voltage_V =
             testing::uniform(random, 0.2, 0.8) * rig.last.command.e_W_V.cwiseAbs().maxCoeff();
         rig.run_to_trip(2.0);

@@ -1,6 +1,6 @@
-// Covers the safety monitor's answer to faults of those who use the servo: the emergency stop,
-// missed deadlines and a window that falls silent. What is held to in every tick of every
-// fault is said in tests/support/fault_trial.h.
+// Covers the safety monitor's response to faults of host and operator: the emergency stop, missed
+// deadlines and a window without heartbeat. The checks in every tick are listed in
+// tests/support/fault_trial.h.
 #include "tests/support/fault_trial.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(FaultInjection, MissedDeadlines) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        rig.force_is_bounded = false; // the servo is not there to bound it
+        rig.force_is_bounded = false; // the servo is not running to bound it
         const double most = testing::log_uniform(random, 1.0, 70.0);
         std::uint32_t in_a_row = 0;
         rig.timing = [&] {
@@ -69,7 +69,7 @@ TEST(FaultInjection, WindowSilent) {
         rig.run_to_fault();
         rig.window_lives = false;
         const std::uint32_t last_beat = rig.inputs.heartbeat;
-        rig.run_to_trip(limit_s - 0.02); // the last beat was at most 16 ms ago
+        rig.run_to_trip(limit_s - 0.02); // the last heartbeat was at most 16 ms ago
         EXPECT_FALSE(rig.has_tripped());
         rig.run_to_trip(0.03);
         EXPECT_EQ(rig.inputs.heartbeat, last_beat);

@@ -1,4 +1,4 @@
-// The storm of tuning_storm_test.cpp, for longer.
+// The stress test of tuning_storm_test.cpp, for longer.
 #include "tests/support/cases.h"
 #include "tests/support/tuning_storm.h"
 

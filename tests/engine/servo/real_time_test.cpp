@@ -67,7 +67,7 @@ public:
     rig::ServoRig closed_loop;
 };
 
-constexpr int kTicks = 3000; // of which 1200 before the hand sets off
+constexpr int kTicks = 3000; // of which 1200 before the hand starts to move
 
 template <typename Check> void for_every_scene(Check &&check) {
     for (const char *scene : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
@@ -83,7 +83,7 @@ template <typename Check> void for_every_scene(Check &&check) {
     }
 }
 
-/// What `work` allocates and locks.
+/// Expects that `work` neither allocates nor locks.
 template <typename Work> void expect_quiet(Work &&work) {
     testing::watched().allocations = 0;
     testing::watched().locks = 0;
@@ -140,7 +140,7 @@ TEST(RealTime, AProxyOnShapesAndWithFrictionAllocatesAndLocksNothing) {
     }
 }
 
-/// In a child where any system call but read, write and exit means death.
+/// Runs in a child that is killed by any system call but read, write and exit.
 int exit_status_without_system_calls(TouchedScene &touched, bool call_one) {
     const pid_t child = fork();
     if (child == 0) {
@@ -164,7 +164,7 @@ TEST(RealTime, ATickMakesNoSystemCall) {
     if (killed == 77) {
         GTEST_SKIP() << "this kernel has no seccomp";
     }
-    ASSERT_EQ(killed, -SIGKILL); // the watch is awake
+    ASSERT_EQ(killed, -SIGKILL); // the filter works
     for_every_scene([](TouchedScene &touched, const char *scene) {
         EXPECT_EQ(exit_status_without_system_calls(touched, false), 0) << scene;
     });

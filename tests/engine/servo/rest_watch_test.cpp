@@ -12,7 +12,7 @@ namespace {
 constexpr double kWatchPeriod_s = 1e-3;
 const Vector3 kPlace_m(0.05, -0.02, 0.01);
 
-/// Ticks until it is at rest, with the tip where `tip_m(tick)` says; −1 when not within a second.
+/// Ticks until it is at rest, with the tip at `tip_m(tick)`; −1 if not within a second.
 template <typename Path> int ticks_to_rest(RestWatch &watch, Path tip_m, double period_s) {
     const int longest = static_cast<int>(1.0 / period_s);
     for (int tick = 1; tick <= longest; ++tick) {
@@ -29,7 +29,8 @@ TEST(RestWatch, TakesATenthOfASecondInOnePlaceAtAnyRate) {
         RestWatch watch(1.0 / rate_hz);
         const int ticks = ticks_to_rest(
             watch, [](int) { return kPlace_m; }, 1.0 / rate_hz);
-        // The first tick finds the place; a sum of a thousand periods may want one more.
+        // The first tick sets the position; round-off in a sum of a thousand periods may require
+        // one more.
         EXPECT_GE(ticks, 0.1 * rate_hz);
         EXPECT_LE(ticks, 0.1 * rate_hz + 2.0);
     }
@@ -65,7 +66,7 @@ TEST(RestWatch, WhoTouchesNeverRests) {
         watch.update(kPlace_m, true);
         ASSERT_FALSE(watch.is_at_rest());
     }
-    // One touch shortly before the end, and all of it again.
+    // A touch shortly before the end restarts the time.
     EXPECT_GT(ticks_to_rest(
                   watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
               99);
@@ -85,7 +86,7 @@ TEST(RestWatch, ATipThatIsNowhereDoesNotRest) {
                   -1);
         EXPECT_GT(ticks_to_rest(
                       watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
-                  0); // it mends
+                  0); // it recovers
     }
 }
 

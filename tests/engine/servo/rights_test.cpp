@@ -1,5 +1,5 @@
-// Covers engine/servo/real_time.cpp: what a thread gets from the system, and what it is told where
-// the system refuses.
+// Covers engine/servo/real_time.cpp: what the system grants a thread, and the remarks if it
+// refuses.
 #include "engine/servo/real_time.h"
 
 #include "tests/support/complaint.h"
@@ -35,7 +35,7 @@ std::vector<int> allowed_processors() {
     return processors;
 }
 
-/// As an ordinary user whose limits are those of a fresh installation.
+/// Drops privileges to an ordinary user with the limits of a fresh installation.
 bool give_up_rights() {
     const rlimit none{0, 0};
     const rlimit little{65'536, 65'536};
@@ -45,7 +45,7 @@ bool give_up_rights() {
            syscall(SYS_capset, &head, nothing) == 0;
 }
 
-/// What `says` returns in a process of its own.
+/// The text that `says` returns in a child process.
 std::string said_elsewhere(const std::function<std::string()> &says) {
     int ends[2]{}; // NOLINT(modernize-avoid-c-arrays)
     EXPECT_EQ(pipe(ends), 0);

@@ -47,7 +47,7 @@ TEST(SafetyLimits, OfMotorsThatDifferTheOneThatBearsMostCounts) {
 }
 
 TEST(SafetyLimits, TheListNamesEveryFieldOnce) {
-    // As many doubles as the struct has room for, each another one.
+    // Every double of the struct, each once.
     EXPECT_EQ(sizeof(SafetyLimits), kSafetyLimits.size() * sizeof(double));
     SafetyLimits counted;
     double number = 0.0;

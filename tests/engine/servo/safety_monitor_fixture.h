@@ -1,4 +1,4 @@
-// A safety monitor and what it is shown, for the tests of its start and of its trips.
+// A safety monitor and its inputs, for the tests of its start and of its trips.
 #pragma once
 
 #include "device/core/phantom/kinematics.h"
@@ -13,7 +13,7 @@ class SafetyMonitorTest : public ::testing::Test {
 protected:
     static constexpr double kPeriod_s = 1e-3;
 
-    /// So little that no limit holds any of it back.
+    /// A command so small that no limit reduces it.
     static device::DeviceCommand little() {
         return {Vector3(0.2, -0.3, 0.1), Vector3::Constant(1.5)};
     }

@@ -1,5 +1,5 @@
-// Covers engine/servo/safety_monitor.cpp: how it starts, what it lets through, the windings. Its
-// trips are in safety_trips_test.cpp.
+// Covers engine/servo/safety_monitor.cpp: start, limiting, windings. Trips are in
+// safety_trips_test.cpp.
 #include "engine/servo/safety_monitor.h"
 
 #include "engine/control/force_direction.h"
@@ -135,11 +135,12 @@ TEST_F(SafetyMonitorTest, HoldsCommandsToSupplyForceAndResistance) {
     const Vector3 k_T = Vector3::Constant(motor.torque_constant_Nm_per_A);
     EXPECT_LE(control::static_tip_force(calm().now.J, k_T, settling_A).norm(),
               kLimiterShare * device.limits.tip_force_N * (1.0 + 1e-9));
-    // A lowered voltage, where neither force nor current is the narrower.
+    // A lowered voltage, when it is tighter than force and current.
     SafetyOrders orders;
     orders.limits.voltage_V = 0.25;
     device::DeviceCommand held;
-    for (int i = 0; i < 1000 && monitor.limits().voltage_V > 0.25; ++i) { // it glides there
+    for (int i = 0; i < 1000 && monitor.limits().voltage_V > 0.25; ++i) { // until it has ramped
+                                                                          // down
         held = pass(calm(), orders);
     }
     EXPECT_EQ(held.e_W_V, Vector3(0.2, -0.25, 0.1));
@@ -166,7 +167,7 @@ TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
     EXPECT_GT(monitor.status().measured, limit_C);
     EXPECT_EQ(monitor.status().limit, limit_C);
     EXPECT_NE(description(monitor.status()).find("limit 100.0 °C"), std::string::npos);
-    // A reset does not cool it: that takes time, of which the monitor keeps count.
+    // A reset does not cool it: the monitor tracks the temperature over time.
     monitor.reset();
     expect_braking(pass(calm()));
     EXPECT_EQ(monitor.status().state, SafetyState::tripped);
@@ -194,7 +195,7 @@ TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
 
 TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
     start_up();
-    // Tuned on a winding that surely is warm, R̂ may exceed what the data sheet's 25 °C allows...
+    // On a winding that is certainly warm, R̂ may exceed what 25 °C of the data sheet allows...
     device::DeviceCommand wanted = little();
     wanted.cancelled_resistance_Ohm = Vector3::Constant(device.motor[0].resistance_Ohm);
     Observation loaded = calm();
@@ -206,7 +207,7 @@ TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
     const Vector3 hot_Ohm = pass(loaded, {}, wanted).cancelled_resistance_Ohm;
     EXPECT_EQ(hot_Ohm, wanted.cancelled_resistance_Ohm);
     EXPECT_FALSE(monitor.windings()[0].is_limited);
-    // ...and comes down with the winding as it cools, whatever the operator still asks for.
+    // ...and decreases as the winding cools, whatever the operator still requests.
     for (int i = 0; i < 60000; ++i) {
         const double R_hat_Ohm = pass(calm(), {}, wanted).cancelled_resistance_Ohm[0];
         ASSERT_LT(R_hat_Ohm,

@@ -1,4 +1,4 @@
-// Covers engine/servo/safety_monitor.cpp: letting go of a device.
+// Covers engine/servo/safety_monitor.cpp: releasing a device.
 #include "tests/engine/servo/safety_monitor_fixture.h"
 
 #include <gtest/gtest.h>

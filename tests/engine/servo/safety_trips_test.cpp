@@ -18,7 +18,7 @@
 namespace springdrive::servo {
 namespace {
 
-/// All that a tick brings before the monitor.
+/// The monitor's inputs of a tick.
 struct Tick {
     Observation seen;
     SafetyOrders orders;
@@ -40,7 +40,7 @@ protected:
         return tick;
     }
 
-    /// It tripped in this very tick, and stays so, whatever is shown to it.
+    /// Expects a trip in this tick that persists for any further inputs.
     void expect_tripped(const device::DeviceCommand &command, TripCause cause) {
         expect_braking(command);
         EXPECT_EQ(monitor.status().state, SafetyState::tripped);
@@ -52,8 +52,8 @@ protected:
         EXPECT_EQ(monitor.status().cause, cause);
     }
 
-    /// Just within nothing happens; just beyond it trips at once, latches, trips again after a
-    /// reset while the cause is there, and starts after one when it is gone.
+    /// Just within the limit nothing happens; just beyond, it trips immediately, latches, trips
+    /// again after a reset while the cause persists, and starts after a reset once it is gone.
     void expect_line(const Tick &within, const Tick &beyond, TripCause cause) {
         start_up();
         for (int i = 0; i < 100; ++i) {
@@ -162,7 +162,7 @@ TEST_F(SafetyTrips, MissedDeadlines) {
 
 TEST_F(SafetyTrips, AWindowThatGivesNoSignOfLife) {
     Tick tick = fine();
-    for (std::uint32_t i = 1; i <= 5000; ++i) { // one that does, every 0.1 s
+    for (std::uint32_t i = 1; i <= 5000; ++i) { // a heartbeat every 0.1 s
         tick.orders.heartbeat = 1 + i / 100;
         pass_tick(tick);
     }
@@ -174,12 +174,12 @@ TEST_F(SafetyTrips, AWindowThatGivesNoSignOfLife) {
         ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
     }
     pass_tick(tick);
-    pass_tick(tick); // a sum of 2000 periods may be either side of 2 s
+    pass_tick(tick); // a sum of 2000 periods may be on either side of 2 s
     EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
     EXPECT_EQ(monitor.status().limit, device.limits.window_silence_s);
     EXPECT_NEAR(monitor.status().measured, device.limits.window_silence_s, 1.5 * kPeriod_s);
     expect_tripped(pass_tick(tick), TripCause::window_silent);
-    // A reset, by whatever way it comes, is a sign of life: the silence counts from there.
+    // A reset restarts the time since the last heartbeat.
     monitor.reset();
     for (int i = 0; i < 1998; ++i) {
         pass_tick(tick);
@@ -215,7 +215,7 @@ TEST_F(SafetyTrips, AHeartbeatOfZeroMeansThatNobodyWatches) {
 }
 
 TEST_F(SafetyTrips, EncodersThatJump) {
-    // Half as far again as at the greatest speed, and three counts of each motor.
+    // 1.5 times the displacement at the maximum speed, plus three counts of each motor.
     const double counts_m = 3.0 * 2.0 * std::numbers::pi / 4096 * calm().now.J.norm();
     for (const std::uint32_t missed : {0U, 4U}) {
         const double limit_m =
@@ -224,7 +224,8 @@ TEST_F(SafetyTrips, EncodersThatJump) {
             monitor = SafetyMonitor(device, kPeriod_s);
             start_up();
             Tick tick = fine();
-            tick.orders.limits.tip_speed_m_per_s = 0.01; // lowering that makes no jump of a step
+            tick.orders.limits.tip_speed_m_per_s = 0.01; // a lowered speed limit does not turn a
+                                                         // step into a jump
             tick.seen.now.tip_m.x() += share * limit_m;
             tick.seen.missed_periods = missed;
             pass_tick(tick);
@@ -233,7 +234,7 @@ TEST_F(SafetyTrips, EncodersThatJump) {
                 EXPECT_EQ(monitor.status().cause, TripCause::encoder_jump);
                 EXPECT_NEAR(monitor.status().measured, share * limit_m, 1e-12);
                 EXPECT_NEAR(monitor.status().limit, limit_m, 1e-12);
-                monitor.reset(); // the place is another, but not a jump any more
+                monitor.reset(); // at the new position it is no longer a jump
                 pass_tick(tick);
                 EXPECT_EQ(monitor.status().state, SafetyState::waiting);
             }
@@ -267,15 +268,15 @@ TEST_F(SafetyTrips, AnglesBeyondTheStops) {
 }
 
 TEST_F(SafetyTrips, EnergyFromNothing) {
-    // Work in one direction under a force that goes along: 5 N over 6 mm are the 30 mJ.
+    // Work in one direction by a force along the motion: 5 N over 6 mm are the 30 mJ.
     for (const double share : {0.99, 1.01}) {
         monitor = SafetyMonitor(device, kPeriod_s);
         start_up();
         Tick tick = fine();
         tick.seen.tip_force_N = Vector3(5.0, 0.0, 0.0);
         pass_tick(tick);
-        pass_tick(tick);          // the mean of both ends from here on
-        constexpr int kSteps = 6; // short against the memory: 6 ms of 0.5 s are 0.6 %
+        pass_tick(tick);          // from here on the mean of start and end is 5 N
+        constexpr int kSteps = 6; // short compared with the memory: 0.6 % mean decay
         for (int i = 0; i < kSteps; ++i) {
             ASSERT_EQ(monitor.status().state, SafetyState::running);
             tick.seen.now.tip_m.x() += share * 6.0e-3 * 1.006 / kSteps;
@@ -292,7 +293,7 @@ TEST_F(SafetyTrips, EnergyFromNothing) {
 }
 
 TEST_F(SafetyTrips, VoltageThatLasts) {
-    const double limit = 0.35; // so low that force and current would bear more
+    const double limit = 0.35; // below what force and current limits allow
     device.motor[1].supply_V = limit;
     monitor = SafetyMonitor(device, kPeriod_s);
     Tick within = fine();
@@ -301,7 +302,7 @@ TEST_F(SafetyTrips, VoltageThatLasts) {
     beyond.wanted.e_W_V[1] = -1.001 * limit;
     start_up();
     const int tolerated = static_cast<int>(std::lround(kVoltageTolerated_s / kPeriod_s));
-    for (int times = 0; times < 3; ++times) { // shocks, with a tick between
+    for (int times = 0; times < 3; ++times) { // short peaks, with a tick in between
         for (int i = 0; i < tolerated; ++i) {
             pass_tick(beyond);
             ASSERT_EQ(monitor.status().state, SafetyState::running);
@@ -319,7 +320,7 @@ TEST_F(SafetyTrips, VoltageThatLasts) {
     EXPECT_NEAR(monitor.status().measured, 1.001 * limit, 1e-9);
     EXPECT_EQ(monitor.status().limit, limit);
     expect_tripped(command, TripCause::voltage);
-    monitor.reset(); // who waits may stand deep in a surface: nobody feels what it asks for
+    monitor.reset(); // while waiting the tip may be deep in a surface: the motors are not driven
     for (int i = 0; i < 90; ++i) {
         pass_tick(beyond);
         ASSERT_EQ(monitor.status().state, SafetyState::waiting);
@@ -327,11 +328,12 @@ TEST_F(SafetyTrips, VoltageThatLasts) {
     for (int i = 0; i < 1200; ++i) {
         pass_tick(beyond);
     }
-    EXPECT_EQ(monitor.status().cause, TripCause::voltage); // once the gains are up it trips again
+    EXPECT_EQ(monitor.status().cause, TripCause::voltage); // trips again once the gains have ramped
+                                                           // up
 }
 
 TEST_F(SafetyTrips, WindingTemperatureByALoweredLimit) {
-    // Unloaded windings are at most as warm as the warmest air.
+    // Unloaded windings are at most at the temperature of the warmest air.
     Tick within = fine();
     Tick beyond = fine();
     within.orders.limits.winding_C = device::kWarmestAir_C + 0.01;
@@ -362,7 +364,7 @@ TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
                 pass_tick(lowered_to);
                 const bool glides =
                     limit == &SafetyLimits::current_A || limit == &SafetyLimits::tip_force_N;
-                if (glides) { // a second from all to nothing
+                if (glides) { // a second from the full limit to zero
                     EXPECT_LE(before - monitor.limits().*limit,
                               (of_device.*limit) * kPeriod_s / kLimitGlide_s * (1.0 + 1e-9));
                 }
@@ -373,7 +375,7 @@ TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
                             1e-12 * (of_device.*limit));
             }
         }
-        // Raised by however much, the device's own limit holds: a little beyond it trips.
+        // However much it is raised, the device's own limit applies: slightly beyond it trips.
         monitor = SafetyMonitor(device, kPeriod_s);
         start_up();
         Tick beyond = tick;
@@ -401,7 +403,7 @@ TEST_F(SafetyTrips, NamesTheFirstCauseAndKeepsIt) {
 }
 
 TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
-    // Everything from one cause on to the last, all in one tick.
+    // All causes from one to the last, in one tick.
     const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
         {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},
         {TripCause::device_lost, [](Tick &t) { t.seen.link.health = device::DeviceHealth::lost; }},
@@ -428,7 +430,7 @@ TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
          [](Tick &t) {
              t.orders.limits.generated_energy_J = 1e-6;
              t.seen.tip_force_N[0] = std::max(5.0, t.seen.tip_force_N[0]);
-             t.seen.now.tip_m.x() += 1e-3; // 2.5 mJ with the mean of nothing and 5 N
+             t.seen.now.tip_m.x() += 1e-3; // 2.5 mJ with the mean of 0 and 5 N
          }},
         {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 0.4; }}};
     device.motor[0].supply_V = 0.25;

@@ -1,6 +1,5 @@
-// Covers the hand-over of engine/servo/servo_inputs.h by base/latest_value.h: inputs that are
-// sealed with a checksum of every field arrive whole, however quickly one thread publishes and the
-// other reads.
+// Covers passing engine/servo/servo_inputs.h through base/latest_value.h: inputs with a checksum of
+// every field arrive intact, however quickly one thread publishes and the other reads.
 #include "engine/servo/servo_inputs.h"
 
 #include "base/latest_value.h"
@@ -26,7 +25,7 @@ public:
         for (; word != 0; word >>= 32U) {
             hash_ = (hash_ ^ (word & 0xffffffffU)) * 0x100000001b3U;
         }
-        hash_ = (hash_ ^ 0x9eU) * 0x100000001b3U; // so that a zero counts, and where a word ends
+        hash_ = (hash_ ^ 0x9eU) * 0x100000001b3U; // so that zeros and word boundaries count
     }
     void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
     [[nodiscard]] std::uint32_t sum() const {
@@ -108,7 +107,7 @@ double flipped_double(double value, int bit) {
     return std::bit_cast<double>(flipped(std::bit_cast<std::uint64_t>(value), bit));
 }
 
-/// Every bit of every field; of a bool the one that it has, and of padding none.
+/// Every bit of every field; one bit of a bool, none of padding.
 std::vector<Bit> every_bit() {
     std::vector<Bit> bits;
     for (int bit = 0; bit < 64; ++bit) {

@@ -1,5 +1,5 @@
-// Covers engine/servo/servo_loop.cpp: what its inputs change while the hand presses, and
-// measurements that do not come as they should.
+// Covers engine/servo/servo_loop.cpp: changes of its inputs while the hand presses, and late,
+// missing or faulty measurements.
 #include "device/core/forwarding_device.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/parameters.h"
@@ -32,7 +32,7 @@ using testing::Rig;
 
 constexpr double kBound_V = kGreatestChange_V_per_s * kPeriod_s;
 
-/// Pressed on the plate by a firm hand where the maps differ, and slid along it slowly.
+/// A firm hand presses on the plate where the maps differ, and slides along it slowly.
 simulated::SimulationOptions firm_contact() {
     simulated::SimulationOptions options = following({{0.0, kStart_m},
                                                       {0.3, Vector3(0.0, 0.003, -0.04)},
@@ -42,7 +42,7 @@ simulated::SimulationOptions firm_contact() {
     return options;
 }
 
-/// Volts of e_W for the newtons of the hand.
+/// A tuning with several volts of e_W under the hand's force.
 control::Tuning firm_tuning() {
     control::Tuning tuning;
     tuning.dR_Ohm = 1.0;
@@ -55,8 +55,8 @@ struct FirmRig : Rig {
     FirmRig() : Rig(firm_contact(), testing::plate()) { inputs.tuning = firm_tuning(); }
 };
 
-/// e_W of `now`, had nothing changed since `before`: the law of then on the state of now, from
-/// what the two samples say alone.
+/// e_W of `now` if nothing had changed since `before`: the previous law for the present state, from
+/// the two samples alone.
 Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
                     const ServoSample &now) {
     control::VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
@@ -70,14 +70,14 @@ Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
 struct Change {
     std::string name;
     std::function<void(ServoInputs &)> make;
-    double least_V = 0.0; ///< that it would have moved e_W by, were it not carried over
+    double least_V = 0.0; ///< minimum step of e_W without bumpless transfer
 };
 
-/// The greatest step of e_W that a change alone made, and what was carried at the most.
+/// The largest step of e_W due to a change alone, and the largest offset.
 struct Felt {
     double step_V = 0.0;
     double carried_V = 0.0;
-    int ticks = 0; ///< looked at: up to where the limiter had to hold back
+    int ticks = 0; ///< examined: until the limiter acts
 };
 
 Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first) {
@@ -96,7 +96,7 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
         EXPECT_EQ(now.safety.state, SafetyState::running)
             << change.name << ": " << description(now.safety);
         if (now.held_back.force || now.held_back.voltage) {
-            break; // what the limiter takes off is no part of the change
+            break; // the limiter's reduction is not part of the change
         }
         ++felt.ticks;
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
@@ -116,7 +116,7 @@ TEST(ServoLoopChanges, WithoutOneTheLawIsReproducedFromTheSamples) {
 }
 
 TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
-    const auto by_hand = [](ServoInputs &inputs) { // so that α is felt too
+    const auto by_hand = [](ServoInputs &inputs) { // so that α has an effect, too
         inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
     };
     for (const control::Parameter &parameter : control::kParameters) {
@@ -199,7 +199,7 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
 }
 
 TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
-    // α by hand far above the bound: from 5 V to 17 V at once, were they not carried over.
+    // Manual α far above the bound: without bumpless transfer e_W would step from 5 V to 17 V.
     FirmRig rig;
     rig.inputs.tuning.dR_Ohm = 2.0;
     rig.inputs.tuning.K_P_V_per_rad = 20.0;
@@ -220,7 +220,7 @@ TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
 }
 
 TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
-    // The new scene starts free around the tip: e_W goes from what it was to nothing, bit by bit.
+    // In the new scene the proxy starts free at the tip: e_W decays gradually to zero.
     const contact::HapticSurface elsewhere(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
     for (const contact::HapticSurface *next :
@@ -252,7 +252,7 @@ TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
 }
 
 TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
-    // R̂ i is a voltage: at the largest current no tick moves it by more than a change may.
+    // R̂ i is a voltage: at the peak current no tick changes it by more than the limit.
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
     double before_Ohm = rig.tick().command.cancelled_resistance_Ohm[0];
@@ -269,8 +269,8 @@ TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
 }
 
 TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
-    // What is left of the way after a time t: e^(−t/50 ms), but for dR, which may move R̂ i no
-    // faster than a change may.
+    // The remaining share after a time t: e^(−t/50 ms), except for dR, which may change R̂ i no
+    // faster than the limit.
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
     const control::Tuning from = rig.tick().tuning;
@@ -292,7 +292,7 @@ TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
         }
     }
     rig.run(1.0);
-    EXPECT_EQ(rig.tick().tuning, to); // and it gets there
+    EXPECT_EQ(rig.tick().tuning, to); // it is reached exactly
 }
 
 TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
@@ -312,13 +312,13 @@ TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
             fastest_V_per_s = std::max(fastest_V_per_s, std::abs(moved_Ohm) * peak_A * servo_hz);
             before_Ohm += moved_Ohm;
         }
-        // A step of 1 Ω and more wants more than it may, at either rate.
+        // A step of 1 Ω or more exceeds the limit at either rate.
         EXPECT_NEAR(fastest_V_per_s, kGreatestChange_V_per_s, 1e-6) << servo_hz;
         dR_Ohm = 0.3;
     }
 }
 
-/// By its own clock, as hardware has it: it moves on by as many periods as it is told.
+/// With its own clock, like hardware: it advances by a given number of periods.
 class AsHardware final : public device::ForwardingDevice {
 public:
     using device::ForwardingDevice::ForwardingDevice;
@@ -329,7 +329,7 @@ public:
         for (int i = 0; i < missed; ++i) {
             measured = device::ForwardingDevice::read();
         }
-        measured.time_s += 17.0; // its zero is no business of the servo's
+        measured.time_s += 17.0; // the servo must not depend on its zero
         return measured;
     }
 
@@ -364,7 +364,7 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     for (const std::uint32_t missed : {1U, 99U, 2000U}) {
         const ServoSample late = rig.tick({missed, missed});
         const ServoSample sample = punctual.tick();
-        EXPECT_EQ(late.missed_deadlines, missed); // counted all the same
+        EXPECT_EQ(late.missed_deadlines, missed); // counted nevertheless
         EXPECT_EQ(late.missed_periods, 0U);
         EXPECT_EQ(late.safety.state, SafetyState::running);
         EXPECT_EQ(late.command.e_W_V, sample.command.e_W_V);
@@ -372,7 +372,7 @@ TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     }
 }
 
-/// Pressed on the plate when its device begins to fail.
+/// Presses on the plate when its device starts to fail.
 struct FailingRig : Rig {
     FailingRig() : Rig(firm_contact(), testing::plate()) { run(2.0); }
 
@@ -393,7 +393,7 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
         ASSERT_EQ(rig.last.safety.state, SafetyState::running);
         const ServoSample before = rig.last;
         rig.fail(fault);
-        for (int tick = 0; tick < 5; ++tick) { // 5 ms are borne
+        for (int tick = 0; tick < 5; ++tick) { // 5 ms are tolerated
             const ServoSample stale = rig.tick();
             EXPECT_EQ(stale.arrival, arrival);
             EXPECT_EQ(stale.since_last_s, 0.0);
@@ -403,7 +403,7 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
             EXPECT_EQ(stale.theta_rate_rad_per_s, before.theta_rate_rad_per_s);
             EXPECT_EQ(stale.contact.x0_m, before.contact.x0_m);
         }
-        FailingRig mended; // the same, but it is news again in the sixth tick
+        FailingRig mended; // the same, but with a new measurement in the sixth tick
         mended.fail(fault);
         for (int tick = 0; tick < 5; ++tick) {
             mended.tick();
@@ -447,9 +447,9 @@ TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) 
                       : device::CommandMode::brake);
         EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
-        rig.fail(rig::FaultKind::absent); // what nobody hears of is not mended
+        rig.fail(rig::FaultKind::absent); // no new measurement: the fault persists
         EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
-        rig.device().mend(); // it brakes again, until somebody resets it
+        rig.device().mend(); // it brakes again, until a reset
         EXPECT_EQ(rig.tick().command.mode, device::CommandMode::brake);
     }
 }

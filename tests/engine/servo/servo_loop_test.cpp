@@ -32,7 +32,7 @@ using testing::kStartUp_s;
 using testing::plate;
 using testing::Rig;
 
-/// Strikes the plate and slides on it, with all effects; tip and currents after every tick.
+/// Hits the plate and slides on it, with all effects; tip and currents after every tick.
 struct Strike {
     std::vector<Vector3> tip_m;
     std::vector<Vector3> current_A;
@@ -44,7 +44,7 @@ Strike strike(double longest_step_s) {
                                                       {0.65, Vector3(0.01, -0.012, 0.005)},
                                                       {0.80, Vector3(0.02, -0.012, 0.005)}});
     options.effects = simulated::PlantEffects{};
-    options.quantised_encoders = false; // a count more or less is another run
+    options.quantised_encoders = false; // one count would change the run
     options.longest_step_s = longest_step_s;
     Rig rig(options, plate());
     rig.run(kStartUp_s);
@@ -70,10 +70,10 @@ TEST(ServoLoop, ThePlantsDefaultStepIsFineEnoughForHardContact) {
         current_A = std::max(current_A, (usual.current_A[tick] - fine.current_A[tick]).norm());
         largest_A = std::max(largest_A, fine.current_A[tick].norm());
     }
-    EXPECT_GT(largest_A, 1.0); // it did strike
+    EXPECT_GT(largest_A, 1.0); // it hit the plate
     EXPECT_LT(tip_m, 2e-6);
     EXPECT_LT(current_A, 1e-3 * largest_A);
-    EXPECT_GT(tip_m, 1e-9); // and the two did differ
+    EXPECT_GT(tip_m, 1e-9); // the two differ
 }
 
 struct StaticContact {
@@ -112,7 +112,7 @@ StaticContact press(double eta, bool quantised) {
 }
 
 TEST(ServoLoop, StaticTipStiffnessIsAlphaTimesKDC) {
-    // (13), (27), (30). Exact but for the proxy's clearance of 10 nm and J's change with x.
+    // (13), (27), (30). Exact except for the proxy's clearance of 10 nm and the change of J with x.
     for (const double eta : {0.0, 0.25, 0.5, 0.75}) {
         const StaticContact contact = press(eta, false);
         EXPECT_GT(contact.penetration_m, 5e-4);
@@ -125,8 +125,8 @@ TEST(ServoLoop, StaticTipStiffnessIsAlphaTimesKDC) {
 TEST(ServoLoop, StaticTipStiffnessHoldsWithEncoders) {
     for (const double eta : {0.0, 0.25, 0.5, 0.75}) {
         const StaticContact contact = press(eta, true);
-        // The law sees the tip off by up to half a count of each joint: as an angle, that over
-        // the penetration. The stiffness is off by no more than as much of one joint's force.
+        // The law's tip position is off by up to half a count of each joint: as an angle, that over
+        // the penetration. The stiffness error is at most the same share of one joint's force.
         const double half_count_m = 0.5 * 2.0 * std::numbers::pi / 4096 / 11.2 * 0.16;
         const double quantum_angle_rad = std::sqrt(3.0) * half_count_m / contact.penetration_m;
         EXPECT_NEAR(contact.stiffness_N_per_m / contact.predicted_N_per_m, 1.0, 0.01)
@@ -145,11 +145,12 @@ TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
         felt -= rig.truth().hand_force_N / 500;
     }
     EXPECT_GT(felt.norm(), 1.0);
-    // At rest what the windings give is what the hand holds; J at the counts, not at the truth.
+    // At rest the windings' force equals the hand's; J is evaluated at the counts, not at the true
+    // angles.
     EXPECT_LT((rendered - felt).norm(), 0.002 * felt.norm());
 }
 
-/// The greatest force on a hand that moves evenly at 30 mm/s along an axis, in newtons.
+/// The maximum force on a hand that moves at a constant 30 mm/s along an axis, in newtons.
 double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
     Rig rig(following({{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * axis}}));
     rig.inputs.tuning =
@@ -165,12 +166,12 @@ double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) 
 }
 
 TEST(ServoLoop, FreeSpaceIsFree) {
-    // What is left is mostly the ripple of single encoder counts, which goes with 1/dR and λ.
+    // The remainder is mostly the ripple of single encoder counts, proportional to 1/dR and λ.
     for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
         EXPECT_LT(greatest_force_on_a_slow_hand_N("soft", axis), 0.05) << axis.transpose();
         EXPECT_LT(greatest_force_on_a_slow_hand_N("firm", axis), 0.05) << axis.transpose();
-        // Stiffest trades freedom for stiffness: a count may be felt as far as the inductive spring
-        // (4) answers it, K_L count N/l, at the base motor the most.
+        // The tuning "stiffest" trades transparency for stiffness: the force of a count is up to
+        // that of the inductive spring (4), K_L count N/l, largest at the base motor.
         const device::DeviceDescription device = testing::phantom_1_0();
         const double one_count_N = device::inductive_stiffness_Nm_per_rad(device.motor[0]) * 2.0 *
                                    std::numbers::pi / device.encoder_counts_per_turn *
@@ -186,29 +187,29 @@ struct Inertia {
     double predicted_kg = 0.0;
 };
 
-/// Shakes the tip along x in free space and fits force to acceleration: what is more than tip and
-/// rotors have is added by the loop's lag.
+/// Oscillates the tip along x in free space and fits force to acceleration: the inertia beyond that
+/// of tip and rotors is added by the loop's lag.
 Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay) {
     constexpr double kShake_rad_per_s = 2.0 * std::numbers::pi * 4.0;
     constexpr double kReach_m = 0.02;
     std::vector<simulated::HandPath::Point> points;
     for (int i = 0; i <= 3000; ++i) {
         const double t = i * 1e-3;
-        const double reach_m = kReach_m * std::min(1.0, 2.0 * t); // or its onset is a blow
+        const double reach_m = kReach_m * std::min(1.0, 2.0 * t); // avoids a step at the start
         points.push_back({t, kStart_m + Vector3(reach_m * std::sin(kShake_rad_per_s * t), 0, 0)});
     }
     simulated::SimulationOptions options = following(std::move(points));
     options.servo_period_s = period_s;
     options.delay_periods = delay;
-    options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // holds the tip firmly to the path
+    options.hand = {0.0, 40.0, 20e3, 1e3, 1.0}; // keeps the tip close to the path
     Rig rig(options);
     rig.inputs.tuning = tuning;
     rig.run(kStartUp_s + 1.0);
-    // Least squares of F against a over whole shakes; the part in phase with velocity drops out.
+    // Least squares of F versus a over whole oscillations; the part in phase with velocity cancels.
     const device::DeviceDescription &device = rig.device().description();
     const device::LinkageMoments moments =
         device::linkage_moments(device.geometry, device.inertia, 0.0);
-    double own_kg = 0.0; // of links and rotors along x, mean over the shakes
+    double own_kg = 0.0; // of links and rotors along x, mean over the oscillations
     double force_acceleration = 0.0;
     double acceleration_squared = 0.0;
     double predicted = 0.0;
@@ -216,7 +217,7 @@ Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay)
     const control::Coupling c = control::coupling(device.motor[0], tuning, period_s, delay);
     for (int i = 0; i < ticks; ++i) {
         const ServoSample sample = rig.tick();
-        // Of the mean force, since the path began.
+        // Time of the mean force since the start of the path.
         const double t = rig.truth().time_s - 0.5 * period_s - kStartUp_s;
         const double a =
             -kReach_m * kShake_rad_per_s * kShake_rad_per_s * std::sin(kShake_rad_per_s * t);
@@ -235,7 +236,7 @@ Inertia added_inertia(const control::Tuning &tuning, double period_s, int delay)
 
 TEST(ServoLoop, AddedInertiaIsThatOfTheLoopsLag) {
     // k_T² τ/dR per motor, τ = T (a/(1 − a) + 1 + d): the slope at zero frequency. At 4 Hz the
-    // winding's own lag, L/dR, and the filter's curvature are below a few per cent.
+    // winding's lag, L/dR, and the filter's curvature contribute less than a few per cent.
     for (const double dR : {0.2, 0.4, 0.8}) {
         for (const double lambda : {500.0, 2000.0}) {
             for (const int delay : {0, 1}) {
@@ -287,7 +288,7 @@ TEST(ServoLoop, TheOtherMapIsJudgedOnTheSameState) {
 }
 
 TEST(ServoLoop, ATransparentSurfaceHasNoForceDirection) {
-    // η = 1: the set-point is the tip, and what is left of θ_Sd − θ is round-off.
+    // η = 1: the set-point is the tip, and θ_Sd − θ is round-off.
     Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
     rig.inputs.tuning.eta = 1.0;
     rig.run(kStartUp_s + 1.5);
@@ -326,9 +327,9 @@ TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
 }
 
 TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
-    // From one tuning to another by a click, while the hand presses: the rendered force never
-    // leaves the span of the two settled forces by more than what the hand's own spring stores on
-    // the way, here well below a newton.
+    // A switch from one tuning to another while the hand presses: the rendered force stays between
+    // the two steady forces, except for the overshoot of the hand's own spring, here well below a
+    // newton.
     const auto tuning = [](const char *name) {
         return control::read_tuning_file(testing::assets() / "tunings" /
                                          (std::string(name) + ".toml"));
@@ -351,7 +352,8 @@ TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
 }
 
 TEST(ServoLoop, EveryTuningHoldsAContact) {
-    // Pressed, slid over an edge and let go, light hand and firm: no trip, nothing not finite.
+    // Pressed, slid over an edge and released, with a light and a firm hand: no trip, all values
+    // finite.
     for (const device::HandParameters &hand :
          {device::HandParameters{0.03, 1.0, 60.0, 5.0, 0.4},
           device::HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {

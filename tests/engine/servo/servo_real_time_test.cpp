@@ -1,5 +1,5 @@
 // Covers engine/servo/servo.cpp: its thread, once started, only computes, sleeps and reads the
-// clock. And the watch that says so (tests/support/real_time_watch.h) sees what would be wrong.
+// clock. Also covers that the watch (tests/support/real_time_watch.h) detects violations.
 #include "base/assertions.h"
 #include "device/core/forwarding_device.h"
 #include "device/simulated/simulated_phantom.h"
@@ -39,7 +39,7 @@ using testing::watched;
 constexpr int kNone = -1;
 constexpr auto kPatience = std::chrono::seconds(30);
 
-/// Ends this child when the servo has done enough or was caught, after a last look by `check`.
+/// Ends this child when the servo has done enough or was caught, after a final `check`.
 template <typename IsEnough, typename Check>
 [[noreturn]] void run_watched(Servo &servo, const contact::HapticSurface *surface,
                               IsEnough &&is_enough, Check &&check) {
@@ -98,7 +98,7 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
     EXPECT_TRUE(holds);
 }
 
-/// A device whose driver does something on the servo's thread, in its twentieth tick.
+/// A device whose driver performs an action on the servo's thread in its twentieth tick.
 class Driver final : public device::ForwardingDevice {
 public:
     explicit Driver(std::function<void()> deed)
@@ -125,7 +125,7 @@ struct Deed {
     long system_call = kNone; ///< that it makes
 };
 
-/// What a servo was seen to do whose driver does this.
+/// Runs a servo whose driver performs `deed`, and checks what the watch has seen.
 template <typename Check> bool holds_for(const Deed &deed, Check &&check) {
     return testing::holds_in_a_child([&] {
         Driver driver(deed.act);
@@ -162,7 +162,7 @@ TEST_F(RealTimeServo, AFailedAssertionMakesItNeitherAllocateNorLockNorCall) {
 }
 
 TEST_F(RealTimeServo, TheWatchSeesAllocations) {
-    static std::atomic<void *> kept = nullptr; // what nobody keeps, a compiler need not allocate
+    static std::atomic<void *> kept = nullptr; // otherwise the compiler may omit the allocation
     static std::atomic<void *> none = nullptr;
     static auto *old = new std::vector<char>(100);
     const std::array deeds{

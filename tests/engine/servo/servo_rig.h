@@ -1,4 +1,4 @@
-// The rig of the servo loop's tests.
+// The test rig of the servo loop.
 #pragma once
 
 #include "engine/contact/proxy/haptic_surface.h"
@@ -12,11 +12,11 @@
 namespace springdrive::testing {
 
 inline constexpr double kPeriod_s = 1e-3;
-/// The servo waits for a tip at rest for 0.1 s and ramps for 1 s: by then it runs.
+/// The servo waits for 0.1 s of rest and ramps up for 1 s: by then it runs.
 inline constexpr double kStartUp_s = 1.2;
 inline const Vector3 kStart_m(0.0, 0.02, 0.0);
 
-/// The first device from rest at `kStart_m`, with a mesh of its own to touch.
+/// The PHANTOM 1.0 from rest at `kStart_m`, with its own mesh to touch.
 class Rig : public rig::ServoRig {
 public:
     explicit Rig(const simulated::SimulationOptions &options, contact::TriangleSoup soup = {})
@@ -33,8 +33,8 @@ inline contact::TriangleSoup plate() {
     return box_soup(Vector3(-0.1, -0.02, -0.06), Vector3(0.1, 0.0, 0.06));
 }
 
-/// What is tested here is the law: a plant without friction and weight shows it plainly. The hand
-/// sets out when the servo has started up: the path's times count from there.
+/// To test the law, the plant has no friction and weight. The hand starts to move when the servo
+/// has started up: the path's times count from there.
 inline simulated::SimulationOptions following(std::vector<simulated::HandPath::Point> points) {
     for (simulated::HandPath::Point &point : points) {
         point.time_s += kStartUp_s;

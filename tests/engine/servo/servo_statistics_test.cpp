@@ -25,7 +25,7 @@ TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
         ServoSample sample;
         sample.missed_deadlines = static_cast<std::uint32_t>(random() % 3);
         missed += sample.missed_deadlines;
-        if (tick > 0) { // the first has none before it
+        if (tick > 0) { // the first has no predecessor
             sample.period_s = duration_s(random);
             period_s.push_back(sample.period_s);
         }

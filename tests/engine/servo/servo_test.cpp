@@ -1,4 +1,4 @@
-// Covers engine/servo/servo.cpp: the thread, its clock and its ends.
+// Covers engine/servo/servo.cpp: the thread, its clock and its end.
 #include "engine/servo/servo.h"
 
 #include "base/input_error.h"
@@ -25,7 +25,7 @@ namespace {
 
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
-/// A simulated device that remembers the last command.
+/// A simulated device that stores the last command.
 class Witness final : public device::ForwardingDevice {
 public:
     Witness()
@@ -42,7 +42,7 @@ public:
     int commands = 0;
 };
 
-/// All that a sample tells, as bytes.
+/// All columns of a sample, as bytes.
 std::string bytes_of(const ServoSample &sample) {
     std::string bytes;
     record::for_each_column(sample,
@@ -137,7 +137,7 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
     Witness device;
     Servo servo(device, 5000.0);
     servo.start();
-    // Sets whose parts belong together: what the servo reports must be one of them.
+    // Consistent sets of inputs: the servo must report one of them.
     ServoInputs inputs;
     int seen = 0;
     for (int i = 0; seen < 1000; ++i) { // as long as it takes
@@ -156,7 +156,7 @@ TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
     servo.stop();
 }
 
-/// The host does not let the servo run for some time, once, in its tick of that number.
+/// Simulates a host that blocks the servo once, in a given tick.
 class StalledHost final : public device::ForwardingDevice {
 public:
     StalledHost(device::HapticDevice &device, std::chrono::milliseconds stall, int at_tick)
@@ -178,7 +178,7 @@ private:
 constexpr int kStalledTick = 1500;
 constexpr std::chrono::milliseconds kStall{300};
 
-/// Until so many ticks after the stall, or a trip.
+/// Runs until some ticks after the stall, or a trip.
 std::vector<ServoSample> through_a_stall(device::HapticDevice &device) {
     StalledHost host(device, kStall, kStalledTick);
     Servo servo(host, 1000.0);
@@ -205,7 +205,7 @@ TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
         EXPECT_NEAR(sample.measured_s, (static_cast<double>(sample.tick) + 1.0) * 1e-3, 1e-9);
         missed += sample.missed_deadlines;
     }
-    EXPECT_GE(missed, 290U); // counted all the same
+    EXPECT_GE(missed, 290U); // counted nevertheless
     EXPECT_EQ(samples.back().safety.state, SafetyState::running);
 }
 
@@ -219,12 +219,14 @@ TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
     ASSERT_NE(trip, samples.end());
     EXPECT_EQ(trip->safety.cause, TripCause::missed_deadlines);
     EXPECT_TRUE(trip->command.e_W_V.isZero(0.0));
-    // In the very tick that is late by more than the limit, if no busy host made an earlier one so.
+    // In the first tick that is late by more than the limit, unless a busy host made an earlier one
+    // late.
     EXPECT_GT(trip->missed_in_a_row, 50U);
     EXPECT_LE(trip->tick, static_cast<std::uint64_t>(kStalledTick));
 }
 
-/// Beats for a while, then is silent for longer than the monitor bears, then beats again.
+/// Sends heartbeats for a while, pauses for longer than the monitor tolerates, then sends them
+/// again.
 std::vector<ServoSample> through_a_silence(device::HapticDevice &device) {
     Servo servo(device, 1000.0);
     ServoInputs inputs;
@@ -257,7 +259,7 @@ TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
         EXPECT_NE(sample.safety.state, SafetyState::tripped) << description(sample.safety);
         missed += sample.missed_deadlines;
     }
-    EXPECT_GE(missed, 300U); // of the half second of silence all but 0.1 s, and a busy host's
+    EXPECT_GE(missed, 300U); // the half second of silence minus 0.1 s, plus those of a busy host
 }
 
 TEST(Servo, ALimitThatIsNoneHaltsNoWorld) {
@@ -266,7 +268,7 @@ TEST(Servo, ALimitThatIsNoneHaltsNoWorld) {
         Servo servo(device, 1000.0);
         ServoInputs inputs;
         inputs.limits.window_silence_s = silence_s;
-        inputs.heartbeat = 1; // the only sign of life, well within the device's own limit
+        inputs.heartbeat = 1; // the only heartbeat, well within the device's own limit
         servo.publish(inputs);
         servo.start();
         std::uint64_t ticks = 0;
@@ -284,7 +286,7 @@ TEST(Servo, AnotherDeviceStopsWhenTheWindowIsSilent) {
     testing::OwnClockDevice hardware(device, 1e-3);
     const std::vector<ServoSample> samples = through_a_silence(hardware);
     EXPECT_EQ(samples.back().safety.state, SafetyState::tripped);
-    // A busy host may be the first cause; the stop is what counts.
+    // A busy host may be the first cause; what matters is the stop.
     EXPECT_TRUE(samples.back().safety.cause == TripCause::window_silent ||
                 samples.back().safety.cause == TripCause::missed_deadlines);
 }

@@ -1,5 +1,5 @@
-// Covers the soft wall at the edge of the workspace as a hand meets it: before every joint's stop,
-// whatever the tuning, and at η = 1 too.
+// Covers the soft wall at the edge of the workspace under a hand: before every joint's stop, with
+// any tuning, and also at η = 1.
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
@@ -16,7 +16,7 @@
 namespace springdrive::servo {
 namespace {
 
-/// A stop that can be reached, and how to get there: from these joint angles along one joint.
+/// A reachable stop, and the path to it: from these joint angles along one joint.
 struct Way {
     const char *stop = "";
     Vector3 from_deg{Vector3::Zero()};
@@ -26,7 +26,7 @@ struct Way {
     bool fold = false;     ///< the stop is one of q₃ − q₂
 };
 
-// q₃ − q₂ is from −65° to 55°; its stops are met by moving q₃.
+// q₃ − q₂ ranges from −65° to 55°; its stops are reached by moving q₃.
 const std::array<Way, 6> kWays{{{"q1 highest", {76.0, 10.0, 10.0}, 0, 1.0, 90.0},
                                 {"q1 lowest", {-76.0, 10.0, 10.0}, 0, -1.0, -90.0},
                                 {"q2 highest", {0.0, 105.0, 105.0}, 1, 1.0, 119.0},
@@ -49,7 +49,7 @@ simulated::SimulationOptions along(const Way &way, const device::PhantomGeometry
     return options;
 }
 
-/// The joint's torque by the true currents is the wall's before the stop is reached.
+/// The joint's torque from the true currents is the wall's before the stop is reached.
 void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, double servo_hz) {
     const device::DeviceDescription device = testing::phantom_1_0();
     testing::FaultCase what;
@@ -61,7 +61,7 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
     const double k_T = device.motor[0].torque_constant_Nm_per_A;
     const double N = device.geometry.transmission_ratio[way.joint];
     double before_stop_Nm = 0.0;
-    double share = 1.0; // of the wall's own torque, the least
+    double share = 1.0; // smallest share of the wall's torque
     bool met = false;
     for (int tick = 0; tick < rig.ticks_in(2.6) && !rig.has_tripped(); ++tick) {
         const ServoSample sample = rig.step();

@@ -1,5 +1,5 @@
-// Covers engine/servo/servo.cpp: the whole process is stopped for a while, as by SIGSTOP, a
-// debugger or a computer that sleeps, and goes on.
+// Covers engine/servo/servo.cpp: the whole process is stopped for a while, e.g. by SIGSTOP, a
+// debugger or a suspended computer, and continues.
 #include "engine/servo/servo.h"
 
 #include "device/simulated/simulated_phantom.h"
@@ -23,21 +23,21 @@
 namespace springdrive::servo {
 namespace {
 
-constexpr std::uint64_t kEarlyTicks = 1500; // it waits, ramps up and runs
+constexpr std::uint64_t kEarlyTicks = 1500; // wait, ramp and run
 constexpr std::uint64_t kLaterTicks = 300;
-constexpr std::uint64_t kMissed = 1900;          // of the 2000 that the stop is long
+constexpr std::uint64_t kMissed = 1900;          // of the 2000 of the stop
 constexpr std::chrono::milliseconds kStop{2000}; ///< longer than any limit of the device's
 
-/// What a stopped process tells of itself, in memory that it shares with whoever stops it.
+/// Results of a stopped process, in memory shared with the process that stops it.
 struct Account {
     std::atomic<std::uint64_t> ticks{0};
     SafetyStatus last_safety;
-    double greatest_e_W_after_V = 0.0; ///< from the first tick after the stop on
+    double greatest_e_W_after_V = 0.0; ///< since the first tick after the stop
     double longest_step_s = 0.0;       ///< of the device's time between two ticks
     std::uint64_t missed_deadlines = 0;
 };
 
-/// Runs a servo, with signs of life, until it trips or has run on after the stop.
+/// Runs a servo with heartbeats until it trips or has run for a while after the stop.
 void run(device::HapticDevice &device, Account &account) {
     Servo servo(device, 1000.0);
     ServoInputs inputs;
@@ -113,7 +113,7 @@ TEST(StoppedProcess, ASimulatedWorldGoesOnAsIfNothingHadBeen) {
     const Account &account = process.account();
     EXPECT_EQ(account.last_safety.state, SafetyState::running) << description(account.last_safety);
     EXPECT_DOUBLE_EQ(account.longest_step_s, 1e-3);
-    EXPECT_GE(account.missed_deadlines, kMissed); // counted all the same
+    EXPECT_GE(account.missed_deadlines, kMissed); // counted nevertheless
 }
 
 TEST(StoppedProcess, ADeviceOfItsOwnClockTripsForTheDeadlinesAndGetsNothing) {

@@ -1,5 +1,5 @@
-// Covers the way of inputs to a running servo, and bumpless_transfer.h: ten thousand random changes
-// a second, from another thread, are neither torn nor felt as blows. See
+// Covers passing inputs to a running servo, and bumpless_transfer.h: ten thousand random changes
+// per second from another thread cause neither torn inputs nor steps of e_W. See
 // tests/support/tuning_storm.h.
 #include "tests/support/tuning_storm.h"
 
@@ -12,7 +12,7 @@ TEST(TuningStorm, NeitherTearsNorJolts) {
     testing::TuningStorm storm(1000.0);
     const testing::StormFigures figures = storm.blow(2.0);
     EXPECT_EQ(figures.faults, 0U);
-    EXPECT_GT(figures.published, 1000U); // however busy the machine is
+    EXPECT_GT(figures.published, 1000U); // even on a busy machine
     EXPECT_GT(figures.samples, 100U);
     RecordProperty("figures", figures.text());
 }

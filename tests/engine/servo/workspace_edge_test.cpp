@@ -89,8 +89,8 @@ TEST_F(WorkspaceEdgeTest, IsNothingWithinWhateverTheSpeed) {
 }
 
 TEST_F(WorkspaceEdgeTest, IsContinuousAtRest) {
-    // Along straight ways across everything no step is larger than the springs make it: one at the
-    // joint and two, each by both angles, at the fold.
+    // Along straight lines through all angles no step is larger than that of the springs: one at
+    // the joint and two, each by both angles, at the fold.
     for (int run = 0; run < 50; ++run) {
         const Vector3 from_rad = any_angles(random);
         const Vector3 to_rad = any_angles(random);
@@ -107,8 +107,8 @@ TEST_F(WorkspaceEdgeTest, IsContinuousAtRest) {
 }
 
 TEST_F(WorkspaceEdgeTest, OnlyPushesBack) {
-    // Each joint alone, at any speed: the torque of it points inwards or is nothing; on the way out
-    // there is more of it than at rest, on the way back less.
+    // Each joint alone, at any speed: its torque points inwards or is zero; when moving outwards it
+    // is larger than at rest, when moving back smaller.
     const Vector3 middle_rad(0.0, 0.3, 0.3);
     for (const Eigen::Index j : {0, 1, 2}) {
         for (const double sign : {-1.0, 1.0}) {
@@ -149,14 +149,14 @@ TEST_F(WorkspaceEdgeTest, TheFoldPushesBothLinksAlike) {
         EXPECT_EQ(found_Nm[0], 0.0);
         EXPECT_NEAR(found_Nm[2], -sign * 0.01 * device.edge.stiffness_Nm_per_rad, 1e-12);
         EXPECT_EQ(found_Nm[1], -found_Nm[2]);
-        // Turning as one is no folding; folding on is held against.
+        // Turning both links together is not folding; further folding is opposed.
         EXPECT_EQ(torque_Nm(q_rad, Vector3(0.0, 3.0, 3.0)), found_Nm);
         EXPECT_LT(sign * torque_Nm(q_rad, Vector3(0.0, 0.0, sign))[2], sign * found_Nm[2]);
     }
 }
 
 TEST_F(WorkspaceEdgeTest, NeverGivesEnergyToWhoeverMoves) {
-    // A closed path through the wall at any speed gives work to it, or none: −∮ τ·dq ≥ 0.
+    // On a closed path through the wall at any speed the wall absorbs energy: −∮ τ·dq ≥ 0.
     for (int run = 0; run < 50; ++run) {
         const Vector3 centre_rad = any_angles(random);
         const Vector3 a_rad = testing::random_vector(random, 0.5);

@@ -1,5 +1,5 @@
 // Covers engine/session/session.cpp and session_device.cpp: scene, servo rate and device exchanged
-// in contact, in every order, while a record runs. What the record says is judged by
+// in contact, in every order, while a record runs. The record is checked by
 // tests/support/exchange_judge.h.
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/exchange_judge.h"
@@ -43,7 +43,7 @@ std::string name_of(const std::array<Exchange, 3> &order) {
     return name;
 }
 
-/// A session that is asked for the next of each kind, round and round.
+/// A session with cyclic requests for the next scene, rate or device.
 class Asked {
 public:
     explicit Asked(Session &session) : session_(session) {}
@@ -96,7 +96,7 @@ struct Sum {
     }
 };
 
-/// Judges every part of what a session recorded.
+/// Checks every part of a session's record.
 Sum judged(const Session &session, const std::string &name) {
     Sum sum;
     for (const std::filesystem::path &part : session.recording().parts()) {
@@ -111,7 +111,7 @@ Sum judged(const Session &session, const std::string &name) {
     return sum;
 }
 
-/// @param apart  whether each is waited for, in contact, or all are asked for at once
+/// @param apart  whether it waits for each one, in contact, or requests all at once
 Sum exchange_in_contact(SessionOptions options, const std::array<Exchange, 3> &order, bool apart,
                         const std::filesystem::path &folder) {
     const std::string name = name_of(order) + (apart ? "apart" : "at once");
@@ -134,7 +134,7 @@ Sum exchange_in_contact(SessionOptions options, const std::array<Exchange, 3> &o
     EXPECT_TRUE(run_until(
         session, [&] { return asked.is_done(); }, 20.0))
         << name;
-    EXPECT_TRUE(press(session)) << name; // all of it is in use, and is felt
+    EXPECT_TRUE(press(session)) << name; // everything is in use, and in contact
     session.stop();
     EXPECT_EQ(session.scenes().error(), "") << name;
     const Sum sum = judged(session, name);
@@ -165,7 +165,7 @@ void exchange_in_every_order(bool apart) {
         all.add(sum.worst);
     }
     note(all);
-    EXPECT_GT(all.worst.felt, 10'000U); // none of it is vacuous
+    EXPECT_GT(all.worst.felt, 10'000U); // not vacuous
     EXPECT_GE(all.worst.scenes, 9U);
     EXPECT_GE(all.worst.rates, 9U);
     EXPECT_GT(all.worst.greatest_carried_V, 0.2);

@@ -1,5 +1,5 @@
-// Covers engine/session: a session ends soon and whole, whatever it is at. Leaks are for the
-// sanitizers to find.
+// Covers engine/session: a session ends quickly and cleanly in any state. The sanitizers detect
+// leaks.
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A .glb of a wavy square of so many cells a side: two triangles each.
+/// Writes a .glb of a wavy square of `cells` cells per side, with two triangles each.
 std::filesystem::path write_square(const std::filesystem::path &file, std::uint32_t cells) {
     std::vector<float> positions;
     std::vector<std::uint32_t> indices;
@@ -78,8 +78,8 @@ protected:
     std::filesystem::path folder;
 };
 
-/// Half a million triangles take some seconds; this is how long the end of a session may wait for
-/// one of its threads to look, many times over for a computer that is busy otherwise.
+/// Half a million triangles take some seconds. This is how long the end of a session may wait for a
+/// thread to check for cancellation, with a large margin for a busy computer.
 constexpr double kSoon_s = 3.0;
 
 TEST_F(Quitting, WhileASceneLoadsEndsSoonInEveryStage) {
@@ -116,7 +116,7 @@ TEST_F(Quitting, AnotherSceneDoesNotWaitForTheLargeOne) {
     EXPECT_EQ(session.scenes().error(), "");
 }
 
-/// Does to the session what a number says.
+/// Performs an action on the session, selected by a number.
 void poke(Session &session, unsigned which, const std::filesystem::path &folder) {
     switch (which % 8) {
     case 0:

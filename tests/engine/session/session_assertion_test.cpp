@@ -22,7 +22,7 @@ namespace {
 using testing::Plant;
 using testing::PlantedDevice;
 
-/// A session on a device with a mistake, in place of the one that it opened.
+/// A session on a device with a planted bug, in place of the one that it opened.
 class MistakenSession {
 public:
     explicit MistakenSession(bool lockstep) : session(options(lockstep)) {
@@ -137,7 +137,7 @@ TEST(SessionAssertion, TheWindowGoesOnAndTheRecordTellsWhatFailed) {
     std::filesystem::remove_all(folder);
 }
 
-/// What a record has between its rows.
+/// The notes of a record.
 std::string notes_in(const std::filesystem::path &file) {
     std::string notes;
     for (record::RecordReader reader(file); reader.next();) {
@@ -184,7 +184,7 @@ TEST(SessionAssertion, NoOtherDeviceIsBegunOn) {
 }
 
 TEST(SessionAssertion, AnExchangeThatWasUnderWayIsGivenUp) {
-    for (const double after_s : {0.0, 0.5, 0.9}) { // the force fades for a second
+    for (const double after_s : {0.0, 0.5, 0.9}) { // the force ramps down for a second
         MistakenSession mistaken(true);
         mistaken.session.start();
         ASSERT_TRUE(mistaken.run_until_it_drives());

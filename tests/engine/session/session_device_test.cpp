@@ -1,5 +1,5 @@
 // Covers engine/session/session_device.cpp, and set_servo_rate: one exchange at a time, and what
-// stays as it was.
+// remains unchanged.
 #include "base/input_error.h"
 #include "engine/record/record_reader.h"
 #include "engine/session/session_report.h"
@@ -85,7 +85,7 @@ TEST(SessionDevice, AnEmergencyStopThatWasGivenStaysGiven) {
     ASSERT_TRUE(run_into_contact(session));
     session.servo().emergency_stop();
     run(session, 0.1);
-    ASSERT_TRUE(exchange_to_the_end(session, premium())); // at once: it brakes already
+    ASSERT_TRUE(exchange_to_the_end(session, premium())); // immediately: it is already braking
     run(session, 1.0);
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     session.servo().reset_safety();
@@ -139,14 +139,14 @@ TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
-    session.device().close(); // as if somebody had pulled its plug
+    session.device().close(); // as if it had been unplugged
     run(session, 0.05);
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
     const Vector3 tip_m = session.latest().tip_m;
     session.reconnect_device();
     EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
     session.advance(0.001);
-    EXPECT_LT((session.latest().tip_m - tip_m).norm(), 1e-3); // where it was last known to be
+    EXPECT_LT((session.latest().tip_m - tip_m).norm(), 1e-3); // at its last known position
     run(session, 0.1);
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
@@ -154,7 +154,7 @@ TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
     run(session, 0.1);
     EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped)
         << servo::description(session.latest().safety);
-    session.reconnect_device(Vector3(0.1, 0.2, 0.3)); // or where somebody says that it is
+    session.reconnect_device(Vector3(0.1, 0.2, 0.3)); // or at a given position
     session.advance(0.001);
     EXPECT_LT((session.latest().theta_rad - Vector3(0.1, 0.2, 0.3)).norm(), 0.05);
 }
@@ -169,7 +169,7 @@ TEST(SessionDevice, AnotherRateGoesOnInTheSameFileAndSaysFromWhere) {
     const std::uint64_t next = session.latest().tick + 1;
     session.set_servo_rate(4000.0);
     EXPECT_EQ(session.servo().rate_hz(), 4000.0);
-    EXPECT_EQ(session.servo().statistics().ticks(), 0U); // they are of one rate
+    EXPECT_EQ(session.servo().statistics().ticks(), 0U); // they restart with each rate
     run(session, 0.5);
     EXPECT_NEAR(static_cast<double>(session.servo().statistics().ticks()), 2000.0, 1.0);
     EXPECT_THROW(session.set_servo_rate(7.0), InputError);
@@ -215,7 +215,7 @@ TEST(SessionDevice, TheReportTellsWhichDeviceAndWhatStoodStill) {
     }
     std::ostringstream text;
     write_session_report(text, session);
-    EXPECT_EQ(text.str().find("missed"), std::string::npos); // nothing of a world that waits is
+    EXPECT_EQ(text.str().find("missed"), std::string::npos); // a simulated device misses nothing
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Sessions in lockstep on the project's own scenes, for the tests of what is exchanged.
+// Sessions in lockstep on the project's scenes, for tests of exchanges.
 #pragma once
 
 #include "engine/lab/rig/scenario/scenarios.h"
@@ -38,8 +38,8 @@ inline void run(session::Session &session, double seconds) {
     }
 }
 
-/// In frames of a few ticks. False where it takes too long; what is loaded in the background may
-/// take as long as it does.
+/// Runs in frames of a few ticks. False if it takes too long, not counting the time for loading in
+/// the background.
 inline bool run_until(session::Session &session, const std::function<bool()> &is_so,
                       double at_most_s) {
     constexpr double kShort_s = 0.004;
@@ -67,8 +67,8 @@ inline bool run_into_contact(session::Session &session) {
         20.0);
 }
 
-/// The same with a hand that is moved: it lifts the tip above whatever is shown, waits until the
-/// motors have their voltage, and presses.
+/// The same with a moved hand: it lifts the tip above the shown scene, waits until the motors are
+/// driven, and presses.
 inline bool press(session::Session &session) {
     const session::LoadedScene &scene = session.scenes().now();
     rig::Scenario touch = rig::scripted_touch_scenario(
@@ -87,7 +87,7 @@ inline bool press(session::Session &session) {
     return run_into_contact(session);
 }
 
-/// Until the background loading is over, and the scene is in use.
+/// Runs until background loading is complete and the scene is in use.
 inline bool run_until_loaded(session::Session &session) {
     while (session.scenes().is_loading()) {
         session.advance(0.001);

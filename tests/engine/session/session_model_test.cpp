@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char *kVersion = "a version";
 
-/// Every test has a cache of its own, so that none finds what another remembered.
+/// Every test has its own cache, independent of the others.
 class SessionModel : public ::testing::Test {
 protected:
     SessionModel() : cache_(testing::fresh_folder("session_model_cache")) {
@@ -86,7 +86,7 @@ TEST_F(SessionModel, WhatWasMeasuredOnceIsNotMeasuredAgain) {
     options.model.automatic = true;
     const Session once(options);
     const Session again(options);
-    EXPECT_EQ(again.models().choice()->cost_ns, once.models().choice()->cost_ns); // to the last bit
+    EXPECT_EQ(again.models().choice()->cost_ns, once.models().choice()->cost_ns); // exactly
 }
 
 TEST_F(SessionModel, ATunedControllerStays) {
@@ -107,7 +107,7 @@ TEST_F(SessionModel, EachPartCanBeSetByItself) {
     Session session(options);
     EXPECT_LE(session.scenes().now().surface.report().triangles_given, 20'480U / 16);
     EXPECT_EQ(session.scenes().now().scene.surface.triangles.size(),
-              20'480U); // what is drawn is not
+              20'480U); // the visual mesh is not changed
     EXPECT_GT(frames_in_contact(session), 50);
     EXPECT_FALSE(session.scenes().now().choice);
     EXPECT_TRUE(is_empty());
@@ -131,13 +131,13 @@ TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
     EXPECT_FALSE(session.scenes().now().choice);
     EXPECT_FALSE(is_empty());
 
-    Session later(headless("plate.gltf")); // finds it remembered
+    Session later(headless("plate.gltf")); // finds it in the cache
     later.measure_model();
     EXPECT_FALSE(later.models().measurement().is_running());
     EXPECT_TRUE(later.models().choice());
 }
 
-/// Remembers for a scene of the project a model that nobody measured.
+/// Caches an unmeasured model for a scene of the project.
 void remember(const SessionOptions &options, const std::string &scene, const char *plant,
               const char *joints, const char *controller) {
     const device::DeviceDescription device = device::read_device_file(options.device.file);
@@ -157,7 +157,7 @@ void remember(const SessionOptions &options, const std::string &scene, const cha
         model_selection::write_model_choice(model_selection::model_cache_folder(), key, choice));
 }
 
-/// A hand that follows the mouse, over a scene with a model that is remembered.
+/// A hand that follows the mouse, over a scene with a cached model.
 SessionOptions by_hand(const SessionOptions &headless) {
     SessionOptions options = headless;
     options.plays_script = false;
@@ -183,12 +183,12 @@ void move_hand_sideways(Session &session) {
     testing::run(session, 2.0);
 }
 
-/// How far the tip is from where the hand wants it, sideways.
+/// Lateral distance of the tip from the hand's target.
 double behind_m(const Session &session) {
     return std::abs(session.latest().tip_m.x() - session.hand().target_m().x());
 }
 
-/// What the arm's weight of some 0.5 N may make of a hand of 300 N/m.
+/// Deflection of a hand of 300 N/m under the arm's weight of about 0.5 N.
 constexpr double kNearTheHand_m = 2e-3;
 
 TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
@@ -212,7 +212,7 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running)
         << servo::description(session.latest().safety);
 
-    show(session, "profile.gltf"); // a base that moves is not seized
+    show(session, "profile.gltf"); // a moving base is not locked
     EXPECT_TRUE(session.scenes().now().choice);
     EXPECT_FALSE(session.simulation().planar);
     move_hand_sideways(session);
@@ -238,7 +238,7 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     EXPECT_EQ(session.scenes().error(), "");
     EXPECT_TRUE(session.scenes().now().choice);
     EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
-    show(session, "profile.gltf"); // and from now on every scene has its own
+    show(session, "profile.gltf"); // from now on every scene has its own model
     EXPECT_TRUE(session.scenes().now().choice);
 }
 
@@ -251,7 +251,7 @@ TEST_F(SessionModel, IsThatForTheGainsInForce) {
     session.start();
     session.servo().tune(tuned.tuning);
     session.measure_model();
-    ASSERT_TRUE(session.models().choice()); // remembered for these
+    ASSERT_TRUE(session.models().choice()); // cached for these gains
     EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant), "rigid_tip");
 }
 
@@ -275,7 +275,7 @@ TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     EXPECT_EQ(session.scenes().now().scene.file.filename(), "profile.gltf");
-    // Nobody waits for a measurement that is not wanted any more.
+    // A cancelled measurement is not waited for.
     show(session, "plate.gltf");
     EXPECT_EQ(session.scenes().id(), 2U);
     EXPECT_EQ(session.scenes().error(), "");

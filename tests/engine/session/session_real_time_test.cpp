@@ -1,6 +1,6 @@
-// Covers engine/session with the servo on its own thread: whatever the
-// hand, the panels, the loader and the recorder do meanwhile, that thread allocates nothing, locks
-// nothing, and makes no system call but to read the clock and to sleep.
+// Covers engine/session with the servo on its own thread: whatever the hand, the panels, the loader
+// and the recorder do, that thread neither allocates nor locks, and makes no system calls except to
+// read the clock and to sleep.
 #include "engine/control/parameters.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
@@ -33,7 +33,7 @@ void expect_nothing_caught() {
     EXPECT_EQ(watched().system_call, -1) << "the number of the system call";
 }
 
-/// Until `is_so`, or until patience ends or the servo was caught: whoever waits finds out why.
+/// Runs until `is_so`, a timeout, or the servo is caught; the caller determines which.
 template <typename Step> bool step_until(const std::function<bool()> &is_so, Step &&step) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (!is_so()) {
@@ -71,7 +71,7 @@ public:
         EXPECT_TRUE(until([&] { return latest().tick >= end; }));
     }
 
-    /// Lifts the tip, leaves a trip if there is one, and waits until the motors have their voltage.
+    /// Lifts the tip, resets a trip if there is one, and waits until the motors are driven.
     void stand_above() {
         const Vector3 above_m = path().at(0.0).position_m;
         session_.hand().move_to(above_m);
@@ -88,7 +88,7 @@ public:
         })) << session_.scenes().now().scene.file;
         ticks(100);
     }
-    /// After an attempt on its stability.
+    /// Recovers after an attempt to destabilise it.
     void recover() {
         if (latest().safety.state == servo::SafetyState::tripped) {
             stand_above();
@@ -117,7 +117,7 @@ private:
 
 void touch_every_scene(Touch &touch) {
     for (const char *scene : kScenes) {
-        touch.switch_to(scene); // in contact with the one before
+        touch.switch_to(scene); // in contact with the previous one
         touch.stand_above();
         touch.press();
     }

@@ -1,4 +1,4 @@
-// Covers engine/session/session.cpp: everything behind the window.
+// Covers engine/session/session.cpp: everything but the window.
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
@@ -28,7 +28,7 @@ SessionOptions headless() {
     return options;
 }
 
-/// Frames until the background loading is over, and as many more as a tick needs.
+/// Runs frames until background loading is complete, plus those needed for a tick.
 void wait_for_scene(Session &session) {
     while (session.scenes().is_loading()) {
         session.advance(testing::kFrame_s);
@@ -38,7 +38,7 @@ void wait_for_scene(Session &session) {
     session.advance(testing::kFrame_s);
 }
 
-/// Of the sixty frames after the first 2.7 s of the scripted touch, how many end in contact.
+/// How many of the sixty frames after the first 2.7 s of the scripted touch end in contact.
 int frames_in_contact(const std::filesystem::path &scene) {
     SessionOptions options = headless();
     options.scene = scene;
@@ -69,7 +69,7 @@ TEST(Session, TheScriptedTouchTouchesFilesThatNobodyHereMade) {
     if (!std::filesystem::exists(models)) {
         GTEST_SKIP() << "no models beside the project";
     }
-    // The knight's helmet has steps to fall off.
+    // The knight's helmet has steps from which the proxy falls.
     for (const char *name : {"2CylinderEngine.glb", "Box.glb", "DenseSphere.glb",
                              "ShapeCollection.glb", "chr_knight.glb"}) {
         EXPECT_GT(frames_in_contact(models / name), 30) << name;
@@ -111,7 +111,7 @@ TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
 
 TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
     SessionOptions options = headless();
-    options.plays_script = false; // a hand that rests
+    options.plays_script = false; // a resting hand
     Session session(options);
     session.start();
     testing::run(session, 1.2);
@@ -204,7 +204,7 @@ TEST(Session, ARecordThatCannotBeMadeIsSaid) {
     session.start();
     testing::run(session, 0.1);
     EXPECT_THROW(session.start_recording(folder / "no" / "such.rec"), InputError);
-    session.start_recording(folder / "is.rec"); // and another time goes well
+    session.start_recording(folder / "is.rec"); // another attempt succeeds
     testing::run(session, 0.1);
     session.recording().stop();
     EXPECT_EQ(session.recording().status().rows, 100U);
@@ -215,7 +215,7 @@ TEST(Session, ARecordThatCannotBeMadeIsSaid) {
 
 TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
     SessionOptions options = headless();
-    options.lockstep = false; // the servo goes on by itself
+    options.lockstep = false; // the servo runs by itself
     Session session(options);
     session.start();
     session.advance(testing::kFrame_s);
@@ -256,7 +256,7 @@ TEST(Session, LimitsAreLoweredAndNeverRaised) {
     wishes.tip_force_N = 3.0;
     wishes.current_A = 100.0;
     session.servo().lower_limits(wishes);
-    testing::run(session, 0.1); // it still waits, so nobody feels a blow
+    testing::run(session, 0.1); // it still waits, so there is no force step
     EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
     EXPECT_EQ(session.latest().limits.current_A, device.current_A);
     session.stop();

@@ -14,7 +14,8 @@ namespace springdrive::device {
 namespace {
 
 constexpr double kStep_s = 25e-6;
-/// Round-off of currents of some amperes, grown by the cancellation in a mean over a short step.
+/// Round-off of currents of some amperes, amplified by the cancellation in a mean over a short
+/// step.
 constexpr double kRoundOff_A = 1e-12;
 
 /// End and mean of i from L di/dt = V − R i, in closed form.
@@ -36,7 +37,7 @@ void expect_current(const CurrentStep &step, double rate_rad_per_s, const Curren
 }
 
 TEST(SpringDrive, IsAWindingOfTheResidualResistanceWithinItsLimits) {
-    // (11): L di/dt = e_W − dR i − k_T θ̇, whatever the rotor does.
+    // (11): L di/dt = e_W − dR i − k_T θ̇, for any rotor velocity.
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> one(-1.0, 1.0);
     for (int i = 0; i < 1000; ++i) {
@@ -68,7 +69,7 @@ TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
         expect_current(at(0.8 * supply_V), 0.0,
                        closed_form(sign * (0.8 * supply_V - R_hat_Ohm * 2.0), R_Ohm - R_hat_Ohm,
                                    now.current_A));
-        // On the rail the cancellation is gone: the whole R, and no more than 12 V.
+        // At the supply limit there is no cancellation: the full R, and at most 12 V.
         const Current railed = closed_form(sign * supply_V, R_Ohm, now.current_A);
         expect_current(at(1.001 * supply_V), 0.0, railed);
         expect_current(at(100.0 * supply_V), 0.0, railed);
@@ -76,7 +77,7 @@ TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
 }
 
 TEST(SpringDrive, MeetsTheRailInTheMiddleOfAStep) {
-    // The current grows until R̂ i + e_W is the supply; that moment has a closed form.
+    // The current grows until R̂ i + e_W reaches the supply; that time has a closed form.
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double R_hat_Ohm = 1.7;
     const double dR_Ohm = R_Ohm - R_hat_Ohm;
@@ -116,7 +117,7 @@ TEST(SpringDrive, DrivesACurrentAtItsLimitNoFurther) {
                        {sign * m.peak_current_A, sign * m.peak_current_A}); // stays
         expect_current(step(above_A, supply_V), 0.0,
                        closed_form(sign * sustaining_V, m.resistance_Ohm, sign * above_A));
-        // What brakes the current is let through.
+        // A voltage that reduces the current is passed on.
         expect_current(step(above_A, -6.0), 0.0,
                        closed_form(-sign * 6.0, m.resistance_Ohm, sign * above_A));
     }
@@ -147,11 +148,11 @@ TEST(CurrentDrive, FollowsAtItsBandwidth) {
     EXPECT_EQ(current_drive_step(testing::phantom_motor(), {2.18, 0.0, 0.0, true}, 1.0, kBandwidth,
                                  kStep_s)
                   .mean_As_per_rad,
-              0.0); // the rotor's velocity does not disturb it
+              0.0); // independent of the rotor's velocity
 }
 
 TEST(CurrentDrive, MeetsTheRailWhereTheSupplyDoesNotSuffice) {
-    // At a steady 2 A the supply is spent where k_T θ̇ = 12 V − R · 2 A, a rotor at 327 rad/s.
+    // At a constant 2 A the supply is exhausted at k_T θ̇ = 12 V − R · 2 A, a rotor at 327 rad/s.
     const MotorParameters m = testing::phantom_motor();
     const double spent_rad_per_s =
         (m.supply_V - 2.0 * m.resistance_Ohm) / m.torque_constant_Nm_per_A;
@@ -163,7 +164,7 @@ TEST(CurrentDrive, MeetsTheRailWhereTheSupplyDoesNotSuffice) {
     expect_current(
         at(too_fast), too_fast,
         closed_form(m.supply_V - m.torque_constant_Nm_per_A * too_fast, m.resistance_Ohm, 2.0));
-    // A step that asks for more than the winding's slope at 12 V: the fastest rise there is.
+    // A step that requires more than the winding's slope at 12 V, the fastest possible rise.
     const CurrentStep steep =
         current_drive_step(m, {m.resistance_Ohm, 0.0, 0.0, true}, 5.0, 1e5, kStep_s);
     expect_current(steep, 0.0, closed_form(m.supply_V, m.resistance_Ohm, 0.0));
@@ -191,7 +192,7 @@ TEST(SpringDriveAtOnce, IsOhmsLawOnWhatRemainsOfTheResistance) {
                 (0.02 - testing::phantom_motor().torque_constant_Nm_per_A * rate) / dR_Ohm;
             const CurrentStep step = spring_drive_at_once(
                 testing::phantom_motor(), {R_Ohm, 7.0, rate, false}, 0.02, R_Ohm - dR_Ohm);
-            expect_current(step, rate, {current_A, current_A}); // whatever it was before
+            expect_current(step, rate, {current_A, current_A}); // independent of its previous value
         }
     }
 }
@@ -202,7 +203,7 @@ TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
     const DriveState now{m.resistance_Ohm, 0.3, 5.0, false};
     const CurrentStep slow = spring_drive_step(m, now, 0.4, 1.6, kStep_s);
     const CurrentStep at_once = spring_drive_at_once(m, now, 0.4, 1.6);
-    // The mean differs by what is left of 0.3 A for L/dR, 4e-13 s of 25 µs.
+    // The mean differs by 0.3 A times L/dR over the step, 4e-13 s of 25 µs.
     EXPECT_NEAR(slow.end_at(5.0), at_once.end_at(5.0), kRoundOff_A);
     EXPECT_NEAR(slow.mean_at(5.0), at_once.mean_at(5.0), 1e-7);
 }

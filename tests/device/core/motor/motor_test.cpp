@@ -22,7 +22,7 @@ Reference integrate(const MotorParameters &m, long double dR, long double i0, lo
     long double i = i0;
     long double sum = 0.0L;
     for (int k = 0; k < kSteps; ++k) {
-        // Exact derivatives of a linear equation: each is −dR/L times the one before.
+        // Exact derivatives of a linear equation: each is −dR/L times the previous one.
         long double derivative = (u - dR * i) / m.inductance_H;
         long double power = step;
         long double next = i;
@@ -49,7 +49,7 @@ TEST(WindingStep, AgreesWithAnIntegrationForEveryResistance) {
             const Reference truth = integrate(m, dR, i0, u, h);
             const double current = w.decay * i0 + w.gain_A_per_V * u;
             const double mean = w.mean_decay * i0 + w.mean_gain_A_per_V * u;
-            // Relative round-off, grown in φ₂ by at most 1/0.01 where the series takes over.
+            // Relative round-off, amplified in φ₂ by at most 1/0.01 where the series takes over.
             EXPECT_NEAR(current, static_cast<double>(truth.current_A), 1e-13 * (1 + current))
                 << "dR " << dR << " h " << h;
             EXPECT_NEAR(mean, static_cast<double>(truth.mean_A), 1e-13 * (1 + std::abs(mean)))
@@ -67,7 +67,7 @@ TEST(Motor, DataSheetGivesThePublishedStiffness) {
 }
 
 TEST(Motor, SpringAndDamperInSeriesHaveTheElectricalCorner) {
-    // K_L/B_dR is dR/L: the mechanical picture of Fig. 1 has the electrical time constant.
+    // K_L/B_dR is dR/L: the mechanical analogy of Fig. 1 has the electrical time constant.
     const double dR = 0.37;
     EXPECT_NEAR(inductive_stiffness_Nm_per_rad(testing::phantom_motor()) /
                     series_damping_Nms_per_rad(testing::phantom_motor(), dR),

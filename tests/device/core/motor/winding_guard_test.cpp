@@ -21,8 +21,8 @@ constexpr double kAmplifierLimit_Ohm = 2.8;
 
 WindingGuard guard(const MotorParameters &m) { return {m, kAmplifierLimit_Ohm, kPeriod_s}; }
 
-/// The winding itself: its current runs to a new value in each period as e^(−t/τ) lets it, and
-/// heats it in ten parts of the period through the R(T, θ) of that moment.
+/// The true winding: in each period its current approaches a new value as e^(−t/τ), and heats it in
+/// ten parts of the period through the present R(T, θ).
 struct TrueWinding {
     TrueWinding(const MotorParameters &parameters, double air_C)
         : m(parameters), temperature(parameters.thermal, air_C, kPeriod_s / 10) {}
@@ -57,7 +57,7 @@ TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
         WindingGuard bounds = guard(m);
         double target_A = 0.0;
         for (int tick = 0; tick < 5000; ++tick) {
-            if (tick % 250 == 0) { // lasting currents, now and then with a jitter about zero
+            if (tick % 250 == 0) { // sustained currents, sometimes with a jitter about zero
                 target_A = 3.0 * share(random);
             }
             winding.run_to(tick % 1000 < 100 ? 0.5 * share(random) : target_A);
@@ -69,7 +69,7 @@ TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
 }
 
 TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
-    // Without ripple, in the coldest air, under a steady current, nothing is left to doubt below.
+    // Without ripple, in the coldest air and with a constant current, the lower bound is exact.
     MotorParameters m = testing::phantom_motor();
     m.commutation_ripple = 0.0;
     TrueWinding winding(m, kColdestAir_C);
@@ -79,14 +79,14 @@ TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
         bounds.update(winding.current_A);
     }
     EXPECT_GT(winding.temperature.winding_C(), 25.0); // not vacuous
-    // The first tick, during which the current rose, counts for nothing: 1.5² · 2.1 W · 1 ms into
-    // 3.9 J/K is 1.2 mK.
+    // The first tick, during which the current rises, adds no heat: 1.5² · 2.1 W · 1 ms into 3.9
+    // J/K is 1.2 mK.
     EXPECT_NEAR(bounds.least_C(), winding.temperature.winding_C(), 2e-3);
 }
 
 TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
-    // Warmed in the coldest air by a current long or short, then cooled: at no time, at no angle,
-    // is the R̂ allowed above R. Barely: the share that is left is the one promised.
+    // Warmed in the coldest air by a long or short current, then cooled: the allowed R̂ never
+    // exceeds R at any angle, and the remaining share is the promised one.
     const MotorParameters m = testing::phantom_motor();
     for (const double current_A : {0.0, 0.5, 1.2, 3.0}) {
         TrueWinding winding(m, kColdestAir_C);
@@ -110,7 +110,7 @@ TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
         bounds.update(2.0);
     }
     const double hot_Ohm = bounds.greatest_cancelled_Ohm();
-    // 0.39 %/K on the warmth that was surely there.
+    // 0.39 %/K of the certain temperature rise.
     const double warmed_K = bounds.least_C() - kColdestAir_C;
     EXPECT_GT(warmed_K, 20.0);
     EXPECT_NEAR(hot_Ohm - cold_Ohm, (1.0 - kLeastResidualShare) * 0.98 * 2.18 * 0.0039 * warmed_K,
@@ -134,8 +134,8 @@ TEST(WindingGuard, NeverPassesWhatTheAmplifierCanBeSetTo) {
 }
 
 TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
-    // The whole servo on the simulated device in the coldest air: dR = 0.02 Ω at 25 °C is less than
-    // nothing at 15 °C. The hand moves, so that the commutators turn.
+    // The whole servo on the simulated device in the coldest air: dR = 0.02 Ω at 25 °C is negative
+    // at 15 °C. The hand moves, so that the commutators turn.
     simulated::SimulationOptions options;
     options.ambient_C = kColdestAir_C;
     options.path.emplace(std::vector<simulated::HandPath::Point>{
@@ -166,7 +166,7 @@ TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
         full.update(m.peak_current_A);
         idle.update(0.0);
         blind.update(unknown);
-        // Of the next tick one end is unknown still.
+        // One end of the next tick is still unknown.
         full.update(m.peak_current_A);
         idle.update(0.0);
         blind.update(1.0);
@@ -178,7 +178,7 @@ TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
 }
 
 TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
-    // Through each gap: the greatest as if every period had had the current, the least as if none.
+    // Over each gap the upper bound assumes the current in every period, the lower bound in none.
     const DeviceDescription device = testing::phantom_1_0();
     const MotorParameters &motor = device.motor[0];
     const double amplifier_Ohm = device.amplifier.greatest_cancelled_Ohm;
@@ -195,7 +195,7 @@ TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
         EXPECT_LT(guard.least_C(), punctual.least_C()) << missed;
         EXPECT_GE(guard.least_C(), kColdestAir_C) << missed;
         EXPECT_EQ(guard.least_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
-        for (int i = 0; i < 20; ++i) { // a long one is gone through in some ticks
+        for (int i = 0; i < 20; ++i) { // a long gap is processed over several ticks
             guard.update(3.0);
         }
         for (std::uint32_t i = 0; i < missed + 21; ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 ThermalParameters thermal() { return testing::phantom_motor().thermal; }
 
-/// The two heat balances as they stand in the header, by classical Runge-Kutta.
+/// The two heat balances of the header, by classical Runge-Kutta.
 struct Network {
     ThermalParameters t = thermal();
     double ambient_C = 25.0;
@@ -55,7 +55,8 @@ TEST(WindingTemperature, AgreesWithAnIntegration) {
         for (int i = 0; i < 50; ++i) {
             reference.heat_W = heat_W(random);
             exact.update(reference.heat_W);
-            // h/t_w stays below 1/240, and (h/t_w)^5/120 a step is below 1e-14 of a hundred kelvin.
+            // h/t_w stays below 1/240, and the error (h/t_w)^5/120 per step is below 1e-14 of 100
+            // K.
             reference.advance(period_s, std::max(1, static_cast<int>(20 * period_s)));
             ASSERT_NEAR(exact.winding_C(), reference.winding_C, 1e-9) << "T " << period_s;
             ASSERT_NEAR(exact.housing_C(), reference.housing_C, 1e-9) << "T " << period_s;
@@ -67,7 +68,7 @@ TEST(WindingTemperature, EndsWhereItsThermalResistancesSay) {
     const ThermalParameters t = thermal();
     constexpr double kHeat_W = 3.0;
     WindingTemperature winding(t, 22.0, 10.0);
-    for (int i = 0; i < 3000; ++i) { // 49 time constants: e^-49 of 51 K is left
+    for (int i = 0; i < 3000; ++i) { // 49 time constants: e^-49 of 51 K remains
         winding.update(kHeat_W);
     }
     EXPECT_NEAR(winding.housing_C(), 22.0 + kHeat_W * t.housing_ambient_K_per_W, 1e-10);
@@ -76,8 +77,8 @@ TEST(WindingTemperature, EndsWhereItsThermalResistancesSay) {
 }
 
 TEST(WindingTemperature, KeepsEveryJoule) {
-    // What came in is in winding and housing, or went to the air: ∫ (T_h − T_a)/R_ha dt, which
-    // Simpson's rule takes from three moments of each pair of periods to (T/t_w)⁴/180.
+    // The supplied heat is in winding and housing, or went to the air: ∫ (T_h − T_a)/R_ha dt, which
+    // Simpson's rule computes from three values per pair of periods to (T/t_w)⁴/180.
     const ThermalParameters t = thermal();
     constexpr double kPeriod_s = 0.05;
     constexpr double kHeat_W = 8.0;
@@ -99,13 +100,14 @@ TEST(WindingTemperature, KeepsEveryJoule) {
 }
 
 TEST(WindingTemperature, WarmsAgainstALockedHousingInItsTimeConstant) {
-    // The housing is locked by a mass that no winding can warm; data sheets state t_w so.
+    // The housing's temperature is fixed by a very large heat capacity, as in the definition of t_w
+    // in data sheets.
     ThermalParameters t = thermal();
     t.motor_time_s = 1e12;
     WindingTemperature winding(t, 25.0, t.winding_time_s);
     constexpr double kHeat_W = 20.0;
     winding.update(kHeat_W);
-    // That mass warms by P t_w / C_h, below 1e-8 °C.
+    // It warms by P t_w / C_h, below 1e-8 °C.
     EXPECT_NEAR(winding.winding_C(),
                 25.0 + kHeat_W * t.winding_housing_K_per_W * (1.0 - 1.0 / std::numbers::e), 1e-7);
 }
@@ -123,7 +125,7 @@ TEST(WindingTemperature, DoesNotMindHowAPeriodIsSplit) {
 }
 
 TEST(WindingTemperature, MoreHeatAndWarmerAirNeverCool) {
-    // What WindingGuard's bounds rest on.
+    // The basis of WindingGuard's bounds.
     std::mt19937 random(2);
     std::uniform_real_distribution<double> share(0.0, 1.0);
     for (int run = 0; run < 100; ++run) {

@@ -45,7 +45,8 @@ struct RandomTorques {
 };
 
 TEST(DynamicsAgainstCvode, EnergyGrowsByTheWorkOfTheTorques) {
-    // M q̈ + C q̇ + g = τ(t) beside Ẇ = τᵀ q̇: only equations of one and the same energy agree.
+    // M q̈ + C q̇ + g = τ(t) together with Ẇ = τᵀ q̇: they agree only if the equations share one
+    // energy.
     std::mt19937_64 random(61);
     for (int run = 0; run < 20; ++run) {
         const DeviceDescription device =

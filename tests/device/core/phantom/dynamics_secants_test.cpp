@@ -1,5 +1,5 @@
-// Covers device/core/phantom/linkage_secants.h and the secants of dynamics.cpp, on which the
-// plant's exact energy rests.
+// Covers device/core/phantom/linkage_secants.h and the secants of dynamics.cpp, the basis of the
+// plant's exact energy.
 #include "device/core/phantom/dynamics.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSecantRoundOff = 10.0 * std::numeric_limits<double>::epsilon();
 
-/// Two configurations, from a radian apart down to where nothing but round-off lies between them.
+/// Two configurations, from a radian apart down to a distance of round-off.
 struct Pair {
     Vector3 a{Vector3::Zero()};
     Vector3 b{Vector3::Zero()};
@@ -81,12 +81,12 @@ TEST_P(Secants, AreTheDerivativesWhereTheEndsMeet) {
 }
 
 TEST_P(Secants, AreOfSecondOrderAboutTheMiddleHoweverCloseTheEnds) {
-    // Quotients of differences would lose all digits on the way down; these lose none.
+    // Difference quotients would lose all digits at small distances; these lose none.
     for (int i = 0; i < 1000; ++i) {
         const double way_rad = std::pow(10.0, -(i % 15));
         const Pair q = any_pair(way_rad);
         const Vector3 u = any_vector();
-        // Frequencies of up to 2 in each of three angles: 3 · (2 d)²/8 and more where they mix.
+        // Frequencies of up to 2 in each of three angles: 3 · (2 d)²/8, and more for mixed terms.
         const double relative = 5.0 * way_rad * way_rad + kSecantRoundOff;
         const Matrix3 J = joint_jacobian(geometry(), q.middle());
         ASSERT_LT((tip_secant(geometry(), q.a, q.b) - J).norm(), relative * J.norm());

@@ -33,18 +33,18 @@ std::invoke_result_t<Function, double> derivative(const Function &function) {
 }
 constexpr double kDerivative = 1e-11;
 
-/// A body of the linkage in space, written down from the drawing: its centre from the base joint,
-/// and its axes (normal to the plane, across the link, along the link) as columns.
+/// A body of the linkage in space, derived from the drawing: its centre from the base joint, and
+/// its axes (normal to the plane, across the link, along the link) as columns.
 struct PlacedBody {
     Vector3 centre_m{Vector3::Zero()};
     Matrix3 axes{Matrix3::Identity()};
 };
 
-/// What a body is apart from where it is.
+/// Properties of a body independent of its position.
 struct Body {
     double mass_kg = 0.0;
     Vector3 inertia_kg_m2{Vector3::Zero()};
-    double carried_kg = 0.0; ///< mass that the inertia does not contain: it is about the centre
+    double carried_kg = 0.0; ///< mass not contained in the inertia, which is about the centre
 };
 
 constexpr std::size_t kBodies = 5; ///< upper arm, crank, rod, forearm, tip load
@@ -93,7 +93,7 @@ Twist twist(const DeviceDescription &device, const Vector3 &q, std::size_t body,
             {turning(2, 1), turning(0, 2), turning(1, 0)}};
 }
 
-/// The mass matrix that the kinetic energy of all bodies in space makes.
+/// The mass matrix from the kinetic energy of all bodies in space.
 Matrix3 mass_matrix_of_bodies(const DeviceDescription &device, const Vector3 &q) {
     const std::array<Body, kBodies> all = bodies(device);
     Matrix3 M = Matrix3::Zero();
@@ -180,7 +180,7 @@ TEST_P(Dynamics, CoriolisTorquesAreLagranges) {
 }
 
 TEST_P(Dynamics, CoriolisTorquesHaveNoPowerBesideTheInertias) {
-    // q̇ᵀ(½ Ṁ − C) q̇ = 0; ½ Ṁ, exactly, from the secant where its two ends meet.
+    // q̇ᵀ(½ Ṁ − C) q̇ = 0; ½ Ṁ, exactly, from the secant with coinciding ends.
     for (int i = 0; i < 1000; ++i) {
         const Vector3 q = any_angles();
         const Vector3 w = any_vector();
@@ -197,8 +197,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, Dynamics,
                                                                               : "Premium15";
                          });
 
-/// The equations that Çavuşoğlu, Feygin and Tendick 2002 published for the Premium 1.5, in their
-/// own words: a forearm, c rod, be upper arm with motor, df crank with motor. Below, a[1] is I_ayy.
+/// The equations published by Çavuşoğlu, Feygin and Tendick 2002 for the Premium 1.5, in their
+/// notation: a forearm, c rod, be upper arm with motor, df crank with motor. Below, a[1] is I_ayy.
 struct Published {
     double l1 = 0.215, l2 = 0.170, l3 = 0.0325, l5 = -0.0368, l6 = 0.0527;
     double ma = 0.0202, mc = 0.0249, mbe = 0.2359, mdf = 0.1906;

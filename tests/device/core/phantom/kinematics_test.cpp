@@ -12,7 +12,7 @@
 namespace springdrive::device {
 namespace {
 
-/// Joint angles well inside the branch that `joint_angles_rad` answers on.
+/// Joint angles well inside the branch of `joint_angles_rad`.
 Vector3 random_configuration(std::mt19937_64 &random) {
     std::uniform_real_distribution<double> angle(-1.0, 1.0);
     const double q2 = 0.9 * angle(random);
@@ -34,8 +34,8 @@ TEST_P(Kinematics, ZeroPoseHasItsTipAtTheOrigin) {
 
 TEST_P(Kinematics, JacobiansAgreeWithFiniteDifferencesOverTheWorkspace) {
     std::mt19937_64 random(1);
-    // Central differences of positions of about l: round-off ε l/h and truncation h² l/6 are least
-    // together at h = (3ε)^(1/3) = 7e-6, some 2e-11 l each.
+    // Central differences of positions of about l: the sum of round-off ε l/h and truncation h² l/6
+    // is smallest at h = (3ε)^(1/3) = 7e-6, about 2e-11 l each.
     constexpr double kStep = 7e-6;
     constexpr double kRelative = 1e-9;
     for (int i = 0; i < 1000; ++i) {
@@ -58,7 +58,7 @@ TEST_P(Kinematics, JacobiansAgreeWithFiniteDifferencesOverTheWorkspace) {
 TEST_P(Kinematics, JacobianRateAgreesWithFiniteDifferencesOverTheWorkspace) {
     std::mt19937_64 random(2);
     constexpr double kFastest_rad_per_s = 3.0;
-    // As above, for a motion that turns by up to 3·3 rad/s in the fastest of its terms.
+    // As above, for a motion whose fastest term turns at up to 3·3 rad/s.
     constexpr double kDifference_s = 1e-6;
     for (int i = 0; i < 1000; ++i) {
         const Vector3 q = testing::random_workspace_angles(GetParam(), random);
@@ -72,7 +72,7 @@ TEST_P(Kinematics, JacobianRateAgreesWithFiniteDifferencesOverTheWorkspace) {
 }
 
 TEST_P(Kinematics, JacobiansHoldOutsideTheWorkspaceToo) {
-    // Where the branch ends, links up to 80° from square, and behind the base axis.
+    // Near the ends of the branch, links up to 80° from perpendicular, and behind the base axis.
     std::mt19937_64 random(5);
     constexpr double kStep = 7e-6;
     for (int i = 0; i < 1000; ++i) {
