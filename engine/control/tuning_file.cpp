@@ -1,10 +1,9 @@
 #include "engine/control/tuning_file.h"
 
+#include "base/one_line.h"
 #include "base/strict_toml.h"
 #include "engine/control/parameters.h"
 
-#include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 #include <string>
@@ -71,11 +70,9 @@ TuningMargins read_margins(StrictTomlTable table) {
     return margins;
 }
 
-/// The fewest digits that read back as the same number.
+/// In TOML's format of a floating-point number.
 std::string digits(double value) {
-    std::array<char, 32> text{};
-    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-    std::string number(text.data(), end);
+    const std::string number = shortest_text(value);
     return number.find_first_of(".e") == std::string::npos ? number + ".0" : number;
 }
 

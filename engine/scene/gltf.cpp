@@ -1,15 +1,14 @@
 #include "engine/scene/gltf.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "base/wanted.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf_file.h"
-#include "engine/scene/gltf_gather.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_nodes.h"
-#include "engine/scene/gltf_text.h"
-#include "engine/scene/scene_extras.h"
+#include "engine/scene/load_allowance.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
 
@@ -19,6 +18,7 @@
 #include <iterator>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 
 namespace springdrive::scene {
@@ -26,6 +26,155 @@ namespace springdrive::scene {
 namespace {
 
 using namespace gltf;
+
+/// A primitive as its mesh has it, before a node places it.
+struct PrimitiveData {
+    std::shared_ptr<const PrimitiveGeometry> geometry;
+    BaseColour colour;
+};
+
+/// Each mesh's primitives, read when first placed.
+class MeshCache {
+public:
+    explicit MeshCache(const tinygltf::Model &model)
+        : model_(model), meshes_(model.meshes.size()) {}
+
+    const std::vector<PrimitiveData> &primitives(int mesh) {
+        const auto index = static_cast<std::size_t>(mesh);
+        std::optional<std::vector<PrimitiveData>> &entry = meshes_[index];
+        if (!entry) {
+            entry.emplace();
+            for (const tinygltf::Primitive &primitive : model_.meshes[index].primitives) {
+                const BaseColour colour = read_base_colour(model_, primitive.material);
+                entry->push_back({std::make_shared<const PrimitiveGeometry>(
+                                      read_primitive(model_, primitive, colour.texture_set)),
+                                  colour});
+            }
+        }
+        return *entry;
+    }
+
+private:
+    const tinygltf::Model &model_;
+    std::vector<std::optional<std::vector<PrimitiveData>>> meshes_;
+};
+
+void remark_on(const PlacedMesh &node, const PrimitiveGeometry &geometry,
+               std::vector<std::string> &remarks) {
+    if (!geometry.untouchable.empty()) {
+        remarks.push_back(node.label + ": " + geometry.untouchable + " cannot be touched or drawn");
+    }
+    if (geometry.leftover_vertices > 0) {
+        remarks.push_back(node.label + ": " + std::to_string(geometry.leftover_vertices) +
+                          " vertices are left over and make no triangle");
+    }
+    if (geometry.has_morph_targets) {
+        remarks.push_back(node.label + ": its morph targets are left out; it is touched and drawn "
+                                       "in its base shape");
+    }
+}
+
+std::vector<Vector3> world_positions(const PlacedMesh &node, const PrimitiveGeometry &geometry) {
+    std::vector<Vector3> positions(geometry.position.count());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        stop_if_given_up(i);
+        positions[i] = node.to_world * Vector3(geometry.position[i].data());
+        if (!positions[i].allFinite()) {
+            throw InputError(node.label + ": its transform takes vertex " + std::to_string(i) +
+                             " out of the finite");
+        }
+    }
+    return positions;
+}
+
+BoundingBox used_box(const PrimitiveGeometry &geometry) {
+    BoundingBox box;
+    for (const Triangle &triangle : geometry.triangles) {
+        for (const std::uint32_t corner : triangle) {
+            box.include(Vector3(geometry.position[corner].data()));
+        }
+    }
+    return box;
+}
+
+/// Runs `step` for each node; messages of its errors begin with the node's label.
+template <typename Step> void for_each_node(const std::vector<PlacedMesh> &nodes, Step &&step) {
+    for (const PlacedMesh &node : nodes) {
+        try {
+            step(node);
+        } catch (const InputError &error) {
+            const std::string what = error.what();
+            throw InputError(what.starts_with(node.label) ? what : node.label + ": " + what);
+        }
+    }
+}
+
+/// Adds what the file declares of a primitive, so that a scene is refused before it is read.
+void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
+                  LoadAllowance &allowance) {
+    const auto position = primitive.attributes.find("POSITION");
+    const bool is_drawn_by_line =
+        primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode < TINYGLTF_MODE_TRIANGLES;
+    if (position == primitive.attributes.end() || is_drawn_by_line) {
+        return;
+    }
+    const std::size_t vertices = accessor_count(model, position->second);
+    const std::size_t corners =
+        primitive.indices >= 0 ? accessor_count(model, primitive.indices) : vertices;
+    constexpr std::size_t kTooMany =
+        std::numeric_limits<std::size_t>::max() / 4; // no sum overflows
+    allowance.add(
+        std::min(primitive.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners, kTooMany),
+        std::min(vertices, kTooMany));
+}
+
+void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> &nodes) {
+    LoadAllowance allowance;
+    if (std::ranges::any_of(nodes, [](const PlacedMesh &node) { return node.touch.smooth; })) {
+        allowance.add(kMostCurvedTriangles, kMostCurvedTriangles);
+    }
+    for_each_node(nodes, [&](const PlacedMesh &node) {
+        for (const auto &primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+            add_declared(model, primitive, allowance);
+        }
+    });
+}
+
+/// The primitives of all nodes, those of one node adjacent, in the file's own world coordinates.
+/// `remarks` gains what cannot be touched or drawn.
+/// @param nodes are pointed at by the result
+/// @throw InputError naming the node, for what cannot be read, is not finite or is too much.
+std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
+                                    const std::vector<PlacedMesh> &nodes,
+                                    std::vector<std::string> &remarks, LoadProgress &progress) {
+    check_declared(model, nodes);
+    std::vector<PlacedPrimitive> gathered;
+    MeshCache cache(model);
+    LoadAllowance allowance; // of what was read: compressed data may hold more than declared
+    std::size_t done = 0;
+    for_each_node(nodes, [&](const PlacedMesh &node) {
+        if (node.has_skin) {
+            remarks.push_back(node.label + ": its skin is left out; it is touched and drawn in the "
+                                           "pose that it was modelled in");
+        }
+        for (const PrimitiveData &primitive : cache.primitives(node.mesh)) {
+            stop_if_given_up();
+            const PrimitiveGeometry &geometry = *primitive.geometry;
+            remark_on(node, geometry, remarks);
+            if (!geometry.triangles.empty()) {
+                allowance.add(geometry.triangles.size(), geometry.position.count());
+                gathered.push_back({&node,
+                                    primitive.geometry,
+                                    primitive.colour,
+                                    used_box(geometry),
+                                    world_positions(node, geometry),
+                                    {}});
+            }
+        }
+        progress.advance_to(static_cast<double>(++done) / static_cast<double>(nodes.size()));
+    });
+    return gathered;
+}
 
 constexpr double kFarthest_m = 1000.0; // beyond this, "metres" must be a mistake
 
@@ -42,12 +191,12 @@ BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
     return box;
 }
 
-/// Puts everything where it belongs in the device's frame.
-/// @return from the file's world coordinates to there
+/// Moves the primitives into the device's frame.
+/// @return from the file's world coordinates to that frame
 Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
               const device::Workspace &workspace) {
     BoundingBox box = bounds_of(primitives);
-    Fit fit = fit_into(workspace, box); // also refuses what has no extent
+    const Fit fit = fit_into(workspace, box); // also refuses what has no extent
     if (!scene.in_metres) {
         for (PlacedPrimitive &primitive : primitives) {
             for (Vector3 &position : primitive.positions) {
@@ -58,7 +207,7 @@ Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
         box = bounds_of(primitives);
     } else if (const double reach_m = std::max(-box.lower.minCoeff(), box.upper.maxCoeff());
                reach_m > kFarthest_m) {
-        throw InputError("it says that it is in metres, but reaches " + shortest(reach_m) +
+        throw InputError("it says that it is in metres, but reaches " + shortest_text(reach_m) +
                          " m far; leave extras.units out to have it fitted");
     } else if (!lies_within(workspace, box)) {
         scene.remarks.emplace_back(
@@ -133,7 +282,7 @@ contact::TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const 
     return flat;
 }
 
-/// Lets go of the primitives one by one, so that not all is there twice.
+/// Frees the primitives one by one, so that the whole scene is never in memory twice.
 void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const Fit &fit,
                   const tinygltf::Model &model, LoadProgress &progress) {
     for (std::span rest(primitives); !rest.empty();) {
@@ -158,10 +307,10 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     const tinygltf::Model model = read_model(file);
     Scene scene;
     scene.file = file;
-    const SceneExtras said = read_scene_extras(model);
-    scene.in_metres = said.in_metres;
-    scene.planar = said.planar;
-    scene.tolerance = said.tolerance;
+    const SceneExtras extras = read_scene_extras(model);
+    scene.in_metres = extras.in_metres;
+    scene.planar = extras.planar;
+    scene.tolerance = extras.tolerance;
     scene.remarks = left_out_of(model);
     const std::vector<PlacedMesh> nodes = place_meshes(model);
     progress.begin(Stage::gathering, true);
@@ -192,17 +341,17 @@ Scene load_gltf(const std::filesystem::path &file, const device::Workspace &work
     LoadProgress unwatched;
     LoadProgress &watched = progress != nullptr ? *progress : unwatched;
     const GivenUpBy given_up(&watched.is_given_up());
-    const std::string place = gltf::one_line(file.string(), 1000) + ": ";
+    const std::string place = one_line(file.string(), 1000) + ": ";
     try {
         return load(file, workspace, watched);
     } catch (const NotWanted &) {
-        throw; // no fault of the file's
+        throw; // not an error of the file
     } catch (const InputError &error) {
-        throw InputError(place + gltf::one_line(error.what(), 500));
+        throw InputError(place + one_line(error.what(), 500));
     } catch (const std::bad_alloc &) {
         throw InputError(place + "needs more memory than there is; simplify it");
     } catch (const std::exception &error) {
-        throw InputError(place + "cannot be read: " + gltf::one_line(error.what()));
+        throw InputError(place + "cannot be read: " + one_line(error.what()));
     }
 }
 

@@ -14,12 +14,12 @@ namespace springdrive::scene {
 /// file's scene or asset says `"extras": {"units": "m"}`: then its coordinates are metres in the
 /// device frame as they stand.
 ///
-/// The `"extras"` of a node say how it feels, and its children unless they say otherwise:
+/// The `"extras"` of a node say how it and its children feel; a child's own take precedence:
 /// - `"eta"`: η, from 0 (rigid, the default) to 1 (free space).
 /// - `"static_friction"`, `"dynamic_friction"`: Coulomb coefficients from 0 (the default) to 10,
 ///   dynamic not above static. A node that gives one gives both: the other is the same.
-/// - `"sides"`: "one" for a surface that is touched only from where its normals point, "two" from
-///   both. By default one if it is closed, two if it is open.
+/// - `"sides"`: "one" for a surface that is touched only from the side its normals point to, "two"
+///   for both. By default one if it is closed, two if it is open.
 /// - `"smooth"`: true to touch and draw the curved surface that the normals of the file describe,
 ///   cut into facets that differ by 0.5° at most (up to two million in a scene), instead of the
 ///   file's triangles. It needs normals; split normals leave an edge sharp.
@@ -28,19 +28,19 @@ namespace springdrive::scene {
 ///   fitted to the box around the mesh, which is drawn as it is. See `gltf::fit_shape`.
 ///
 /// Of the scene or the asset as a whole:
-/// - `"tolerance"`: what a cheaper model of plant, surface and control may be off the fullest, as
-///   `{"force_N": 0.05, "direction_deg": 5, "bandwidth_hz": 200}` with any of the three left out;
-///   these are the defaults. See docs/models.md.
+/// - `"tolerance"`: how far a cheaper model of plant, surface and control may deviate from the
+///   fullest, as `{"force_N": 0.05, "direction_deg": 5, "bandwidth_hz": 200}`; each of the three
+///   may be left out, and these are the defaults. See docs/models.md.
 /// - `"planar"`: true where the hand stays in the linkage's plane, x = const: then the base joint
 ///   need not be simulated.
 ///
 /// @throw InputError with one line that names the file, what is wrong in it and where: for a file
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds
-///        coordinates that are not finite, needs an extension that we lack, has no triangle, or
-///        says something else about touch than the above.
+///        coordinates that are not finite, needs an extension that is not supported, has no
+///        triangle, or has extras about touch other than the above.
 ///        Also for a scene that takes more than 8 GiB to load.
 /// @throw NotWanted soon after `progress` was given up
-/// @param progress told how far it is, if somebody wants to know
+/// @param progress is updated while loading; may be null
 [[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
                               LoadProgress *progress = nullptr);
 

@@ -1,8 +1,10 @@
 #include "engine/scene/gltf_accessor.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "base/wanted.h"
 
+#include <draco/compression/decode.h>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -150,6 +152,22 @@ void for_each_sparse(const tinygltf::Model &model, const tinygltf::Accessor &acc
     }
 }
 
+/// The largest integer of a type, by which a normalised value is divided; 1 for floats.
+double full_scale(draco::DataType type) {
+    switch (type) {
+    case draco::DT_INT8:
+        return 127.0;
+    case draco::DT_UINT8:
+        return 255.0;
+    case draco::DT_INT16:
+        return 32767.0;
+    case draco::DT_UINT16:
+        return 65535.0;
+    default:
+        return 1.0;
+    }
+}
+
 } // namespace
 
 std::span<const unsigned char> view_bytes(const tinygltf::Model &model, int view) {
@@ -187,8 +205,7 @@ Attribute read_attribute(const tinygltf::Model &model, int index, Scaling scalin
     const std::size_t size = component_size(type, place);
     const bool normalised = accessor.normalized || scaling == Scaling::unit_range;
     const auto width = static_cast<std::size_t>(accessor.type); // TINYGLTF_TYPE_VECn is n
-    const bool has_view =
-        accessor.bufferView >= 0; // without one all is zero, but for sparse values
+    const bool has_view = accessor.bufferView >= 0; // without one all but sparse values are zero
     Elements elements;
     if (has_view) {
         elements = find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count,
@@ -236,6 +253,59 @@ std::size_t accessor_count(const tinygltf::Model &model, int accessor) {
 
 bool is_normalised(const tinygltf::Model &model, int accessor) {
     return find_accessor(model, accessor).normalized;
+}
+
+DracoMesh::DracoMesh(std::span<const unsigned char> bytes) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+    const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
+    if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) {
+        throw InputError("its Draco data hold no triangle mesh");
+    }
+    draco::Decoder decoder;
+    auto mesh = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!mesh.ok()) {
+        throw InputError("its Draco data are damaged: " +
+                         one_line(mesh.status().error_msg_string()));
+    }
+    mesh_ = std::move(mesh).value();
+}
+
+DracoMesh::~DracoMesh() = default;
+
+std::vector<Triangle> DracoMesh::triangles() const {
+    std::vector<Triangle> triangles;
+    triangles.reserve(mesh_->num_faces());
+    for (std::uint32_t i = 0; i < mesh_->num_faces(); ++i) {
+        const draco::Mesh::Face &face = mesh_->face(draco::FaceIndex(i));
+        triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
+    }
+    return triangles;
+}
+
+Attribute DracoMesh::attribute(std::uint32_t id, bool normalised) const {
+    const draco::PointAttribute *const source = mesh_->GetAttributeByUniqueId(id);
+    if (source == nullptr || source->num_components() < 2 || source->num_components() > 4) {
+        throw InputError("its Draco data hold no vectors with the id " + std::to_string(id));
+    }
+    // Draco has divided already where its data say that the integers are normalised.
+    const bool divide = normalised && !source->normalized();
+    const double scale = divide ? full_scale(source->data_type()) : 1.0;
+    const auto width = static_cast<std::size_t>(source->num_components());
+    Attribute attribute{static_cast<int>(width),
+                        std::vector<double>(std::size_t{mesh_->num_points()} * width)};
+    for (std::uint32_t point = 0; point < mesh_->num_points(); ++point) {
+        const draco::AttributeValueIndex value = source->mapped_index(draco::PointIndex(point));
+        double *const target = &attribute.values[point * width];
+        if (value.value() >= source->size() || !source->ConvertValue<double>(value, target)) {
+            throw InputError("its Draco data cannot be read as numbers");
+        }
+        if (divide) {
+            std::transform(target, target + width, target,
+                           [&](double number) { return std::max(number / scale, -1.0); });
+        }
+    }
+    return attribute;
 }
 
 } // namespace springdrive::scene::gltf

@@ -1,22 +1,30 @@
-// Reading glTF accessors with every bound checked: the only code that touches buffer bytes.
+// Vertex attributes and indices of a glTF, from its accessors or its Draco data, with every bound
+// checked: the only code that reads the bytes of buffers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+namespace draco {
+class Mesh;
+}
 namespace tinygltf {
 class Model;
 }
 
 namespace springdrive::scene::gltf {
 
-/// More vertices, or indices, than this in one scene is taken for a damaged file.
+/// A scene with more vertices, or indices, than this is taken to be damaged.
 inline constexpr std::size_t kMostVertices = 60'000'000;
 
-/// One vertex attribute: `components` numbers a vertex; none at all when the file has none.
+using Triangle = std::array<std::uint32_t, 3>; ///< indices of vertices
+
+/// One vertex attribute, `components` numbers a vertex; empty where the file has none.
 struct Attribute {
     int components = 0;
     std::vector<double> values;
@@ -38,12 +46,12 @@ enum class Scaling : std::uint8_t {
 };
 
 /// The bytes of a buffer view.
-/// @throw InputError for a view that is not there or does not lie within its buffer.
+/// @throw InputError for a view that does not exist or does not lie within its buffer.
 [[nodiscard]] std::span<const unsigned char> view_bytes(const tinygltf::Model &model, int view);
 
 /// Reads floats, or 8- and 16-bit integers (KHR_mesh_quantization), sparse ones too.
-/// @throw InputError naming the accessor, for one that is not there, is no vector of that kind, or
-///        reaches outside its buffer view.
+/// @throw InputError naming the accessor, for one that does not exist, is no vector of that kind,
+///        or reaches outside its buffer view.
 [[nodiscard]] Attribute read_attribute(const tinygltf::Model &model, int accessor, Scaling scaling);
 
 /// Reads 8-, 16- or 32-bit unsigned scalars.
@@ -55,5 +63,28 @@ enum class Scaling : std::uint8_t {
 
 /// Whether an accessor's integers stand for [0, 1] or [−1, 1].
 [[nodiscard]] bool is_normalised(const tinygltf::Model &model, int accessor);
+
+inline constexpr const char *kDracoExtension = "KHR_draco_mesh_compression";
+
+/// A triangle mesh compressed in that way, decoded with libdraco: Debian's tinygltf is built
+/// without it.
+class DracoMesh {
+public:
+    /// @throw InputError when the bytes are no Draco triangle mesh, or are damaged.
+    explicit DracoMesh(std::span<const unsigned char> bytes);
+    ~DracoMesh();
+    DracoMesh(const DracoMesh &) = delete;
+    DracoMesh &operator=(const DracoMesh &) = delete;
+
+    [[nodiscard]] std::vector<Triangle> triangles() const;
+
+    /// The attribute with Draco's unique id `id`.
+    /// @param normalised integers stand for [0, 1] or [−1, 1]
+    /// @throw InputError when there is none, or it cannot be read as numbers.
+    [[nodiscard]] Attribute attribute(std::uint32_t id, bool normalised) const;
+
+private:
+    std::unique_ptr<draco::Mesh> mesh_;
+};
 
 } // namespace springdrive::scene::gltf

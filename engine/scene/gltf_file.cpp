@@ -1,11 +1,11 @@
 #include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "base/wanted.h"
-#include "engine/scene/gltf_json.h"
-#include "engine/scene/gltf_parse.h"
-#include "engine/scene/gltf_text.h"
+#include "engine/scene/gltf_accessor.h"
 
+#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -13,8 +13,6 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <span>
-#include <string_view>
 
 namespace springdrive::scene::gltf {
 
@@ -107,13 +105,97 @@ Bytes with_json(std::span<const unsigned char> bytes, std::string json) {
 
 bool is_supported(std::string_view extension) {
     constexpr std::array<std::string_view, 5> kSupported = {
-        "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform",
-        "KHR_lights_punctual", "KHR_xmp_json_ld"};
+        kDracoExtension, "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
+        "KHR_xmp_json_ld"};
     return std::ranges::find(kSupported, extension) != kSupported.end() ||
            extension.starts_with("KHR_materials_");
 }
 
+using nlohmann::json;
+
+/// The member if it is an array, else an empty one.
+json &array_member(json &object, const char *name) {
+    static json nothing = json::array();
+    if (!object.is_object() || !object.contains(name) || !object[name].is_array()) {
+        return nothing;
+    }
+    return object[name];
+}
+
+bool is_draco_compressed(const json &primitive) {
+    return primitive.is_object() && primitive.contains("extensions") &&
+           primitive["extensions"].is_object() && primitive["extensions"].contains(kDracoExtension);
+}
+
+json parse_or_nothing(std::string_view text) {
+    return json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
+}
+
+void check_whole(const json &object, const char *key, const std::string &owner) {
+    if (object.is_object() && object.contains(key) && !object[key].is_number_unsigned()) {
+        throw InputError(owner + ": its " + key + " is " + one_line(object[key].dump(), 40) +
+                         "; it must be a whole number from 0");
+    }
+}
+
 } // namespace
+
+std::size_t json_nesting_depth(std::string_view text) {
+    std::size_t depth = 0;
+    std::size_t deepest = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string) {
+            i += c == '\\' ? 1 : 0;
+            in_string = c != '"';
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '[' || c == '{') {
+            deepest = std::max(deepest, ++depth);
+        } else if ((c == ']' || c == '}') && depth > 0) {
+            --depth;
+        }
+    }
+    return deepest;
+}
+
+void check_byte_offsets(std::string_view text) {
+    json document = parse_or_nothing(text);
+    std::size_t index = 0;
+    for (const json &view : array_member(document, "bufferViews")) {
+        const std::string owner = "buffer view " + std::to_string(index++);
+        check_whole(view, "byteOffset", owner);
+        check_whole(view, "byteStride", owner);
+    }
+    index = 0;
+    for (const json &accessor : array_member(document, "accessors")) {
+        const std::string owner = "accessor " + std::to_string(index++);
+        check_whole(accessor, "byteOffset", owner);
+        const json sparse = accessor.is_object() ? accessor.value("sparse", json()) : json();
+        for (const char *part : {"indices", "values"}) {
+            if (sparse.is_object() && sparse.contains(part)) {
+                check_whole(sparse[part], "byteOffset", owner + ": sparse " + part);
+            }
+        }
+    }
+}
+
+std::string without_what_tinygltf_refuses(std::string_view text) {
+    json document = parse_or_nothing(text);
+    if (!document.is_object()) {
+        return std::string(text);
+    }
+    document.erase("skins");
+    for (json &mesh : array_member(document, "meshes")) {
+        for (json &primitive : array_member(mesh, "primitives")) {
+            if (is_draco_compressed(primitive)) {
+                primitive.erase("indices");
+            }
+        }
+    }
+    return document.dump();
+}
 
 Bytes read_bytes(const std::filesystem::path &file) {
     std::error_code error;
@@ -150,15 +232,15 @@ Bytes read_bytes(const std::filesystem::path &file) {
 
 tinygltf::Model read_model(const std::filesystem::path &file) {
     Bytes bytes = read_bytes(file);
-    const std::string_view json = is_glb(bytes) ? check_glb(bytes) : check_text(bytes);
-    if (json_nesting_depth(json) > kDeepestJson) {
+    const std::string_view text = is_glb(bytes) ? check_glb(bytes) : check_text(bytes);
+    if (json_nesting_depth(text) > kDeepestJson) {
         throw InputError("nests its JSON deeper than " + std::to_string(kDeepestJson) +
                          " levels; no glTF does");
     }
-    check_byte_offsets(json);
-    if (json.find("KHR_draco_mesh_compression") != std::string_view::npos ||
-        json.find("\"skins\"") != std::string_view::npos) {
-        bytes = with_json(bytes, without_what_tinygltf_refuses(json));
+    check_byte_offsets(text);
+    if (text.find(kDracoExtension) != std::string_view::npos ||
+        text.find("\"skins\"") != std::string_view::npos) {
+        bytes = with_json(bytes, without_what_tinygltf_refuses(text));
     }
     tinygltf::Model model =
         parse(bytes, is_glb(bytes), std::filesystem::absolute(file).parent_path());

@@ -1,8 +1,8 @@
 #include "engine/scene/gltf_material.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "engine/scene/gltf_accessor.h"
-#include "engine/scene/gltf_text.h"
 
 #include <stb/stb_image.h>
 #include <tiny_gltf.h>
@@ -80,7 +80,7 @@ std::span<const unsigned char> encoded_bytes(const tinygltf::Model &model,
     return bytes;
 }
 
-/// Bakes the use of alpha into the pixels, so that who draws them need not know of it.
+/// Writes the alpha mode into the pixels, so that drawing needs their alpha only.
 void apply_alpha(std::span<std::uint8_t> rgba, AlphaMode mode, double cutoff) {
     if (mode == AlphaMode::blend) {
         return;

@@ -1,4 +1,4 @@
-// What a glTF material says about colour, and its textures, decoded when first asked for.
+// The colours of a glTF's materials, and their textures, decoded when first asked for.
 #pragma once
 
 #include "base/assertions.h"
@@ -6,7 +6,6 @@
 
 #include <array>
 #include <map>
-#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -39,7 +38,7 @@ struct BaseColour {
 };
 
 /// @param material index into the model's materials; −1 gives glTF's default material
-/// @throw InputError for a material that is not there or whose numbers are too few.
+/// @throw InputError for a material that does not exist or has too few numbers.
 [[nodiscard]] BaseColour read_base_colour(const tinygltf::Model &model, int material);
 
 /// The textures of a scene, each decoded once for each way in which its alpha is used.
@@ -48,11 +47,11 @@ public:
     explicit TextureLibrary(const tinygltf::Model &model) : model_(model) {}
 
     /// @return index into the textures, or −1 when the base colour has none or its image cannot
-    ///         be had: then `remarks` says why, once for each texture.
-    /// @throw InputError for references to textures, images or samplers that are not there.
+    ///         be decoded: then `remarks` gains the reason, once for each texture.
+    /// @throw InputError for references to textures, images or samplers that do not exist.
     int find_or_load(const BaseColour &colour, std::vector<std::string> &remarks);
 
-    /// Whether one is see-through anywhere. @pre `find_or_load` gave it
+    /// Whether any of its pixels is not opaque. @pre `find_or_load` returned it
     [[nodiscard]] bool has_alpha(int texture) const {
         SPRINGDRIVE_ASSERT(texture >= 0 && static_cast<std::size_t>(texture) < textures_.size());
         return textures_[static_cast<std::size_t>(texture)].has_alpha;

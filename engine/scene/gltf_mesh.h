@@ -1,19 +1,48 @@
-// From a primitive where a node places it to the triangles that are touched and drawn.
+// From a glTF primitive to the triangles that are touched and drawn where a node places it.
 #pragma once
 
 #include "engine/scene/fit.h"
+#include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_nodes.h"
-#include "engine/scene/gltf_primitive.h"
 #include "engine/scene/scene.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+namespace tinygltf {
+class Model;
+struct Primitive;
+} // namespace tinygltf
+
 namespace springdrive::scene::gltf {
+
+/// A primitive as triangles, in the mesh's own coordinates.
+struct PrimitiveGeometry {
+    Attribute position;           ///< three numbers a vertex, all finite
+    Attribute normal;             ///< as the file has them, not necessarily unit; may be empty
+    Attribute colour;             ///< three or four numbers a vertex, linear; may be empty
+    Attribute texture_coordinate; ///< of the set asked for; may be empty
+    std::vector<Triangle> triangles;
+    std::string untouchable;           ///< "120 line segments" where it is no triangles, else empty
+    std::size_t leftover_vertices = 0; ///< that were too few for another triangle
+    bool has_morph_targets = false;
+};
+
+/// @param texture_set n of TEXCOORD_n
+/// @throw InputError naming the accessor or attribute, for what is missing, does not fit together,
+///        is not finite or lies outside its buffer, and for indices out of range.
+[[nodiscard]] PrimitiveGeometry
+read_primitive(const tinygltf::Model &model, const tinygltf::Primitive &primitive, int texture_set);
+
+/// The triangles of `corners`, read as a list, strip or fan (glTF modes 4, 5 and 6). All keep the
+/// winding of the first.
+[[nodiscard]] std::vector<Triangle> assemble_triangles(int mode,
+                                                       const std::vector<std::uint32_t> &corners);
 
 /// A primitive where a node places it. `positions` are world coordinates: the file's units first,
 /// metres in the device's frame once fitted.
@@ -23,10 +52,10 @@ struct PlacedPrimitive {
     BaseColour colour;
     BoundingBox box; ///< of what the file's triangles use, in the mesh's own coordinates
     std::vector<Vector3> positions;
-    std::vector<Vector3> normals; ///< in the world; empty while those of `geometry` hold
+    std::vector<Vector3> normals; ///< in the world; empty while those of `geometry` are valid
 };
 
-/// How many of `primitives` belong to the node of the first: those of a node stand together.
+/// How many of `primitives` belong to the node of the first: those of a node are adjacent.
 [[nodiscard]] std::size_t first_node_size(std::span<const PlacedPrimitive> primitives);
 
 /// The direction of a vertex's normal in the world, of any length. @pre there are normals
@@ -36,7 +65,7 @@ struct PlacedPrimitive {
 void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
                  contact::TriangleSoup &surface);
 
-/// What is drawn of the primitive; a large one comes in pieces. `remarks` gains what has to be left
+/// What is drawn of the primitive; a large one is split into pieces. `remarks` gains what is left
 /// out.
 [[nodiscard]] std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive,
                                                     TextureLibrary &textures,

@@ -1,16 +1,213 @@
 #include "engine/scene/gltf_nodes.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
-#include "engine/scene/gltf_text.h"
+#include "base/one_line.h"
 
+#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+#include <string_view>
 
 namespace springdrive::scene::gltf {
 
 namespace {
+
+std::string shown(const nlohmann::json &value) {
+    constexpr std::size_t kLongest = 40;
+    return value.is_string() ? in_quotes(value.get<std::string>())
+                             : one_line(value.dump(), kLongest);
+}
+
+/// The extras of a glTF object, read key by key from the JSON text itself: tinygltf's own values
+/// lose `null` and whatever does not fit into an int. Keys that are not read belong to other
+/// programs.
+class Extras {
+public:
+    /// @param text JSON of the extras; empty when there are none
+    /// @param owner for messages: "node 'pad'"
+    Extras(const std::string &text, std::string owner);
+
+    [[nodiscard]] bool has(const char *key) const;
+
+    /// The number under `key`, if there is one.
+    /// @param meaning what it may be, for the message: "a number from 0 to 10"
+    /// @throw InputError unless it is a number from `lowest` to `highest`.
+    [[nodiscard]] std::optional<double> number(const char *key, double lowest, double highest,
+                                               const std::string &meaning) const;
+
+    /// @throw InputError unless the value is true or false.
+    [[nodiscard]] std::optional<bool> flag(const char *key) const;
+
+    /// Which of `words` the value of `key` is, if there is one.
+    /// @throw InputError with `meaning` unless it is one of them.
+    [[nodiscard]] std::optional<std::size_t> word(const char *key,
+                                                  std::span<const std::string_view> words,
+                                                  const std::string &meaning) const;
+
+    /// The extras within the extras, if there are any. Messages name their keys as `key.inner`.
+    /// @throw InputError with `meaning` unless it is an object.
+    [[nodiscard]] std::optional<Extras> object(const char *key, const std::string &meaning) const;
+
+    /// @throw InputError for a key that is none of `keys`: in an object of our own, it is a typing
+    ///        error.
+    void refuse_all_but(std::span<const std::string_view> keys) const;
+
+    /// @throw InputError always: "<owner>: extras.<key> is <value>; it must be <meaning>".
+    [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
+
+private:
+    nlohmann::json values_;
+    std::string owner_;
+    std::string path_ = "extras."; ///< before keys, in messages
+};
+
+Extras::Extras(const std::string &text, std::string owner)
+    : values_(text.empty() ? nlohmann::json::object() : nlohmann::json::parse(text)),
+      owner_(std::move(owner)) {}
+
+bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
+
+std::optional<double> Extras::number(const char *key, double lowest, double highest,
+                                     const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    if (!values_[key].is_number()) {
+        refuse(key, meaning);
+    }
+    const auto number = values_[key].get<double>();
+    if (!(number >= lowest && number <= highest)) {
+        refuse(key, meaning);
+    }
+    return number;
+}
+
+std::optional<bool> Extras::flag(const char *key) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    if (!values_[key].is_boolean()) {
+        refuse(key, "true or false");
+    }
+    return values_[key].get<bool>();
+}
+
+std::optional<std::size_t> Extras::word(const char *key, std::span<const std::string_view> words,
+                                        const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const auto found = values_[key].is_string()
+                           ? std::ranges::find(words, values_[key].get_ref<const std::string &>())
+                           : words.end();
+    if (found == words.end()) {
+        refuse(key, meaning);
+    }
+    return static_cast<std::size_t>(found - words.begin());
+}
+
+std::optional<Extras> Extras::object(const char *key, const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    if (!values_[key].is_object()) {
+        refuse(key, meaning);
+    }
+    Extras inner("", owner_);
+    inner.values_ = values_[key];
+    inner.path_ = path_ + key + ".";
+    return inner;
+}
+
+void Extras::refuse_all_but(std::span<const std::string_view> keys) const {
+    for (const auto &[key, value] : values_.items()) {
+        if (std::ranges::find(keys, key) == keys.end()) {
+            std::string known;
+            for (const std::string_view name : keys) {
+                known += (known.empty() ? "" : ", ") + std::string(name);
+            }
+            throw InputError(owner_ + ": " + path_ + one_line(key, 40) +
+                             " is not known; what may stand there is " + known);
+        }
+    }
+}
+
+void Extras::refuse(const char *key, const std::string &meaning) const {
+    throw InputError(owner_ + ": " + path_ + key + " is " + shown(values_[key]) + "; it must be " +
+                     meaning);
+}
+
+constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
+constexpr std::array<std::string_view, 5> kShapes = {"plate", "sphere", "box", "cylinder",
+                                                     "capsule"}; // in the order of ShapeKind
+
+void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
+    constexpr double kGreatest = 10.0; // rubber reaches about 2; much more is a typing error
+    const std::string range = "a number from 0 to 10";
+    const auto at_rest = extras.number("static_friction", 0.0, kGreatest, range);
+    const auto sliding = extras.number("dynamic_friction", 0.0, kGreatest, range);
+    if (!at_rest && !sliding) {
+        return;
+    }
+    material.static_friction = at_rest ? *at_rest : *sliding;
+    material.dynamic_friction = sliding ? *sliding : *at_rest;
+    if (material.dynamic_friction > material.static_friction) {
+        extras.refuse("dynamic_friction",
+                      "a number from 0 to 10, not above its static_friction: what slides would "
+                      "otherwise stick again at once");
+    }
+}
+
+void read_sides(const Extras &extras, contact::SurfaceMaterial &material) {
+    if (const auto sides = extras.word("sides", kSides, "'one' or 'two', or left out")) {
+        material.sides = *sides == 0 ? contact::TouchSides::one : contact::TouchSides::two;
+    }
+}
+
+/// A plate has no inside; a solid is touched from outside only.
+void check_sides(const TouchExtras &touch, const std::string &label) {
+    const bool is_plate = touch.shape == ShapeKind::plate;
+    const contact::TouchSides impossible =
+        is_plate ? contact::TouchSides::one : contact::TouchSides::two;
+    if (touch.shape && touch.material.sides == impossible) {
+        throw InputError(label + ": a " + name_of(*touch.shape) + " is touched from " +
+                         (is_plate ? "both sides; set extras.sides to 'two'"
+                                   : "outside only; set extras.sides to 'one'") +
+                         ", or leave it out");
+    }
+}
+
+constexpr std::array<std::string_view, 3> kToleranceKeys = {"force_N", "direction_deg",
+                                                            "bandwidth_hz"};
+
+void read_tolerance(const Extras &extras, ModelTolerance &tolerance) {
+    tolerance.force_N = extras.number("force_N", 1e-4, 10.0, "a number from 0.0001 to 10")
+                            .value_or(tolerance.force_N);
+    if (const auto direction_deg =
+            extras.number("direction_deg", 0.01, 180.0, "a number from 0.01 to 180")) {
+        tolerance.direction_rad = *direction_deg * kRadiansPerDegree;
+    }
+    tolerance.bandwidth_hz = extras.number("bandwidth_hz", 1.0, 5000.0, "a number from 1 to 5000")
+                                 .value_or(tolerance.bandwidth_hz);
+    extras.refuse_all_but(kToleranceKeys);
+}
+
+void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene) {
+    constexpr std::array<std::string_view, 1> kUnits = {"m"};
+    const Extras extras(text, owner);
+    scene.in_metres |=
+        extras.word("units", kUnits, "'m' (metres), or left out to fit the scene").has_value();
+    scene.planar = extras.flag("planar").value_or(scene.planar);
+    if (const auto tolerance =
+            extras.object("tolerance", "an object of force_N, direction_deg and bandwidth_hz")) {
+        read_tolerance(*tolerance, scene.tolerance);
+    }
+}
 
 std::size_t checked_index(int index, std::size_t size, const std::string &what) {
     if (index < 0 || static_cast<std::size_t>(index) >= size) {
@@ -34,7 +231,7 @@ std::string name_of(const tinygltf::Model &model, std::size_t index) {
     return mesh_name.empty() ? label_of(model, index) : one_line(mesh_name);
 }
 
-/// A scene as we take it: the nodes to start from.
+/// The nodes of the scene to load that have no parent.
 std::vector<int> root_nodes(const tinygltf::Model &model) {
     if (model.defaultScene >= 0 || !model.scenes.empty()) {
         const int scene = std::max(model.defaultScene, 0);
@@ -75,15 +272,14 @@ Eigen::Affine3d from_matrix(const std::vector<double> &numbers, const std::strin
     return transform;
 }
 
-/// A quaternion off unit length by rounding is a rotation, written in few digits. One that is
-/// further off would scale what it turns in some programs and not in others: nobody knows what
-/// was meant, so it is refused.
+/// A quaternion that is off unit length by rounding is a rotation, written in few digits. One that
+/// is further off is ambiguous, since some programs would also scale with it, and is refused.
 Eigen::Quaterniond unit_quaternion(const std::vector<double> &numbers, const std::string &label) {
     constexpr double kRounding = 1e-3; // three digits, or normalised 16-bit integers
     const Eigen::Quaterniond rotation(numbers.data()); // x y z w, as glTF has it
     if (!(std::abs(rotation.norm() - 1.0) <= kRounding)) {
         throw InputError(label + ": its rotation is a quaternion of length " +
-                         shortest(rotation.norm()) + "; it must have length 1");
+                         shortest_text(rotation.norm()) + "; it must have length 1");
     }
     return rotation.normalized();
 }
@@ -123,6 +319,42 @@ void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
 }
 
 } // namespace
+
+TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
+                       const std::string &label) {
+    const Extras extras(text, label);
+    TouchExtras touch = parent;
+    touch.shape.reset();
+    if (const auto eta =
+            extras.number("eta", 0.0, 1.0, "a number from 0 (rigid) to 1 (free space)")) {
+        touch.material.eta = *eta;
+    }
+    read_friction(extras, touch.material);
+    read_sides(extras, touch.material);
+    if (const auto smooth = extras.flag("smooth")) {
+        touch.smooth = *smooth;
+    }
+    if (const auto shape =
+            extras.word("shape", kShapes, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'")) {
+        touch.shape = static_cast<ShapeKind>(*shape);
+    }
+    check_sides(touch, label);
+    return touch;
+}
+
+std::string name_of(ShapeKind shape) {
+    return std::string(kShapes[static_cast<std::size_t>(shape)]);
+}
+
+SceneExtras read_scene_extras(const tinygltf::Model &model) {
+    SceneExtras extras;
+    read_scene(model.asset.extras_json_string, "asset", extras);
+    const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+    if (scene < model.scenes.size()) {
+        read_scene(model.scenes[scene].extras_json_string, "scene", extras);
+    }
+    return extras;
+}
 
 std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
     std::vector<PlacedMesh> placed;

@@ -1,10 +1,15 @@
-// The node graph of a glTF, flattened: which meshes stand where, and how they feel.
+// The node graph of a glTF, flattened, and what its "extras" say: which meshes are placed where,
+// how they feel, and what holds for the scene as a whole. The keys are those that `load_gltf`
+// documents.
 #pragma once
 
-#include "engine/scene/touch_extras.h"
+#include "engine/contact/mesh/surface_material.h"
+#include "engine/scene/model_tolerance.h"
 
 #include <Eigen/Geometry>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +18,40 @@ class Model;
 }
 
 namespace springdrive::scene::gltf {
+
+/// The exact shapes that a node's mesh may stand for.
+enum class ShapeKind : std::uint8_t { plate, sphere, box, cylinder, capsule };
+
+/// "plate", "sphere", ...: as files spell it.
+[[nodiscard]] std::string name_of(ShapeKind shape);
+
+/// What a node's extras say about touch. All but `shape` pass from a node to its children.
+struct TouchExtras {
+    contact::SurfaceMaterial material;
+    bool smooth = false;            ///< touched and drawn as the curved surface of its normals
+    std::optional<ShapeKind> shape; ///< touched as this instead of as its triangles
+};
+
+/// A node's touch. A node that gives one coefficient of friction gives both: the other is the same.
+/// @param text JSON of its extras
+/// @param parent what its parent passes on
+/// @param label of the node, for messages
+/// @throw InputError for values of a wrong type, out of range or unknown, for dynamic friction
+///        above static, and for a shape that cannot be touched from the sides that it asks for.
+[[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
+                                     const std::string &label);
+
+/// What the extras of the scene, or of the asset, say.
+struct SceneExtras {
+    bool in_metres = false; ///< coordinates are metres in the device's frame
+    bool planar = false;    ///< the hand stays in the linkage's plane
+    ModelTolerance tolerance;
+};
+
+/// Of the asset and of the scene that `place_meshes` takes; the scene's values come first.
+/// @throw InputError for a value of a wrong type, out of range or unknown, and for a key in
+///        `tolerance` that is none.
+[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model);
 
 /// A node that holds a mesh.
 struct PlacedMesh {
@@ -26,8 +65,8 @@ struct PlacedMesh {
 
 /// The meshes of the default scene, depth first in the file's order. Without a default the first
 /// scene is taken; without any scene, every node that has no parent.
-/// @throw InputError naming the node: for a graph that is no tree, references to what is not
-///        there, transforms that are not finite or no affine maps, rotations that are no unit
+/// @throw InputError naming the node: for a graph that is no tree, references to what does not
+///        exist, transforms that are not finite or no affine maps, rotations that are no unit
 ///        quaternions, and extras as `read_touch` refuses them.
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
 

@@ -1,13 +1,12 @@
-#include "engine/scene/gltf_parse.h"
+#include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "base/wanted.h"
-#include "engine/scene/gltf_file.h"
-#include "engine/scene/gltf_text.h"
 
 // tinygltf is compiled here rather than taken from libtinygltf.so: Debian's libdraco.so exports
-// another version of the same functions, and which of the two a program got would depend on the
-// order of its libraries. Images are decoded elsewhere.
+// another version of the same functions, and the order of a program's libraries would decide which
+// of the two it gets. Images are decoded elsewhere.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -32,7 +31,8 @@ bool keep_encoded(tinygltf::Image *image, int /*index*/, std::string * /*error*/
     return true;
 }
 
-/// tinygltf also looks for a file's companions in the current folder; we only look beside it.
+/// tinygltf also looks for a file's companions in the current folder; only those beside it are
+/// read.
 bool is_companion(const std::string &path, void *folder) {
     return path.starts_with(*static_cast<const std::string *>(folder)) &&
            std::filesystem::is_regular_file(path);
@@ -54,13 +54,13 @@ tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
                       const std::filesystem::path &folder) {
     std::string base = folder.string();
     tinygltf::TinyGLTF reader;
-    reader.SetStoreOriginalJSONForExtrasAndExtensions(true); // for `Extras`
+    reader.SetStoreOriginalJSONForExtrasAndExtensions(true); // for gltf_nodes.cpp
     reader.SetImageLoader(&keep_encoded, nullptr);
     reader.SetFsCallbacks(
         {&is_companion, &tinygltf::ExpandFilePath, &read_companion, nullptr, &base});
     tinygltf::Model model;
     std::string error;
-    std::string warning; // about images only, which whoever needs them finds empty
+    std::string warning; // about images only, which are found empty where they are needed
     const auto size = static_cast<unsigned int>(bytes.size());
     bool done = false;
     try {
@@ -73,7 +73,7 @@ tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
     } catch (const NotWanted &) {
         throw;
     } catch (const std::bad_alloc &) {
-        throw; // no fault of the file's grammar
+        throw; // not an error in the file's grammar
     } catch (const std::exception &problem) {
         error += problem.what();
     }

@@ -1,7 +1,7 @@
 #include "engine/scene/load_allowance.h"
 
 #include "base/input_error.h"
-#include "engine/scene/gltf_text.h"
+#include "base/one_line.h"
 
 #include <cmath>
 #include <string>
@@ -11,7 +11,7 @@ namespace springdrive::scene::gltf {
 namespace {
 
 std::string in_GiB(double bytes) {
-    return shortest(std::round(bytes / (1024.0 * 1024.0 * 1024.0) * 10.0) / 10.0) + " GiB";
+    return shortest_text(std::round(bytes / (1024.0 * 1024.0 * 1024.0) * 10.0) / 10.0) + " GiB";
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 #include "engine/scene/shape_fit.h"
 
 #include "base/input_error.h"
-#include "engine/scene/gltf_text.h"
+#include "base/one_line.h"
 
 #include <array>
 #include <cmath>
@@ -16,7 +16,8 @@ constexpr double kLikeness = 0.01; // what tessellation takes off a round shape'
 constexpr double kTransformRounding = 1e-4;
 
 std::string shown(const Vector3 &extent) {
-    return shortest(extent.x()) + " by " + shortest(extent.y()) + " by " + shortest(extent.z());
+    return shortest_text(extent.x()) + " by " + shortest_text(extent.y()) + " by " +
+           shortest_text(extent.z());
 }
 
 /// The fitting of one shape.

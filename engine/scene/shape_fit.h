@@ -3,7 +3,7 @@
 
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/scene/fit.h"
-#include "engine/scene/touch_extras.h"
+#include "engine/scene/gltf_nodes.h"
 
 #include <Eigen/Geometry>
 

@@ -2,8 +2,8 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/one_line.h"
 #include "engine/scene/curved_patches.h"
-#include "engine/scene/gltf_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -148,8 +148,9 @@ void remark_on(const SmoothNode &node, std::vector<std::string> &remarks) {
         remarks.push_back(node.primitives.front().node->label + ": its " +
                           std::to_string(node.triangles * node.cuts * node.cuts) +
                           " curved facets still differ by up to " +
-                          shortest(std::round(100.0 * reached_deg) / 100.0) +
-                          " degrees from their neighbours, instead of " + shortest(kSmooth_deg));
+                          shortest_text(std::round(100.0 * reached_deg) / 100.0) +
+                          " degrees from their neighbours, instead of " +
+                          shortest_text(kSmooth_deg));
     }
 }
 

@@ -4,10 +4,212 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
 namespace springdrive::scene {
 namespace {
+
+/// A ribbon of `count` vertices, no two alike.
+std::vector<float> zigzag(int count) {
+    std::vector<float> positions;
+    for (int i = 0; i < count; ++i) {
+        positions.insert(positions.end(), {0.05F * static_cast<float>(i), i % 2 == 0 ? 0.0F : 0.1F,
+                                           0.01F * static_cast<float>(i * i)});
+    }
+    return positions;
+}
+
+Scene load_primitive(const std::vector<float> &positions, const std::string &members,
+                     GltfBuilder builder = {}) {
+    builder.asset = kMetres;
+    const int position = builder.add_positions(positions);
+    builder.add_mesh(R"("attributes": {"POSITION": )" + std::to_string(position) + "}" + members);
+    builder.nodes = {R"({"mesh": 0, "name": "ribbon"})"};
+    return load(builder);
+}
+
+/// The same triangle may start at any of its corners.
+bool same_triangle(const std::array<Vector3, 3> &a, std::array<Vector3, 3> b) {
+    for (int turn = 0; turn < 3; ++turn) {
+        if (a == b) {
+            return true;
+        }
+        std::rotate(b.begin(), b.begin() + 1, b.end());
+    }
+    return false;
+}
+
+void expect_same_surface(const contact::TriangleSoup &a, const contact::TriangleSoup &b) {
+    const auto left = corners_of(a);
+    const auto right = corners_of(b);
+    ASSERT_EQ(left.size(), right.size());
+    for (std::size_t i = 0; i < left.size(); ++i) {
+        EXPECT_TRUE(same_triangle(left[i], right[i])) << "triangle " << i;
+    }
+}
+
+template <typename Index>
+Scene load_indexed(const std::vector<Index> &indices, int component_type, int mode) {
+    GltfBuilder builder;
+    builder.asset = kMetres;
+    const int accessor = builder.add_accessor(indices, component_type, "SCALAR");
+    return load_primitive(zigzag(7),
+                          R"(, "mode": )" + std::to_string(mode) + R"(, "indices": )" +
+                              std::to_string(accessor),
+                          builder);
+}
+
+TEST(GltfPrimitive, StripIsTheListThatTheSpecificationSpellsOut) {
+    // glTF 2.0, 3.7.2.1: p_i = {v_i, v_(i + 1 + i%2), v_(i + 2 − i%2)}, written out for 7 vertices.
+    const std::vector<std::uint8_t> list = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4, 4, 5, 6};
+    const Scene expected = load_indexed(list, kUnsignedByte, 4);
+    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 5)").surface, expected.surface);
+}
+
+TEST(GltfPrimitive, FanIsTheListThatTheSpecificationSpellsOut) {
+    // p_i = {v_(i+1), v_(i+2), v_0}
+    const std::vector<std::uint8_t> list = {1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 0};
+    const Scene expected = load_indexed(list, kUnsignedByte, 4);
+    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 6)").surface, expected.surface);
+}
+
+TEST(GltfPrimitive, AFlatStripLooksOneWayThroughout) {
+    std::vector<float> flat = zigzag(9);
+    for (std::size_t i = 2; i < flat.size(); i += 3) {
+        flat[i] = 0.0F;
+    }
+    for (const auto &[a, b, c] : corners_of(load_primitive(flat, R"(, "mode": 5)").surface)) {
+        const Vector3 u = b - a;
+        const Vector3 v = c - a;
+        EXPECT_LT(u.x() * v.y() - u.y() * v.x(), 0.0);
+    }
+}
+
+TEST(GltfPrimitive, EveryIndexWidthGivesTheSameSurface) {
+    const std::vector<std::uint8_t> narrow = {6, 4, 5, 0, 1, 2, 3, 6, 1};
+    const std::vector<std::uint16_t> middle(narrow.begin(), narrow.end());
+    const std::vector<std::uint32_t> wide(narrow.begin(), narrow.end());
+    for (const int mode : {4, 5, 6}) {
+        const Scene expected = load_indexed(narrow, kUnsignedByte, mode);
+        EXPECT_EQ(expected.surface.triangles.size(), mode == 4 ? 3U : 7U);
+        expect_same_surface(load_indexed(middle, kUnsignedShort, mode).surface, expected.surface);
+        expect_same_surface(load_indexed(wide, kUnsignedInt, mode).surface, expected.surface);
+    }
+}
+
+TEST(GltfPrimitive, PointsAndLinesAreLeftOutByName) {
+    const std::array<std::string, 4> expected = {"7 points", "3 line segments", "7 line segments",
+                                                 "6 line segments"};
+    for (std::size_t mode = 0; mode < expected.size(); ++mode) {
+        GltfBuilder builder = one_triangle(R"("name": "solid")");
+        const int position = builder.add_positions(zigzag(7));
+        builder.add_mesh(R"("mode": )" + std::to_string(mode) + R"(, "attributes": {"POSITION": )" +
+                         std::to_string(position) + "}");
+        builder.nodes.emplace_back(R"({"mesh": 1, "name": "wire"})");
+        const Scene scene = load(builder);
+        EXPECT_EQ(scene.surface.triangles.size(), 1U);
+        EXPECT_EQ(scene.meshes.size(), 1U);
+        EXPECT_EQ(scene.surface.materials.size(), 1U);
+        EXPECT_TRUE(
+            has_remark(scene, "node 'wire': " + expected[mode] + " cannot be touched or drawn"));
+    }
+}
+
+TEST(GltfPrimitive, LeftoverVerticesAreSaid) {
+    const Scene scene = load_primitive(zigzag(8), "");
+    EXPECT_EQ(scene.surface.triangles.size(), 2U);
+    EXPECT_TRUE(has_remark(scene, "node 'ribbon': 2 vertices are left over"));
+}
+
+TEST(GltfPrimitive, QuantisedPositionsAreScaledAsDeclared) {
+    const auto load_short = [](const std::string &extra) {
+        GltfBuilder builder;
+        builder.asset = kMetres;
+        builder.more = R"("extensionsRequired": ["KHR_mesh_quantization"], )";
+        const std::vector<std::int16_t> numbers = {0, 0, 0, 32767, 0, 0, 0, -32768, 16384};
+        const int position = builder.add_accessor(numbers, kShort, "VEC3", extra);
+        builder.add_mesh(R"("attributes": {"POSITION": )" + std::to_string(position) + "}");
+        builder.nodes = {R"({"mesh": 0, "scale": [0.001, 0.001, 0.001]})"};
+        return load(builder).surface.vertices_m;
+    };
+    const auto normalised = load_short(R"(, "normalized": true)");
+    EXPECT_DOUBLE_EQ(normalised[1].x(), 0.001);
+    EXPECT_DOUBLE_EQ(normalised[2].y(), -0.001); // −32768 counts as −1, not less
+    EXPECT_DOUBLE_EQ(normalised[2].z(), 0.001 * 16384.0 / 32767.0);
+    const auto plain = load_short("");
+    EXPECT_DOUBLE_EQ(plain[1].x(), 32.767);
+    EXPECT_DOUBLE_EQ(plain[2].y(), -32.768);
+}
+
+TEST(GltfPrimitive, BytePositionsAreReadSignedAndUnsigned) {
+    GltfBuilder builder;
+    builder.asset = kMetres;
+    const std::vector<std::int8_t> bytes = {0, 0, 0, 0, -5, 0, 0, 0, 0, 7, 0, 0};
+    const int view = builder.add_view({reinterpret_cast<const char *>(bytes.data()), 12},
+                                      R"(, "byteStride": 4)");
+    for (const int type : {kByte, kUnsignedByte}) {
+        builder.accessors = {R"({"bufferView": )" + std::to_string(view) +
+                             R"(, "componentType": )" + std::to_string(type) +
+                             R"(, "count": 3, "type": "VEC3"})"};
+        builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}}]})"};
+        builder.nodes = {R"({"mesh": 0})"};
+        const auto vertices = load(builder).surface.vertices_m;
+        EXPECT_EQ(vertices[1], Vector3(type == kByte ? -5.0 : 251.0, 0, 0));
+        EXPECT_EQ(vertices[2], Vector3(0, 7, 0));
+    }
+}
+
+TEST(GltfPrimitive, RefusesWhatDoesNotFitTogether) {
+    const auto failing = [](const std::string &primitive, const std::string &message) {
+        GltfBuilder builder = one_triangle(R"("name": "bad")");
+        builder.add_accessor(std::vector<float>{0, 0, 1, 0, 0, 1}, kFloat, "VEC3");          // 1
+        builder.add_accessor(std::vector<float>{0, 0, 1, 0, 0, 1}, kFloat, "VEC2");          // 2
+        builder.add_accessor(std::vector<std::uint16_t>{0, 1, 3}, kUnsignedShort, "SCALAR"); // 3
+        builder.add_accessor(std::vector<std::int16_t>{0, 1, 2}, kShort, "SCALAR");          // 4
+        builder.meshes = {R"({"primitives": [{)" + primitive + "}]}"};
+        expect_failure(builder, message);
+        EXPECT_NE(failure_of(builder).find("node 'bad'"), std::string::npos);
+    };
+    failing(R"("attributes": {"NORMAL": 0})", "no POSITION");
+    failing(R"("attributes": {"POSITION": 9})", "accessor 9 is not in the file");
+    failing(R"("attributes": {"POSITION": -1})", "accessor -1 is not in the file");
+    failing(R"("attributes": {"POSITION": 2})", "POSITION has 2 numbers a vertex");
+    failing(R"("attributes": {"POSITION": 0, "NORMAL": 1})", "NORMAL has 2 entries for 3");
+    failing(R"("attributes": {"POSITION": 0, "TEXCOORD_0": 0})", "TEXCOORD_0 has 3 numbers");
+    failing(R"("attributes": {"POSITION": 0, "COLOR_0": 2})", "COLOR_0 has 2 numbers");
+    failing(R"("attributes": {"POSITION": 0}, "indices": 3)", "index 3 is out of range");
+    failing(R"("attributes": {"POSITION": 0}, "indices": 4)", "indices are scalars");
+    failing(R"("attributes": {"POSITION": 0}, "indices": 0)", "indices are scalars");
+    failing(R"("attributes": {"POSITION": 0}, "mode": 7)", "mode 7 is unknown");
+    failing(R"("attributes": {"POSITION": 0}, "material": 0)", "material 0 is not in the file");
+}
+
+TEST(GltfPrimitive, RefusesPositionsThatAreNotFinite) {
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+          -std::numeric_limits<float>::infinity()}) {
+        GltfBuilder builder = one_triangle();
+        std::memcpy(&builder.buffer[std::size_t{4} * 4], &bad, sizeof bad); // y of vertex 1
+        expect_failure(builder, "node 0: POSITION of vertex 1 is not finite");
+    }
+}
+
+TEST(GltfPrimitive, AssemblyKeepsEveryCornerInRange) {
+    std::mt19937_64 random(11);
+    for (int trial = 0; trial < 100; ++trial) {
+        std::vector<std::uint32_t> corners(random() % 40);
+        for (std::uint32_t &corner : corners) {
+            corner = static_cast<std::uint32_t>(random() % 1000);
+        }
+        const std::size_t n = corners.size();
+        EXPECT_EQ(gltf::assemble_triangles(4, corners).size(), n / 3);
+        EXPECT_EQ(gltf::assemble_triangles(5, corners).size(), n < 3 ? 0 : n - 2);
+        EXPECT_EQ(gltf::assemble_triangles(6, corners).size(), n < 3 ? 0 : n - 2);
+    }
+}
 
 constexpr float kFloatRounding = 1e-6F; // of unit vectors and colours
 

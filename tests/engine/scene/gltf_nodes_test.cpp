@@ -1,9 +1,9 @@
 #include "engine/scene/gltf_nodes.h"
 
+#include "base/degrees.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace springdrive::scene {
 namespace {
@@ -163,6 +163,210 @@ TEST(GltfNodes, NamesFallBackToTheMeshAndThenToTheNumber) {
     const Scene scene = load(builder);
     EXPECT_EQ(scene.meshes[0].name, "node 0");
     EXPECT_EQ(scene.meshes[1].name, "lathe work");
+}
+
+gltf::TouchExtras read(const std::string &json, const gltf::TouchExtras &parent = {}) {
+    return gltf::read_touch(json, parent, "node 'pad'");
+}
+
+/// With `value` under `key` a file is refused, and the line names node, key, value and remedy.
+void expect_refused(const std::string &key, const std::string &value, const std::string &shown,
+                    const std::string &remedy) {
+    expect_failure(one_triangle(R"("name": "pad", "extras": {")" + key + "\": " + value + "}"),
+                   "node 'pad': extras." + key + " is " + shown + "; it must be " + remedy);
+}
+
+TEST(TouchExtras, NodesWithoutAnyFeelRigidAndSmooth) {
+    for (const std::string json : {"", "{}", "null", "[1]", "7", R"("text")", R"({"other": 1})"}) {
+        const gltf::TouchExtras touch = read(json);
+        EXPECT_EQ(touch.material.eta, 0.0);
+        EXPECT_EQ(touch.material.static_friction, 0.0);
+        EXPECT_EQ(touch.material.dynamic_friction, 0.0);
+        EXPECT_EQ(touch.material.sides, contact::TouchSides::automatic);
+        EXPECT_FALSE(touch.smooth);
+        EXPECT_FALSE(touch.shape);
+    }
+}
+
+TEST(TouchExtras, AFileCanSayAllOfIt) {
+    const Scene scene = load(one_triangle(R"("name": "pad", "extras": {"eta": 0.25,
+        "static_friction": 0.75, "dynamic_friction": 0.5, "sides": "two"})"));
+    ASSERT_EQ(scene.surface.materials.size(), 1U);
+    const contact::SurfaceMaterial &material = scene.surface.materials[0];
+    EXPECT_EQ(material.name, "pad");
+    EXPECT_EQ(material.eta, 0.25);
+    EXPECT_EQ(material.static_friction, 0.75);
+    EXPECT_EQ(material.dynamic_friction, 0.5);
+    EXPECT_EQ(material.sides, contact::TouchSides::two);
+}
+
+TEST(TouchExtras, OneCoefficientOfFrictionStandsForBoth) {
+    for (const std::string key : {"static_friction", "dynamic_friction"}) {
+        const gltf::TouchExtras touch = read("{\"" + key + "\": 0.5}");
+        EXPECT_EQ(touch.material.static_friction, 0.5) << key;
+        EXPECT_EQ(touch.material.dynamic_friction, 0.5) << key;
+    }
+}
+
+TEST(TouchExtras, ANodeThatGivesOneCoefficientForgetsItsParentsOther) {
+    const gltf::TouchExtras parent = read(R"({"static_friction": 0.9, "dynamic_friction": 0.1})");
+    EXPECT_EQ(read(R"({"static_friction": 0.05})", parent).material.dynamic_friction, 0.05);
+    EXPECT_EQ(read(R"({"dynamic_friction": 2})", parent).material.static_friction, 2.0);
+}
+
+TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
+    GltfBuilder builder = one_triangle();
+    builder.nodes = {R"({"children": [1, 2], "extras": {"eta": 0.5, "static_friction": 0.75,
+                         "dynamic_friction": 0.25, "sides": "one"}})",
+                     R"({"mesh": 0, "name": "heir"})",
+                     R"({"mesh": 0, "name": "rebel", "extras": {"eta": 0, "dynamic_friction": 0,
+                         "sides": "two"}})"};
+    const Scene scene = load(builder);
+    ASSERT_EQ(scene.surface.materials.size(), 2U);
+    const contact::SurfaceMaterial &heir = scene.surface.materials[0];
+    EXPECT_EQ(heir.eta, 0.5);
+    EXPECT_EQ(heir.static_friction, 0.75);
+    EXPECT_EQ(heir.dynamic_friction, 0.25);
+    EXPECT_EQ(heir.sides, contact::TouchSides::one);
+    const contact::SurfaceMaterial &rebel = scene.surface.materials[1];
+    EXPECT_EQ(rebel.eta, 0.0);
+    EXPECT_EQ(rebel.static_friction, 0.0);
+    EXPECT_EQ(rebel.sides, contact::TouchSides::two);
+
+    const gltf::TouchExtras parent = read(R"({"smooth": true, "shape": "box"})");
+    EXPECT_EQ(parent.shape, gltf::ShapeKind::box);
+    EXPECT_TRUE(read("", parent).smooth);
+    EXPECT_FALSE(read(R"({"smooth": false})", parent).smooth);
+    EXPECT_FALSE(read("", parent).shape);
+}
+
+TEST(TouchExtras, TheEndsOfTheRangesAreAllowed) {
+    EXPECT_EQ(read(R"({"eta": 1})").material.eta, 1.0);
+    EXPECT_EQ(read(R"({"static_friction": 10})").material.dynamic_friction, 10.0);
+    EXPECT_EQ(read(R"({"static_friction": 0})").material.static_friction, 0.0);
+    EXPECT_EQ(
+        read(R"({"static_friction": 0.5, "dynamic_friction": 0.5})").material.dynamic_friction,
+        0.5);
+}
+
+TEST(TouchExtras, RefusesNumbersOutOfRange) {
+    const std::string eta = "a number from 0 (rigid) to 1 (free space)";
+    expect_refused("eta", "1.0000001", "1.0000001", eta);
+    expect_refused("eta", "-1e-9", "-1e-09", eta);
+    expect_refused("eta", "4294967296", "4294967296", eta); // 0, if cut to 32 bits
+    for (const std::string key : {"static_friction", "dynamic_friction"}) {
+        expect_refused(key, "10.5", "10.5", "a number from 0 to 10");
+        expect_refused(key, "-0.5", "-0.5", "a number from 0 to 10");
+    }
+}
+
+TEST(TouchExtras, RefusesWhatIsNoNumberNoWordNoFlag) {
+    for (const std::string key : {"eta", "static_friction", "dynamic_friction"}) {
+        expect_refused(key, "null", "null", "a number from 0");
+        expect_refused(key, "\"high\"", "'high'", "a number from 0");
+        expect_refused(key, "true", "true", "a number from 0");
+        expect_refused(key, "[0.5]", "[0.5]", "a number from 0");
+        expect_refused(key, R"({"a": 1})", R"({"a":1})", "a number from 0");
+    }
+    for (const std::string value : {"null", "2", "true", "[\"one\"]"}) {
+        expect_refused("sides", value, value, "'one' or 'two', or left out");
+        expect_refused("shape", value, value, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'");
+    }
+    expect_refused("sides", "\"both\"", "'both'", "'one' or 'two'");
+    expect_refused("sides", "\"\"", "''", "'one' or 'two'");
+    expect_refused("shape", "\"Box\"", "'Box'", "'plate', 'sphere'");
+    for (const std::string value : {"null", "1", "\"yes\""}) {
+        expect_refused("smooth", value, value[0] == '"' ? "'yes'" : value, "true or false");
+    }
+}
+
+TEST(TouchExtras, RefusesDynamicFrictionAboveStatic) {
+    expect_failure(one_triangle(R"("name": "pad", "extras": {"static_friction": 0.25,
+                                "dynamic_friction": 0.5})"),
+                   "node 'pad': extras.dynamic_friction is 0.5; it must be a number from 0 to 10, "
+                   "not above its static_friction");
+}
+
+TEST(TouchExtras, RefusesSidesThatAShapeDoesNotHave) {
+    EXPECT_NO_THROW(read(R"({"shape": "plate", "sides": "two"})"));
+    EXPECT_NO_THROW(read(R"({"shape": "sphere", "sides": "one"})"));
+    expect_failure(one_triangle(R"("name": "pad", "extras": {"shape": "plate", "sides": "one"})"),
+                   "node 'pad': a plate is touched from both sides; set extras.sides to 'two'");
+    expect_failure(one_triangle(R"("name": "pad", "extras": {"shape": "box", "sides": "two"})"),
+                   "node 'pad': a box is touched from outside only; set extras.sides to 'one'");
+}
+
+GltfBuilder with_scene_extras(const std::string &extras) {
+    GltfBuilder builder = one_triangle();
+    builder.scenes = {R"({"nodes": [0], "extras": )" + extras + "}"};
+    return builder;
+}
+
+void expect_refused(const std::string &extras, const std::string &message) {
+    expect_failure(with_scene_extras(extras), message);
+}
+
+TEST(SceneExtras, WithoutAnyTheDefaultsHold) {
+    const Scene scene = load(one_triangle());
+    EXPECT_FALSE(scene.planar);
+    EXPECT_EQ(scene.tolerance.force_N, 0.05);
+    EXPECT_NEAR(scene.tolerance.direction_rad, 5.0 * kRadiansPerDegree, 1e-4);
+    EXPECT_EQ(scene.tolerance.bandwidth_hz, 200.0);
+}
+
+TEST(SceneExtras, AFileCanSayAllOfIt) {
+    const Scene scene = load(with_scene_extras(
+        R"({"planar": true, "other": [1], "tolerance": {"force_N": 0.25, "direction_deg": 9,
+            "bandwidth_hz": 30}})"));
+    EXPECT_TRUE(scene.planar);
+    EXPECT_EQ(scene.tolerance.force_N, 0.25);
+    EXPECT_NEAR(scene.tolerance.direction_rad, 9.0 * kRadiansPerDegree, 1e-15);
+    EXPECT_EQ(scene.tolerance.bandwidth_hz, 30.0);
+}
+
+TEST(SceneExtras, WhatIsLeftOutKeepsItsDefault) {
+    const Scene scene = load(with_scene_extras(R"({"tolerance": {"force_N": 1}})"));
+    EXPECT_EQ(scene.tolerance.force_N, 1.0);
+    EXPECT_EQ(scene.tolerance.bandwidth_hz, ModelTolerance{}.bandwidth_hz);
+    EXPECT_EQ(load(with_scene_extras(R"({"tolerance": {}})")).tolerance.force_N, 0.05);
+}
+
+TEST(SceneExtras, TheAssetSpeaksWhereTheSceneIsSilent) {
+    GltfBuilder builder = with_scene_extras(R"({"tolerance": {"force_N": 1}})");
+    builder.asset = R"({"version": "2.0", "extras": {"planar": true,
+                        "tolerance": {"force_N": 2, "bandwidth_hz": 50}}})";
+    const Scene scene = load(builder);
+    EXPECT_TRUE(scene.planar);
+    EXPECT_EQ(scene.tolerance.force_N, 1.0);
+    EXPECT_EQ(scene.tolerance.bandwidth_hz, 50.0);
+}
+
+TEST(SceneExtras, TheEndsOfTheRangesAreAllowedAndNothingBeyond) {
+    const auto force = [](const std::string &value) {
+        return R"({"tolerance": {"force_N": )" + value + "}}";
+    };
+    EXPECT_EQ(load(with_scene_extras(force("0.0001"))).tolerance.force_N, 0.0001);
+    EXPECT_EQ(load(with_scene_extras(force("10"))).tolerance.force_N, 10.0);
+    expect_refused(force("0.00009"),
+                   "scene: extras.tolerance.force_N is 9e-05; it must be a number from 0.0001");
+    expect_refused(force("10.1"), "scene: extras.tolerance.force_N is 10.1; it must be");
+    expect_refused(force("\"low\""), "scene: extras.tolerance.force_N is 'low'; it must be");
+    expect_refused(force("null"), "scene: extras.tolerance.force_N is null; it must be");
+    expect_refused(R"({"tolerance": {"direction_deg": 0}})",
+                   "extras.tolerance.direction_deg is 0; it must be a number from 0.01 to 180");
+    expect_refused(R"({"tolerance": {"bandwidth_hz": 0.5}})",
+                   "extras.tolerance.bandwidth_hz is 0.5; it must be a number from 1 to 5000");
+}
+
+TEST(SceneExtras, RefusesWhatIsNoToleranceAndNoFlag) {
+    for (const std::string value : {"0.05", "null", "[0.05]", "true"}) {
+        expect_refused(R"({"tolerance": )" + value + "}",
+                       "scene: extras.tolerance is " + value + "; it must be an object of force_N");
+    }
+    expect_refused(R"({"tolerance": {"force": 1}})",
+                   "scene: extras.tolerance.force is not known; what may stand there is force_N, "
+                   "direction_deg, bandwidth_hz");
+    expect_refused(R"({"planar": "yes"})", "scene: extras.planar is 'yes'; it must be true or");
 }
 
 } // namespace

@@ -1,9 +1,9 @@
-#include "engine/scene/gltf_text.h"
+#include "base/one_line.h"
 
 #include <array>
 #include <charconv>
 
-namespace springdrive::scene::gltf {
+namespace springdrive {
 
 namespace {
 
@@ -43,10 +43,10 @@ std::string in_quotes(std::string_view text) {
     return "'" + one_line(text, kLongestName) + "'";
 }
 
-std::string shortest(double number) {
+std::string shortest_text(double number) {
     std::array<char, 32> text{};
     const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
     return {text.data(), end};
 }
 
-} // namespace springdrive::scene::gltf
+} // namespace springdrive

@@ -1,10 +1,10 @@
-// Text out of a file that others wrote, made fit for a one-line message.
+// Text and numbers as parts of a one-line message or file entry.
 #pragma once
 
 #include <string>
 #include <string_view>
 
-namespace springdrive::scene::gltf {
+namespace springdrive {
 
 /// `text` on one line: control characters and line ends become single spaces, the ends are
 /// trimmed, and what is longer than `max_length` bytes is cut (never within a UTF-8 character).
@@ -14,6 +14,6 @@ namespace springdrive::scene::gltf {
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 /// The shortest text that reads back as `number`.
-[[nodiscard]] std::string shortest(double number);
+[[nodiscard]] std::string shortest_text(double number);
 
-} // namespace springdrive::scene::gltf
+} // namespace springdrive
