@@ -25,7 +25,7 @@ namespace springdrive::scene {
 ///   file's triangles. It needs normals; split normals leave an edge sharp.
 /// And for the node's own mesh alone:
 /// - `"shape"`: "plate", "sphere", "box", "cylinder" or "capsule" to be touched exactly as that,
-///   fitted to the box around the mesh, which is drawn as it is. See `gltf::fit_shape`.
+///   fitted to the box around the mesh, which is drawn as it is. See `fit_shape`.
 ///
 /// Of the scene or the asset as a whole:
 /// - `"tolerance"`: how far a cheaper model of plant, surface and control may deviate from the

@@ -143,8 +143,6 @@ void Extras::refuse(const char *key, const std::string &meaning) const {
 }
 
 constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
-constexpr std::array<std::string_view, 5> kShapes = {"plate", "sphere", "box", "cylinder",
-                                                     "capsule"}; // in the order of ShapeKind
 
 void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
     constexpr double kGreatest = 10.0; // rubber reaches about 2; much more is a typing error
@@ -334,16 +332,12 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
     if (const auto smooth = extras.flag("smooth")) {
         touch.smooth = *smooth;
     }
-    if (const auto shape =
-            extras.word("shape", kShapes, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'")) {
+    if (const auto shape = extras.word("shape", kShapeNames,
+                                       "'plate', 'sphere', 'box', 'cylinder' or 'capsule'")) {
         touch.shape = static_cast<ShapeKind>(*shape);
     }
     check_sides(touch, label);
     return touch;
-}
-
-std::string name_of(ShapeKind shape) {
-    return std::string(kShapes[static_cast<std::size_t>(shape)]);
 }
 
 SceneExtras read_scene_extras(const tinygltf::Model &model) {

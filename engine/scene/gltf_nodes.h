@@ -5,10 +5,10 @@
 
 #include "engine/contact/mesh/surface_material.h"
 #include "engine/scene/model_tolerance.h"
+#include "engine/scene/shape_fit.h"
 
 #include <Eigen/Geometry>
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,12 +18,6 @@ class Model;
 }
 
 namespace springdrive::scene::gltf {
-
-/// The exact shapes that a node's mesh may stand for.
-enum class ShapeKind : std::uint8_t { plate, sphere, box, cylinder, capsule };
-
-/// "plate", "sphere", ...: as files spell it.
-[[nodiscard]] std::string name_of(ShapeKind shape);
 
 /// What a node's extras say about touch. All but `shape` pass from a node to its children.
 struct TouchExtras {

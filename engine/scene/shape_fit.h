@@ -1,18 +1,31 @@
-// From the mesh of a node to the exact shape that it stands for.
+// The exact shape that a mesh stands for: one that its file names, or one recognised from its
+// triangles.
 #pragma once
 
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/scene/fit.h"
-#include "engine/scene/gltf_nodes.h"
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
-namespace springdrive::scene::gltf {
+namespace springdrive::scene {
 
-/// Fits a shape to the box around a mesh.
+/// The exact shapes that a node's mesh may stand for.
+enum class ShapeKind : std::uint8_t { plate, sphere, box, cylinder, capsule };
+
+/// As files spell them, in the order of ShapeKind.
+inline constexpr std::array<std::string_view, 5> kShapeNames = {"plate", "sphere", "box",
+                                                                "cylinder", "capsule"};
+
+[[nodiscard]] std::string name_of(ShapeKind shape);
+
+/// Fits a shape that the file names to the box around its mesh.
 ///
 /// - plate: one extent of the box is below 1 % of the largest; the plate lies across it, in the
 ///   middle.
@@ -30,4 +43,17 @@ namespace springdrive::scene::gltf {
                                                const Eigen::Affine3d &to_device,
                                                std::uint16_t material, const std::string &label);
 
-} // namespace springdrive::scene::gltf
+/// A shape that triangles may be replaced by.
+struct RecognisedShape {
+    contact::AnalyticShape shape;
+    double deviation_m = 0.0; ///< greatest distance of the mesh's corners and middles from it
+};
+
+/// The shape nearest to the triangles of one material, in the device's frame, if one comes within
+/// 2 % of their extent and has the same volume (a plate: the same area) to 5 %. So an open bowl is
+/// no sphere, and a room no box. The frames tried are those of the device, of the largest faces and
+/// of the principal axes.
+[[nodiscard]] std::optional<RecognisedShape> recognise_shape(const contact::TriangleSoup &soup,
+                                                             std::uint16_t material);
+
+} // namespace springdrive::scene

@@ -1,9 +1,9 @@
 #include "engine/lab/model_selection/contact_shapes.h"
 
 #include "base/input_error.h"
-#include "engine/lab/model_selection/primitive_fit.h"
 #include "engine/lab/model_selection/simplified_surface.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/shape_fit.h"
 
 #include <optional>
 #include <utility>
@@ -18,15 +18,15 @@ constexpr std::size_t kFewestTriangles = 4;
 constexpr double kWorthwhile = 0.75;
 
 /// For each material the primitive that its triangles represent.
-std::vector<std::optional<PrimitiveFit>> primitives_of(const scene::Scene &scene) {
-    std::vector<std::optional<PrimitiveFit>> fits;
+std::vector<std::optional<scene::RecognisedShape>> primitives_of(const scene::Scene &scene) {
+    std::vector<std::optional<scene::RecognisedShape>> fits;
     for (std::size_t i = 0; i < scene.surface.materials.size(); ++i) {
-        fits.push_back(fit_primitive(scene.surface, static_cast<std::uint16_t>(i)));
+        fits.push_back(scene::recognise_shape(scene.surface, static_cast<std::uint16_t>(i)));
     }
     return fits;
 }
 
-bool has_any(const std::vector<std::optional<PrimitiveFit>> &fits) {
+bool has_any(const std::vector<std::optional<scene::RecognisedShape>> &fits) {
     for (const auto &fit : fits) {
         if (fit) {
             return true;
@@ -36,7 +36,7 @@ bool has_any(const std::vector<std::optional<PrimitiveFit>> &fits) {
 }
 
 contact::HapticSurface with_primitives(const scene::Scene &scene) {
-    const std::vector<std::optional<PrimitiveFit>> fits = primitives_of(scene);
+    const std::vector<std::optional<scene::RecognisedShape>> fits = primitives_of(scene);
     std::vector<contact::AnalyticShape> shapes = scene.shapes;
     std::vector<bool> is_replaced(fits.size(), false);
     for (std::size_t i = 0; i < fits.size(); ++i) {

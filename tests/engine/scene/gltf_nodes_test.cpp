@@ -234,7 +234,7 @@ TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
     EXPECT_EQ(rebel.sides, contact::TouchSides::two);
 
     const gltf::TouchExtras parent = read(R"({"smooth": true, "shape": "box"})");
-    EXPECT_EQ(parent.shape, gltf::ShapeKind::box);
+    EXPECT_EQ(parent.shape, ShapeKind::box);
     EXPECT_TRUE(read("", parent).smooth);
     EXPECT_FALSE(read(R"({"smooth": false})", parent).smooth);
     EXPECT_FALSE(read("", parent).shape);

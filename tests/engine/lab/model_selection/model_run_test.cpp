@@ -1,7 +1,7 @@
 // Covers engine/lab/model_selection/model_run.cpp and model_cost.cpp.
 #include "engine/lab/model_selection/model_cost.h"
-#include "engine/lab/model_selection/primitive_fit.h"
 #include "engine/lab/model_selection/simplified_surface.h"
+#include "engine/scene/shape_fit.h"
 #include "tests/engine/lab/model_selection/model_settings.h"
 
 #include <gtest/gtest.h>
@@ -125,7 +125,7 @@ TEST(ModelRun, ErrorBetweenASphereAndItsMeshGrowsWithCoarseness) {
     for (const int divisions : {2, 3, 4}) {
         const contact::TriangleSoup mesh = testing::ball(divisions);
         const contact::HapticSurface surface(mesh);
-        const std::optional<PrimitiveFit> fit = fit_primitive(mesh, 0);
+        const std::optional<scene::RecognisedShape> fit = scene::recognise_shape(mesh, 0);
         ASSERT_TRUE(fit) << divisions;
         contact::TriangleSoup none;
         none.materials = mesh.materials;
