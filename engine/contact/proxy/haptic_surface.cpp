@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/parallel.h"
 #include "base/wanted.h"
-#include "engine/contact/proxy/near_list.h"
+#include "engine/contact/proxy/facet_candidates.h"
 
 #include <algorithm>
 #include <atomic>
@@ -148,8 +148,8 @@ bool HapticSurface::is_clear_of(ShapeSet shapes, const Neighbourhood &near, cons
 
 void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
                               Neighbourhood &near) const noexcept {
-    NearList found(radius_m,
-                   has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
+    FacetCandidates found(radius_m,
+                          has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
     const bool is_complete = tree_.within(
         centre_m, radius_m, budget, [&](std::uint32_t index, double squared_distance_m2) noexcept {
             // Read when all are found: prefetched until then.

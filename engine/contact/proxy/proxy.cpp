@@ -20,7 +20,7 @@ constexpr double kFarthestTip_m = 1e3;
 constexpr double kLowRidge_m = 1e-5;
 
 // A tick's path never overflows: every motion adds at most one point, friction two more.
-static_assert(ProxyPath::kCapacity >= 1 + Effort::kMotions + 2);
+static_assert(ProxyPath::kCapacity >= 1 + SolverBudget::kMotions + 2);
 
 /// A place counts as nearer if it is nearer by more than this, which is above round-off [m].
 constexpr double kNearer_m = 1e-12;
@@ -54,7 +54,7 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
 }
 
 void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
-                          Effort &effort) noexcept {
+                          SolverBudget &budget) noexcept {
     const Vector3 step = tip_m - last_tip_m_;
     const double step_m = step.norm();
     const double hop_m = sight_m_ > 4.0 * kFarthestHop_m ? kFarthestHop_m : 0.5 * kFarthestHop_m;
@@ -73,15 +73,15 @@ void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
     constexpr double kMostAhead_steps = 10.0;
     const double ahead =
         step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
-    look_around(surface, rest_.point_m + ahead * step, effort);
+    look_around(surface, rest_.point_m + ahead * step, budget);
     if (!near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, effort); // too many facets ahead to list
+        look_around(surface, rest_.point_m, budget); // too many facets ahead to list
     }
 }
 
 void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
-                        Effort &effort) noexcept {
-    surface.find_near(centre_m, sight_m_, effort.search, near_);
+                        SolverBudget &budget) noexcept {
+    surface.find_near(centre_m, sight_m_, budget.search, near_);
     // Enough facets to make a list worthwhile, and not so many that it overflows: on a surface
     // their number grows with the square of the radius.
     constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
@@ -101,7 +101,7 @@ bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) con
     return is_far_from_shapes || !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
 }
 
-/// The result of `descend` in closed form, where only one face of one shape is involved.
+/// The result of `move_to_rest` in closed form, where only one face of one shape is involved.
 std::optional<ShapeSlide> Proxy::free_slide(const HapticSurface &surface,
                                             const Vector3 &tip_m) const noexcept {
     if (rest_.held_by.size() != 1 || !near_.covers(rest_.point_m, reach_m_)) {
@@ -122,7 +122,7 @@ void Proxy::follow(const ShapeSlide &slide) noexcept {
         {slide.normal, slide.normal.dot(slide.rest_m), rest_.held_by[0].obstacle});
 }
 
-bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
+bool Proxy::hop(const ProxySolver &solver, const HapticSurface &surface,
                 const Vector3 &tip_m) noexcept {
     const double here_m = (rest_.point_m - tip_m).norm();
     double least_m = here_m - reach_m_ - kNearer_m;
@@ -143,7 +143,7 @@ bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
     }
     Rest there = rest_;
     const std::size_t before = path_.size();
-    const bool has_settled = descent.settle(there, *aim_m);
+    const bool has_settled = solver.solve(there, *aim_m);
     const bool is_low = std::all_of(path_.begin() + before, path_.end(), [&](const Vector3 &point) {
         return (point - tip_m).norm() <= here_m + kLowRidge_m;
     });
@@ -155,23 +155,23 @@ bool Proxy::hop(const Descent &descent, const HapticSurface &surface,
     return true;
 }
 
-bool Proxy::descend(const Descent &descent, const HapticSurface &surface, const Vector3 &tip_m,
-                    Effort &effort) noexcept {
+bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
+                         const Vector3 &tip_m, SolverBudget &budget) noexcept {
     constexpr int kMostHops = 4;
-    bool has_settled = descent.settle(rest_, tip_m);
+    bool has_settled = solver.solve(rest_, tip_m);
     if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, effort); // it has moved far
+        look_around(surface, rest_.point_m, budget); // it has moved far
     }
     for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
-        if (!hop(descent, surface, tip_m)) {
+        if (!hop(solver, surface, tip_m)) {
             break;
         }
-        has_settled = descent.settle(rest_, tip_m);
+        has_settled = solver.solve(rest_, tip_m);
     }
     return has_settled;
 }
 
-void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+void Proxy::rub(const ProxySolver &solver, const Rest &before, const SurfaceMaterial &material,
                 const Vector3 &tip_m) noexcept {
     const std::size_t first = before.is_touching() || path_.size() < 2 ? 0 : 1;
     const double normal_m = (rest_.point_m - tip_m).norm();
@@ -184,7 +184,7 @@ void Proxy::rub(const Descent &descent, const Rest &before, const SurfaceMateria
         return;
     }
     // Where the path leaves the surface over an edge, down to what lies below.
-    const std::optional<SurfaceStop> below = descent.first_stop(held.point_m, tip_m);
+    const std::optional<SurfaceStop> below = solver.first_stop(held.point_m, tip_m);
     if (!below || !below->is_known) {
         sticks_ = slides_ = false; // no friction in this tick
         return;
@@ -207,8 +207,8 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         rest_.held_by = ContactPlanes(); // planes of another surface do not apply here
         sticks_ = slides_ = false;
     }
-    Effort effort;
-    keep_in_sight(surface, tip_m, effort);
+    SolverBudget budget;
+    keep_in_sight(surface, tip_m, budget);
     last_tip_m_ = tip_m;
     if (moves_freely(surface, tip_m)) {
         rest_.point_m = tip_m;
@@ -222,11 +222,11 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     }
     const Rest before = rest_;
     bool has_settled = true;
-    const Descent descent(surface, near_, reach_m_, effort, path_);
+    const ProxySolver solver(surface, near_, reach_m_, budget, path_);
     if (slide) {
         follow(*slide);
     } else {
-        has_settled = descend(descent, surface, tip_m, effort);
+        has_settled = move_to_rest(solver, surface, tip_m, budget);
     }
     if (!rest_.is_touching()) {
         // A proxy that stopped in mid-air when the budget ran out exerts no force either.
@@ -237,7 +237,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     }
     const SurfaceMaterial &material = surface.material(rest_.held_by[0].obstacle);
     if (material.static_friction > 0.0) {
-        rub(descent, before, material, tip_m);
+        rub(solver, before, material, tip_m);
     }
     Contact contact = resting_contact(surface, tip_m, rest_);
     contact.settled = has_settled;

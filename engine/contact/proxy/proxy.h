@@ -20,10 +20,10 @@
 #include "base/vector.h"
 #include "engine/contact/contact.h"
 #include "engine/contact/proxy/contact_planes.h"
-#include "engine/contact/proxy/descent.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/neighbourhood.h"
 #include "engine/contact/proxy/proxy_path.h"
+#include "engine/contact/proxy/proxy_solver.h"
 #include "engine/contact/proxy/shape_slide.h"
 
 #include <cstdint>
@@ -51,19 +51,20 @@ public:
     [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
 
 private:
-    void keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m, Effort &effort) noexcept;
+    void keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
+                       SolverBudget &budget) noexcept;
     void look_around(const HapticSurface &surface, const Vector3 &centre_m,
-                     Effort &effort) noexcept;
+                     SolverBudget &budget) noexcept;
     [[nodiscard]] bool moves_freely(const HapticSurface &surface,
                                     const Vector3 &tip_m) const noexcept;
     [[nodiscard]] std::optional<ShapeSlide> free_slide(const HapticSurface &surface,
                                                        const Vector3 &tip_m) const noexcept;
     void follow(const ShapeSlide &slide) noexcept;
-    [[nodiscard]] bool descend(const Descent &descent, const HapticSurface &surface,
-                               const Vector3 &tip_m, Effort &effort) noexcept;
-    [[nodiscard]] bool hop(const Descent &descent, const HapticSurface &surface,
+    [[nodiscard]] bool move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
+                                    const Vector3 &tip_m, SolverBudget &budget) noexcept;
+    [[nodiscard]] bool hop(const ProxySolver &solver, const HapticSurface &surface,
                            const Vector3 &tip_m) noexcept;
-    void rub(const Descent &descent, const Rest &before, const SurfaceMaterial &material,
+    void rub(const ProxySolver &solver, const Rest &before, const SurfaceMaterial &material,
              const Vector3 &tip_m) noexcept;
 
     double reach_m_;

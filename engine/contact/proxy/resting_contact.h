@@ -3,8 +3,8 @@
 
 #include "base/vector.h"
 #include "engine/contact/contact.h"
-#include "engine/contact/proxy/descent.h"
 #include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/proxy_solver.h"
 #include "engine/contact/proxy/shape_slide.h"
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Covers engine/contact/proxy/descent.cpp and engine/contact/proxy/proxy.cpp: wherever the proxy
-// rests, no point nearer to the tip can be reached, and its path crosses no surface.
+// Covers engine/contact/proxy/proxy_solver.cpp and engine/contact/proxy/proxy.cpp: wherever the
+// proxy rests, no point nearer to the tip can be reached, and its path crosses no surface.
 #include "engine/contact/proxy/proxy.h"
 
 #include "tests/engine/contact/proxy/optimality.h"

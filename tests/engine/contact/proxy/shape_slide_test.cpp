@@ -2,7 +2,7 @@
 // place nearby is nearer to the tip.
 #include "engine/contact/proxy/shape_slide.h"
 
-#include "engine/contact/proxy/descent.h"
+#include "engine/contact/proxy/proxy_solver.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/contact/proxy/shape_names.h"
 #include "tests/support/surfaces.h"
@@ -26,7 +26,7 @@ constexpr double kSlideRounding_m = 1e-15;
 
 /// The descent ends 1e-11 m from its goal on the last tangent plane, and on a curved face that goal
 /// is itself off by up to ten times as much.
-constexpr double kDescentEnds_m = 1e-10;
+constexpr double kSolverTolerance_m = 1e-10;
 
 AnalyticShape::Size size_of(int kind) {
     const std::vector<AnalyticShape::Size> sizes = {Plate{0.03, 0.02}, Sphere{0.03},
@@ -103,7 +103,7 @@ void along(const Vector3 &from_m, const ShapeSlide &slide, const Visit &visit) {
     }
 }
 
-TEST_P(ShapeSlides, EndWhereTheDescentDoes) {
+TEST_P(ShapeSlides, EndWhereTheSolverDoes) {
     for (const double reach_m : {kClearance_m, 0.5e-3}) {
         int slides = 0;
         for (int i = 0; i < 3000; ++i) {
@@ -115,14 +115,14 @@ TEST_P(ShapeSlides, EndWhereTheDescentDoes) {
             Neighbourhood near; // of all there is
             SearchBudget budget{1000};
             scene.surface.find_near(scene.rest.point_m, 0.5, budget, near);
-            Effort effort;
+            SolverBudget solver_budget;
             ProxyPath path;
             path.restart(scene.rest.point_m);
             Rest rest = scene.rest;
-            const Descent descent(scene.surface, near, reach_m, effort, path);
-            if (descent.settle(rest, scene.tip_m)) {
+            const ProxySolver solver(scene.surface, near, reach_m, solver_budget, path);
+            if (solver.solve(rest, scene.tip_m)) {
                 ++slides;
-                EXPECT_LT((rest.point_m - slide->rest_m).norm(), kDescentEnds_m) << i;
+                EXPECT_LT((rest.point_m - slide->rest_m).norm(), kSolverTolerance_m) << i;
                 EXPECT_EQ(rest.held_by.size(), 1U);
                 EXPECT_GT(rest.held_by[0].normal.dot(slide->normal), 1.0 - 1e-12) << i;
             }

@@ -17,7 +17,7 @@ namespace springdrive::contact {
 /// The budget of one tick, which bounds its time by construction. Most ticks need one to four
 /// motions and no node of the tree; an extreme one stops when its budget is exhausted, short of the
 /// target but on the right side of every surface, and the next tick continues from there.
-struct Effort {
+struct SolverBudget {
     static constexpr std::size_t kMotions = 96;
     int motions_left = static_cast<int>(kMotions);
     SearchBudget search{20'000};
@@ -36,17 +36,17 @@ struct Rest {
 /// The free space of a proxy with a reach is what lies at least that far from every obstacle. Where
 /// obstacles touch, each leaves a half-space; a point is at rest where the target lies in the cone
 /// that the touching planes block (the Karush-Kuhn-Tucker conditions).
-class Descent {
+class ProxySolver {
 public:
     /// @param near a neighbourhood of `surface`, or empty; may be replaced between descents
-    Descent(const HapticSurface &surface, const Neighbourhood &near, double reach_m, Effort &effort,
-            ProxyPath &path) noexcept
-        : surface_(surface), near_(near), reach_m_(reach_m), effort_(effort), path_(path) {}
+    ProxySolver(const HapticSurface &surface, const Neighbourhood &near, double reach_m,
+                SolverBudget &budget, ProxyPath &path) noexcept
+        : surface_(surface), near_(near), reach_m_(reach_m), budget_(budget), path_(path) {}
 
     /// Moves from `rest`, whose planes may be any that touched there, downhill to the first place
     /// of rest with respect to the target. True if it is reached, false if the budget ran out
     /// first. RT-safe.
-    [[nodiscard]] bool settle(Rest &rest, const Vector3 &target_m) const noexcept;
+    [[nodiscard]] bool solve(Rest &rest, const Vector3 &target_m) const noexcept;
 
     /// The first stop of a straight motion. RT-safe.
     [[nodiscard]] std::optional<SurfaceStop> first_stop(const Vector3 &from_m,
@@ -62,7 +62,7 @@ private:
     const HapticSurface &surface_;
     const Neighbourhood &near_;
     double reach_m_;
-    Effort &effort_;
+    SolverBudget &budget_;
     ProxyPath &path_;
 };
 

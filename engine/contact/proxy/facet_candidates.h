@@ -11,10 +11,10 @@ namespace springdrive::contact {
 
 /// Collects indices only, before the facets themselves are read. Where there are too many, the ball
 /// shrinks.
-class NearList {
+class FacetCandidates {
 public:
     // Entries beyond size_ are never read. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
-    NearList(double radius_m, std::size_t capacity) noexcept
+    FacetCandidates(double radius_m, std::size_t capacity) noexcept
         : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
 
     void add(std::uint32_t index, double squared_distance_m2) noexcept {

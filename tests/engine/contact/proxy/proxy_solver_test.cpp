@@ -1,4 +1,4 @@
-// Covers engine/contact/proxy/descent.cpp where facets and shapes lie beside each other;
+// Covers engine/contact/proxy/proxy_solver.cpp where facets and shapes lie beside each other;
 // proxy_*_test.cpp cover the rest.
 #include "engine/contact/proxy/proxy.h"
 #include "tests/engine/contact/mesh/soups.h"
@@ -21,7 +21,7 @@ constexpr double kHop_m = 1.2e-5;
 
 /// A box that protrudes from the top of another. In their crease, an extrapolated slide on one of
 /// them once ended 35 mm away around an edge.
-TEST(Descent, IsNotCarriedAwayFromTheTipInACrease) {
+TEST(ProxySolver, IsNotCarriedAwayFromTheTipInACrease) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() =
         Vector3(-0.016851951473135212, 0.01693078811656986, -0.0043772161063318181);
@@ -44,7 +44,7 @@ TEST(Descent, IsNotCarriedAwayFromTheTipInACrease) {
     }
 }
 
-TEST(Descent, NeverEndsFartherFromTheTipThanItBegan) {
+TEST(ProxySolver, NeverEndsFartherFromTheTipThanItBegan) {
     constexpr int kTicks = 600;
     constexpr double kStep_m = 7e-4;
     constexpr double kDeepest_m = 6e-3;

@@ -1,4 +1,4 @@
-#include "engine/contact/proxy/descent.h"
+#include "engine/contact/proxy/proxy_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_tar
 
 } // namespace
 
-void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
+void ProxySolver::move(Rest &rest, const Vector3 &to_m) const noexcept {
     rest.point_m = to_m;
     path_.add(to_m);
 }
@@ -59,8 +59,8 @@ void Descent::move(Rest &rest, const Vector3 &to_m) const noexcept {
 /// Where a slide along a single shape is to end: straight above the place of rest, so that it only
 /// has to drop from there. For a convex shape that is above its point nearest to the target. With
 /// more than one plane active, such an end might lie below the others.
-std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
-                                           const Vector3 &target_m) const noexcept {
+std::optional<Vector3> ProxySolver::above_rest(const ContactPlanes &planes,
+                                               const Vector3 &target_m) const noexcept {
     const AnalyticShape *shape = planes.size() == 1 ? surface_.shape(planes[0].obstacle) : nullptr;
     if (shape == nullptr) {
         return std::nullopt;
@@ -74,11 +74,11 @@ std::optional<Vector3> Descent::above_rest(const ContactPlanes &planes,
 }
 
 /// A convex shape alone: every slide around it leads to the same place.
-bool Descent::is_on_one_shape(const ContactPlanes &planes) const noexcept {
+bool ProxySolver::is_on_one_shape(const ContactPlanes &planes) const noexcept {
     return planes.size() == 1 && surface_.shape(planes[0].obstacle) != nullptr;
 }
 
-bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {
+bool ProxySolver::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexcept {
     ContactPlanes touching;
     bool is_unchanged = true;
     for (const ContactPlane &plane : planes) {
@@ -96,26 +96,26 @@ bool Descent::refresh(ContactPlanes &planes, const Vector3 &point_m) const noexc
     return is_unchanged;
 }
 
-bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
+bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
     const double most_m = (target_m - rest.point_m).norm();
     Foresight foresight;
     ContactPlanes last_met;
     ContactPlanes planes = rest.held_by; // the goal stays above these
     NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
-    while (effort_.motions_left > 0) {
+    while (budget_.motions_left > 0) {
         if ((goal.point_m - rest.point_m).squaredNorm() <= kStill_m * kStill_m) {
             // As far as these planes allow; which of them still touch?
             rest.held_by = goal.active;
             if (refresh(rest.held_by, rest.point_m)) {
                 return true;
             }
-            --effort_.motions_left;
+            --budget_.motions_left;
             planes = rest.held_by;
             goal = nearest_point(target_m, planes, rest.point_m);
             continue;
         }
-        --effort_.motions_left;
+        --budget_.motions_left;
         Vector3 end_m = goal.point_m;
         if (is_curved && goal.active.size() > 0) {
             if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
@@ -165,10 +165,10 @@ bool Descent::settle(Rest &rest, const Vector3 &target_m) const noexcept {
     return false;
 }
 
-std::optional<SurfaceStop> Descent::first_stop(const Vector3 &from_m,
-                                               const Vector3 &to_m) const noexcept {
+std::optional<SurfaceStop> ProxySolver::first_stop(const Vector3 &from_m,
+                                                   const Vector3 &to_m) const noexcept {
     if (!near_.covers(from_m, reach_m_)) {
-        return surface_.first_stop(from_m, to_m, reach_m_, effort_.search);
+        return surface_.first_stop(from_m, to_m, reach_m_, budget_.search);
     }
     const double covered = near_.covered_fraction(from_m, to_m, reach_m_);
     if (covered == 1.0) {
@@ -179,7 +179,7 @@ std::optional<SurfaceStop> Descent::first_stop(const Vector3 &from_m,
         hit->stop.fraction *= covered;
         return hit;
     }
-    std::optional<SurfaceStop> hit = surface_.first_stop(leaves_m, to_m, reach_m_, effort_.search);
+    std::optional<SurfaceStop> hit = surface_.first_stop(leaves_m, to_m, reach_m_, budget_.search);
     if (hit) {
         hit->stop.fraction = covered + (1.0 - covered) * hit->stop.fraction;
     }
