@@ -49,10 +49,10 @@ std::vector<std::size_t> spread(const std::vector<std::size_t> &all, std::size_t
 }
 
 /// Descends from where a step ended, and notes how far.
-void check_step(const TouchRun &run, std::size_t index, const Downhill &downhill, double reach_m,
-                TouchFindings &findings) {
+void check_step(const TouchRun &run, std::size_t index, const BruteForceProxy &brute_force,
+                double reach_m, TouchFindings &findings) {
     const TouchStep &step = run.steps[index];
-    const Downhill::End end = downhill.walk(step.proxy_m, step.tip_m, reach_m);
+    const BruteForceProxy::End end = brute_force.walk(step.proxy_m, step.tip_m, reach_m);
     const double lag_m = (end.point_m - step.proxy_m).norm();
     ++findings.checked;
     findings.given_up += end.is_lowest ? 0 : 1;
@@ -117,9 +117,9 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());
 
-    const Downhill downhill(surface.triangles, surface.shapes, options.slack_m);
+    const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
     for (const std::size_t index : to_check) {
-        check_step(run, index, downhill, options.reach_m, findings);
+        check_step(run, index, brute_force, options.reach_m, findings);
     }
     return findings;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/contact/proxy/analytic_shape.h"
-#include "engine/lab/rig/downhill.h"
+#include "engine/lab/rig/brute_force_proxy.h"
 #include "engine/lab/rig/plain_triangles.h"
 #include "engine/lab/rig/touch_run.h"
 

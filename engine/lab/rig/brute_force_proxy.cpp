@@ -1,4 +1,4 @@
-#include "engine/lab/rig/downhill.h"
+#include "engine/lab/rig/brute_force_proxy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,8 +55,8 @@ Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes) {
     return best;
 }
 
-Downhill::Downhill(std::span<const PlainTriangle> triangles,
-                   std::span<const contact::AnalyticShape> shapes, double slack_m)
+BruteForceProxy::BruteForceProxy(std::span<const PlainTriangle> triangles,
+                                 std::span<const contact::AnalyticShape> shapes, double slack_m)
     : triangles_(triangles), shapes_(shapes), slack_m_(slack_m) {
     balls_.reserve(triangles.size());
     for (const PlainTriangle &triangle : triangles) {
@@ -65,7 +65,7 @@ Downhill::Downhill(std::span<const PlainTriangle> triangles,
     }
 }
 
-std::vector<std::size_t> Downhill::within(const Vector3 &centre_m, double radius_m) const {
+std::vector<std::size_t> BruteForceProxy::within(const Vector3 &centre_m, double radius_m) const {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < balls_.size(); ++i) {
         const double farthest_m = radius_m + balls_[i].radius_m;
@@ -79,7 +79,7 @@ std::vector<std::size_t> Downhill::within(const Vector3 &centre_m, double radius
     return found;
 }
 
-bool Downhill::stops_what_is_at(std::size_t obstacle, const Vector3 &point_m) const {
+bool BruteForceProxy::stops_what_is_at(std::size_t obstacle, const Vector3 &point_m) const {
     if (obstacle < triangles_.size()) {
         const PlainTriangle &triangle = triangles_[obstacle];
         return triangle.two_sided || triangle.height_m(point_m) >= -kBehind_m;
@@ -87,7 +87,7 @@ bool Downhill::stops_what_is_at(std::size_t obstacle, const Vector3 &point_m) co
     return shapes_[obstacle - triangles_.size()].nearest(point_m).distance_m >= -kBehind_m;
 }
 
-Away Downhill::away(std::size_t obstacle, const Vector3 &point_m) const {
+Away BruteForceProxy::away(std::size_t obstacle, const Vector3 &point_m) const {
     if (obstacle < triangles_.size()) {
         return triangles_[obstacle].away(point_m);
     }
@@ -96,8 +96,8 @@ Away Downhill::away(std::size_t obstacle, const Vector3 &point_m) const {
 }
 
 /// How far a motion goes until the obstacle is no farther than `level_m`; `length_m` if never.
-double Downhill::length_until_m(std::size_t obstacle, double level_m, const Vector3 &from_m,
-                                const Vector3 &direction, double length_m) const {
+double BruteForceProxy::length_until_m(std::size_t obstacle, double level_m, const Vector3 &from_m,
+                                       const Vector3 &direction, double length_m) const {
     double gone_m = 0.0;
     for (int i = 0; i < 60; ++i) {
         const Away there = away(obstacle, from_m + gone_m * direction);
@@ -114,8 +114,9 @@ double Downhill::length_until_m(std::size_t obstacle, double level_m, const Vect
     return gone_m;
 }
 
-Downhill::Free Downhill::free_way(const std::vector<std::size_t> &listed, const Vector3 &from_m,
-                                  const Vector3 &direction, double length_m, double reach_m) const {
+BruteForceProxy::Free BruteForceProxy::free_way(const std::vector<std::size_t> &listed,
+                                                const Vector3 &from_m, const Vector3 &direction,
+                                                double length_m, double reach_m) const {
     Free free{length_m, std::nullopt};
     for (const std::size_t i : listed) {
         if (!stops_what_is_at(i, from_m)) {
@@ -136,8 +137,8 @@ Downhill::Free Downhill::free_way(const std::vector<std::size_t> &listed, const 
 }
 
 /// One step down; false where there is none to take.
-bool Downhill::step(const std::vector<std::size_t> &listed, const Vector3 &target_m, double reach_m,
-                    End &end) const {
+bool BruteForceProxy::step(const std::vector<std::size_t> &listed, const Vector3 &target_m,
+                           double reach_m, End &end) const {
     const Vector3 wish = target_m - end.point_m;
     // Its drift towards a push that is turned by round-off stays within half of the slack.
     const double longest_m = std::min(kLongestStep_m, 0.5 * slack_m_ / kFlat);
@@ -174,7 +175,8 @@ bool Downhill::step(const std::vector<std::size_t> &listed, const Vector3 &targe
     return true;
 }
 
-Downhill::End Downhill::walk(const Vector3 &from_m, const Vector3 &target_m, double reach_m) const {
+BruteForceProxy::End BruteForceProxy::walk(const Vector3 &from_m, const Vector3 &target_m,
+                                           double reach_m) const {
     End end{from_m, false};
     Vector3 listed_about_m = from_m;
     std::vector<std::size_t> listed = within(from_m, kListed_m + reach_m);

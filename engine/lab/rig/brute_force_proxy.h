@@ -22,13 +22,13 @@ namespace springdrive::rig {
 /// this do not stop it.
 inline constexpr double kLeastSlack_m = 2e-12;
 
-class Downhill {
+class BruteForceProxy {
 public:
     /// Triangles and shapes must outlive this.
     /// @param slack_m  at least kLeastSlack_m
-    explicit Downhill(std::span<const PlainTriangle> triangles,
-                      std::span<const contact::AnalyticShape> shapes = {},
-                      double slack_m = kLeastSlack_m);
+    explicit BruteForceProxy(std::span<const PlainTriangle> triangles,
+                             std::span<const contact::AnalyticShape> shapes = {},
+                             double slack_m = kLeastSlack_m);
 
     struct End {
         Vector3 point_m{Vector3::Zero()};

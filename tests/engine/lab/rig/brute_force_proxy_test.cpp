@@ -1,5 +1,5 @@
-// Covers engine/lab/rig/downhill.cpp and plain_triangles.cpp.
-#include "engine/lab/rig/downhill.h"
+// Covers engine/lab/rig/brute_force_proxy.cpp and plain_triangles.cpp.
+#include "engine/lab/rig/brute_force_proxy.h"
 
 #include "tests/engine/contact/proxy/optimality.h"
 
@@ -74,59 +74,59 @@ TEST(UnopposedPart, IsTheProjectionOntoTheCone) {
     }
 }
 
-TEST(Downhill, GoesToTheFootOnASheet) {
+TEST(BruteForceProxy, GoesToTheFootOnASheet) {
     const std::vector<PlainTriangle> triangles = two_sided(testing::sheet(20, 0.02));
-    const Downhill downhill(triangles);
+    const BruteForceProxy brute_force(triangles);
     std::mt19937_64 random(3);
     for (int i = 0; i < 30; ++i) {
         Vector3 from = random_vector(random, 0.01);
         Vector3 tip = random_vector(random, 0.01);
         from.y() = kReach_m;
         tip.y() = -1e-3;
-        const Downhill::End end = downhill.walk(from, tip, kReach_m);
+        const BruteForceProxy::End end = brute_force.walk(from, tip, kReach_m);
         EXPECT_TRUE(end.is_lowest);
         EXPECT_LT((end.point_m - Vector3(tip.x(), kReach_m, tip.z())).norm(), 3e-9);
     }
 }
 
-TEST(Downhill, IsNotHeldByEdgesOfAFlatSheet) {
+TEST(BruteForceProxy, IsNotHeldByEdgesOfAFlatSheet) {
     // Right above an edge, and a little before it, where the rim beyond lies as near as the plane.
     const std::vector<PlainTriangle> triangles = two_sided(testing::sheet(20, 0.02));
-    const Downhill downhill(triangles);
+    const BruteForceProxy brute_force(triangles);
     for (const double before_m : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8}) {
         for (const double towards : {-1.0, 1.0}) {
             const Vector3 from(0.002 + before_m, kReach_m, 0.0007);
             const Vector3 tip(0.002 + 1e-3 * towards, -1e-3, 0.0007);
-            const Downhill::End end = downhill.walk(from, tip, kReach_m);
+            const BruteForceProxy::End end = brute_force.walk(from, tip, kReach_m);
             EXPECT_TRUE(end.is_lowest);
             EXPECT_NEAR(end.point_m.x(), tip.x(), 2e-9) << before_m;
         }
     }
 }
 
-TEST(Downhill, StaysWhereItIsLowest) {
+TEST(BruteForceProxy, StaysWhereItIsLowest) {
     const std::vector<PlainTriangle> triangles = two_sided(testing::sheet(20, 0.02));
-    const Downhill downhill(triangles);
+    const BruteForceProxy brute_force(triangles);
     const Vector3 rest(0.0012, kReach_m, -0.0034);
-    const Downhill::End end = downhill.walk(rest, rest - Vector3(0, 2e-3, 0), kReach_m);
+    const BruteForceProxy::End end = brute_force.walk(rest, rest - Vector3(0, 2e-3, 0), kReach_m);
     EXPECT_TRUE(end.is_lowest);
     EXPECT_EQ(end.point_m, rest);
 }
 
-TEST(Downhill, EndsWhereNothingNearerIsLeftAmongTrianglesWithoutOrder) {
+TEST(BruteForceProxy, EndsWhereNothingNearerIsLeftAmongTrianglesWithoutOrder) {
     std::mt19937_64 random(4);
     int touching = 0;
     int wedged = 0;
     for (int mesh = 0; mesh < 60; ++mesh) {
         const contact::TriangleSoup soup = testing::random_soup(random, 200, 0.01, 0.006);
         const std::vector<PlainTriangle> triangles = two_sided(soup);
-        const Downhill downhill(triangles);
+        const BruteForceProxy brute_force(triangles);
         const Vector3 from = random_vector(random, 0.012);
         const Vector3 tip = random_vector(random, 0.012);
         if (testing::distance_to_soup(soup, from) < kReach_m) {
             continue;
         }
-        const Downhill::End end = downhill.walk(from, tip, kReach_m);
+        const BruteForceProxy::End end = brute_force.walk(from, tip, kReach_m);
         ASSERT_TRUE(end.is_lowest) << mesh;
         ASSERT_LE((end.point_m - tip).norm(), (from - tip).norm());
         const Vector3 gap = end.point_m - tip;
@@ -144,32 +144,32 @@ TEST(Downhill, EndsWhereNothingNearerIsLeftAmongTrianglesWithoutOrder) {
     EXPECT_GT(wedged, 8);
 }
 
-TEST(Downhill, TakesOneSidedTrianglesFromTheirFrontOnly) {
+TEST(BruteForceProxy, TakesOneSidedTrianglesFromTheirFrontOnly) {
     std::vector<PlainTriangle> triangles = two_sided(testing::sheet(2, 0.02));
     for (PlainTriangle &triangle : triangles) {
         triangle.two_sided = false;
     }
-    const Downhill downhill(triangles);
+    const BruteForceProxy brute_force(triangles);
     const Vector3 above(0.001, 2e-3, 0.002);
     const Vector3 below(0.001, -2e-3, 0.002);
-    EXPECT_NEAR(downhill.walk(above, below, kReach_m).point_m.y(), kReach_m, 1e-11);
-    EXPECT_LT((downhill.walk(below, above, kReach_m).point_m - above).norm(), 2e-9);
+    EXPECT_NEAR(brute_force.walk(above, below, kReach_m).point_m.y(), kReach_m, 1e-11);
+    EXPECT_LT((brute_force.walk(below, above, kReach_m).point_m - above).norm(), 2e-9);
 }
 
-TEST(Downhill, KeepsARadiusFromAnEdge) {
+TEST(BruteForceProxy, KeepsARadiusFromAnEdge) {
     // Off the rim of a sheet the offset is round: the tip's nearest place lies straight out.
     const std::vector<PlainTriangle> triangles = two_sided(testing::sheet(4, 0.02));
-    const Downhill downhill(triangles);
+    const BruteForceProxy brute_force(triangles);
     const double radius_m = 3e-3;
     const Vector3 rim(0.02, 0.0, 0.001);
     const Vector3 tip = rim + 1e-3 * Vector3(1, 2, 0).normalized();
     const Vector3 from = rim + radius_m * Vector3(0, 1, 0);
-    const Downhill::End end = downhill.walk(from, tip, radius_m);
+    const BruteForceProxy::End end = brute_force.walk(from, tip, radius_m);
     EXPECT_TRUE(end.is_lowest);
     EXPECT_LT((end.point_m - (rim + radius_m * Vector3(1, 2, 0).normalized())).norm(), 1e-7);
 }
 
-TEST(Downhill, IsHeldByRidgesHigherThanTheSlack) {
+TEST(BruteForceProxy, IsHeldByRidgesHigherThanTheSlack) {
     // A thin rib across a sheet: a triangle that stands up out of it by `height_m`. Rounded by the
     // reach, its slope is 0.014 or more, and the tip pulls across it at 0.005.
     for (const double height_m : {1e-12, 1e-11, 1e-10, 1e-7}) {
@@ -179,10 +179,10 @@ TEST(Downhill, IsHeldByRidgesHigherThanTheSlack) {
                                   {Vector3(0.003, height_m, -0.01), Vector3(0.003, height_m, 0.01),
                                    Vector3(0.003, -0.001, 0)});
             const std::vector<PlainTriangle> triangles = two_sided(soup);
-            const Downhill downhill(triangles, {}, slack_m);
+            const BruteForceProxy brute_force(triangles, {}, slack_m);
             const Vector3 from(0.002, kReach_m, 0.001);
             const Vector3 tip(0.003005, -1e-3, 0.001);
-            const Downhill::End end = downhill.walk(from, tip, kReach_m);
+            const BruteForceProxy::End end = brute_force.walk(from, tip, kReach_m);
             EXPECT_TRUE(end.is_lowest);
             if (height_m < slack_m) {
                 EXPECT_NEAR(end.point_m.x(), 0.003005, 3e-9) << height_m << ' ' << slack_m;
@@ -193,16 +193,16 @@ TEST(Downhill, IsHeldByRidgesHigherThanTheSlack) {
     }
 }
 
-TEST(Downhill, KnowsShapes) {
+TEST(BruteForceProxy, KnowsShapes) {
     const std::vector<contact::AnalyticShape> shapes{
         contact::AnalyticShape(contact::Sphere{0.05}, Eigen::Isometry3d::Identity(), 0)};
-    const Downhill downhill({}, shapes);
+    const BruteForceProxy brute_force({}, shapes);
     std::mt19937_64 random(5);
     for (int i = 0; i < 20; ++i) {
         const Vector3 towards = random_direction(random);
         const Vector3 from =
             (0.05 + kReach_m) * (towards + 0.2 * random_direction(random)).normalized();
-        const Downhill::End end = downhill.walk(from, 0.045 * towards, kReach_m);
+        const BruteForceProxy::End end = brute_force.walk(from, 0.045 * towards, kReach_m);
         EXPECT_TRUE(end.is_lowest);
         EXPECT_LT((end.point_m - (0.05 + kReach_m) * towards).norm(), 2e-8); // 0.2 µrad, and 1 nm
     }
