@@ -8,7 +8,7 @@
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
 #include "engine/control/parameters.h"
-#include "engine/lab/limits/failure_lines/failure_lines.h"
+#include "engine/lab/limits/method_limits/method_limits.h"
 
 #include <CLI/CLI.hpp>
 
@@ -166,14 +166,14 @@ void draw_map(const TypedStability &typed) {
 void write_table(const TypedStability &typed) {
     check_writable(typed.csv);
     const loops::StabilityCase which = typed.loop.stability_case();
-    std::vector<limits::FailureLine> lines;
+    std::vector<limits::MethodLimit> lines;
     {
         ProgressLine line;
-        lines = limits::failure_lines(which, [&](double share) { line.show("limits", share); });
+        lines = limits::method_limits(which, [&](double share) { line.show("limits", share); });
     }
     write_report(
-        [&](std::ostream &out) { limits::write_failure_lines(out, lines); },
-        {{typed.csv, [&](std::ostream &out) { limits::write_failure_lines_csv(out, lines); }}});
+        [&](std::ostream &out) { limits::write_method_limits(out, lines); },
+        {{typed.csv, [&](std::ostream &out) { limits::write_method_limits_csv(out, lines); }}});
 }
 
 void run(const TypedStability &typed) {

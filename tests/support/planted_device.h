@@ -30,7 +30,7 @@ enum class Plant : std::uint8_t {
     return plant == Plant::in_read ? "InRead" : plant == Plant::in_update ? "InUpdate" : "InWrite";
 }
 
-struct PlantedLine {
+struct PlantedLimit {
     const char *condition;
     int line;
 };
@@ -52,7 +52,7 @@ public:
     [[nodiscard]] const std::vector<device::DeviceCommand> &heard() const { return heard_; }
     [[nodiscard]] std::size_t heard_when_it_failed() const { return heard_when_it_failed_; }
     [[nodiscard]] int failures() const { return failures_.load(); }
-    [[nodiscard]] PlantedLine line() const {
+    [[nodiscard]] PlantedLimit line() const {
         return plant_ == Plant::in_read     ? kInRead
                : plant_ == Plant::in_update ? kInUpdate
                                             : kInWrite;
@@ -66,15 +66,15 @@ public:
         answering_ = std::this_thread::get_id(); // until `write`
         return measured;
     }
-    static constexpr PlantedLine kInRead{"!fails(Plant::in_read)", __LINE__ - 6};
+    static constexpr PlantedLimit kInRead{"!fails(Plant::in_read)", __LINE__ - 6};
 
     /// Also called by the window's thread.
     [[nodiscard]] device::DeviceClock clock() const override {
         SPRINGDRIVE_ASSERT(!is_answering() || !fails(Plant::in_update));
         return device::ForwardingDevice::clock();
     }
-    static constexpr PlantedLine kInUpdate{"!is_answering() || !fails(Plant::in_update)",
-                                           __LINE__ - 4};
+    static constexpr PlantedLimit kInUpdate{"!is_answering() || !fails(Plant::in_update)",
+                                            __LINE__ - 4};
 
     void write(const device::DeviceCommand &command) noexcept override {
         answering_ = std::thread::id();
@@ -87,7 +87,7 @@ public:
         SPRINGDRIVE_ASSERT(!refuses_ || !brakes);
         device::ForwardingDevice::write(command);
     }
-    static constexpr PlantedLine kInWrite{"brakes || !fails(Plant::in_write)", __LINE__ - 8};
+    static constexpr PlantedLimit kInWrite{"brakes || !fails(Plant::in_write)", __LINE__ - 8};
 
 private:
     static std::unique_ptr<device::HapticDevice> simulated_with(const simulated::HandPath &hand) {

@@ -70,7 +70,7 @@ void expect_braked(const PlantedDevice &device) {
     }
 }
 
-void expect_said(const SafetyStatus &status, const testing::PlantedLine &line) {
+void expect_said(const SafetyStatus &status, const testing::PlantedLimit &line) {
     EXPECT_EQ(status.state, SafetyState::tripped);
     EXPECT_EQ(status.cause, TripCause::assertion);
     EXPECT_STREQ(status.failure.condition, line.condition);

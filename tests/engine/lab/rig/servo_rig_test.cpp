@@ -1,8 +1,8 @@
 // Covers engine/lab/rig/servo_rig.cpp, faulty_device.cpp and
-// limits/failure_lines/pressed_corner.cpp.
+// limits/method_limits/pressed_corner.cpp.
 #include "engine/lab/rig/servo_rig.h"
 
-#include "engine/lab/limits/failure_lines/pressed_corner.h"
+#include "engine/lab/limits/method_limits/pressed_corner.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,201 @@
+#include "engine/lab/limits/method_limits/integrator_limits.h"
+
+#include "base/bisection.h"
+#include "device/core/phantom/kinematics.h"
+#include "device/simulated/simulated_phantom.h"
+#include "engine/lab/limits/method_limits/contact_mode.h"
+#include "engine/lab/rig/integrators.h"
+
+#include <cmath>
+#include <complex>
+#include <limits>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr double kMicro = 1e6;
+constexpr double kShortest_s = 1e-6;
+constexpr double kLongest_s = 1.0; ///< tried where no limit is known
+
+/// |R(z)| of the classical fourth-order method.
+double runge_kutta_growth(std::complex<double> z) {
+    return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+}
+
+/// The winding alone, by a method for a single state.
+template <typename Step>
+LimitTrial held_rotor(const char *method, const device::MotorParameters &motor, double net_Ohm,
+                      const std::string &setting, double times_L_over_R, const Step &step) {
+    const double time_s = motor.inductance_H / net_Ohm;
+    using State = Eigen::Matrix<double, 1, 1>;
+    return {{method, "step above", "µs", setting, kMicro * times_L_over_R * time_s, {}, {}},
+            kMicro * kShortest_s,
+            kMicro * 10.0 * time_s,
+            false,
+            [=](double step_us) {
+                const auto rates = [&](double, const State &current) -> State {
+                    return -current / time_s;
+                };
+                State current = State::Ones();
+                for (int i = 0; i < 1000; ++i) {
+                    current = step(rates, current, step_us / kMicro);
+                }
+                return std::abs(current[0]) < 1.0;
+            }};
+}
+
+/// Whether the mode's energy decays under a method for the whole plant. The links, which have modes
+/// of their own, are held.
+template <typename Step> bool energy_decays(const ContactMode &mode, const Step &step) {
+    constexpr int kSteps = 5000;
+    constexpr double kSurely = 1e6;
+    rig::PlantState y = mode.start();
+    const double start_J = mode.energy_J(y);
+    for (int i = 0; i < kSteps; ++i) {
+        const rig::PlantState next = step(y);
+        for (const Eigen::Index of_base : {0, 3, 6}) {
+            y[of_base] = next[of_base];
+        }
+        const double energy_J = mode.energy_J(y);
+        if (!(energy_J < kSurely * start_J)) {
+            return false;
+        }
+        if (energy_J < start_J / kSurely) {
+            return true;
+        }
+    }
+    return mode.energy_J(y) < start_J;
+}
+
+std::string contact_setting(const char *more) {
+    return "contact mode of base and K_L, dR " + with_unit(ContactMode::kNet_Ohm, "Ω") + more;
+}
+
+LimitTrial contact_line(const char *method, double predicted_s,
+                        const std::function<bool(double)> &holds_for_s) {
+    constexpr double kFarBeyond = 10.0;
+    return {{method, "step above", "µs", contact_setting(""), kMicro * predicted_s, {}, {}},
+            kMicro * kShortest_s,
+            kMicro * kFarBeyond * predicted_s,
+            false,
+            [=](double step_us) { return holds_for_s(step_us / kMicro); }};
+}
+
+LimitTrial no_line(const char *method, const std::function<bool(double)> &holds_for_s) {
+    return {{method, "step above", "µs", contact_setting("; tried from 1 µs to 1 s"), {}, {}, {}},
+            kMicro * kShortest_s,
+            kMicro * kLongest_s,
+            false,
+            [=](double step_us) { return holds_for_s(step_us / kMicro); }};
+}
+
+/// |1 + hλ| = 1.
+LimitTrial explicit_euler(const ContactMode &mode) {
+    const std::complex<double> root = mode.eigenvalue();
+    return contact_line("explicit Euler", -2.0 * root.real() / std::norm(root), [=](double h) {
+        const rig::PlantEquations f = mode.equations();
+        return energy_decays(mode, [&](const rig::PlantState &y) {
+            return rig::explicit_euler_step(
+                [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
+        });
+    });
+}
+
+/// With x and y the relative losses of rotor and winding in a step, (2 − x)(2 − y) = (hω)²: 2/ω
+/// without losses.
+LimitTrial semi_implicit_euler(const ContactMode &mode) {
+    const double losses = mode.winding_per_s() + mode.rotor_per_s();
+    const double a = mode.omega_squared() - mode.winding_per_s() * mode.rotor_per_s();
+    const double h_s = (std::sqrt(losses * losses + 4.0 * a) - losses) / a;
+    LimitTrial line = contact_line("semi-implicit Euler", h_s, [=](double h) {
+        const rig::PlantEquations f = mode.equations();
+        return energy_decays(mode, [&](const rig::PlantState &y) {
+            return rig::semi_implicit_euler_step(
+                [&](double t, const rig::PlantState &at) { return f.momentum_rates(t, at); },
+                [&](double, const rig::PlantState &at) { return f.position_rates(at); }, 0.0, y, h);
+        });
+    });
+    line.line.setting +=
+        "; 2/ω is " + with_unit(std::round(kMicro * 2.0 / std::sqrt(mode.omega_squared())), "µs");
+    return line;
+}
+
+LimitTrial runge_kutta(const ContactMode &mode) {
+    const std::complex<double> root = mode.eigenvalue();
+    const double h_s =
+        last_that_holds({0.0, 10.0 / std::abs(root)}, kLimitResolution,
+                        [&](double h) { return runge_kutta_growth(h * root) <= 1.0; });
+    return contact_line("Runge-Kutta 4", h_s, [=](double h) {
+        const rig::PlantEquations f = mode.equations();
+        return energy_decays(mode, [&](const rig::PlantState &y) {
+            return rig::runge_kutta_step(
+                [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
+        });
+    });
+}
+
+LimitTrial implicit_midpoint(const ContactMode &mode) {
+    return no_line("implicit midpoint", [=](double h) {
+        const rig::PlantEquations f = mode.equations();
+        const auto rates = [&](double t, const rig::PlantState &at) { return f.rates(t, at); };
+        rig::ImplicitMidpoint<rig::PlantState> midpoint;
+        midpoint.prepare(rates, 0.0, mode.start(), h);
+        return energy_decays(mode, [&](const rig::PlantState &y) {
+            return midpoint.step(rates, 0.0, y)
+                .value_or(rig::PlantState::Constant(std::numeric_limits<double>::quiet_NaN()));
+        });
+    });
+}
+
+/// The simulated device: its energy may not rise by more than round-off.
+LimitTrial simulated_device(const ContactMode &mode) {
+    return no_line("ours (exact in energy)", [=](double h) {
+        constexpr int kSteps = 1000;
+        constexpr double kRoundOff = 1e-9;
+        simulated::SimulationOptions options = mode.options;
+        options.servo_period_s = options.longest_step_s = h;
+        simulated::SimulatedPhantom plant(mode.device, options,
+                                          device::tip_position_m(mode.device.geometry, mode.q_rad));
+        plant.set_in_motion(Vector3::Zero(), Vector3(ContactMode::kStart_A, 0.0, 0.0));
+        double energy_J = plant.stored_energy_J();
+        const double round_off_J = kRoundOff * energy_J;
+        for (int i = 0; i < kSteps; ++i) {
+            static_cast<void>(plant.advance(mode.command));
+            const double before_J = energy_J;
+            energy_J = plant.stored_energy_J();
+            if (!(energy_J <= before_J + round_off_J)) {
+                return false;
+            }
+        }
+        return true;
+    });
+}
+
+} // namespace
+
+std::vector<LimitTrial> integrator_trials(const loops::StabilityCase &which) {
+    const auto euler = [](const auto &rates, const auto &y, double h) {
+        return rig::explicit_euler_step(rates, 0.0, y, h);
+    };
+    const auto fourth = [](const auto &rates, const auto &y, double h) {
+        return rig::runge_kutta_step(rates, 0.0, y, h);
+    };
+    constexpr double kRealLimit = 2.785293563405282; // where 1 − z + z²/2 − z³/6 + z⁴/24 = 1
+    const device::MotorParameters &motor = which.device.motor[1];
+    const double dR_Ohm = control::Tuning{}.dR_Ohm;
+    const ContactMode mode(which);
+    return {
+        held_rotor("explicit Euler", motor, motor.resistance_Ohm, "R̂ = 0, rotor held", 2.0, euler),
+        held_rotor("explicit Euler", motor, dR_Ohm, "dR " + with_unit(dR_Ohm, "Ω") + ", rotor held",
+                   2.0, euler),
+        explicit_euler(mode),
+        semi_implicit_euler(mode),
+        held_rotor("Runge-Kutta 4", motor, motor.resistance_Ohm, "R̂ = 0, rotor held", kRealLimit,
+                   fourth),
+        runge_kutta(mode),
+        implicit_midpoint(mode),
+        simulated_device(mode)};
+}
+
+} // namespace springdrive::limits

@@ -1,0 +1,147 @@
+#include "engine/lab/limits/method_limits/method_limits.h"
+
+#include "base/print.h"
+#include "engine/lab/limits/method_limits/cancellation_limits.h"
+#include "engine/lab/limits/method_limits/closest_point_limits.h"
+#include "engine/lab/limits/method_limits/direction_limit.h"
+#include "engine/lab/limits/method_limits/integrator_limits.h"
+#include "engine/lab/limits/method_limits/kinematics_limits.h"
+#include "engine/lab/limits/method_limits/loop_limits.h"
+#include "engine/lab/limits/method_limits/motor_limits.h"
+#include "engine/lab/limits/method_limits/proxy_limits.h"
+#include "engine/lab/limits/method_limits/release_limits.h"
+#include "engine/lab/limits/method_limits/servo_limits.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <ostream>
+
+namespace springdrive::limits {
+
+namespace {
+
+/// The groups of rows, with the limits of sampled loops between them.
+enum class Kind : std::uint8_t {
+    cancellation,
+    inverse,
+    direction,
+    integrators,
+    contact,
+    servo,
+    motor
+};
+constexpr std::array kKinds{Kind::cancellation, Kind::inverse, Kind::direction, Kind::integrators,
+                            Kind::contact,      Kind::servo,   Kind::motor};
+
+void append(std::vector<LimitTrial> &lines, std::vector<LimitTrial> more) {
+    lines.insert(lines.end(), std::make_move_iterator(more.begin()),
+                 std::make_move_iterator(more.end()));
+}
+
+std::vector<LimitTrial> limit_trials(const loops::StabilityCase &which, Kind kind) {
+    std::vector<LimitTrial> lines;
+    switch (kind) {
+    case Kind::cancellation:
+        return cancellation_trials(which.device);
+    case Kind::inverse:
+        return inverse_trials(which.device);
+    case Kind::direction:
+        return {direction_trial(which)};
+    case Kind::integrators:
+        return integrator_trials(which);
+    case Kind::contact:
+        lines = closest_point_trials();
+        append(lines, proxy_trials());
+        return lines;
+    case Kind::servo:
+        lines = servo_trials(which);
+        append(lines, release_trials(which));
+        return lines;
+    case Kind::motor:
+        lines = amplifier_trials(which.device);
+        append(lines, limiter_trials(which));
+        append(lines, heat_trials(which.device));
+        return lines;
+    }
+    return lines;
+}
+
+/// The settings that all rows share; each row sets the rest.
+loops::StabilityCase common(const loops::StabilityCase &which) {
+    loops::StabilityCase plain;
+    plain.device = which.device;
+    plain.q_rad = which.q_rad;
+    plain.hands = which.hands;
+    return plain;
+}
+
+std::string number(const std::optional<double> &value) {
+    return value ? fmt::format("{:.4g}", *value) : "–";
+}
+
+} // namespace
+
+std::vector<LimitTrial> limit_trials(const loops::StabilityCase &which) {
+    std::vector<LimitTrial> lines;
+    for (const Kind kind : kKinds) {
+        append(lines, limit_trials(common(which), kind));
+    }
+    return lines;
+}
+
+std::vector<MethodLimit> method_limits(const loops::StabilityCase &asked,
+                                       const std::function<void(double)> &progress) {
+    const loops::StabilityCase which = common(asked);
+    constexpr double kSteps = kDriftSteps + 2.0 + kKinds.size();
+    double done = 0.0;
+    const auto step = [&] { progress(++done / kSteps); };
+    std::vector<MethodLimit> lines;
+    const auto add = [&](const std::vector<MethodLimit> &more) {
+        lines.insert(lines.end(), more.begin(), more.end());
+    };
+    const auto add_trials = [&](Kind kind) {
+        for (const LimitTrial &trial : limit_trials(which, kind)) {
+            lines.push_back(measured(trial));
+        }
+        step();
+    };
+    add_trials(Kind::cancellation);
+    add(drift_limits(which, step));
+    add_trials(Kind::inverse);
+    add(alpha_limits(which));
+    step();
+    add_trials(Kind::direction);
+    add(wall_limits(which));
+    step();
+    add_trials(Kind::integrators);
+    add_trials(Kind::contact);
+    add_trials(Kind::servo);
+    add_trials(Kind::motor);
+    return lines;
+}
+
+void write_method_limits(std::ostream &out, const std::vector<MethodLimit> &lines) {
+    out << "| method | fails | setting | predicted | measured | as it is |\n"
+           "| --- | --- | --- | ---: | ---: | ---: |\n";
+    for (const MethodLimit &line : lines) {
+        print(out, "| {} | {} ({}) | {} | {} | {} | {} |\n", line.method, line.fails, line.unit,
+              line.setting, number(line.predicted), number(line.measured),
+              number(line.measured_as_it_is));
+    }
+}
+
+void write_method_limits_csv(std::ostream &out, const std::vector<MethodLimit> &lines) {
+    out << "method,fails,unit,setting,predicted,measured,measured_as_it_is\n";
+    for (const MethodLimit &line : lines) {
+        print(out, "{},{},{},{},{},{},{}\n", csv_cell(line.method), csv_cell(line.fails),
+              csv_cell(line.unit), csv_cell(line.setting), csv_cell(line.predicted.value_or(NAN)),
+              csv_cell(line.measured.value_or(NAN)),
+              csv_cell(line.measured_as_it_is.value_or(NAN)));
+    }
+}
+
+} // namespace springdrive::limits

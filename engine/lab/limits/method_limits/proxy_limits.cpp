@@ -1,0 +1,217 @@
+#include "engine/lab/limits/method_limits/proxy_limits.h"
+
+#include "base/degrees.h"
+#include "engine/contact/proxy/proxy.h"
+#include "engine/lab/limits/method_limits/failing_shapes.h"
+#include "engine/lab/limits/method_limits/pressed_plate.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace springdrive::limits {
+
+namespace {
+
+constexpr const char *kProxy = "proxy";
+
+/// Whether the proxy is still straight above a level surface at y = 0, within a tolerance that
+/// exceeds the moves of vertex welding and is far below perception.
+bool stands_above(const contact::Contact &contact, const Vector3 &tip_m) {
+    constexpr double kOff_m = 1e-6;
+    const Vector3 above(tip_m.x(), contact::kClearance_m, tip_m.z());
+    return contact.touching && (contact.x0_m - above).norm() < kOff_m;
+}
+
+/// Whether the proxy stays on the surface while the tip moves straight through it from above.
+bool is_held(const contact::HapticSurface &surface, double speed_m_per_s) {
+    constexpr int kTicks = 50;
+    contact::Proxy proxy;
+    const double step_m = speed_m_per_s * kTickPeriod_s;
+    proxy.reset(at_height(0.5 * step_m));
+    Vector3 tip_m;
+    contact::Contact contact;
+    for (int i = 0; i < kTicks; ++i) {
+        tip_m = at_height(0.5 * step_m - step_m * (i + 1));
+        contact = proxy.update(surface, tip_m);
+    }
+    return stands_above(contact, tip_m);
+}
+
+LimitTrial proxy_of_a_fast_tip() {
+    const auto surface = std::make_shared<contact::HapticSurface>(plate(kPlate_m));
+    return {{kProxy,
+             "tip faster than",
+             "m/s",
+             plate_text() + ", 1 kHz; tried from 1 mm/s to 1 km/s",
+             {},
+             {},
+             {}},
+            1e-3,
+            1e3,
+            false,
+            [=](double speed_m_per_s) { return is_held(*surface, speed_m_per_s); }};
+}
+
+LimitTrial proxy_on_a_thin_plate() {
+    constexpr double kSpeed_m_per_s = 2.0;
+    return {{kProxy,
+             "plate thinner than",
+             "µm",
+             "tip at " + with_unit(kSpeed_m_per_s, "m/s") + "; tried from 1 mm down to 1 nm",
+             {},
+             {},
+             {}},
+            1e3,
+            1e-3,
+            false,
+            [=](double thickness_um) {
+                return is_held(contact::HapticSurface(plate(1e-6 * thickness_um)), kSpeed_m_per_s);
+            }};
+}
+
+LimitTrial proxy_on_a_crack() {
+    return {{kProxy,
+             "crack wider than",
+             "µm",
+             "two sheets beside each other, tip above the middle of the crack",
+             1e6 * contact::kCrackTolerance_m,
+             {},
+             {}},
+            0.1,
+            1e3,
+            false,
+            [](double width_um) {
+                const contact::HapticSurface surface(cracked_sheet(1e-6 * width_um));
+                contact::Proxy proxy;
+                proxy.reset({0.0, 1e-3, kAside_m.z()});
+                const Vector3 tip_m(0.0, -1e-3, kAside_m.z());
+                return proxy.update(surface, tip_m).touching;
+            }};
+}
+
+/// A mesh with added triangles that are a line or a point.
+contact::TriangleSoup with_degenerate(contact::TriangleSoup soup, double share) {
+    const std::size_t sound = soup.triangles.size();
+    const auto wanted =
+        static_cast<std::size_t>(std::lround(share / (1.0 - share) * static_cast<double>(sound)));
+    soup.material_of_triangle.assign(sound, 0);
+    soup.materials = {{"rigid"}};
+    for (std::size_t i = 0; i < wanted; ++i) {
+        const auto [a, b, c] = soup.triangles[i % sound];
+        const auto middle = static_cast<std::uint32_t>(soup.vertices_m.size());
+        const Vector3 between_m = 0.5 * (soup.vertices_m[a] + soup.vertices_m[b]);
+        soup.vertices_m.push_back(between_m);
+        soup.triangles.push_back(i % 2 == 0 ? std::array{a, middle, b} : std::array{c, a, a});
+        soup.material_of_triangle.push_back(0);
+    }
+    return soup;
+}
+
+LimitTrial proxy_on_degenerate_triangles() {
+    constexpr int kDivisions = 2; // 320 triangles
+    constexpr double kOff_m = 1e-12;
+    const contact::TriangleSoup sphere = rig::icosphere(kDivisions, rig::kTestSphereRadius_m);
+    return {{kProxy,
+             "more degenerate triangles than",
+             "%",
+             "a sphere, same contact as without them; tried up to 90 % of all",
+             {},
+             {},
+             {}},
+            0.1,
+            90.0,
+            false,
+            [=](double per_cent) {
+                const contact::HapticSurface clean(with_degenerate(sphere, 0.0));
+                const contact::HapticSurface faulty(with_degenerate(sphere, 1e-2 * per_cent));
+                contact::Proxy on_clean;
+                contact::Proxy on_faulty;
+                on_clean.reset({0.0, 2.0 * rig::kTestSphereRadius_m, 0.0});
+                on_faulty.reset({0.0, 2.0 * rig::kTestSphereRadius_m, 0.0});
+                for (int i = 0; i < 1000; ++i) {
+                    const double angle = 2.0 * std::numbers::pi * i / 1000.0;
+                    const Vector3 tip_m =
+                        0.98 * rig::kTestSphereRadius_m *
+                        Vector3(std::sin(angle), std::cos(angle), 0.3).normalized();
+                    const Vector3 apart_m =
+                        on_clean.update(clean, tip_m).x0_m - on_faulty.update(faulty, tip_m).x0_m;
+                    if (!(apart_m.norm() < kOff_m)) {
+                        return false;
+                    }
+                }
+                return true;
+            }};
+}
+
+/// Pressed into the bottom of a pit, it rests at the clearance from all faces: kClearance over the
+/// sine of the half opening above the edge or corner.
+LimitTrial proxy_in_a_pit(const char *fails, int faces) {
+    constexpr double kNarrowest_deg = 1.0;
+    constexpr double kWidest_deg = 179.0;
+    constexpr double kOff_m = 1e-9;
+    return {{kProxy, fails, "°", "pressed in by 2 mm; tried from 179° to 1°", {}, {}, {}},
+            kWidest_deg,
+            kNarrowest_deg,
+            false,
+            [=](double opening_deg) {
+                const double opening_rad = opening_deg * kRadiansPerDegree;
+                const contact::HapticSurface surface(pit(faces, opening_rad));
+                const double along_m = faces == 2 ? 0.01 : 0.0;
+                contact::Proxy proxy;
+                proxy.reset({0.0, 0.01, along_m});
+                contact::Contact contact;
+                for (int i = 1; i <= 100; ++i) { // slides down one face, then the other
+                    const double swing_m = 1e-3 * std::sin(0.2 * i) * (100 - i) / 100.0;
+                    contact = proxy.update(surface, {swing_m, 0.01 - 1.2e-4 * i, along_m});
+                }
+                const Vector3 bottom_m(0.0, contact::kClearance_m / std::sin(0.5 * opening_rad),
+                                       along_m);
+                return contact.settled && contact.active_constraints == faces &&
+                       (contact.x0_m - bottom_m).norm() < kOff_m;
+            }};
+}
+
+/// Free until it has left the plate, held from then on.
+LimitTrial proxy_that_starts_inside() {
+    const auto surface = std::make_shared<contact::HapticSurface>(plate(kHalfPlate_m));
+    return {{kProxy,
+             "starts inside deeper than",
+             "mm",
+             "a plate of 50 mm: free until it has left, held from then on; tried to its middle",
+             {},
+             {},
+             {}},
+            1e-3,
+            0.5e3 * kHalfPlate_m,
+            false,
+            [=](double depth_mm) {
+                constexpr int kTicks = 100;
+                contact::Proxy proxy;
+                const double depth_m = 1e-3 * depth_mm;
+                proxy.reset(at_height(-depth_m));
+                for (int i = 0; i < kTicks; ++i) {
+                    const double y_m = depth_m * (2.0 * i / kTicks - 1.0);
+                    if (proxy.update(*surface, at_height(y_m)).touching) {
+                        return false;
+                    }
+                }
+                const Vector3 tip_m = at_height(-depth_m);
+                return stands_above(proxy.update(*surface, tip_m), tip_m);
+            }};
+}
+
+} // namespace
+
+std::vector<LimitTrial> proxy_trials() {
+    return {proxy_on_a_thin_plate(),
+            proxy_of_a_fast_tip(),
+            proxy_in_a_pit("concave edge narrower than", 2),
+            proxy_in_a_pit("concave corner narrower than", 3),
+            proxy_on_a_crack(),
+            proxy_on_degenerate_triangles(),
+            proxy_that_starts_inside()};
+}
+
+} // namespace springdrive::limits
