@@ -5,10 +5,10 @@
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/figures/gnuplot.h"
-#include "app/figures/work_precision_marks.h"
+#include "app/figures/speed_accuracy_marks.h"
 #include "base/machine_name.h"
+#include "engine/lab/charts/chart_csv.h"
 #include "engine/lab/charts/charts.h"
-#include "engine/lab/charts/work_precision_csv.h"
 
 #include <CLI/CLI.hpp>
 
@@ -61,13 +61,12 @@ void make_charts(const TypedChart &typed) {
         if (!is_asked_for(typed, maker.name)) {
             continue;
         }
-        const rig::WorkPrecisionChart chart =
+        const rig::SpeedAccuracyChart chart =
             maker.make(setting, [&](double share) { line.show(maker.name, share); });
-        write_output((typed.out / (chart.name + ".csv")).string(), [&](std::ostream &out) {
-            charts::write_work_precision_csv(out, chart, machine);
-        });
-        pictures.push_back({asset_folder() / "figures" / "work_precision.gnuplot",
-                            work_precision_marks(chart, footnote(setting, machine)).assignments(),
+        write_output((typed.out / (chart.name + ".csv")).string(),
+                     [&](std::ostream &out) { charts::write_chart_csv(out, chart, machine); });
+        pictures.push_back({asset_folder() / "figures" / "speed_accuracy.gnuplot",
+                            speed_accuracy_marks(chart, footnote(setting, machine)).assignments(),
                             typed.out, chart.name + ".csv", chart.name + ".svg"});
     }
     for (std::size_t i = 0; i < pictures.size(); ++i) {

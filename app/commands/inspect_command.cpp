@@ -1,10 +1,10 @@
 #include "app/commands/commands.h"
 
-#include "app/choice_line.h"
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
 #include "app/commands/output_files.h"
 #include "app/load_lines.h"
+#include "app/selection_line.h"
 #include "device/core/device_file.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
 
@@ -36,12 +36,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// With the default tuning at 1 kHz, as `springdrive demo` begins.
-model_selection::ModelChoice model_of_scene(const TypedInspect &typed, const scene::Scene &scene,
-                                            const device::DeviceDescription &device) {
+model_selection::ModelSelection model_of_scene(const TypedInspect &typed, const scene::Scene &scene,
+                                               const device::DeviceDescription &device) {
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
-    return choice_with_line({&scene, device, {}, 1e-3, 0.0}, {device_text, SPRINGDRIVE_VERSION},
-                            typed.fresh);
+    return selection_with_line({&scene, device, {}, 1e-3, 0.0}, {device_text, SPRINGDRIVE_VERSION},
+                               typed.fresh);
 }
 
 void run(const TypedInspect &typed) {
@@ -59,7 +59,7 @@ void run(const TypedInspect &typed) {
     std::error_code not_a_file;
     const std::uintmax_t bytes = std::filesystem::file_size(typed.scene, not_a_file);
     report.file_bytes = not_a_file ? 0 : bytes;
-    std::optional<model_selection::ModelChoice> model;
+    std::optional<model_selection::ModelSelection> model;
     if (!typed.no_model) {
         model = model_of_scene(typed, scene, device);
         report.model = &*model;

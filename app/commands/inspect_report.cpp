@@ -4,7 +4,7 @@
 #include "base/assertions.h"
 #include "base/print.h"
 #include "engine/contact/mesh/mesh_remarks.h"
-#include "engine/lab/model_selection/choice_json.h"
+#include "engine/lab/model_selection/selection_json.h"
 
 #include <nlohmann/json.hpp>
 

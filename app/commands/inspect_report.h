@@ -1,7 +1,7 @@
 // The report of `springdrive inspect` on a scene, as JSON or text.
 #pragma once
 
-#include "engine/lab/model_selection/model_choice.h"
+#include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/scene.h"
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct InspectReport {
     const contact::HapticSurface *surface = nullptr;
     double load_s = 0.0;
     double preparation_s = 0.0;
-    const model_selection::ModelChoice *model =
+    const model_selection::ModelSelection *model =
         nullptr; ///< that the scene would get; null: not requested
 };
 

@@ -39,7 +39,7 @@ void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
 
 } // namespace
 
-void write_model_table(std::ostream &out, const model_selection::ModelChoice &choice) {
+void write_model_table(std::ostream &out, const model_selection::ModelSelection &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
     print(out, "\nmodel: force to {:.3g} N, direction to {:.3g}°, below {:.3g} Hz\n",
           tolerance.force_N, tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);

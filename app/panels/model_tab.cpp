@@ -114,7 +114,7 @@ void draw_whether_it_runs(session::Session &session) {
             "without mass is stable with any gains");
 }
 
-void draw_choice(const model_selection::ModelChoice &choice) {
+void draw_choice(const model_selection::ModelSelection &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
     ImGui::TextWrapped("error %.3f N and %.1f°, tolerance %.3g N and %.3g°", choice.error.force_N,
                        choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,

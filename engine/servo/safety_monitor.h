@@ -20,7 +20,7 @@
 #include "engine/control/motion_control.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/energy_observer.h"
-#include "engine/servo/rest_watch.h"
+#include "engine/servo/rest_detector.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
@@ -131,7 +131,7 @@ private:
     std::array<device::WindingGuard, 3> guard_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;
-    RestWatch rest_;
+    RestDetector rest_;
     bool knows_tip_ = false;
     Vector3 tip_m_{Vector3::Zero()}; ///< of the previous tick
     double cut_off_s_ = 0.0;         ///< how long e_W has been clamped at the supply

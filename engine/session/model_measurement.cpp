@@ -1,6 +1,6 @@
 #include "engine/session/model_measurement.h"
 
-#include "engine/lab/model_selection/choice_cache.h"
+#include "engine/lab/model_selection/selection_cache.h"
 
 #include <cmath>
 #include <exception>
@@ -15,7 +15,8 @@ std::string text_of(const std::string &what, double share) {
 }
 
 std::string key_of(const model_selection::ModelQuestion &question, const ModelMemory &memory) {
-    return model_selection::model_choice_key(question, memory.device_text, memory.program_version);
+    return model_selection::model_selection_key(question, memory.device_text,
+                                                memory.program_version);
 }
 
 } // namespace
@@ -35,28 +36,30 @@ scene::Scene without_looks(const scene::Scene &scene) {
     return bare;
 }
 
-std::optional<model_selection::ModelChoice>
-remembered_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory) {
-    return model_selection::read_model_choice(model_selection::model_cache_folder(),
-                                              key_of(question, memory));
+std::optional<model_selection::ModelSelection>
+stored_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory) {
+    return model_selection::read_model_selection(model_selection::model_cache_folder(),
+                                                 key_of(question, memory));
 }
 
-model_selection::ModelChoice measured_choice(const model_selection::ModelQuestion &question,
-                                             const ModelMemory &memory,
-                                             const model_selection::ModelProgress &progress) {
-    model_selection::ModelChoice choice = model_selection::choose_scene_model(question, progress);
-    model_selection::write_model_choice(model_selection::model_cache_folder(),
-                                        key_of(question, memory), choice);
+model_selection::ModelSelection measured_selection(const model_selection::ModelQuestion &question,
+                                                   const ModelMemory &memory,
+                                                   const model_selection::ModelProgress &progress) {
+    model_selection::ModelSelection choice =
+        model_selection::choose_scene_model(question, progress);
+    model_selection::write_model_selection(model_selection::model_cache_folder(),
+                                           key_of(question, memory), choice);
     return choice;
 }
 
-model_selection::ModelChoice known_choice(const model_selection::ModelQuestion &question,
-                                          const ModelMemory &memory,
-                                          const model_selection::ModelProgress &progress) {
-    if (std::optional<model_selection::ModelChoice> choice = remembered_choice(question, memory)) {
+model_selection::ModelSelection known_selection(const model_selection::ModelQuestion &question,
+                                                const ModelMemory &memory,
+                                                const model_selection::ModelProgress &progress) {
+    if (std::optional<model_selection::ModelSelection> choice =
+            stored_selection(question, memory)) {
         return *std::move(choice);
     }
-    return measured_choice(question, memory, progress);
+    return measured_selection(question, memory, progress);
 }
 
 void ModelMeasurement::begin(const model_selection::ModelQuestion &question,
@@ -67,7 +70,7 @@ void ModelMeasurement::begin(const model_selection::ModelQuestion &question,
         [question, memory, scene = without_looks(*question.scene)](BackgroundTalk &talk) {
             model_selection::ModelQuestion own = question;
             own.scene = &scene;
-            return measured_choice(own, memory, [&talk](const std::string &what, double share) {
+            return measured_selection(own, memory, [&talk](const std::string &what, double share) {
                 talk.tell(what, share);
             });
         });
@@ -77,7 +80,7 @@ std::string ModelMeasurement::progress() const {
     return text_of(measuring_.what(), measuring_.share());
 }
 
-std::optional<model_selection::ModelChoice> ModelMeasurement::take() {
+std::optional<model_selection::ModelSelection> ModelMeasurement::take() {
     try {
         return measuring_.take();
     } catch (const std::exception &error) {

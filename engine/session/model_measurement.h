@@ -20,18 +20,18 @@ struct ModelMemory {
 };
 
 /// The cached choice for exactly this question on this machine and program version, if any.
-[[nodiscard]] std::optional<model_selection::ModelChoice>
-remembered_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory);
+[[nodiscard]] std::optional<model_selection::ModelSelection>
+stored_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory);
 
 /// Measures now, even if a choice is cached, and caches the result.
-[[nodiscard]] model_selection::ModelChoice
-measured_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory,
-                const model_selection::ModelProgress &progress = {});
+[[nodiscard]] model_selection::ModelSelection
+measured_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory,
+                   const model_selection::ModelProgress &progress = {});
 
 /// The cached choice, or else a measured one.
-[[nodiscard]] model_selection::ModelChoice
-known_choice(const model_selection::ModelQuestion &question, const ModelMemory &memory,
-             const model_selection::ModelProgress &progress);
+[[nodiscard]] model_selection::ModelSelection
+known_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory,
+                const model_selection::ModelProgress &progress);
 
 /// Measures in the background, one scene at a time. For use by one thread.
 class ModelMeasurement {
@@ -46,7 +46,7 @@ public:
 
     /// The choice, once, when it is ready. If the measurement failed, `error` holds the reason from
     /// then on.
-    [[nodiscard]] std::optional<model_selection::ModelChoice> take();
+    [[nodiscard]] std::optional<model_selection::ModelSelection> take();
     [[nodiscard]] const std::string &error() const { return error_; }
 
     /// Cancels the measurement and clears the error, for example because of a new scene.
@@ -56,7 +56,7 @@ public:
     }
 
 private:
-    Background<model_selection::ModelChoice> measuring_;
+    Background<model_selection::ModelSelection> measuring_;
     std::string error_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "base/background.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/lab/model_selection/model_choice.h"
+#include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 
@@ -21,7 +21,7 @@ struct LoadedScene {
     scene::Scene scene;
     contact::HapticSurface surface;
     std::string sha256; ///< of the scene's file
-    std::optional<model_selection::ModelChoice>
+    std::optional<model_selection::ModelSelection>
         choice{}; ///< of the scene's model, if one was chosen
 };
 

@@ -55,11 +55,12 @@ SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
                LoadedScene &loaded, scene::LoadProgress &progress, BackgroundTalk &talk) {
         if (wanted.automatic) {
             progress.begin(scene::LoadProgress::Stage::measuring, true);
-            loaded.choice = known_choice(question_on(loaded.scene, ground, tuning), ground.memory,
-                                         [&](const std::string &what, double share) {
-                                             talk.tell(what, share);
-                                             progress.advance_to(share);
-                                         });
+            loaded.choice =
+                known_selection(question_on(loaded.scene, ground, tuning), ground.memory,
+                                [&](const std::string &what, double share) {
+                                    talk.tell(what, share);
+                                    progress.advance_to(share);
+                                });
         }
         take_surface(loaded, wanted);
     };
@@ -71,7 +72,7 @@ void SceneModels::note_shown(const LoadedScene &scene) {
 }
 
 void SceneModels::apply_to(const LoadedScene &scene,
-                           const std::optional<model_selection::ModelChoice> &before,
+                           const std::optional<model_selection::ModelSelection> &before,
                            bool may_hold_base, simulated::SimulationOptions &simulation,
                            control::Tuning &tuning) const {
     if (scene.choice) {
@@ -93,9 +94,9 @@ void SceneModels::apply_to(const LoadedScene &scene,
 
 void SceneModels::measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh) {
     const model_selection::ModelQuestion asked = question(scene, tuning);
-    std::optional<model_selection::ModelChoice> remembered;
+    std::optional<model_selection::ModelSelection> remembered;
     if (!fresh) {
-        remembered = remembered_choice(asked, ground_.memory);
+        remembered = stored_selection(asked, ground_.memory);
     }
     if (remembered) {
         choice_ = std::move(remembered);
@@ -105,7 +106,7 @@ void SceneModels::measure(const scene::Scene &scene, const control::Tuning &tuni
 }
 
 void SceneModels::update() {
-    if (std::optional<model_selection::ModelChoice> choice = measurement_.take()) {
+    if (std::optional<model_selection::ModelSelection> choice = measurement_.take()) {
         choice_ = std::move(choice);
     }
 }

@@ -47,7 +47,7 @@ public:
     /// @param before          choice of the previous scene, if it had one
     /// @param may_hold_base   whether the base joint may be locked from now on
     void apply_to(const LoadedScene &scene,
-                  const std::optional<model_selection::ModelChoice> &before, bool may_hold_base,
+                  const std::optional<model_selection::ModelSelection> &before, bool may_hold_base,
                   simulated::SimulationOptions &simulation, control::Tuning &tuning) const;
 
     /// Finds in the background which model the scene would get; `choice` returns it.
@@ -59,7 +59,7 @@ public:
 
     [[nodiscard]] const ModelMeasurement &measurement() const { return measurement_; }
     /// The choice for the shown scene, if measured.
-    [[nodiscard]] const std::optional<model_selection::ModelChoice> &choice() const {
+    [[nodiscard]] const std::optional<model_selection::ModelSelection> &choice() const {
         return choice_;
     }
 
@@ -70,7 +70,7 @@ private:
     ModelOptions wanted_;
     control::Tuning started_with_;
     ModelGround ground_;
-    std::optional<model_selection::ModelChoice> choice_; ///< for the shown scene
+    std::optional<model_selection::ModelSelection> choice_; ///< for the shown scene
     ModelMeasurement measurement_;
 };
 

@@ -59,7 +59,8 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     simulation.servo_period_s = request.period_s;
     simulation.delay_periods = options_.delay_periods;
     simulation.effects = options_.effects;
-    const std::optional<model_selection::ModelChoice> before = servo_ ? scene.choice : std::nullopt;
+    const std::optional<model_selection::ModelSelection> before =
+        servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);
     request.start_tip_m = rig::start_above(request.description, lower_m, upper_m);
     if (!options_.path.empty()) {

@@ -8,7 +8,7 @@
 #include "engine/lab/charts/plant_model_chart.h"
 #include "engine/lab/charts/proxy_chart.h"
 #include "engine/lab/charts/servo_rate_chart.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 #include <array>
 #include <string_view>
@@ -17,7 +17,7 @@ namespace springdrive::charts {
 
 struct ChartMaker {
     std::string_view name; ///< of the chart that it makes
-    rig::WorkPrecisionChart (*make)(const ChartSetting &, const ChartProgress &);
+    rig::SpeedAccuracyChart (*make)(const ChartSetting &, const ChartProgress &);
 };
 
 /// @throw InputError from `make` for a setting without a result.

@@ -8,9 +8,9 @@
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/rig/chart_point.h"
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/scenario/scenarios.h"
-#include "engine/lab/rig/work_point.h"
 
 #include <functional>
 #include <memory>

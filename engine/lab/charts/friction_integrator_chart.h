@@ -8,12 +8,12 @@
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 namespace springdrive::charts {
 
 /// @throw InputError where the press is out of the device's reach
-[[nodiscard]] rig::WorkPrecisionChart friction_integrator_chart(const ChartSetting &setting,
+[[nodiscard]] rig::SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
                                                                 const ChartProgress &progress);
 
 /// Maximum number of steps in a servo period: down to about 16 µs at 1 kHz.

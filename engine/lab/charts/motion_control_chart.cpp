@@ -148,8 +148,8 @@ std::string setting_text(const ChartSetting &setting, const MotionMethod &method
     return alpha_text(least) + " to " + std::to_string(std::lround(greatest));
 }
 
-rig::WorkPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,
-                               const rig::Cost &cost, const std::vector<Vector3> &places_rad) {
+rig::ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,
+                                const rig::Cost &cost, const std::vector<Vector3> &places_rad) {
     return {named.name, setting_text(setting, named.method, places_rad), cost,
             mean_give_m_per_N(setting, named.method, places_rad),
             is_stable_everywhere(setting, named.method, places_rad)};
@@ -157,11 +157,11 @@ rig::WorkPoint stiffness_point(const ChartSetting &setting, const NamedMethod &n
 
 } // namespace
 
-rig::WorkPrecisionChart motion_direction_chart(const ChartSetting &setting,
+rig::SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
                                                const ChartProgress &progress) {
     check_static_stiffness(setting.tuning);
     const std::vector<Vector3> places_rad = workspace_angles_rad(setting.device, kPointsPerAxis);
-    rig::WorkPrecisionChart chart;
+    rig::SpeedAccuracyChart chart;
     chart.name = "motion_direction";
     chart.title = "From the tip to the motors: direction of the force, " + setting.device.name;
     chart.cost_label = "processor time per tick, from θ to e_W";
@@ -181,11 +181,11 @@ rig::WorkPrecisionChart motion_direction_chart(const ChartSetting &setting,
     return chart;
 }
 
-rig::WorkPrecisionChart motion_stiffness_chart(const ChartSetting &setting,
+rig::SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
                                                const ChartProgress &progress) {
     check_static_stiffness(setting.tuning);
     const std::vector<Vector3> places_rad = workspace_angles_rad(setting.device, kPointsPerAxis);
-    rig::WorkPrecisionChart chart;
+    rig::SpeedAccuracyChart chart;
     chart.name = "motion_stiffness";
     chart.title = "From the tip to the motors: usable stiffness, " + setting.device.name;
     chart.cost_label = "processor time per tick, from θ to e_W";

@@ -9,12 +9,12 @@
 #include "device/simulated/plant_model.h"
 #include "engine/lab/charts/chart_setting.h"
 #include "engine/lab/charts/contact_press.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 namespace springdrive::charts {
 
 /// @throw InputError where the press is out of the device's reach
-[[nodiscard]] rig::WorkPrecisionChart plant_model_chart(const ChartSetting &setting,
+[[nodiscard]] rig::SpeedAccuracyChart plant_model_chart(const ChartSetting &setting,
                                                         const ChartProgress &progress);
 
 /// A model of the plant in the press, with `sub_steps` equal steps in a servo period. Its force is

@@ -43,9 +43,9 @@ double scaled_lambda(const control::Tuning &tuning, double factor) {
 
 } // namespace
 
-rig::WorkPrecisionChart servo_rate_stiffness_chart(const ChartSetting &setting,
+rig::SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
                                                    const ChartProgress &progress) {
-    rig::WorkPrecisionChart chart;
+    rig::SpeedAccuracyChart chart;
     chart.name = "servo_rate_stiffness";
     chart.title = "Servo rate: rendered stiffness against (12), " + setting.device.name;
     chart.cost_label = kCostLabel;
@@ -69,9 +69,9 @@ rig::WorkPrecisionChart servo_rate_stiffness_chart(const ChartSetting &setting,
     return chart;
 }
 
-rig::WorkPrecisionChart servo_rate_direction_chart(const ChartSetting &setting,
+rig::SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
                                                    const ChartProgress &progress) {
-    rig::WorkPrecisionChart chart;
+    rig::SpeedAccuracyChart chart;
     chart.name = "servo_rate_direction";
     chart.title = fmt::format("Servo rate: direction of the force at {:g} Hz, {}",
                               control::kPerceived_Hz, setting.device.name);

@@ -6,18 +6,18 @@
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 namespace springdrive::charts {
 
 /// The stiffness against (12), measured by sine sweep on the simulated motor.
 /// @throw InputError where the safety monitor stops the timed servo.
-[[nodiscard]] rig::WorkPrecisionChart servo_rate_stiffness_chart(const ChartSetting &setting,
+[[nodiscard]] rig::SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
                                                                  const ChartProgress &progress);
 
 /// The direction of the transpose map's force, at one third, one and three times the tuning's λ.
 /// @throw InputError as the one above, and for a tuning without static stiffness.
-[[nodiscard]] rig::WorkPrecisionChart servo_rate_direction_chart(const ChartSetting &setting,
+[[nodiscard]] rig::SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
                                                                  const ChartProgress &progress);
 
 } // namespace springdrive::charts

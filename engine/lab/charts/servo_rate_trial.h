@@ -4,7 +4,7 @@
 #include "device/core/device_file.h"
 #include "engine/lab/charts/chart_setting.h"
 #include "engine/lab/loops/rendered_stiffness.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 namespace springdrive::charts {
 

@@ -57,7 +57,7 @@ void refine_grid(double step, const Look &look_at, const Best &best) {
 /// Finds the largest K_P of each place, by the loops found critical so far.
 class Search {
 public:
-    Search(loops::HeldLoops &loops, const AutoTuneRequest &request)
+    Search(loops::TuningConstraints &loops, const AutoTuneRequest &request)
         : loops_(loops), margin_(request.margin), greatest_K_P_(request.greatest_K_P_V_per_rad) {}
 
     struct Best {
@@ -146,7 +146,7 @@ private:
         return holds(0.0) ? last_that_holds({0.0, greatest_K_P_}, 1e-4, holds) : -1.0;
     }
 
-    loops::HeldLoops &loops_;
+    loops::TuningConstraints &loops_;
     double margin_;
     double greatest_K_P_;
     /// Loops found to limit K_P; the first is a likely one.
@@ -193,11 +193,11 @@ loops::StabilityCase tuned(const loops::StabilityCase &which, const control::Tun
 }
 
 bool all_stable(const loops::StabilityCase &which) {
-    loops::HeldLoops loops(which);
+    loops::TuningConstraints loops(which);
     return loops.first_unstable(loops::gains_of(which.tuning)) == loops.count();
 }
 
-void find_gain_margin(control::TuningMargins &margins, loops::HeldLoops &loops,
+void find_gain_margin(control::TuningMargins &margins, loops::TuningConstraints &loops,
                       const control::Tuning &tuning) {
     constexpr double kMostGain = 100.0;
     std::size_t worst = 0;
@@ -216,7 +216,8 @@ void find_gain_margin(control::TuningMargins &margins, loops::HeldLoops &loops,
     margins.worst_eta = loops[worst].eta;
 }
 
-control::TuningMargins margins_of(loops::HeldLoops &loops, const loops::StabilityCase &which) {
+control::TuningMargins margins_of(loops::TuningConstraints &loops,
+                                  const loops::StabilityCase &which) {
     control::TuningMargins margins;
     margins.servo_hz = 1.0 / which.period_s;
     margins.delay_periods = which.delay_periods;
@@ -317,7 +318,7 @@ AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
         throw InputError("the margin must be from 1 to 10: the factor by which the gains could be "
                          "raised before a loop becomes unstable");
     }
-    loops::HeldLoops loops(request.which);
+    loops::TuningConstraints loops(request.which);
     Search places(loops, request);
     search(places, progress);
     if (places.best().K_P <= 0.0) {

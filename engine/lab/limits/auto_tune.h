@@ -1,14 +1,14 @@
 // The stiffest tuning that is stable with every hand, with a margin.
 //
 // With device, servo rate, delay and dR given, K_DC (13) is proportional to K_P. The result is
-// therefore the largest K_P, over all K_D and λ, for which every loop of `HeldLoops` is stable even
-// with K_P and K_D larger by the margin. For each pair of K_D and λ the largest K_P is found by
-// bisection; a grid of pairs, then ever finer ones around the best, give the maximum. Where encoder
-// counts keep that tuning vibrating, K_P is reduced.
+// therefore the largest K_P, over all K_D and λ, for which every loop of `TuningConstraints` is
+// stable even with K_P and K_D larger by the margin. For each pair of K_D and λ the largest K_P is
+// found by bisection; a grid of pairs, then ever finer ones around the best, give the maximum.
+// Where encoder counts keep that tuning vibrating, K_P is reduced.
 #pragma once
 
 #include "engine/control/tuning_file.h"
-#include "engine/lab/loops/held_loops.h"
+#include "engine/lab/loops/tuning_constraints.h"
 
 #include <functional>
 

@@ -2,7 +2,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/lab/rig/flicker.h"
+#include "engine/lab/rig/quantisation_chatter.h"
 #include "engine/lab/rig/rotor_simulation.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
@@ -48,7 +48,7 @@ double slowest_half_period_s(const loops::DrivenLoad &load, const loops::Sampled
 /// How a member's motion is observed.
 struct Watch {
     rig::RingdownOptions ringdown;
-    double flicker_s = 0.0; ///< how long a mere flicker must last to count as rest
+    double chatter_s = 0.0; ///< how long a mere flicker must last to count as rest
 };
 
 /// @param start_rad  approximate initial distance of the motors from rest
@@ -67,7 +67,7 @@ Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &m
     // Longer than the turning point of a slow motion, and than the delay before it begins.
     constexpr double kLasting_s = 0.4;
     constexpr double kSamples = 20.0;
-    watch.flicker_s = std::max(
+    watch.chatter_s = std::max(
         {kLasting_s, 2.0 * ringdown.window_s, (which.delay_periods + kSamples) * which.period_s});
     return watch;
 }
@@ -83,18 +83,18 @@ struct Motion {
 template <typename Tick>
 Trial watched(const Watch &watch, double count_rad, double period_s, const Tick &tick) {
     constexpr double kCounts = 2.0;
-    rig::Flicker flicker(kCounts * count_rad, watch.flicker_s, period_s);
+    rig::QuantisationChatter chatter(kCounts * count_rad, watch.chatter_s, period_s);
     rig::Ringdown ringdown(watch.ringdown, period_s);
-    for (bool more = true; more && !flicker.is_all();) {
+    for (bool more = true; more && !chatter.is_all();) {
         const Motion motion = tick();
-        flicker.watch(motion.theta_rad);
+        chatter.watch(motion.theta_rad);
         more = ringdown.watch(motion.rate_rad_per_s);
     }
     const bool dies_out = ringdown.dies_out();
-    while (!dies_out && flicker.may_be_all() && !flicker.is_all()) { // rest may just have begun
-        flicker.watch(tick().theta_rad);
+    while (!dies_out && chatter.may_be_all() && !chatter.is_all()) { // rest may just have begun
+        chatter.watch(tick().theta_rad);
     }
-    return {dies_out || flicker.is_all(), ringdown.stays(), ringdown.growth_per_s(),
+    return {dies_out || chatter.is_all(), ringdown.stays(), ringdown.growth_per_s(),
             ringdown.last()};
 }
 

@@ -167,7 +167,7 @@ private:
     std::size_t reports_ = 0;
 };
 
-std::vector<std::string> remarks_on(const ModelChoice &choice, const SceneModels &models) {
+std::vector<std::string> remarks_on(const ModelSelection &choice, const SceneModels &models) {
     std::vector<std::string> remarks;
     if (!models.touches()) {
         remarks.emplace_back("the hand path for the comparison did not touch the scene: the "
@@ -183,9 +183,9 @@ std::vector<std::string> remarks_on(const ModelChoice &choice, const SceneModels
 
 } // namespace
 
-ModelChoice choose_scene_model(const ModelQuestion &question, const ModelProgress &progress) {
+ModelSelection choose_scene_model(const ModelQuestion &question, const ModelProgress &progress) {
     SceneModels models(question, progress);
-    ModelChoice choice;
+    ModelSelection choice;
     choice.tolerance = question.scene->tolerance;
     const ChosenModel chosen =
         choose_model(models.measured_axes(), choice.tolerance,

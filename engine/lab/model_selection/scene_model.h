@@ -2,7 +2,7 @@
 #pragma once
 
 #include "device/core/device_file.h"
-#include "engine/lab/model_selection/model_choice.h"
+#include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/scene.h"
 
 #include <functional>
@@ -23,12 +23,12 @@ struct ModelQuestion {
 /// Receives what is being measured and the overall progress, from 0 to 1.
 using ModelProgress = std::function<void(const std::string &what, double share)>;
 
-/// Lets a hand explore the scene (`feeling_hand`) with the fullest model and with each candidate in
-/// turn, and chooses by the rule of `choose_model`. Takes seconds.
+/// Lets a hand explore the scene (`exploration_path`) with the fullest model and with each
+/// candidate in turn, and chooses by the rule of `choose_model`. Takes seconds.
 ///
 /// The fullest: the last of `kPlantModels` in sub-steps of 32 µs or less, the surface as the scene
 /// specifies it, and the last of `kMotionControllers`.
-[[nodiscard]] ModelChoice choose_scene_model(const ModelQuestion &question,
-                                             const ModelProgress &progress = {});
+[[nodiscard]] ModelSelection choose_scene_model(const ModelQuestion &question,
+                                                const ModelProgress &progress = {});
 
 } // namespace springdrive::model_selection

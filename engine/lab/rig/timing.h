@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/assertions.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 #include <algorithm>
 #include <chrono>

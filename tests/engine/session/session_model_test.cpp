@@ -3,7 +3,7 @@
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
-#include "engine/lab/model_selection/choice_cache.h"
+#include "engine/lab/model_selection/selection_cache.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -143,7 +143,7 @@ void remember(const SessionOptions &options, const std::string &scene, const cha
     const device::DeviceDescription device = device::read_device_file(options.device.file);
     scene::LoadProgress progress;
     const auto loaded = load_scene(options.scene.parent_path() / scene, device.workspace, progress);
-    model_selection::ModelChoice choice;
+    model_selection::ModelSelection choice;
     choice.tolerance = loaded->scene.tolerance;
     for (const auto &[axis, name] :
          {std::pair("plant", plant), std::pair("steps", "20"), std::pair("joints", joints),
@@ -151,10 +151,10 @@ void remember(const SessionOptions &options, const std::string &scene, const cha
         choice.axes.push_back({axis, {{name, {}, {}}}, 0, {}});
     }
     const std::string key =
-        model_selection::model_choice_key({&loaded->scene, device, options.tuning, 1e-3, 0},
-                                          testing::contents_of(options.device.file), kVersion);
+        model_selection::model_selection_key({&loaded->scene, device, options.tuning, 1e-3, 0},
+                                             testing::contents_of(options.device.file), kVersion);
     ASSERT_TRUE(
-        model_selection::write_model_choice(model_selection::model_cache_folder(), key, choice));
+        model_selection::write_model_selection(model_selection::model_cache_folder(), key, choice));
 }
 
 /// A hand that follows the mouse, over a scene with a cached model.

@@ -78,7 +78,8 @@ Tuned tuned_device(int seed) {
 /// reduce it.
 class EverythingTried {
 public:
-    EverythingTried(const loops::HeldLoops &loops, double margin) : loops_(loops), margin_(margin) {
+    EverythingTried(const loops::TuningConstraints &loops, double margin)
+        : loops_(loops), margin_(margin) {
         // Loops of one motor first: they cost a twentieth.
         for (const Eigen::Index size : {1, 3}) {
             for (std::size_t i = 0; i < loops.count(); ++i) {
@@ -159,7 +160,7 @@ private:
         return true;
     }
 
-    const loops::HeldLoops &loops_;
+    const loops::TuningConstraints &loops_;
     double margin_;
     std::vector<std::size_t> order_;
 };
@@ -199,7 +200,7 @@ TEST_P(AutoTuneSearch, NearlyReachesTheOptimumAndIsStableWithEveryHand) {
     const Tuned tuned = tuned_device(GetParam());
     loops::StabilityCase which = tuned.request.which;
     which.tuning = tuned.found.tuning;
-    const loops::HeldLoops loops(which);
+    const loops::TuningConstraints loops(which);
     EverythingTried everything(loops, tuned.request.margin);
     const double best = everything.stiffest_K_P();
     const double found = which.tuning.K_P_V_per_rad; // after the reduction, if any

@@ -34,7 +34,7 @@ loops::StabilityCase tuned(const AutoTuneRequest &request, const control::Tuning
 }
 
 bool holds(const loops::StabilityCase &which, double gain) {
-    loops::HeldLoops loops(which);
+    loops::TuningConstraints loops(which);
     return loops.first_unstable({gain * which.tuning.K_P_V_per_rad,
                                  gain * which.tuning.K_D_Vs_per_rad,
                                  which.tuning.lambda_rad_per_s}) == loops.count();
@@ -59,7 +59,7 @@ TEST_F(FoundTuning, IsValid) {
     EXPECT_EQ(found.tuning.dR_Ohm, 0.5);
     EXPECT_EQ(found.tuning.map, request.which.tuning.map);
     EXPECT_GT(found.tuning.K_P_V_per_rad, 0.0);
-    EXPECT_EQ(found.loops, loops::HeldLoops(request.which).count());
+    EXPECT_EQ(found.loops, loops::TuningConstraints(request.which).count());
 }
 
 TEST_F(FoundTuning, HasTheRequestedMarginAndNoMore) {

@@ -28,7 +28,7 @@ public:
         fullest_ = run_model(*setting_, fullest, given_);
     }
 
-    [[nodiscard]] ModelError error_of(const ModelChoice &choice) const {
+    [[nodiscard]] ModelError error_of(const ModelSelection &choice) const {
         const Model model = model_of(choice);
         const ModelRun run = run_model(*setting_, model, haptic_surface_of(scene_, model.shape));
         return model_error(run, fullest_, setting_->scenario.simulation.servo_period_s,
@@ -46,7 +46,7 @@ class OwnScenesModel : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(OwnScenesModel, IsWithinTheToleranceAndTheNextCheaperIsNot) {
     const scene::Scene scene = testing::own_scene(GetParam());
-    const ModelChoice choice = choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0});
+    const ModelSelection choice = choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0});
     const Trial trial(scene);
     EXPECT_TRUE(meets(trial.error_of(choice), scene.tolerance));
     std::size_t cheaper_ones = 0;
@@ -55,7 +55,7 @@ TEST_P(OwnScenesModel, IsWithinTheToleranceAndTheNextCheaperIsNot) {
             const auto &candidates = choice.axes[axis].candidates;
             EXPECT_LT(candidates[cheaper.candidate].cost.least_ns,
                       candidates[choice.axes[axis].chosen].cost.least_ns);
-            ModelChoice instead = choice;
+            ModelSelection instead = choice;
             instead.axes[axis].chosen = cheaper.candidate;
             EXPECT_FALSE(meets(trial.error_of(instead), scene.tolerance))
                 << choice.axes[axis].name << ' ' << candidates[cheaper.candidate].name;

@@ -12,14 +12,14 @@
 namespace springdrive::model_selection {
 namespace {
 
-ModelChoice chosen_for(const scene::Scene &scene) {
+ModelSelection chosen_for(const scene::Scene &scene) {
     return choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0});
 }
 
 TEST(SceneModel, ReportsCostAndErrorOfEachCandidate) {
     const scene::Scene scene = testing::own_scene("profile");
     std::vector<double> shares;
-    const ModelChoice choice =
+    const ModelSelection choice =
         choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0},
                            [&](const std::string &, double share) { shares.push_back(share); });
     ASSERT_EQ(choice.axes.size(), kModelAspects);
@@ -40,7 +40,7 @@ TEST(SceneModel, ReportsCostAndErrorOfEachCandidate) {
 TEST(SceneModel, WithZeroToleranceEveryAxisHasZeroError) {
     scene::Scene scene = testing::own_scene("plate");
     scene.tolerance = {1e-4, 1e-4, 200.0};
-    const ModelChoice choice = chosen_for(scene);
+    const ModelSelection choice = chosen_for(scene);
     EXPECT_LE(choice.error.force_N, 1e-4);
     EXPECT_EQ(choice.chosen(ModelAspect::plant), "full");
     EXPECT_EQ(choice.chosen(ModelAspect::steps), "32");
@@ -56,7 +56,7 @@ TEST(SceneModel, ASurfaceThatPushesSidewaysKeepsThreeJointsWithARemark) {
     scene.lower_m.y() -= 0.015;
     scene.upper_m.y() += 0.015;
     scene.tolerance = {0.1, 0.1, 100.0};
-    const ModelChoice choice = chosen_for(scene);
+    const ModelSelection choice = chosen_for(scene);
     EXPECT_EQ(choice.chosen(ModelAspect::joints), "3");
     ASSERT_EQ(choice.remarks.size(), 1U);
     EXPECT_NE(choice.remarks[0].find("pushes sideways"), std::string::npos);
@@ -69,7 +69,7 @@ TEST(SceneModel, ReportsWhereNothingWasTouched) {
     }
     scene.lower_m.y() += 2.0;
     scene.upper_m.y() += 2.0;
-    const ModelChoice choice = chosen_for(scene);
+    const ModelSelection choice = chosen_for(scene);
     ASSERT_EQ(choice.remarks.size(), 1U);
     EXPECT_NE(choice.remarks[0].find("did not touch"), std::string::npos);
 }

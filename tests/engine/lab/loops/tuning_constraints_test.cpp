@@ -1,5 +1,5 @@
-// Covers engine/lab/loops/held_loops.cpp.
-#include "engine/lab/loops/held_loops.h"
+// Covers engine/lab/loops/tuning_constraints.cpp.
+#include "engine/lab/loops/tuning_constraints.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
@@ -22,8 +22,8 @@ Gains gains_of(const control::Tuning &tuning) {
     return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
 }
 
-TEST(HeldLoops, HasEveryHandAndEta) {
-    const HeldLoops loops(testing::firm());
+TEST(TuningConstraints, HasEveryHandAndEta) {
+    const TuningConstraints loops(testing::firm());
     std::set<std::string> hands;
     std::set<double> etas;
     int together = 0;
@@ -43,14 +43,14 @@ TEST(HeldLoops, HasEveryHandAndEta) {
 }
 
 /// The loops of one motor at a time are those of the case, and of the whole at its configuration.
-TEST(HeldLoops, AgreesWithTheCase) {
+TEST(TuningConstraints, AgreesWithTheCase) {
     std::mt19937_64 random(41);
     for (int i = 0; i < 20; ++i) {
         testing::Draw draw(random);
         StabilityCase which = testing::firm();
         which.period_s = draw.by_ratio(5e-4, 2e-3);
         which.delay_periods = 0.4 * (i % 6); // 0 and 2 among them
-        const HeldLoops loops(which);
+        const TuningConstraints loops(which);
         which.tuning.K_P_V_per_rad = draw.by_ratio(1.0, 100.0);
         which.tuning.K_D_Vs_per_rad = draw.even(0.0, 0.05);
         which.tuning.lambda_rad_per_s = draw.by_ratio(100.0, 5000.0);
@@ -78,8 +78,8 @@ TEST(HeldLoops, AgreesWithTheCase) {
     }
 }
 
-TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
-    HeldLoops loops(testing::firm());
+TEST(TuningConstraints, FindsAnUnstableOneWhereThereIsOne) {
+    TuningConstraints loops(testing::firm());
     std::vector<std::size_t> all(loops.count());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (const double K_P : {5.0, 20.0, 25.0, 28.0, 31.0, 60.0, 500.0}) {
@@ -94,9 +94,9 @@ TEST(HeldLoops, FindsAnUnstableOneWhereThereIsOne) {
     EXPECT_TRUE(loops.are_stable({}, {1e9, 1e9, 1e3}));
 }
 
-TEST(HeldLoops, LieWithinTheWorkspace) {
+TEST(TuningConstraints, LieWithinTheWorkspace) {
     // Every configuration beyond the case's own is where the device can be.
-    const HeldLoops loops(testing::firm());
+    const TuningConstraints loops(testing::firm());
     std::size_t three = 0;
     for (std::size_t i = 0; i < loops.count(); ++i) {
         three += loops[i].share.rows() == 3 ? 1 : 0;
@@ -115,10 +115,10 @@ TEST(HeldLoops, LieWithinTheWorkspace) {
     EXPECT_EQ(three / of_one, reachable);
 }
 
-TEST(HeldLoops, OfASeparateRotorAreOnlyItsOwn) {
+TEST(TuningConstraints, OfASeparateRotorAreOnlyItsOwn) {
     StabilityCase which = testing::firm();
     which.rotor = device::RotorLoad{1e-5, 1e-4, 0.0};
-    const HeldLoops loops(which);
+    const TuningConstraints loops(which);
     EXPECT_EQ(loops.count(), hand_family(41).size() * 8);
     for (std::size_t i = 0; i < loops.count(); ++i) {
         EXPECT_EQ(loops[i].share.rows(), 1);

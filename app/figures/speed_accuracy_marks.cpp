@@ -1,4 +1,4 @@
-#include "app/figures/work_precision_marks.h"
+#include "app/figures/speed_accuracy_marks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,9 +41,9 @@ private:
 constexpr double kRoundOffGap_decades = 6.0;
 
 /// The largest error that is round-off; 0 if there are none except errors of 0.
-double round_off_of(const rig::WorkPrecisionChart &chart) {
+double round_off_of(const rig::SpeedAccuracyChart &chart) {
     std::vector<double> decades;
-    for (const rig::WorkPoint &point : chart.points) {
+    for (const rig::ChartPoint &point : chart.points) {
         if (point.error > 0.0 && std::isfinite(point.error)) {
             decades.push_back(std::log10(point.error));
         }
@@ -68,13 +68,13 @@ struct Frame {
     double error_of_none; ///< where failures without a measured error are drawn
 };
 
-Frame frame_of(const rig::WorkPrecisionChart &chart) {
+Frame frame_of(const rig::SpeedAccuracyChart &chart) {
     LogRange cost_ns;
     LogRange error;
     const double round_off = round_off_of(chart);
     bool has_zero = false;
     bool has_none = false;
-    for (const rig::WorkPoint &point : chart.points) {
+    for (const rig::ChartPoint &point : chart.points) {
         cost_ns.include(point.cost.least_ns);
         cost_ns.include(point.cost.greatest_ns);
         has_zero |= point.error <= round_off;
@@ -102,9 +102,9 @@ Frame frame_of(const rig::WorkPrecisionChart &chart) {
 }
 
 /// The methods' names, each once, in order of appearance.
-std::vector<std::string> methods_of(const rig::WorkPrecisionChart &chart) {
+std::vector<std::string> methods_of(const rig::SpeedAccuracyChart &chart) {
     std::vector<std::string> methods;
-    for (const rig::WorkPoint &point : chart.points) {
+    for (const rig::ChartPoint &point : chart.points) {
         if (std::ranges::find(methods, point.method) == methods.end()) {
             methods.push_back(point.method);
         }
@@ -123,11 +123,11 @@ std::string range_text(const std::string &first, const std::string &last) {
 }
 
 /// Each method and its settings, in the format of gnuplot's word().
-std::string legend_of(const rig::WorkPrecisionChart &chart,
+std::string legend_of(const rig::SpeedAccuracyChart &chart,
                       const std::vector<std::string> &methods) {
     std::string legend;
     for (const std::string &method : methods) {
-        const auto first = std::ranges::find(chart.points, method, &rig::WorkPoint::method);
+        const auto first = std::ranges::find(chart.points, method, &rig::ChartPoint::method);
         const auto last = std::find_if(chart.points.rbegin(), chart.points.rend(),
                                        [&](const auto &point) { return point.method == method; });
         legend += '"' + method + ": " + range_text(first->setting, last->setting) + "\" ";
@@ -136,10 +136,10 @@ std::string legend_of(const rig::WorkPrecisionChart &chart,
 }
 
 /// For each row the number of its method, from 1.
-std::string method_of_rows(const rig::WorkPrecisionChart &chart,
+std::string method_of_rows(const rig::SpeedAccuracyChart &chart,
                            const std::vector<std::string> &methods) {
     std::string numbers;
-    for (const rig::WorkPoint &point : chart.points) {
+    for (const rig::ChartPoint &point : chart.points) {
         const auto found = std::ranges::find(methods, point.method);
         numbers += std::to_string(found - methods.begin() + 1) + ' ';
     }
@@ -148,7 +148,7 @@ std::string method_of_rows(const rig::WorkPrecisionChart &chart,
 
 } // namespace
 
-ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart, const std::string &footnote) {
+ChartMarks speed_accuracy_marks(const rig::SpeedAccuracyChart &chart, const std::string &footnote) {
     const Frame frame = frame_of(chart);
     const std::vector<std::string> methods = methods_of(chart);
     ChartMarks marks;
@@ -159,7 +159,7 @@ ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart, const std:
     marks.add("legend", legend_of(chart, methods));
     marks.add("method_of_rows", method_of_rows(chart, methods));
     const bool fails =
-        std::ranges::any_of(chart.points, std::logical_not<>(), &rig::WorkPoint::stable);
+        std::ranges::any_of(chart.points, std::logical_not<>(), &rig::ChartPoint::stable);
     marks.add("has_failures", fails ? 1.0 : 0.0);
     marks.add("cost_low_s", 1e-9 * frame.cost_low_ns);
     marks.add("cost_high_s", 1e-9 * frame.cost_high_ns);

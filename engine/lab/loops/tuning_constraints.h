@@ -12,18 +12,18 @@
 namespace springdrive::loops {
 
 /// One loop: the load, and the share of its motion that the law treats as an error.
-struct HeldLoop {
+struct TuningConstraint {
     LinearLoop loop;
     Eigen::MatrixXd share; ///< see `held_share`, η included
     std::string hand;
     double eta = 0.0;
 };
 
-class HeldLoops {
+class TuningConstraints {
 public:
     /// @param which  its gains, η and freedom are ignored. One motor at a time, and all three at a
     ///        grid of configurations in the workspace unless the case has a rotor of its own.
-    explicit HeldLoops(const StabilityCase &which);
+    explicit TuningConstraints(const StabilityCase &which);
 
     // Gains vary between calls; dR, servo rate and delay are those of the case.
 
@@ -40,10 +40,12 @@ public:
     [[nodiscard]] double largest_eigenvalue(std::size_t loop, const Gains &gains) const;
 
     [[nodiscard]] std::size_t count() const { return loops_.size(); }
-    [[nodiscard]] const HeldLoop &operator[](std::size_t loop) const { return loops_[loop]; }
+    [[nodiscard]] const TuningConstraint &operator[](std::size_t loop) const {
+        return loops_[loop];
+    }
 
 private:
-    std::vector<HeldLoop> loops_;
+    std::vector<TuningConstraint> loops_;
     std::vector<std::size_t> order_; ///< to try them in
 };
 

@@ -14,7 +14,7 @@ struct Cost {
 };
 
 /// One method at one setting.
-struct WorkPoint {
+struct ChartPoint {
     std::string method;  ///< the line that it belongs to
     std::string setting; ///< "100 µs", "1280 triangles"
     Cost cost;
@@ -23,12 +23,12 @@ struct WorkPoint {
 };
 
 /// One picture.
-struct WorkPrecisionChart {
+struct SpeedAccuracyChart {
     std::string name; ///< of its files: "integrators"
     std::string title;
     std::string cost_label;  ///< without a unit: the axis adds ns, µs or ms
     std::string error_label; ///< with its unit and its reference
-    std::vector<WorkPoint> points;
+    std::vector<ChartPoint> points;
 };
 
 } // namespace springdrive::rig

@@ -1,8 +1,8 @@
-// Covers engine/lab/model_selection/choice_cache.cpp and choice_json.cpp.
-#include "engine/lab/model_selection/choice_cache.h"
+// Covers engine/lab/model_selection/selection_cache.cpp and selection_json.cpp.
+#include "engine/lab/model_selection/selection_cache.h"
 
 #include "base/input_error.h"
-#include "engine/lab/model_selection/choice_json.h"
+#include "engine/lab/model_selection/selection_json.h"
 #include "tests/engine/lab/model_selection/model_settings.h"
 #include "tests/support/files.h"
 
@@ -15,8 +15,8 @@
 namespace springdrive::model_selection {
 namespace {
 
-ModelChoice some_choice() {
-    ModelChoice choice;
+ModelSelection some_selection() {
+    ModelSelection choice;
     choice.tolerance = {0.125, 0.5, 77.0};
     const auto axis = [](const std::string &name, const std::string &cheap,
                          const std::string &full) {
@@ -43,24 +43,24 @@ std::filesystem::path only_file_in(const std::filesystem::path &folder) {
 
 const std::string kKey(64, 'a');
 
-TEST(ChoiceJson, ReadsBackWhatItWrote) {
-    const nlohmann::ordered_json json = json_of(some_choice());
-    EXPECT_EQ(json_of(model_choice_of(json)), json);
-    EXPECT_EQ(json_of(model_choice_of(nlohmann::ordered_json::parse(json.dump()))), json);
+TEST(SelectionJson, ReadsBackWhatItWrote) {
+    const nlohmann::ordered_json json = json_of(some_selection());
+    EXPECT_EQ(json_of(model_selection_of(json)), json);
+    EXPECT_EQ(json_of(model_selection_of(nlohmann::ordered_json::parse(json.dump()))), json);
     EXPECT_EQ(json["axes"][0]["candidates"][0]["verdict"], "runs away");
     EXPECT_TRUE(json["axes"][0]["candidates"][0]["error"]["force_N"].is_null());
-    const Model model = model_of(model_choice_of(json));
+    const Model model = model_of(model_selection_of(json));
     EXPECT_EQ(model.steps, 32);
     EXPECT_FALSE(model.planar);
 }
 
-TEST(ChoiceJson, RefusesWhatItWouldNotHaveWritten) {
-    const nlohmann::ordered_json good = json_of(some_choice());
+TEST(SelectionJson, RefusesWhatItWouldNotHaveWritten) {
+    const nlohmann::ordered_json good = json_of(some_selection());
     const auto expect_refused = [&](const std::string &pointer,
                                     const nlohmann::ordered_json &value) {
         nlohmann::ordered_json bad = good;
         bad[nlohmann::ordered_json::json_pointer(pointer)] = value;
-        EXPECT_THROW(static_cast<void>(model_choice_of(bad)), InputError) << pointer;
+        EXPECT_THROW(static_cast<void>(model_selection_of(bad)), InputError) << pointer;
     };
     expect_refused("/axes/0/chosen", "none");
     expect_refused("/axes/0/candidates/1/name", "unheard_of");
@@ -70,67 +70,67 @@ TEST(ChoiceJson, RefusesWhatItWouldNotHaveWritten) {
     expect_refused("/error", nullptr);
     nlohmann::ordered_json unknown = good;
     unknown["axes"][0]["candidates"][1]["name"] = unknown["axes"][0]["chosen"] = "unheard_of";
-    EXPECT_THROW(static_cast<void>(model_choice_of(unknown)), InputError);
-    EXPECT_THROW(static_cast<void>(model_choice_of("text")), InputError);
+    EXPECT_THROW(static_cast<void>(model_selection_of(unknown)), InputError);
+    EXPECT_THROW(static_cast<void>(model_selection_of("text")), InputError);
 }
 
-TEST(ChoiceCache, ReturnsAChoiceUnderItsKeyOnly) {
+TEST(SelectionCache, ReturnsAChoiceUnderItsKeyOnly) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_1");
     const std::filesystem::path place = folder / "deep" / "er";
-    EXPECT_FALSE(read_model_choice(place, kKey));
-    ASSERT_TRUE(write_model_choice(place, kKey, some_choice()));
-    const std::optional<ModelChoice> read = read_model_choice(place, kKey);
+    EXPECT_FALSE(read_model_selection(place, kKey));
+    ASSERT_TRUE(write_model_selection(place, kKey, some_selection()));
+    const std::optional<ModelSelection> read = read_model_selection(place, kKey);
     ASSERT_TRUE(read);
-    EXPECT_EQ(json_of(*read), json_of(some_choice()));
-    EXPECT_FALSE(read_model_choice(place, std::string(64, 'b')));
+    EXPECT_EQ(json_of(*read), json_of(some_selection()));
+    EXPECT_FALSE(read_model_selection(place, std::string(64, 'b')));
     // The file's name holds the key's first part only; the whole of it is inside.
-    EXPECT_FALSE(read_model_choice(place, std::string(16, 'a') + std::string(48, 'b')));
-    ASSERT_TRUE(write_model_choice(place, kKey, some_choice())); // replaces the existing file
+    EXPECT_FALSE(read_model_selection(place, std::string(16, 'a') + std::string(48, 'b')));
+    ASSERT_TRUE(write_model_selection(place, kKey, some_selection())); // replaces the existing file
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(place), {}), 1);
 }
 
-TEST(ChoiceCache, IgnoresADamagedFile) {
+TEST(SelectionCache, IgnoresADamagedFile) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_2");
-    ASSERT_TRUE(write_model_choice(folder, kKey, some_choice()));
+    ASSERT_TRUE(write_model_selection(folder, kKey, some_selection()));
     const std::filesystem::path file = only_file_in(folder);
     std::ifstream stream(file);
     const std::string whole{std::istreambuf_iterator<char>(stream), {}};
     for (std::size_t length = 0; length + 2 < whole.size(); length += 37) {
         std::ofstream(file) << whole.substr(0, length);
-        EXPECT_FALSE(read_model_choice(folder, kKey)) << length;
+        EXPECT_FALSE(read_model_selection(folder, kKey)) << length;
     }
     for (const char *text : {"null", "[]", "{}", "7", "\"x\"", R"({"key": 1})", "\xff\xfe"}) {
         std::ofstream(file) << text;
-        EXPECT_FALSE(read_model_choice(folder, kKey)) << text;
+        EXPECT_FALSE(read_model_selection(folder, kKey)) << text;
     }
-    EXPECT_TRUE(write_model_choice(folder, kKey, some_choice()));
-    EXPECT_TRUE(read_model_choice(folder, kKey));
+    EXPECT_TRUE(write_model_selection(folder, kKey, some_selection()));
+    EXPECT_TRUE(read_model_selection(folder, kKey));
 }
 
-TEST(ChoiceCache, WorksWithoutAFolder) {
+TEST(SelectionCache, WorksWithoutAFolder) {
     const std::filesystem::path folder = testing::fresh_folder("model_choice_3");
     const std::filesystem::path file = folder / "file";
     std::ofstream(file) << "in the way";
-    EXPECT_FALSE(write_model_choice(file, kKey, some_choice()));
-    EXPECT_FALSE(read_model_choice(file, kKey));
-    EXPECT_FALSE(write_model_choice({}, kKey, some_choice()));
-    EXPECT_FALSE(read_model_choice({}, kKey));
+    EXPECT_FALSE(write_model_selection(file, kKey, some_selection()));
+    EXPECT_FALSE(read_model_selection(file, kKey));
+    EXPECT_FALSE(write_model_selection({}, kKey, some_selection()));
+    EXPECT_FALSE(read_model_selection({}, kKey));
 }
 
-TEST(ChoiceCache, KeyChangesWithAllThatAChoiceDependsOn) {
+TEST(SelectionCache, KeyChangesWithAllThatAChoiceDependsOn) {
     const scene::Scene scene = testing::own_scene("compliance");
     const ModelQuestion question{&scene, testing::phantom_1_0(), {}, 1e-3, 0};
-    const std::string key = model_choice_key(question, "device", "1");
+    const std::string key = model_selection_key(question, "device", "1");
     EXPECT_EQ(key.size(), 64U);
-    EXPECT_EQ(model_choice_key(question, "device", "1"), key);
-    EXPECT_NE(model_choice_key(question, "devicf", "1"), key);
-    EXPECT_NE(model_choice_key(question, "device", "2"), key);
+    EXPECT_EQ(model_selection_key(question, "device", "1"), key);
+    EXPECT_NE(model_selection_key(question, "devicf", "1"), key);
+    EXPECT_NE(model_selection_key(question, "device", "2"), key);
     const auto expect_other_scene = [&](const std::function<void(scene::Scene &)> &change) {
         scene::Scene other = scene;
         change(other);
         ModelQuestion changed = question;
         changed.scene = &other;
-        EXPECT_NE(model_choice_key(changed, "device", "1"), key);
+        EXPECT_NE(model_selection_key(changed, "device", "1"), key);
     };
     expect_other_scene([](scene::Scene &s) { s.tolerance.force_N *= 2.0; });
     expect_other_scene([](scene::Scene &s) { s.tolerance.direction_rad *= 2.0; });
@@ -149,7 +149,7 @@ TEST(ChoiceCache, KeyChangesWithAllThatAChoiceDependsOn) {
     const auto expect_other = [&](const std::function<void(ModelQuestion &)> &change) {
         ModelQuestion changed = question;
         change(changed);
-        EXPECT_NE(model_choice_key(changed, "device", "1"), key);
+        EXPECT_NE(model_selection_key(changed, "device", "1"), key);
     };
     expect_other([](ModelQuestion &q) { q.tuning.dR_Ohm = 0.6; });
     expect_other([](ModelQuestion &q) { q.period_s = 0.5e-3; });
@@ -157,7 +157,7 @@ TEST(ChoiceCache, KeyChangesWithAllThatAChoiceDependsOn) {
     expect_other([](ModelQuestion &q) { q.delay_periods = 0.5; });
 }
 
-TEST(ChoiceCache, IsInTheSystemsCacheFolder) {
+TEST(SelectionCache, IsInTheSystemsCacheFolder) {
     setenv("XDG_CACHE_HOME", "/some/where", 1);
     EXPECT_EQ(model_cache_folder(), "/some/where/springdrive");
     setenv("XDG_CACHE_HOME", "relative", 1); // not allowed by the specification, so it is ignored

@@ -1,6 +1,6 @@
-// Covers engine/lab/model_selection/model_choice.cpp; reading names is covered by
-// choice_cache_test.cpp.
-#include "engine/lab/model_selection/model_choice.h"
+// Covers engine/lab/model_selection/model_selection.cpp; reading names is covered by
+// selection_cache_test.cpp.
+#include "engine/lab/model_selection/model_selection.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace springdrive::model_selection {
 namespace {
 
-TEST(ModelChoice, GivesAShortReason) {
+TEST(ModelSelection, GivesAShortReason) {
     const scene::ModelTolerance tolerance{0.05, 2.0 * M_PI / 180.0, 100.0};
     const double degree = M_PI / 180.0;
     EXPECT_EQ(verdict({0.05, 0.0}, tolerance), "meets");

@@ -17,20 +17,20 @@ inline constexpr int kModelMeasureVersion = 1;
 /// its tolerance, the device, the tuning, rate and delay, the program's version and
 /// `kModelMeasureVersion`, and the processor.
 /// @param device_text  the contents of the device's file
-[[nodiscard]] std::string model_choice_key(const ModelQuestion &question,
-                                           const std::string &device_text,
-                                           const std::string &program_version);
+[[nodiscard]] std::string model_selection_key(const ModelQuestion &question,
+                                              const std::string &device_text,
+                                              const std::string &program_version);
 
 /// $XDG_CACHE_HOME/springdrive, or ~/.cache/springdrive; empty where neither is known.
 [[nodiscard]] std::filesystem::path model_cache_folder();
 
-/// The choice that `write_model_choice` stored under that key; nothing if there is none or it is
+/// The choice that `write_model_selection` stored under that key; nothing if there is none or it is
 /// damaged.
-[[nodiscard]] std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder,
-                                                           const std::string &key);
+[[nodiscard]] std::optional<ModelSelection>
+read_model_selection(const std::filesystem::path &folder, const std::string &key);
 
 /// Atomic, even with concurrent writers. False where writing failed.
-bool write_model_choice(const std::filesystem::path &folder, const std::string &key,
-                        const ModelChoice &choice) noexcept;
+bool write_model_selection(const std::filesystem::path &folder, const std::string &key,
+                           const ModelSelection &choice) noexcept;
 
 } // namespace springdrive::model_selection

@@ -1,10 +1,10 @@
-#include "engine/lab/model_selection/choice_cache.h"
+#include "engine/lab/model_selection/selection_cache.h"
 
 #include "base/input_error.h"
 #include "base/machine_name.h"
 #include "base/sha256.h"
 #include "engine/control/parameters.h"
-#include "engine/lab/model_selection/choice_json.h"
+#include "engine/lab/model_selection/selection_json.h"
 
 #include <unistd.h>
 
@@ -78,8 +78,8 @@ bool write_all(const std::filesystem::path &file, const std::string &text) {
 
 } // namespace
 
-std::string model_choice_key(const ModelQuestion &question, const std::string &device_text,
-                             const std::string &program_version) {
+std::string model_selection_key(const ModelQuestion &question, const std::string &device_text,
+                                const std::string &program_version) {
     Sha256 digest;
     add_scene(digest, *question.scene);
     digest.add(device_text);
@@ -104,8 +104,8 @@ std::filesystem::path model_cache_folder() {
     return {};
 }
 
-std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder,
-                                             const std::string &key) {
+std::optional<ModelSelection> read_model_selection(const std::filesystem::path &folder,
+                                                   const std::string &key) {
     if (folder.empty()) {
         return std::nullopt;
     }
@@ -115,7 +115,7 @@ std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder
         if (json.at("key").get<std::string>() != key) {
             return std::nullopt;
         }
-        return model_choice_of(json.at("choice"));
+        return model_selection_of(json.at("choice"));
     } catch (const InputError &) {
         return std::nullopt;
     } catch (const std::ios_base::failure &) {
@@ -125,8 +125,8 @@ std::optional<ModelChoice> read_model_choice(const std::filesystem::path &folder
     }
 }
 
-bool write_model_choice(const std::filesystem::path &folder, const std::string &key,
-                        const ModelChoice &choice) noexcept {
+bool write_model_selection(const std::filesystem::path &folder, const std::string &key,
+                           const ModelSelection &choice) noexcept {
     if (folder.empty()) {
         return false;
     }

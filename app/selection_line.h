@@ -8,8 +8,8 @@ namespace springdrive::app {
 /// The cached choice, or else a measured one, with a progress line on standard error if that is a
 /// terminal.
 /// @param fresh  measure even if a choice is cached
-[[nodiscard]] model_selection::ModelChoice
-choice_with_line(const model_selection::ModelQuestion &question, const session::ModelMemory &memory,
-                 bool fresh);
+[[nodiscard]] model_selection::ModelSelection
+selection_with_line(const model_selection::ModelQuestion &question,
+                    const session::ModelMemory &memory, bool fresh);
 
 } // namespace springdrive::app

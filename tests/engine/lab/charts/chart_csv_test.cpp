@@ -1,5 +1,5 @@
-// Covers engine/lab/charts/work_precision_csv.cpp.
-#include "engine/lab/charts/work_precision_csv.h"
+// Covers engine/lab/charts/chart_csv.cpp.
+#include "engine/lab/charts/chart_csv.h"
 
 #include <gtest/gtest.h>
 
@@ -9,13 +9,13 @@
 namespace springdrive::charts {
 namespace {
 
-TEST(WorkPrecisionCsv, HasARowForEachPoint) {
-    rig::WorkPrecisionChart chart;
+TEST(ChartCsv, HasARowForEachPoint) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {{"one", "100 µs", {1.5, 2.0, 1e6}, 1e-17, true},
                     {"two", "", {0.0, 0.0, 0.0}, NAN, false},
                     {"a, \"b\"", "two\nlines", {1.0, 1.0, 1.0}, INFINITY, false}};
     std::ostringstream out;
-    write_work_precision_csv(out, chart, "AMD EPYC (2 cores)");
+    write_chart_csv(out, chart, "AMD EPYC (2 cores)");
     EXPECT_EQ(out.str(),
               "method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,error,stable,machine\n"
               "one,100 µs,1.5,2,1e+06,1e-17,1,AMD EPYC (2 cores)\n"

@@ -1,4 +1,4 @@
-#include "engine/lab/model_selection/choice_json.h"
+#include "engine/lab/model_selection/selection_json.h"
 
 #include "base/input_error.h"
 
@@ -76,8 +76,8 @@ ModelAxis axis_of(const Json &json) {
     return axis;
 }
 
-ModelChoice read(const Json &json) {
-    ModelChoice choice;
+ModelSelection read(const Json &json) {
+    ModelSelection choice;
     const Json &tolerance = json.at("tolerance");
     choice.tolerance = {tolerance.at("force_N").get<double>(),
                         tolerance.at("direction_rad").get<double>(),
@@ -98,7 +98,7 @@ ModelChoice read(const Json &json) {
 
 } // namespace
 
-Json json_of(const ModelChoice &choice) {
+Json json_of(const ModelSelection &choice) {
     Json axes = Json::array();
     for (const ModelAxis &axis : choice.axes) {
         axes.push_back(axis_json(axis, choice.tolerance));
@@ -114,9 +114,9 @@ Json json_of(const ModelChoice &choice) {
             {"remarks", choice.remarks}};
 }
 
-ModelChoice model_choice_of(const Json &json) {
+ModelSelection model_selection_of(const Json &json) {
     try {
-        ModelChoice choice = read(json);
+        ModelSelection choice = read(json);
         static_cast<void>(model_of(choice)); // rejects unknown names
         return choice;
     } catch (const Json::exception &error) {

@@ -1,7 +1,7 @@
 // A work-precision chart as a CSV file.
 #pragma once
 
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 #include <ostream>
 #include <string>
@@ -11,7 +11,7 @@ namespace springdrive::charts {
 /// method, setting, the cost's minimum, median and maximum [ns], error, stable (1 or 0) and the
 /// machine, a row for each point. An error that is not finite becomes an empty cell. Text with a
 /// comma, a quote or an end of line is quoted (RFC 4180).
-void write_work_precision_csv(std::ostream &out, const rig::WorkPrecisionChart &chart,
-                              const std::string &machine);
+void write_chart_csv(std::ostream &out, const rig::SpeedAccuracyChart &chart,
+                     const std::string &machine);
 
 } // namespace springdrive::charts

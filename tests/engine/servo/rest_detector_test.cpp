@@ -1,5 +1,5 @@
-// Covers engine/servo/rest_watch.h.
-#include "engine/servo/rest_watch.h"
+// Covers engine/servo/rest_detector.h.
+#include "engine/servo/rest_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ constexpr double kWatchPeriod_s = 1e-3;
 const Vector3 kPlace_m(0.05, -0.02, 0.01);
 
 /// Ticks until it is at rest, with the tip at `tip_m(tick)`; −1 if not within a second.
-template <typename Path> int ticks_to_rest(RestWatch &watch, Path tip_m, double period_s) {
+template <typename Path> int ticks_to_rest(RestDetector &watch, Path tip_m, double period_s) {
     const int longest = static_cast<int>(1.0 / period_s);
     for (int tick = 1; tick <= longest; ++tick) {
         watch.update(tip_m(tick), false);
@@ -24,9 +24,9 @@ template <typename Path> int ticks_to_rest(RestWatch &watch, Path tip_m, double 
     return -1;
 }
 
-TEST(RestWatch, TakesATenthOfASecondInOnePlaceAtAnyRate) {
+TEST(RestDetector, TakesATenthOfASecondInOnePlaceAtAnyRate) {
     for (const double rate_hz : {250.0, 1000.0, 3000.0, 10'000.0}) {
-        RestWatch watch(1.0 / rate_hz);
+        RestDetector watch(1.0 / rate_hz);
         const int ticks = ticks_to_rest(
             watch, [](int) { return kPlace_m; }, 1.0 / rate_hz);
         // The first tick sets the position; round-off in a sum of a thousand periods may require
@@ -36,32 +36,32 @@ TEST(RestWatch, TakesATenthOfASecondInOnePlaceAtAnyRate) {
     }
 }
 
-TEST(RestWatch, AMillimetreToAndFroIsRestMoreIsNot) {
+TEST(RestDetector, AMillimetreToAndFroIsRestMoreIsNot) {
     const auto sway = [](double reach_m) {
         return [reach_m](int tick) {
             return Vector3(kPlace_m + Vector3(0.0, tick % 2 == 0 ? reach_m : 0.0, 0.0));
         };
     };
-    RestWatch calm(kWatchPeriod_s);
+    RestDetector calm(kWatchPeriod_s);
     EXPECT_GT(ticks_to_rest(calm, sway(0.999e-3), kWatchPeriod_s), 0);
-    RestWatch restless(kWatchPeriod_s);
+    RestDetector restless(kWatchPeriod_s);
     EXPECT_EQ(ticks_to_rest(restless, sway(1.001e-3), kWatchPeriod_s), -1);
 }
 
-TEST(RestWatch, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {
+TEST(RestDetector, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {
     const auto drift = [](double speed_m_per_s) {
         return [speed_m_per_s](int tick) {
             return Vector3(kPlace_m + Vector3(speed_m_per_s * kWatchPeriod_s * tick, 0.0, 0.0));
         };
     };
-    RestWatch slow(kWatchPeriod_s);
+    RestDetector slow(kWatchPeriod_s);
     EXPECT_GT(ticks_to_rest(slow, drift(0.0098), kWatchPeriod_s), 0);
-    RestWatch fast(kWatchPeriod_s);
+    RestDetector fast(kWatchPeriod_s);
     EXPECT_EQ(ticks_to_rest(fast, drift(0.0105), kWatchPeriod_s), -1);
 }
 
-TEST(RestWatch, WhoTouchesNeverRests) {
-    RestWatch watch(kWatchPeriod_s);
+TEST(RestDetector, WhoTouchesNeverRests) {
+    RestDetector watch(kWatchPeriod_s);
     for (int tick = 0; tick < 1000; ++tick) {
         watch.update(kPlace_m, true);
         ASSERT_FALSE(watch.is_at_rest());
@@ -76,10 +76,10 @@ TEST(RestWatch, WhoTouchesNeverRests) {
     }
 }
 
-TEST(RestWatch, ATipThatIsNowhereDoesNotRest) {
+TEST(RestDetector, ATipThatIsNowhereDoesNotRest) {
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        RestWatch watch(kWatchPeriod_s);
+        RestDetector watch(kWatchPeriod_s);
         const Vector3 nowhere_m(0.0, bad, 0.0);
         EXPECT_EQ(ticks_to_rest(
                       watch, [&](int) { return nowhere_m; }, kWatchPeriod_s),
@@ -90,8 +90,8 @@ TEST(RestWatch, ATipThatIsNowhereDoesNotRest) {
     }
 }
 
-TEST(RestWatch, AResetStartsTheTimeAnew) {
-    RestWatch watch(kWatchPeriod_s);
+TEST(RestDetector, AResetStartsTheTimeAnew) {
+    RestDetector watch(kWatchPeriod_s);
     ASSERT_GT(ticks_to_rest(
                   watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
               0);

@@ -1,5 +1,5 @@
-// Covers app/figures/work_precision_marks.cpp.
-#include "app/figures/work_precision_marks.h"
+// Covers app/figures/speed_accuracy_marks.cpp.
+#include "app/figures/speed_accuracy_marks.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace springdrive::app {
 namespace {
 
-rig::WorkPoint point(const std::string &method, double cost_ns, double error, bool stable = true) {
+rig::ChartPoint point(const std::string &method, double cost_ns, double error, bool stable = true) {
     return {method, "setting", {0.9 * cost_ns, cost_ns, 2.0 * cost_ns}, error, stable};
 }
 
@@ -26,19 +26,19 @@ double number_of(const ChartMarks &marks, const std::string &name) {
     return std::strtod(value_of(marks, name).c_str(), nullptr);
 }
 
-TEST(WorkPrecisionMarks, NumberTheMethodsOfTheRows) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, NumberTheMethodsOfTheRows) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a, b", 10, 1e-3), point("c", 1e3, 1e-3), point("a, b", 1e5, 1e-6)};
-    const ChartMarks marks = work_precision_marks(chart, "note");
+    const ChartMarks marks = speed_accuracy_marks(chart, "note");
     EXPECT_EQ(value_of(marks, "legend"), "'\"a, b: setting\" \"c: setting\" '");
     EXPECT_EQ(value_of(marks, "method_of_rows"), "'1 2 1 '");
     EXPECT_EQ(value_of(marks, "footnote"), "'note'");
 }
 
-TEST(WorkPrecisionMarks, RangesHoldEveryPointAndItsSpread) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, RangesHoldEveryPointAndItsSpread) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 1e3, 1e-5)};
-    const ChartMarks marks = work_precision_marks(chart, "");
+    const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "cost_low_s"), 9e-9);
     EXPECT_GT(number_of(marks, "cost_high_s"), 2e-6);
     EXPECT_LT(number_of(marks, "error_low"), 1e-5);
@@ -46,57 +46,57 @@ TEST(WorkPrecisionMarks, RangesHoldEveryPointAndItsSpread) {
     EXPECT_EQ(number_of(marks, "error_of_zero"), 0.0);
 }
 
-TEST(WorkPrecisionMarks, AnErrorOfZeroStandsBelowAllOthers) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, AnErrorOfZeroStandsBelowAllOthers) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 0.0), point("b", 10, 1e-5), point("c", 10, NAN, false)};
-    const ChartMarks marks = work_precision_marks(chart, "");
+    const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_of_zero"), 1e-6);
     EXPECT_GT(number_of(marks, "error_of_zero"), number_of(marks, "error_low"));
     EXPECT_TRUE(std::isfinite(number_of(marks, "error_high")));
 }
 
-TEST(WorkPrecisionMarks, HaveRangesWhereNothingIsFinite) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, HaveRangesWhereNothingIsFinite) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, NAN, false), point("a", 10, INFINITY, false)};
-    const ChartMarks marks = work_precision_marks(chart, "");
+    const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_low"), number_of(marks, "error_high"));
 }
 
-TEST(WorkPrecisionMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-6), point("exact", 10, 1.4e-17)};
-    const ChartMarks marks = work_precision_marks(chart, "");
+    const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_GT(number_of(marks, "round_off"), 1.4e-17);
     EXPECT_LT(number_of(marks, "round_off"), 2e-17);
     EXPECT_GT(number_of(marks, "error_low"), 1e-10);
     EXPECT_GT(number_of(marks, "error_of_zero"), number_of(marks, "error_low"));
     // Six decades in steps, as by an integrator's order, are not round-off.
     chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-8), point("a", 1000, 1e-13)};
-    EXPECT_EQ(number_of(work_precision_marks(chart, ""), "round_off"), 0.0);
+    EXPECT_EQ(number_of(speed_accuracy_marks(chart, ""), "round_off"), 0.0);
 }
 
-TEST(WorkPrecisionMarks, AFailureWithoutAnErrorStandsAboveAll) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, AFailureWithoutAnErrorStandsAboveAll) {
+    rig::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, NAN, false)};
-    const ChartMarks marks = work_precision_marks(chart, "");
+    const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_EQ(number_of(marks, "has_failures"), 1.0);
     EXPECT_GT(number_of(marks, "error_of_none"), 1e-3);
     EXPECT_LT(number_of(marks, "error_of_none"), number_of(marks, "error_high"));
     chart.points.pop_back();
-    const ChartMarks well = work_precision_marks(chart, "");
+    const ChartMarks well = speed_accuracy_marks(chart, "");
     EXPECT_EQ(number_of(well, "has_failures"), 0.0);
     EXPECT_EQ(number_of(well, "error_of_none"), 0.0);
 }
 
-TEST(WorkPrecisionMarks, TheLegendHasTheFirstAndTheLastSettingOfEachMethod) {
-    rig::WorkPrecisionChart chart;
+TEST(SpeedAccuracyMarks, TheLegendHasTheFirstAndTheLastSettingOfEachMethod) {
+    rig::SpeedAccuracyChart chart;
     const auto legend_of = [&](std::vector<std::string> settings) {
         chart.points.clear();
         for (const std::string &setting : settings) {
             chart.points.push_back(point("a", 10, 1.0));
             chart.points.back().setting = setting;
         }
-        return value_of(work_precision_marks(chart, ""), "legend");
+        return value_of(speed_accuracy_marks(chart, ""), "legend");
     };
     EXPECT_EQ(legend_of({"1000 µs", "500 µs", "0.9766 µs"}), "'\"a: 1000 … 0.9766 µs\" '");
     EXPECT_EQ(legend_of({"250 Hz", "20 kHz"}), "'\"a: 250 Hz … 20 kHz\" '");

@@ -1,4 +1,4 @@
-#include "engine/lab/model_selection/model_choice.h"
+#include "engine/lab/model_selection/model_selection.h"
 
 #include "base/degrees.h"
 #include "base/input_error.h"
@@ -31,7 +31,7 @@ int number(const std::string &aspect, const std::string &text, int least) {
 
 } // namespace
 
-Model model_of(const ModelChoice &choice) {
+Model model_of(const ModelSelection &choice) {
     Model model;
     const std::string &plant = choice.chosen(ModelAspect::plant);
     const simulated::PlantModel *const plant_model = plant_model_named(plant);

@@ -1,8 +1,8 @@
-// The input of assets/figures/work_precision.gnuplot in addition to the CSV file.
+// The input of assets/figures/speed_accuracy.gnuplot in addition to the CSV file.
 #pragma once
 
 #include "app/figures/figure.h"
-#include "engine/lab/rig/work_point.h"
+#include "engine/lab/rig/chart_point.h"
 
 #include <string>
 
@@ -12,7 +12,7 @@ namespace springdrive::app {
 ///
 /// The ranges include every point. An error of 0, which a logarithmic axis cannot show, is drawn
 /// separately at the bottom; an error that is not finite, at the upper edge.
-[[nodiscard]] ChartMarks work_precision_marks(const rig::WorkPrecisionChart &chart,
+[[nodiscard]] ChartMarks speed_accuracy_marks(const rig::SpeedAccuracyChart &chart,
                                               const std::string &footnote);
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-#include "engine/lab/loops/held_loops.h"
+#include "engine/lab/loops/tuning_constraints.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
@@ -65,7 +65,8 @@ std::vector<Hand> with_hands_between(const std::vector<Hand> &hands, int count) 
 }
 
 /// One configuration's loops, for one member and all η.
-void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMember &member) {
+void add_loops(std::vector<TuningConstraint> &loops, StabilityCase which,
+               const LoopMember &member) {
     which.tuning.eta = 0.0;
     const LinearLoop loop = linear_loop(which, member);
     const Eigen::MatrixXd rigid = held_share(which);
@@ -76,7 +77,7 @@ void add_loops(std::vector<HeldLoop> &loops, StabilityCase which, const LoopMemb
 
 } // namespace
 
-HeldLoops::HeldLoops(const StabilityCase &which) {
+TuningConstraints::TuningConstraints(const StabilityCase &which) {
     constexpr int kDivisionsOneMotor = 10;
     constexpr int kDivisionsThreeMotors = 2; // these loops take twenty times as long
     StabilityCase each = which;
@@ -99,25 +100,26 @@ HeldLoops::HeldLoops(const StabilityCase &which) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
 }
 
-double HeldLoops::largest_eigenvalue(std::size_t index, const Gains &gains) const {
-    const HeldLoop &held = loops_[index];
-    return held.loop.largest_eigenvalue(drift_compensation(held.loop.load().torque_Nm_per_A, gains,
-                                                           held.share, held.loop.sampling()));
+double TuningConstraints::largest_eigenvalue(std::size_t index, const Gains &gains) const {
+    const TuningConstraint &constraint = loops_[index];
+    return constraint.loop.largest_eigenvalue(
+        drift_compensation(constraint.loop.load().torque_Nm_per_A, gains, constraint.share,
+                           constraint.loop.sampling()));
 }
 
-bool HeldLoops::is_stable(std::size_t index, const Gains &gains) const {
+bool TuningConstraints::is_stable(std::size_t index, const Gains &gains) const {
     // In free space no gain acts: a mass without friction coasts, whatever the tuning.
     const double most =
         loops_[index].eta < 1.0 ? 1.0 - kEigenvalueRoundOff : 1.0 + kEigenvalueRoundOff;
     return largest_eigenvalue(index, gains) < most;
 }
 
-bool HeldLoops::are_stable(const std::vector<std::size_t> &some, const Gains &gains) const {
+bool TuningConstraints::are_stable(const std::vector<std::size_t> &some, const Gains &gains) const {
     return std::all_of(some.begin(), some.end(),
                        [&](std::size_t loop) { return is_stable(loop, gains); });
 }
 
-std::size_t HeldLoops::first_unstable(const Gains &gains) {
+std::size_t TuningConstraints::first_unstable(const Gains &gains) {
     for (std::size_t i = 0; i < order_.size(); ++i) {
         if (!is_stable(order_[i], gains)) {
             const std::size_t failed = order_[i];

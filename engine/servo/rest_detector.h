@@ -5,13 +5,13 @@
 
 namespace springdrive::servo {
 
-class RestWatch {
+class RestDetector {
 public:
     /// At rest means within kNear_m of one place for kTime_s.
     static constexpr double kNear_m = 1e-3;
     static constexpr double kTime_s = 0.1;
 
-    explicit RestWatch(double period_s) : period_s_(period_s) {}
+    explicit RestDetector(double period_s) : period_s_(period_s) {}
 
     void set_period(double period_s) noexcept { period_s_ = period_s; }
 

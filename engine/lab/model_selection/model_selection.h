@@ -18,7 +18,7 @@ inline constexpr std::size_t kModelAspects = 5;
 
 /// The result. Names as in `kPlantModels`, `name_of(ContactShape)` and `kMotionControllers`; steps
 /// and joints are numbers.
-struct ModelChoice {
+struct ModelSelection {
     scene::ModelTolerance tolerance;
     std::vector<ModelAxis> axes; ///< one for each `ModelAspect`
     ModelError error;            ///< of the chosen model as a whole
@@ -36,7 +36,7 @@ struct ModelChoice {
 
 /// The model that a choice names.
 /// @throw InputError for names and numbers that this program does not know, as from an old file.
-[[nodiscard]] Model model_of(const ModelChoice &choice);
+[[nodiscard]] Model model_of(const ModelSelection &choice);
 
 /// Why a candidate with that error is accepted or not: "meets", "force 0.21 N > 0.05 N", "runs
 /// away".

@@ -8,11 +8,11 @@
 
 namespace springdrive::rig {
 
-class Flicker {
+class QuantisationChatter {
 public:
     /// @param most_rad  the largest peak-to-peak amplitude
     /// @param lasting_s  for how long it must not have been exceeded
-    Flicker(double most_rad, double lasting_s, double period_s)
+    QuantisationChatter(double most_rad, double lasting_s, double period_s)
         : most_rad_(most_rad), lasting_(std::ceil(lasting_s / period_s)) {}
 
     /// Adds the next sample's angles. Where they exceed the amplitude, the count restarts.
