@@ -26,7 +26,7 @@ struct BackgroundTalk {
 
     /// Called by the work to report its current stage and progress; ends work that was cancelled.
     /// @throw NotWanted if it was cancelled
-    void tell(const std::string &what, double so_far) {
+    void report(const std::string &what, double so_far) {
         if (is_given_up) {
             throw NotWanted();
         }

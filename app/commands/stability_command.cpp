@@ -64,7 +64,7 @@ StabilityReport report_of(const TypedStability &typed) {
     return report;
 }
 
-void tell(const TypedStability &typed) {
+void write_report(const TypedStability &typed) {
     const StabilityReport report = report_of(typed);
     write_report([&](std::ostream &out) { write_stability_table(out, report); },
                  {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}});
@@ -94,8 +94,8 @@ limits::MapAxis axis_of(const std::string &text, int steps) {
 
 /// The hands: those of the family, or a single one if a property of the hand varies.
 std::string hands_text(const loops::StabilityCase &which, bool is_one) {
-    const std::size_t nobody = which.hands.front().mass_kg == 0.0 ? 1 : 0;
-    const std::size_t hands = which.hands.size() - nobody;
+    const std::size_t without_hand = which.hands.front().mass_kg == 0.0 ? 1 : 0;
+    const std::size_t hands = which.hands.size() - without_hand;
     if (is_one || hands == 1) {
         return "one hand";
     }
@@ -120,16 +120,16 @@ MapSetting setting_of(const loops::StabilityCase &which, const limits::MapAxis &
     };
     std::string text = which.device.name;
     const bool spring = which.drive == device::AmplifierKind::spring_drive;
-    std::vector<std::string_view> told =
+    std::vector<std::string_view> shown =
         spring ? std::vector<std::string_view>{"T", "d", "dR", "kp", "kd", "lambda", "eta"}
                : std::vector<std::string_view>{"T",      "d",  "wall-stiffness", "wall-damping",
                                                "lambda", "eta"};
     if (varies("hand")) {
         for (const std::string_view name : {"hand-mass", "hand-damping", "hand-stiffness"}) {
-            told.push_back(name);
+            shown.push_back(name);
         }
     }
-    for (const std::string_view name : told) {
+    for (const std::string_view name : shown) {
         const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
         if (&parameter != x.parameter && &parameter != y.parameter) {
             fmt::format_to(std::back_inserter(text), ", {} {:g}", parameter.symbol,
@@ -180,7 +180,7 @@ void run(const TypedStability &typed) {
     if (typed.table) {
         write_table(typed);
     } else if (typed.map.empty()) {
-        tell(typed);
+        write_report(typed);
     } else {
         draw_map(typed);
     }

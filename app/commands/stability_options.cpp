@@ -109,8 +109,8 @@ void check_that_it_counts(const std::string &option, const loops::StabilityParam
                           const loops::StabilityCase &which) {
     const std::string_view name = parameter.name;
     const bool current = which.drive == device::AmplifierKind::current_drive;
-    const bool nobody = which.hands.size() == 1 && which.hands.front().mass_kg == 0.0 &&
-                        which.hands.front().stiffness_N_per_m == 0.0;
+    const bool without_hand = which.hands.size() == 1 && which.hands.front().mass_kg == 0.0 &&
+                              which.hands.front().stiffness_N_per_m == 0.0;
     const auto refuse = [&](const std::string &why) {
         const bool own = option == option_of(parameter);
         throw InputError(option + (own ? "" : " " + std::string(name)) + ": " + why);
@@ -127,7 +127,7 @@ void check_that_it_counts(const std::string &option, const loops::StabilityParam
     if (which.freedom == loops::Freedom::three_motors && (name == "inertia" || name == "damping")) {
         refuse("applies to one motor by itself; omit --motors 3");
     }
-    if (nobody && is_of_hand(parameter)) {
+    if (without_hand && is_of_hand(parameter)) {
         refuse("there is no hand; omit --no-hand");
     }
 }

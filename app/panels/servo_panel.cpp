@@ -93,7 +93,7 @@ void show_rate(const session::Session &session) {
     if (session.device().device().clock() == device::DeviceClock::servo) {
         // No deadlines are missed: the simulation pauses instead.
         ImGui::TextColored(lost == 0 ? kFaintInk : kWarning, "paused %.0f ms  lost %llu",
-                           1e3 * session.servo().stood_still().seconds,
+                           1e3 * session.servo().standstills().seconds,
                            static_cast<unsigned long long>(lost));
         return;
     }

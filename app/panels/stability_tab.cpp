@@ -23,8 +23,8 @@ void explain(const std::string &text) {
 }
 
 /// One limit: its parameter, its value, and its distance from the current value.
-void show_room(const char *symbol, const StabilityRoom &room, const char *unit, bool stable,
-               bool upwards) {
+void show_headroom(const char *symbol, const StabilityHeadroom &headroom, const char *unit,
+                   bool stable, bool upwards) {
     const std::string way =
         std::string(stable ? " may " : " must ") + (upwards == stable ? "rise to" : "fall to");
     ImGui::TableNextRow();
@@ -32,29 +32,29 @@ void show_room(const char *symbol, const StabilityRoom &room, const char *unit, 
     ImGui::TextColored(kFaintInk, "%s%s", symbol, way.c_str());
     explain("predicted, other parameters unchanged, at the current configuration");
     ImGui::TableNextColumn();
-    if (!room.limit) {
+    if (!headroom.limit) {
         ImGui::TextColored(kFaintInk, stable ? "no limit found" : "does not help");
         ImGui::TableNextColumn();
         return;
     }
-    ImGui::Text("%.3g %s", *room.limit, unit);
-    explain("unstable first beyond: " + room.who);
+    ImGui::Text("%.3g %s", *headroom.limit, unit);
+    explain("unstable first beyond: " + headroom.who);
     ImGui::TableNextColumn();
-    const double factor =
-        std::max(*room.limit, room.now) / std::max(1e-12, std::min(*room.limit, room.now));
+    const double factor = std::max(*headroom.limit, headroom.now) /
+                          std::max(1e-12, std::min(*headroom.limit, headroom.now));
     const ImVec4 ink = !stable ? kDanger : factor < 1.15 ? kWarning : kInk;
     ImGui::TextColored(ink, "%s %.3g", upwards == stable ? "×" : "÷", factor);
-    explain(fmt::format("from the current value, {:.3g} {}\nunstable first beyond: {}", room.now,
-                        unit, room.who));
+    explain(fmt::format("from the current value, {:.3g} {}\nunstable first beyond: {}",
+                        headroom.now, unit, headroom.who));
 }
 
-void show_verdict(const StabilityOutlook &outlook) {
-    const bool stable = outlook.worst.is_stable();
+void show_verdict(const StabilityPrediction &prediction) {
+    const bool stable = prediction.worst.is_stable();
     ImGui::TextColored(stable ? kGood : kDanger, stable ? "stable" : "UNSTABLE");
     ImGui::SameLine();
-    const double rate = std::log(outlook.worst.eigenvalue) / outlook.period_s;
-    const std::string who = "motor " + std::to_string(outlook.worst.member.motor + 1) + ", " +
-                            loops::hand_text(outlook.worst.member.hand.name);
+    const double rate = std::log(prediction.worst.eigenvalue) / prediction.period_s;
+    const std::string who = "motor " + std::to_string(prediction.worst.member.motor + 1) + ", " +
+                            loops::hand_text(prediction.worst.member.hand.name);
     if (stable) {
         ImGui::TextUnformatted("with every hand");
         ImGui::TextColored(kFaintInk, "slowest decay: %.0f ms, %s", -1000.0 / rate, who.c_str());
@@ -66,16 +66,16 @@ void show_verdict(const StabilityOutlook &outlook) {
         fmt::format("largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
                     "each motor separately, with no hand and with five hands from light to firm;\n"
                     "a motion decays, or grows, by a factor of e = 2.7 in this time",
-                    outlook.worst.eigenvalue));
+                    prediction.worst.eigenvalue));
 }
 
-void show_outlook(const StabilityOutlook &outlook) {
-    show_verdict(outlook);
-    const bool stable = outlook.worst.is_stable();
+void show_prediction(const StabilityPrediction &prediction) {
+    show_verdict(prediction);
+    const bool stable = prediction.worst.is_stable();
     if (ImGui::BeginTable("room", 3, ImGuiTableFlags_SizingStretchProp)) {
-        show_room("K_P", outlook.K_P, "V/rad", stable, true);
-        show_room("K_D", outlook.K_D, "V·s/rad", stable, true);
-        show_room("dR", outlook.dR, "Ω", stable, false);
+        show_headroom("K_P", prediction.K_P, "V/rad", stable, true);
+        show_headroom("K_D", prediction.K_D, "V·s/rad", stable, true);
+        show_headroom("dR", prediction.dR, "Ω", stable, false);
         ImGui::EndTable();
     }
 }
@@ -158,8 +158,8 @@ void draw_stability_tab(session::Session &session, StabilityTabState &state) {
     if (const std::optional<control::Tuning> tuning = state.take_new_tuning()) {
         session.servo().tune(*tuning);
     }
-    if (state.outlook()) {
-        show_outlook(*state.outlook());
+    if (state.prediction()) {
+        show_prediction(*state.prediction());
     } else {
         ImGui::TextColored(kFaintInk, "computing stability …");
     }

@@ -12,19 +12,19 @@
 namespace springdrive::app {
 
 /// A limit of one parameter, with all others unchanged.
-struct StabilityRoom {
+struct StabilityHeadroom {
     double now = 0.0;
     std::optional<double> limit; ///< the nearest stability limit in the relevant direction
     std::string who;             ///< which becomes unstable first beyond
 };
 
 /// The distance of the current tuning from its stability limits.
-struct StabilityOutlook {
+struct StabilityPrediction {
     loops::WorstMember worst;
     double period_s = 1e-3;
-    StabilityRoom K_P;
-    StabilityRoom K_D;
-    StabilityRoom dR;
+    StabilityHeadroom K_P;
+    StabilityHeadroom K_D;
+    StabilityHeadroom dR;
 };
 
 class StabilityTabState {
@@ -41,7 +41,9 @@ public:
     /// Writes the result as a tuning file to the current directory.
     void save();
 
-    [[nodiscard]] const std::optional<StabilityOutlook> &outlook() const { return outlook_; }
+    [[nodiscard]] const std::optional<StabilityPrediction> &prediction() const {
+        return prediction_;
+    }
     [[nodiscard]] const std::optional<limits::AutoTuned> &found() const { return found_; }
     [[nodiscard]] const StabilityField &field() const { return field_; }
     [[nodiscard]] const std::string &message() const { return message_; }
@@ -55,8 +57,8 @@ public:
     double margin = limits::AutoTuneRequest{}.margin;
 
 private:
-    Background<StabilityOutlook> watch_;
-    std::optional<StabilityOutlook> outlook_;
+    Background<StabilityPrediction> watch_;
+    std::optional<StabilityPrediction> prediction_;
     std::optional<loops::StabilityCase> looked_at_;
     StabilityField field_;
     Background<limits::AutoTuned> search_;

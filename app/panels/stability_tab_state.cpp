@@ -19,32 +19,33 @@ constexpr double kMoved_rad = 0.03; // below that, limits stay as they are
 
 /// The value up to which the parameter may change, or must return, given the direction of
 /// instability: upwards or not.
-StabilityRoom room_of(const loops::StabilityCase &which, bool is_stable, const char *name,
-                      bool upwards) {
+StabilityHeadroom headroom_of(const loops::StabilityCase &which, bool is_stable, const char *name,
+                              bool upwards) {
     const loops::StabilityParameter &parameter = *loops::stability_parameter_named(name);
     stop_if_given_up();
-    StabilityRoom room;
-    room.now = parameter.get(which);
+    StabilityHeadroom headroom;
+    headroom.now = parameter.get(which);
     const bool looks_up = upwards == is_stable;
     for (const limits::StabilityLimit &limit :
          limits::predicted_limits(which, parameter, {parameter.from, parameter.to})) {
-        const bool is_ahead = looks_up ? limit.predicted >= room.now : limit.predicted <= room.now;
-        const bool is_nearer = !room.limit || (looks_up ? limit.predicted < *room.limit
-                                                        : limit.predicted > *room.limit);
+        const bool is_ahead =
+            looks_up ? limit.predicted >= headroom.now : limit.predicted <= headroom.now;
+        const bool is_nearer = !headroom.limit || (looks_up ? limit.predicted < *headroom.limit
+                                                            : limit.predicted > *headroom.limit);
         if (limit.stable_below == upwards && is_ahead && is_nearer) {
-            room.limit = limit.predicted;
-            room.who = "motor " + std::to_string(limit.worst.motor + 1) + ", " +
-                       loops::hand_text(limit.worst.hand.name);
+            headroom.limit = limit.predicted;
+            headroom.who = "motor " + std::to_string(limit.worst.motor + 1) + ", " +
+                           loops::hand_text(limit.worst.hand.name);
         }
     }
-    return room;
+    return headroom;
 }
 
-StabilityOutlook outlook_of(const loops::StabilityCase &which) {
+StabilityPrediction prediction_of(const loops::StabilityCase &which) {
     const loops::WorstMember worst = loops::worst_member(which);
     const bool is_stable = worst.is_stable();
-    return {worst, which.period_s, room_of(which, is_stable, "kp", true),
-            room_of(which, is_stable, "kd", true), room_of(which, is_stable, "dR", false)};
+    return {worst, which.period_s, headroom_of(which, is_stable, "kp", true),
+            headroom_of(which, is_stable, "kd", true), headroom_of(which, is_stable, "dR", false)};
 }
 
 /// "tuned-20240531-123456.toml".
@@ -78,8 +79,8 @@ loops::StabilityCase stability_case_of(const session::Session &session) {
 
 void StabilityTabState::update(const session::Session &session) {
     try {
-        if (std::optional<StabilityOutlook> outlook = watch_.take()) {
-            outlook_ = std::move(outlook);
+        if (std::optional<StabilityPrediction> prediction = watch_.take()) {
+            prediction_ = std::move(prediction);
         }
         if (std::optional<limits::AutoTuned> found = search_.take()) {
             before_ = session.servo().inputs().tuning;
@@ -96,7 +97,7 @@ void StabilityTabState::update(const session::Session &session) {
     field_.update(now);
     if (!watch_.is_busy() && (!looked_at_ || is_another(*looked_at_, now))) {
         looked_at_ = now;
-        watch_.start([now](BackgroundTalk &) { return outlook_of(now); });
+        watch_.start([now](BackgroundTalk &) { return prediction_of(now); });
     }
 }
 

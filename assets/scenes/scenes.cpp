@@ -17,12 +17,12 @@ Part named(Part part, std::string name, const std::array<double, 3> &base_colour
 // Tolerances, each for the purpose of its scene. Humans distinguish forces that differ by about a
 // tenth, and press with some 1 to 3 N here; they notice directions from 25° on (paper, section V).
 
-constexpr Tolerance kToFeelAWall = {0.15, 12.0, 100.0};     // presence and flatness
-constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};  // change of force direction
-constexpr Tolerance kToFeelEdges = {0.05, 3.0, 300.0};      // sudden and sharp
-constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};     // while seeing it
-constexpr Tolerance kToTellStiffness = {0.30, 5.0, 30.0};   // pressed, not struck
-constexpr Tolerance kToFollowAProfile = {0.10, 4.0, 100.0}; // slopes, by direction
+constexpr Tolerance kToFeelAWall = {0.15, 12.0, 100.0};      // presence and flatness
+constexpr Tolerance kToFeelRoundness = {0.12, 5.0, 100.0};   // change of force direction
+constexpr Tolerance kToFeelEdges = {0.05, 3.0, 300.0};       // sudden and sharp
+constexpr Tolerance kToFeelAShape = {0.20, 8.0, 100.0};      // while seeing it
+constexpr Tolerance kToCompareStiffness = {0.30, 5.0, 30.0}; // pressed, not struck
+constexpr Tolerance kToFollowAProfile = {0.10, 4.0, 100.0};  // slopes, by direction
 
 /// 120 × 10 × 80 mm, its top 5 mm below the origin.
 SceneDescription plate() {
@@ -66,7 +66,7 @@ SceneDescription organic() {
 
 /// Three pads of 36 × 15 × 60 mm side by side, from rigid to soft.
 SceneDescription compliance() {
-    SceneDescription scene{"compliance", true, {}, kToTellStiffness};
+    SceneDescription scene{"compliance", true, {}, kToCompareStiffness};
     const auto add_pad = [&](double centre_x_m, double eta, std::string name,
                              const std::array<double, 3> &colour) {
         Part pad = named(box(Vector3(centre_x_m - 0.018, -0.020, -0.045),

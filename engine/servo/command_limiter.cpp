@@ -17,8 +17,8 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
 }
 
 /// The share of the steady currents that keeps force and currents within their limits.
-double bearable_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
-                      const Vector3 &settling_A) {
+double permissible_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
+                         const Vector3 &settling_A) {
     double share = 1.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double limit_A =
@@ -38,7 +38,8 @@ double bearable_share(const device::DeviceDescription &device, const LimiterInpu
 /// remaining share.
 double draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
                  const Vector3 &back_emf_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
-    const double share = bearable_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
+    const double share =
+        permissible_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
     if (share < 1.0) {
         e_W_V = back_emf_V + share * (e_W_V - back_emf_V);
     }
@@ -83,7 +84,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
         e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A);
     }
     result.force_share = draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
-    result.bearable_e_W_V = e_W_V;
+    result.permissible_e_W_V = e_W_V;
     result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
     if (result.held_back.voltage) { // the clamped part may have opposed the others: check again
         result.force_share *= draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);

@@ -32,8 +32,8 @@ struct LimiterInputs {
 struct LimitedCommand {
     device::DeviceCommand command;
     ActiveLimits held_back;
-    Vector3 bearable_e_W_V{Vector3::Zero()}; ///< after force and current, before the supply
-    double force_share = 1.0;                ///< share of the requested force that is passed on
+    Vector3 permissible_e_W_V{Vector3::Zero()}; ///< after force and current, before the supply
+    double force_share = 1.0;                   ///< share of the requested force that is passed on
 };
 
 /// `wanted` must be finite. RT-safe.

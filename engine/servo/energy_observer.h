@@ -39,7 +39,7 @@ public:
 
     /// Starts again without memory.
     void reset() noexcept {
-        knows_before_ = false;
+        has_previous_ = false;
         generated_J_ = 0.0;
     }
 
@@ -48,7 +48,7 @@ public:
     /// RT-safe.
     void update(const Vector3 &tip_m, const Vector3 &force_N, double stored_J, double changed_J,
                 double limit_J) noexcept {
-        if (knows_before_) {
+        if (has_previous_) {
             const double work_J = 0.5 * (force_N + force_N_).dot(tip_m - tip_m_);
             const double stretched_J = std::clamp(stored_J - changed_J - stored_J_,
                                                   -std::max(0.0, work_J), std::max(0.0, -work_J));
@@ -59,7 +59,7 @@ public:
         } else {
             held_J_ = stored_J;
         }
-        knows_before_ = true;
+        has_previous_ = true;
         tip_m_ = tip_m;
         force_N_ = force_N;
         stored_J_ = stored_J;
@@ -71,7 +71,7 @@ public:
 
 private:
     double decay_ = 0.0;
-    bool knows_before_ = false;
+    bool has_previous_ = false;
     double generated_J_ = 0.0;
     Vector3 tip_m_{Vector3::Zero()};
     Vector3 force_N_{Vector3::Zero()};

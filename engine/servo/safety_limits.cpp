@@ -21,10 +21,10 @@ SafetyLimits limits_of(const device::DeviceDescription &device) {
     return limits;
 }
 
-SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexcept {
+SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &request) noexcept {
     SafetyLimits limits = device;
     for (const SafetyLimit &limit : kSafetyLimits) {
-        const double wanted = wish.*limit.value;
+        const double wanted = request.*limit.value;
         if (wanted > 0.0) { // false for NaN too
             limits.*limit.value = std::min(device.*limit.value, wanted);
         }

@@ -62,6 +62,7 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
 }
 
 /// The smaller value of each limit; a requested value that is not positive is ignored. RT-safe.
-[[nodiscard]] SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &wish) noexcept;
+[[nodiscard]] SafetyLimits lowered(const SafetyLimits &device,
+                                   const SafetyLimits &request) noexcept;
 
 } // namespace springdrive::servo

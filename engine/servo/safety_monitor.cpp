@@ -77,9 +77,9 @@ void SafetyMonitor::trip_above(TripCause cause, double measured, double limit) n
     }
 }
 
-void SafetyMonitor::approach_limits(const SafetyLimits &wishes) noexcept {
+void SafetyMonitor::approach_limits(const SafetyLimits &requested) noexcept {
     const SafetyLimits before = limits_;
-    limits_ = lowered(device_limits_, wishes);
+    limits_ = lowered(device_limits_, requested);
     if (!lets_pass()) {
         return; // no motor is driven, so limits may step
     }
@@ -132,7 +132,7 @@ void SafetyMonitor::watch_energy(const Observation &seen) noexcept {
 
 void SafetyMonitor::check_motion(const Observation &seen) noexcept {
     const Vector3 &tip_m = seen.now.tip_m;
-    if (knows_tip_) {
+    if (has_tip_) {
         trip_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
                    greatest_step_m(device_, device_limits_.tip_speed_m_per_s,
                                    (1.0 + seen.missed_periods) * period_s_, seen.now.J));
@@ -175,10 +175,10 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
     cut_off_s_ = passed.held_back.voltage ? cut_off_s_ + period_s_ : 0.0;
     if (cut_off_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
         Eigen::Index motor = 0;
-        static_cast<void>((passed.bearable_e_W_V - passed.command.e_W_V)
+        static_cast<void>((passed.permissible_e_W_V - passed.command.e_W_V)
                               .cwiseAbs()
                               .maxCoeff(&motor)); // the motor that is clamped most
-        trip(TripCause::voltage, std::abs(passed.bearable_e_W_V[motor]),
+        trip(TripCause::voltage, std::abs(passed.permissible_e_W_V[motor]),
              std::min(device_.motor[static_cast<std::size_t>(motor)].supply_V, limits_.voltage_V));
     }
 }
@@ -269,7 +269,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     rest_.update(seen.now.tip_m, seen.touching);
     check(wanted, seen, orders);
     tip_m_ = seen.now.tip_m;
-    knows_tip_ = true;
+    has_tip_ = true;
     proceed(orders.release);
     if (!lets_pass()) {
         return safe_state();

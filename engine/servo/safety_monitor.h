@@ -105,7 +105,7 @@ public:
     [[nodiscard]] double generated_energy_J() const { return energy_.generated_J(); }
 
 private:
-    void approach_limits(const SafetyLimits &wishes) noexcept;
+    void approach_limits(const SafetyLimits &requested) noexcept;
     void watch_windings(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
     void watch_window(const SafetyOrders &orders, double elapsed_s) noexcept;
     void watch_link(const Link &link, double elapsed_s) noexcept;
@@ -132,7 +132,7 @@ private:
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;
     RestDetector rest_;
-    bool knows_tip_ = false;
+    bool has_tip_ = false;
     Vector3 tip_m_{Vector3::Zero()}; ///< of the previous tick
     double cut_off_s_ = 0.0;         ///< how long e_W has been clamped at the supply
     std::uint32_t heartbeat_ = 0;

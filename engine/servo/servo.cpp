@@ -31,9 +31,9 @@ double seconds(std::chrono::steady_clock::duration duration) {
 
 /// How long a simulated device keeps running without a heartbeat from the window: well within the
 /// monitor's limit, so that a slow window causes no trip.
-class WindowPatience {
+class WindowTimeout {
 public:
-    explicit WindowPatience(const device::HapticDevice &device)
+    explicit WindowTimeout(const device::HapticDevice &device)
         : waits_(device.clock() == device::DeviceClock::servo),
           limits_(limits_of(device.description())) {}
 
@@ -118,7 +118,7 @@ void Servo::run() noexcept {
     Clock::time_point last_start = begin;
     bool is_first = true;
     Deadlines deadlines(servo_hz_);
-    WindowPatience patience(loop_.device());
+    WindowTimeout timeout(loop_.device());
     std::uint32_t waited = 0; // deadlines at which a simulated device waited for the window
     const auto tick = [&] {
         const std::int64_t due_ns = deadlines.next_ns();
@@ -126,7 +126,7 @@ void Servo::run() noexcept {
         const Clock::time_point start = Clock::now();
         deadlines.begin(nanoseconds(start - begin));
         const ServoInputs &inputs = inputs_.latest();
-        if (patience.is_over(inputs, seconds(start - begin))) {
+        if (timeout.is_over(inputs, seconds(start - begin))) {
             waited += 1 + deadlines.missed();
             deadlines.end(nanoseconds(Clock::now() - begin));
             return;

@@ -64,14 +64,14 @@ model_selection::ModelSelection known_selection(const model_selection::ModelQues
 
 void ModelMeasurement::begin(const model_selection::ModelQuestion &question,
                              const ModelMemory &memory) {
-    forget();
+    discard();
     error_.clear();
     measuring_.start(
         [question, memory, scene = without_looks(*question.scene)](BackgroundTalk &talk) {
             model_selection::ModelQuestion own = question;
             own.scene = &scene;
             return measured_selection(own, memory, [&talk](const std::string &what, double share) {
-                talk.tell(what, share);
+                talk.report(what, share);
             });
         });
 }

@@ -50,7 +50,7 @@ public:
     [[nodiscard]] const std::string &error() const { return error_; }
 
     /// Cancels the measurement and clears the error, for example because of a new scene.
-    void forget() {
+    void discard() {
         measuring_.give_up();
         error_.clear();
     }

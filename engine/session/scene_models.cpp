@@ -42,7 +42,7 @@ control::Tuning with_controller_of(const control::Tuning &started_with, control:
 
 void SceneModels::set_ground(const ModelGround &ground) {
     ground_ = ground;
-    measurement_.forget();
+    measurement_.discard();
 }
 
 model_selection::ModelQuestion SceneModels::question(const scene::Scene &scene,
@@ -58,7 +58,7 @@ SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
             loaded.choice =
                 known_selection(question_on(loaded.scene, ground, tuning), ground.memory,
                                 [&](const std::string &what, double share) {
-                                    talk.tell(what, share);
+                                    talk.report(what, share);
                                     progress.advance_to(share);
                                 });
         }
@@ -67,7 +67,7 @@ SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
 }
 
 void SceneModels::note_shown(const LoadedScene &scene) {
-    measurement_.forget();
+    measurement_.discard();
     choice_ = scene.choice;
 }
 

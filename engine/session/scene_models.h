@@ -53,7 +53,7 @@ public:
     /// Finds in the background which model the scene would get; `choice` returns it.
     /// @param fresh  measures even if a choice is cached
     void measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh);
-    void give_up_measuring() { measurement_.forget(); }
+    void give_up_measuring() { measurement_.discard(); }
     /// Fetches a finished measurement.
     void update();
 

@@ -64,9 +64,9 @@ void ServoRun::advance(double frame_s) {
     inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
     publish();
     if (way_.lockstep) {
-        debt_ticks_ += frame_s * rate_hz();
-        const int due = static_cast<int>(std::floor(debt_ticks_ + 1e-9));
-        debt_ticks_ -= due;
+        pending_ticks_ += frame_s * rate_hz();
+        const int due = static_cast<int>(std::floor(pending_ticks_ + 1e-9));
+        pending_ticks_ -= due;
         servo_->advance(due);
     }
     take_in();
@@ -86,9 +86,9 @@ void ServoRun::note_standstill(const servo::ServoSample &sample) {
     if (device_->clock() != device::DeviceClock::servo || sample.missed_deadlines == 0) {
         return;
     }
-    ++stood_still_.times;
-    stood_still_.seconds += sample.missed_deadlines * period_s();
-    stood_still_.longest_s = std::max(stood_still_.longest_s, sample.missed_in_a_row * period_s());
+    ++standstills_.times;
+    standstills_.seconds += sample.missed_deadlines * period_s();
+    standstills_.longest_s = std::max(standstills_.longest_s, sample.missed_in_a_row * period_s());
 }
 
 void ServoRun::stop() {
@@ -134,10 +134,10 @@ std::uint64_t ServoRun::set_rate(double servo_hz) {
     const double before_hz = rate_hz();
     paused([&] {
         servo_->set_rate(servo_hz);
-        debt_ticks_ *= servo_hz / before_hz;
+        pending_ticks_ *= servo_hz / before_hz;
         history_.set_rate(servo_hz);
         statistics_ = {};
-        stood_still_ = {};
+        standstills_ = {};
     });
     return next_tick_;
 }
@@ -154,7 +154,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     inputs_.release = false;
     next_tick_ = 0;
     statistics_ = {};
-    stood_still_ = {};
+    standstills_ = {};
     publish();
 }
 

@@ -24,7 +24,7 @@ struct ServoWay {
 
 /// How long a simulated device, which waits for its servo, was paused because the host did not run
 /// the servo.
-struct StoodStill {
+struct Standstills {
     std::uint64_t times = 0;
     double seconds = 0.0;
     double longest_s = 0.0; ///< consecutive, including late ticks in between
@@ -90,7 +90,7 @@ public:
     [[nodiscard]] const History &history() const { return history_; }
     /// Since the last change of rate or device.
     [[nodiscard]] const servo::ServoStatistics &statistics() const { return statistics_; }
-    [[nodiscard]] const StoodStill &stood_still() const { return stood_still_; }
+    [[nodiscard]] const Standstills &standstills() const { return standstills_; }
     /// Samples lost because this thread was too slow.
     [[nodiscard]] std::uint64_t lost_samples() const { return lost_ + servo_->lost_samples(); }
 
@@ -105,12 +105,12 @@ private:
     device::HapticDevice *device_;
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;
-    double debt_ticks_ = 0.0; ///< fraction of a tick due in lockstep
-    std::uint64_t lost_ = 0;  ///< by previous servos
+    double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep
+    std::uint64_t lost_ = 0;     ///< by previous servos
     servo::ServoSample latest_;
     std::uint64_t next_tick_ = 0; ///< the one after `latest_`
     servo::ServoStatistics statistics_;
-    StoodStill stood_still_;
+    Standstills standstills_;
     History history_;
 };
 

@@ -14,7 +14,7 @@ namespace springdrive::session {
 namespace {
 
 /// Longest pause of a simulated device that causes no remark.
-constexpr double kStandstillTold_s = 0.05;
+constexpr double kReportedStandstill_s = 0.05;
 
 } // namespace
 
@@ -32,9 +32,9 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
                                             ground(text, description, options.servo_hz));
     scene::LoadProgress unwatched;
     scene::LoadProgress &watched = progress != nullptr ? *progress : unwatched;
-    BackgroundTalk nobody;
+    BackgroundTalk without_hand;
     std::unique_ptr<LoadedScene> scene = load_scene(options.scene, description.workspace, watched);
-    models_->finish(options.tuning)(*scene, watched, nobody);
+    models_->finish(options.tuning)(*scene, watched, without_hand);
     models_->note_shown(*scene);
     scenes_ = std::make_unique<Scenes>(description.workspace, std::move(scene));
 
@@ -89,9 +89,9 @@ void Session::stop() {
 }
 
 void Session::note_standstill() {
-    const double longest_s = servo_->stood_still().longest_s;
-    if (!told_of_standstill_ && longest_s > kStandstillTold_s) {
-        told_of_standstill_ = true;
+    const double longest_s = servo_->standstills().longest_s;
+    if (!reported_standstill_ && longest_s > kReportedStandstill_s) {
+        reported_standstill_ = true;
         remarks_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
                      " ms; the simulation waited");
     }
@@ -115,7 +115,7 @@ record::RecordHeader Session::header_of_record() const {
 
 void Session::start_recording(const std::filesystem::path &file) {
     recording_->start(file, header_of_record());
-    told_of_failure_ = false; // noted in each record
+    reported_failure_ = false; // noted in each record
 }
 
 void Session::request_scene(const std::filesystem::path &file) {

@@ -3,19 +3,19 @@
 //
 //   Scenes ──► now() ──► ServoRun ──► Recording ──► touch.rec, touch-2.rec, ...
 //     ▲                     │ ▲
-//   SceneModels         OpenDevice ──► SimulatedWorld ◄── GuidedHand
+//   SceneModels         OpenDevice ──► SimulatedWorld ◄── SimulatedHand
 //
 // The parts are independent of each other; what concerns several of them is here.
 #pragma once
 
 #include "device/factory/device_factory.h"
-#include "engine/session/guided_hand.h"
 #include "engine/session/recording.h"
 #include "engine/session/remarks.h"
 #include "engine/session/scene_models.h"
 #include "engine/session/scenes.h"
 #include "engine/session/servo_run.h"
 #include "engine/session/session_options.h"
+#include "engine/session/simulated_hand.h"
 
 #include <filesystem>
 #include <functional>
@@ -87,8 +87,8 @@ public:
     [[nodiscard]] const SceneModels &models() const { return *models_; }
     [[nodiscard]] Recording &recording() { return *recording_; }
     [[nodiscard]] const Recording &recording() const { return *recording_; }
-    [[nodiscard]] GuidedHand &hand() { return hand_; }
-    [[nodiscard]] const GuidedHand &hand() const { return hand_; }
+    [[nodiscard]] SimulatedHand &hand() { return hand_; }
+    [[nodiscard]] const SimulatedHand &hand() const { return hand_; }
     [[nodiscard]] factory::OpenDevice &device() { return *device_; }
     [[nodiscard]] const factory::OpenDevice &device() const { return *device_; }
     [[nodiscard]] const device::DeviceDescription &description() const {
@@ -124,10 +124,10 @@ private:
     std::unique_ptr<ServoRun> servo_;
     std::unique_ptr<Recording> recording_;
     std::unique_ptr<Prepared> next_device_;
-    GuidedHand hand_;
+    SimulatedHand hand_;
     bool has_started_ = false;
-    bool told_of_standstill_ = false;
-    bool told_of_failure_ = false; ///< of a failed assertion
+    bool reported_standstill_ = false;
+    bool reported_failure_ = false; ///< of a failed assertion
     std::function<void()> on_thread_;
     Remarks remarks_;
 };

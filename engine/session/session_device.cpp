@@ -97,10 +97,10 @@ void Session::prepare_again() {
 }
 
 void Session::note_failed_assertion() {
-    if (told_of_failure_ || !servo_->has_failed()) {
+    if (reported_failure_ || !servo_->has_failed()) {
         return;
     }
-    told_of_failure_ = true;
+    reported_failure_ = true;
     next_device_.reset(); // see `exchange_device`
     const servo::SafetyStatus &safety = latest().safety;
     recording_->note(dump({{"assertion_failed", safety.failure.condition},

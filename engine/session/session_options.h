@@ -28,9 +28,9 @@ struct SessionOptions {
     simulated::PlantEffects effects; ///< of the simulated device
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
-    bool plays_script = false;  ///< without a path: the scripted touch, not `GuidedHand::move_to`
-    bool lockstep = false;      ///< the servo is timed by `Session::advance`, not by a clock
-    std::optional<int> cpu;     ///< the processor of the servo's thread
+    bool plays_script = false; ///< without a path: the scripted touch, not `SimulatedHand::move_to`
+    bool lockstep = false;     ///< the servo is timed by `Session::advance`, not by a clock
+    std::optional<int> cpu;    ///< the processor of the servo's thread
     std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
     std::filesystem::path record;       ///< empty: nothing is recorded until requested
     std::string program_version;        ///< for records, and for cached model choices

@@ -81,18 +81,18 @@ TEST(RunGuarded, LeavesTheWorkThatFailsAndTellsAtOnce) {
     std::vector<std::string> told;
     told.reserve(4);
     AssertionFailure failure;
-    const auto tell = [&](const AssertionFailure &what) {
+    const auto notify = [&](const AssertionFailure &what) {
         told.emplace_back("told");
         failure = what;
     };
-    EXPECT_TRUE(run_guarded([&] { told.emplace_back("worked"); }, tell));
+    EXPECT_TRUE(run_guarded([&] { told.emplace_back("worked"); }, notify));
     EXPECT_FALSE(run_guarded(
         [&] {
             told.emplace_back("began");
             need_positive(-1); // noexcept: an exception could not leave it
             told.emplace_back("ended");
         },
-        tell));
+        notify));
     EXPECT_EQ(told, (std::vector<std::string>{"worked", "began", "told"}));
     EXPECT_STREQ(failure.condition, "value > 0");
     EXPECT_STREQ(failure.file, "tests/base/assertions_test.cpp");
@@ -120,14 +120,14 @@ TEST(RunGuarded, CanBeNestedAndUsedAgain) {
 }
 
 TEST_F(AssertionsDeathTest, AGuardEndsWithItsWorkAndIsOfOneThread) {
-    const auto forgive = [](const AssertionFailure & /*failure*/) {};
-    ASSERT_FALSE(run_guarded([] { need_positive(0); }, forgive));
+    const auto ignore_failure = [](const AssertionFailure & /*failure*/) {};
+    ASSERT_FALSE(run_guarded([] { need_positive(0); }, ignore_failure));
     EXPECT_DEATH(need_positive(0), "value > 0");
-    ASSERT_TRUE(run_guarded([] {}, forgive));
+    ASSERT_TRUE(run_guarded([] {}, ignore_failure));
     EXPECT_DEATH(need_positive(0), "value > 0");
     const auto on_another = [&] {
         static_cast<void>(
-            run_guarded([] { std::thread([] { need_positive(0); }).join(); }, forgive));
+            run_guarded([] { std::thread([] { need_positive(0); }).join(); }, ignore_failure));
     };
     EXPECT_DEATH(on_another(), "value > 0");
 }

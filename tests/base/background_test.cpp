@@ -59,7 +59,7 @@ TEST(Background, TellsWhatTheWorkIsAt) {
     Background<int> background;
     EXPECT_EQ(background.what(), "");
     background.start([](BackgroundTalk &talk) {
-        talk.tell("halves", 0.5);
+        talk.report("halves", 0.5);
         return 2;
     });
     EXPECT_EQ(waited_for(background), 2);
@@ -71,7 +71,7 @@ TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) -> int {
         for (;;) {
-            talk.tell("no end of it", 0.0);
+            talk.report("no end of it", 0.0);
             std::this_thread::yield();
         }
     });

@@ -19,7 +19,7 @@ TEST(Wanted, WorkEndsWhereItLooksOnceItIsGivenUp) {
     is_given_up = true;
     EXPECT_THROW(stop_if_given_up(), NotWanted);
     {
-        const GivenUpBy nobody(nullptr);
+        const GivenUpBy without_hand(nullptr);
         EXPECT_NO_THROW(stop_if_given_up());
     }
     EXPECT_THROW(stop_if_given_up(), NotWanted);

@@ -45,7 +45,7 @@ FaultJudge::FaultJudge(const device::DeviceDescription &device, double period_s)
       housing_C_(Vector3::Constant(device::kWarmestAir_C)) {}
 
 void FaultJudge::reset() {
-    knows_energy_ = false;
+    has_energy_ = false;
     generated_J_ = 0.0;
     may_volts_ = 0;
     must_volts_ = 0;
@@ -125,7 +125,7 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSa
 
 void FaultJudge::look_at_motion(const TipAt &now, const servo::ServoSample &sample,
                                 double since_last_s) {
-    if (knows_tip_) {
+    if (has_tip_) {
         // A hand cannot move at twice the maximum speed; a displacement below that speed is not an
         // encoder fault.
         const double count_m =
@@ -136,7 +136,7 @@ void FaultJudge::look_at_motion(const TipAt &now, const servo::ServoSample &samp
         finding = {jump_m > way_m + 2 * count_m, jump_m > 2 * way_m + 5 * count_m, jump_m, way_m};
     }
     tip_m_ = now.tip_m;
-    knows_tip_ = true;
+    has_tip_ = true;
     find(servo::TripCause::tip_speed, (now.J * rate_rad_per_s_).norm(),
          sample.limits.tip_speed_m_per_s, kRoundOff);
     look_at_stops(now.q_rad, sample.limits.beyond_stops_rad);
@@ -159,7 +159,7 @@ void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
 void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
                                 const servo::ServoSample &sample) {
     if (state_ != servo::SafetyState::running) {
-        knows_energy_ = false;
+        has_energy_ = false;
         generated_J_ = 0.0;
         return;
     }
@@ -174,7 +174,7 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
     // Energy counted as stored: rises by no more than the hand puts in, falls by no more than it
     // receives.
     double held_J = stored_J;
-    if (knows_energy_) {
+    if (has_energy_) {
         const double changed_J = 0.0; // the tuning is constant while the observer runs
         const double work_J = 0.5 * (force_N + energy_force_N_).dot(now.tip_m - energy_tip_m_);
         double stretched_J = stored_J - stored_J_ - changed_J;
@@ -187,17 +187,17 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
                      -sample.limits.generated_energy_J);
     }
     held_J_ = held_J;
-    knows_energy_ = true;
+    has_energy_ = true;
     energy_tip_m_ = now.tip_m;
     energy_force_N_ = force_N;
     stored_J_ = stored_J;
     find(servo::TripCause::energy, generated_J_, sample.limits.generated_energy_J, 1e-3);
 }
 
-void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const servo::ServoSample &sample) {
+void FaultJudge::look_at_voltage(const Vector3 &permissible_V, const servo::ServoSample &sample) {
     const bool felt = state_ == servo::SafetyState::running;
     const double limit_V = std::min(device_.motor[0].supply_V, sample.limits.voltage_V);
-    const double worst_V = bearable_V.cwiseAbs().maxCoeff();
+    const double worst_V = permissible_V.cwiseAbs().maxCoeff();
     may_volts_ = felt && worst_V > limit_V * (1.0 - kRoundOff) ? may_volts_ + 1 : 0;
     must_volts_ = felt && worst_V > limit_V * (1.0 + kRoundOff) ? must_volts_ + 1 : 0;
     const double slack_s = 1e-3 * period_s_;
@@ -208,8 +208,9 @@ void FaultJudge::look_at_voltage(const Vector3 &bearable_V, const servo::ServoSa
 
 /// The share of the requested force that may be passed on, by the rule of command_limiter.h: steady
 /// currents, and their force, are within 95 % of their limits.
-FaultJudge::Bearable FaultJudge::bearable(const TipAt &now, const device::DeviceCommand &wanted,
-                                          const servo::ServoSample &sample) const {
+FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
+                                                const device::DeviceCommand &wanted,
+                                                const servo::ServoSample &sample) const {
     const device::MotorParameters &motor = device_.motor[0];
     Vector3 least_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -256,11 +257,11 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
     const double since_last_s = static_cast<double>(period - told_period_) * period_s_;
     told_period_ = period;
     const double a = std::exp(-sample.tuning.lambda_rad_per_s * since_last_s);
-    if (knows_before_) {
+    if (has_previous_) {
         rate_rad_per_s_ = a * rate_rad_per_s_ + (1.0 - a) * (theta_rad - theta_rad_) / since_last_s;
     }
     theta_rad_ = theta_rad;
-    knows_before_ = true;
+    has_previous_ = true;
 
     const TipAt now(device_.geometry, theta_rad);
     const Vector3 force_N = now.force_N(k_T_.cwiseProduct(measured.current_A));
@@ -273,7 +274,7 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
              sample.global_alpha_rad2_per_m2)
             .command;
     wanted.e_W_V += sample.carried_V;
-    const Bearable passes = bearable(now, wanted, sample);
+    const Permissible passes = permissible(now, wanted, sample);
     look_at_voltage(passes.e_W_V, sample);
     share_ = passes.share;
     state_ = sample.safety.state;

@@ -64,15 +64,15 @@ private:
     void look_at_motion(const TipAt &now, const servo::ServoSample &sample, double since_last_s);
     void look_at_stops(const Vector3 &q_rad, double limit_rad);
     void look_at_energy(const TipAt &now, const Vector3 &force_N, const servo::ServoSample &sample);
-    void look_at_voltage(const Vector3 &bearable_V, const servo::ServoSample &sample);
+    void look_at_voltage(const Vector3 &permissible_V, const servo::ServoSample &sample);
 
     /// The part of a requested command that force and current limits allow.
-    struct Bearable {
+    struct Permissible {
         double share = 1.0;
         Vector3 e_W_V{Vector3::Zero()};
     };
-    [[nodiscard]] Bearable bearable(const TipAt &now, const device::DeviceCommand &wanted,
-                                    const servo::ServoSample &sample) const;
+    [[nodiscard]] Permissible permissible(const TipAt &now, const device::DeviceCommand &wanted,
+                                          const servo::ServoSample &sample) const;
 
     device::DeviceDescription device_;
     control::HapticLaw law_;
@@ -80,10 +80,10 @@ private:
     double period_s_;
     std::array<Finding, kTripCauses> findings_{};
 
-    bool knows_before_ = false;
+    bool has_previous_ = false;
     Vector3 theta_rad_{Vector3::Zero()};
     Vector3 rate_rad_per_s_{Vector3::Zero()};
-    bool knows_tip_ = false;
+    bool has_tip_ = false;
     Vector3 tip_m_{Vector3::Zero()};
     std::uint32_t heartbeat_ = 0;
     double silent_s_ = 0.0;
@@ -95,7 +95,7 @@ private:
     Vector3 winding_C_;
     Vector3 housing_C_;
     servo::SafetyState state_ = servo::SafetyState::waiting; ///< after the last tick
-    bool knows_energy_ = false;
+    bool has_energy_ = false;
     Vector3 energy_tip_m_{Vector3::Zero()};
     Vector3 energy_force_N_{Vector3::Zero()};
     double stored_J_ = 0.0;

@@ -51,7 +51,7 @@ servo::ServoSample FaultTrial::step() {
     if (ticks_ == static_cast<std::uint64_t>(ticks_in(kHandGoes_s))) {
         phantom().set_hand_target(what.target_m);
     }
-    if (window_lives && ticks_ % static_cast<std::uint64_t>(ticks_in(kHeartbeat_s)) == 0) {
+    if (window_responds && ticks_ % static_cast<std::uint64_t>(ticks_in(kHeartbeat_s)) == 0) {
         ++inputs.heartbeat;
     }
     const servo::TickTiming now = timing ? timing() : servo::TickTiming{};

@@ -60,7 +60,7 @@ public:
     FaultCase what;
     FaultJudge judge;
     std::function<servo::TickTiming()> timing; ///< empty: never late
-    bool window_lives = true;
+    bool window_responds = true;
     bool force_is_bounded = true; ///< false if the fault makes the force unbounded
 
 private:

@@ -40,7 +40,7 @@ public:
     PlantedDevice(Plant plant, std::vector<simulated::HandPath::Point> hand)
         : device::ForwardingDevice(simulated_with(simulated::HandPath(std::move(hand)))),
           plant_(plant) {
-        heard_.reserve(1U << 17U);
+        received_.reserve(1U << 17U);
     }
 
     /// Fails `times` times from now on. Any thread.
@@ -49,8 +49,8 @@ public:
     void report(std::uint16_t faults) { faults_.bits = faults; }
 
     // All but `failures` only after the servo has stopped.
-    [[nodiscard]] const std::vector<device::DeviceCommand> &heard() const { return heard_; }
-    [[nodiscard]] std::size_t heard_when_it_failed() const { return heard_when_it_failed_; }
+    [[nodiscard]] const std::vector<device::DeviceCommand> &received() const { return received_; }
+    [[nodiscard]] std::size_t received_before_failure() const { return received_before_failure_; }
     [[nodiscard]] int failures() const { return failures_.load(); }
     [[nodiscard]] PlantedLimit line() const {
         return plant_ == Plant::in_read     ? kInRead
@@ -80,7 +80,7 @@ public:
         answering_ = std::thread::id();
         const bool brakes = command.mode != device::CommandMode::drive;
         SPRINGDRIVE_ASSERT(brakes || !fails(Plant::in_write));
-        heard_.push_back(command);
+        received_.push_back(command);
         if (refuses_ && brakes) {
             std::fputs("told to brake\n", stderr);
         }
@@ -108,19 +108,19 @@ private:
         }
         to_come_.fetch_sub(1);
         if (failures_.fetch_add(1) == 0) {
-            heard_when_it_failed_ = heard_.size();
+            received_before_failure_ = received_.size();
         }
         return true;
     }
 
     Plant plant_;
-    std::vector<device::DeviceCommand> heard_;
+    std::vector<device::DeviceCommand> received_;
     std::atomic<std::thread::id> answering_{};
     bool refuses_ = false;
     device::BoardFaults faults_;
     mutable std::atomic<int> to_come_{0};
     mutable std::atomic<int> failures_{0};
-    mutable std::size_t heard_when_it_failed_ = 0;
+    mutable std::size_t received_before_failure_ = 0;
 };
 
 } // namespace springdrive::testing

@@ -106,7 +106,7 @@ constexpr std::array kAllowed{SYS_clock_nanosleep, SYS_clock_gettime, SYS_restar
                               SYS_rt_sigreturn, SYS_exit_group};
 
 /// A child that takes longer counts as hung.
-constexpr unsigned kPatience_s = 100;
+constexpr unsigned kTimeout_s = 100;
 
 /// A watched thread that made another call sleeps from here on, so that it makes no more. The
 /// process that waits for it sees the number.
@@ -162,7 +162,7 @@ bool holds_in_a_child(const std::function<void()> &work) {
     static_cast<void>(std::fflush(nullptr));
     const pid_t child = fork();
     if (child == 0) {
-        alarm(kPatience_s);
+        alarm(kTimeout_s);
         work();
         end_this_child();
     }

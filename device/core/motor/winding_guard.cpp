@@ -52,22 +52,22 @@ void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
 /// With the maximum possible heat; a long gap is processed over several ticks.
 void WindingGuard::heat_through(std::uint32_t missed_periods, double most_A) noexcept {
     if (missed_periods > 0) {
-        owed_ += std::min(missed_periods, kMostOwed - owed_);
-        owed_most_A_ = std::max(owed_most_A_, most_A);
+        pending_ += std::min(missed_periods, kMaxPending - pending_);
+        pending_max_A_ = std::max(pending_max_A_, most_A);
     }
-    const std::uint32_t now = std::min(owed_, kMostAtOnce);
+    const std::uint32_t now = std::min(pending_, kMostAtOnce);
     for (std::uint32_t i = 0; i < now; ++i) {
-        greatest_.update(owed_most_A_ * owed_most_A_ *
+        greatest_.update(pending_max_A_ * pending_max_A_ *
                          greatest_resistance_Ohm(motor_, greatest_.winding_C()));
     }
-    owed_ -= now;
-    owed_most_A_ = owed_ > 0 ? owed_most_A_ : 0.0;
+    pending_ -= now;
+    pending_max_A_ = pending_ > 0 ? pending_max_A_ : 0.0;
 }
 
 double WindingGuard::greatest_cancelled_Ohm() const noexcept {
-    const double bearable_Ohm =
+    const double permissible_Ohm =
         (1.0 - kLeastResidualShare) * least_resistance_Ohm(motor_, least_.winding_C());
-    return std::min(bearable_Ohm, amplifier_limit_Ohm_);
+    return std::min(permissible_Ohm, amplifier_limit_Ohm_);
 }
 
 } // namespace springdrive::device

@@ -63,10 +63,10 @@ public:
     [[nodiscard]] double greatest_C() const { return greatest_.winding_C(); }
 
 private:
-    /// Processing kMostAtOnce periods takes some microseconds; after kMostOwed periods the upper
+    /// Processing kMostAtOnce periods takes some microseconds; after kMaxPending periods the upper
     /// bound has settled.
     static constexpr std::uint32_t kMostAtOnce = 100;
-    static constexpr std::uint32_t kMostOwed = 1'000'000;
+    static constexpr std::uint32_t kMaxPending = 1'000'000;
 
     void cool_through(std::uint32_t missed_periods) noexcept;
     void heat_through(std::uint32_t missed_periods, double most_A) noexcept;
@@ -76,9 +76,9 @@ private:
     WindingTemperature coldest_; ///< initial state of `least_`
     WindingTemperature least_;
     WindingTemperature greatest_;
-    double current_A_ = 0.0; ///< at the last update
-    std::uint32_t owed_ = 0; ///< missed periods not yet processed for the upper bound
-    double owed_most_A_ = 0.0;
+    double current_A_ = 0.0;    ///< at the last update
+    std::uint32_t pending_ = 0; ///< missed periods not yet processed for the upper bound
+    double pending_max_A_ = 0.0;
 };
 
 } // namespace springdrive::device

@@ -59,13 +59,14 @@ void require_few(std::size_t triangles) {
 }
 
 /// What became of a triangle of the soup. If it was divided, the best outcome of its pieces.
-enum class Fate : std::uint8_t { degenerate, duplicate, merged, kept };
+enum class TriangleOutcome : std::uint8_t { degenerate, duplicate, merged, kept };
 
 /// A mesh during the steps of preparation, with its current edges.
 class Preparation {
 public:
     Preparation(const TriangleSoup &soup, unsigned threads)
-        : soup_(soup), threads_(threads), fates_(soup.triangles.size(), Fate::degenerate),
+        : soup_(soup), threads_(threads),
+          outcomes_(soup.triangles.size(), TriangleOutcome::degenerate),
           triangles_(welded_triangles()), edges_(triangles_, soup.vertices_m.size(), threads) {
         report_.triangles_given = soup.triangles.size();
     }
@@ -74,10 +75,10 @@ public:
         const RepeatedTriangles repeated =
             drop_repeated_triangles(triangles_, edges_, soup_.material_of_triangle, threads_);
         for (const std::uint32_t triangle : repeated.same_winding) {
-            improve_fate(triangle, Fate::duplicate);
+            improve_outcome(triangle, TriangleOutcome::duplicate);
         }
         for (const std::uint32_t triangle : repeated.merged) {
-            improve_fate(triangle, Fate::merged);
+            improve_outcome(triangle, TriangleOutcome::merged);
         }
         if (!repeated.same_winding.empty() || !repeated.merged.empty()) {
             renew_edges();
@@ -129,7 +130,7 @@ public:
         PreparedMesh mesh;
         mesh.facets = make_facets(triangles_, slivers, topology, soup_, threads_);
         note_kept(slivers);
-        report_on_fates();
+        report_outcomes();
         report_on(topology);
         mesh.report = std::move(report_);
         return mesh;
@@ -165,8 +166,8 @@ private:
 
     void renew_edges() { edges_ = EdgeTable(triangles_, soup_.vertices_m.size(), threads_); }
 
-    void improve_fate(std::uint32_t triangle, Fate fate) {
-        fates_[triangle] = std::max(fates_[triangle], fate);
+    void improve_outcome(std::uint32_t triangle, TriangleOutcome outcome) {
+        outcomes_[triangle] = std::max(outcomes_[triangle], outcome);
     }
 
     /// @param slivers in ascending order
@@ -176,24 +177,25 @@ private:
             if (sliver != slivers.end() && *sliver == i) {
                 ++sliver;
             } else {
-                fates_[triangles_[i].triangle] = Fate::kept;
+                outcomes_[triangles_[i].triangle] = TriangleOutcome::kept;
             }
         }
     }
 
-    void report_on_fates() {
+    void report_outcomes() {
         std::array<std::size_t, 4> counts{};
         report_.left_out_of_material.assign(soup_.materials.size(), 0);
-        for (std::size_t i = 0; i < fates_.size(); ++i) {
-            ++counts[static_cast<std::size_t>(fates_[i])];
-            if (fates_[i] < Fate::merged) {
+        for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+            ++counts[static_cast<std::size_t>(outcomes_[i])];
+            if (outcomes_[i] < TriangleOutcome::merged) {
                 ++report_.left_out_of_material[soup_.material_of_triangle[i]];
             }
         }
-        report_.degenerate_triangles = counts[static_cast<std::size_t>(Fate::degenerate)];
-        report_.duplicate_triangles = counts[static_cast<std::size_t>(Fate::duplicate)];
-        report_.merged_triangles = counts[static_cast<std::size_t>(Fate::merged)];
-        report_.triangles_kept = counts[static_cast<std::size_t>(Fate::kept)];
+        report_.degenerate_triangles =
+            counts[static_cast<std::size_t>(TriangleOutcome::degenerate)];
+        report_.duplicate_triangles = counts[static_cast<std::size_t>(TriangleOutcome::duplicate)];
+        report_.merged_triangles = counts[static_cast<std::size_t>(TriangleOutcome::merged)];
+        report_.triangles_kept = counts[static_cast<std::size_t>(TriangleOutcome::kept)];
     }
 
     void report_on(const MeshTopology &topology) {
@@ -213,7 +215,7 @@ private:
     const TriangleSoup &soup_;
     unsigned threads_;
     MeshReport report_;
-    std::vector<Fate> fates_;
+    std::vector<TriangleOutcome> outcomes_;
     std::vector<MeshTriangle> triangles_;
     EdgeTable edges_;
 };

@@ -5,8 +5,8 @@
 
 namespace springdrive::contact {
 
-FrictionStop hold_back(const ProxyPath &path, std::size_t first, double normal_m,
-                       const SurfaceMaterial &material, bool was_sliding) noexcept {
+FrictionStop stop_by_friction(const ProxyPath &path, std::size_t first, double normal_m,
+                              const SurfaceMaterial &material, bool was_sliding) noexcept {
     const Vector3 &end_m = path[path.size() - 1];
     const double sticking = was_sliding ? material.dynamic_friction : material.static_friction;
     const double behind_m = (path[first] - end_m).norm();

@@ -31,7 +31,8 @@ struct FrictionStop {
 ///
 /// @param first index of the point at which it was, or first touched
 /// @param normal_m  N
-[[nodiscard]] FrictionStop hold_back(const ProxyPath &path, std::size_t first, double normal_m,
-                                     const SurfaceMaterial &material, bool was_sliding) noexcept;
+[[nodiscard]] FrictionStop stop_by_friction(const ProxyPath &path, std::size_t first,
+                                            double normal_m, const SurfaceMaterial &material,
+                                            bool was_sliding) noexcept;
 
 } // namespace springdrive::contact

@@ -30,11 +30,11 @@ constexpr double kArrived_m = 1e-9;
 
 /// Maximum length of a step over a ridge [m]. The neighbourhood covers this distance, or half of it
 /// where facets are so fine that it cannot hold more.
-constexpr double kFarthestHop_m = 2e-4;
+constexpr double kMaxJump_m = 2e-4;
 
 /// Radius of the neighbourhood [m]: initial and maximum.
-constexpr double kFirstSight_m = 1e-3;
-constexpr double kFarthestSight_m = 0.5;
+constexpr double kInitialSearchRadius_m = 1e-3;
+constexpr double kMaxSearchRadius_m = 0.5;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
     return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
@@ -43,7 +43,8 @@ constexpr double kFarthestSight_m = 0.5;
 } // namespace
 
 Proxy::Proxy(double radius_m)
-    : reach_m_(std::max(radius_m, kClearance_m)), sight_m_(kFirstSight_m + reach_m_) {}
+    : reach_m_(std::max(radius_m, kClearance_m)),
+      search_radius_m_(kInitialSearchRadius_m + reach_m_) {}
 
 void Proxy::reset(const Vector3 &tip_m) noexcept {
     if (is_usable(tip_m)) {
@@ -53,41 +54,42 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
     }
 }
 
-void Proxy::keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
-                          SolverBudget &budget) noexcept {
+void Proxy::update_neighbourhood(const HapticSurface &surface, const Vector3 &tip_m,
+                                 SolverBudget &budget) noexcept {
     const Vector3 step = tip_m - last_tip_m_;
     const double step_m = step.norm();
-    const double hop_m = sight_m_ > 4.0 * kFarthestHop_m ? kFarthestHop_m : 0.5 * kFarthestHop_m;
-    const double needed_m = reach_m_ + std::max(step_m, hop_m);
+    const double jump_m = search_radius_m_ > 4.0 * kMaxJump_m ? kMaxJump_m : 0.5 * kMaxJump_m;
+    const double needed_m = reach_m_ + std::max(step_m, jump_m);
     if (near_.surface_serial() == surface.serial() && near_.covers(rest_.point_m, needed_m)) {
         return;
     }
     near_.clear();
     if (rest_.held_by.size() == 0) {
-        sight_m_ = std::max(sight_m_, 2.0 * needed_m);
-    } else if (sight_m_ < 2.0 * needed_m) {
+        search_radius_m_ = std::max(search_radius_m_, 2.0 * needed_m);
+    } else if (search_radius_m_ < 2.0 * needed_m) {
         return; // too fast among too many facets for a list to be worthwhile
     }
     // Centred ahead of the proxy, so that it lasts; but not so far that it might reach other facets
     // by then.
     constexpr double kMostAhead_steps = 10.0;
     const double ahead =
-        step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (sight_m_ - needed_m) / step_m) : 0.0;
-    look_around(surface, rest_.point_m + ahead * step, budget);
+        step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (search_radius_m_ - needed_m) / step_m)
+                     : 0.0;
+    search_neighbourhood(surface, rest_.point_m + ahead * step, budget);
     if (!near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, budget); // too many facets ahead to list
+        search_neighbourhood(surface, rest_.point_m, budget); // too many facets ahead to list
     }
 }
 
-void Proxy::look_around(const HapticSurface &surface, const Vector3 &centre_m,
-                        SolverBudget &budget) noexcept {
-    surface.find_near(centre_m, sight_m_, budget.search, near_);
+void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &centre_m,
+                                 SolverBudget &budget) noexcept {
+    surface.find_near(centre_m, search_radius_m_, budget.search, near_);
     // Enough facets to make a list worthwhile, and not so many that it overflows: on a surface
     // their number grows with the square of the radius.
     constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
-    const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * sight_m_;
+    const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * search_radius_m_;
     const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
-    sight_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kFarthestSight_m);
+    search_radius_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kMaxSearchRadius_m);
 }
 
 bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) const noexcept {
@@ -122,8 +124,8 @@ void Proxy::follow(const ShapeSlide &slide) noexcept {
         {slide.normal, slide.normal.dot(slide.rest_m), rest_.held_by[0].obstacle});
 }
 
-bool Proxy::hop(const ProxySolver &solver, const HapticSurface &surface,
-                const Vector3 &tip_m) noexcept {
+bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &surface,
+                                const Vector3 &tip_m) noexcept {
     const double here_m = (rest_.point_m - tip_m).norm();
     double least_m = here_m - reach_m_ - kNearer_m;
     std::optional<Vector3> aim_m;
@@ -132,7 +134,7 @@ bool Proxy::hop(const ProxySolver &solver, const HapticSurface &surface,
         const double side = facet.height_m(tip_m) <= 0.0 ? 1.0 : -1.0;
         const Vector3 rest_m = tip_m + side * (depth_m + reach_m_) * facet.normal();
         if (depth_m < least_m &&
-            (rest_m - rest_.point_m).squaredNorm() <= kFarthestHop_m * kFarthestHop_m &&
+            (rest_m - rest_.point_m).squaredNorm() <= kMaxJump_m * kMaxJump_m &&
             facet.is_over(tip_m)) {
             aim_m = rest_m;
             least_m = depth_m;
@@ -157,13 +159,13 @@ bool Proxy::hop(const ProxySolver &solver, const HapticSurface &surface,
 
 bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
                          const Vector3 &tip_m, SolverBudget &budget) noexcept {
-    constexpr int kMostHops = 4;
+    constexpr int kMaxJumps = 4;
     bool has_settled = solver.solve(rest_, tip_m);
     if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
-        look_around(surface, rest_.point_m, budget); // it has moved far
+        search_neighbourhood(surface, rest_.point_m, budget); // it has moved far
     }
-    for (int i = 0; i < kMostHops && has_settled && rest_.is_touching(); ++i) {
-        if (!hop(solver, surface, tip_m)) {
+    for (int i = 0; i < kMaxJumps && has_settled && rest_.is_touching(); ++i) {
+        if (!jump_to_nearer_rest(solver, surface, tip_m)) {
             break;
         }
         has_settled = solver.solve(rest_, tip_m);
@@ -171,11 +173,11 @@ bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface
     return has_settled;
 }
 
-void Proxy::rub(const ProxySolver &solver, const Rest &before, const SurfaceMaterial &material,
-                const Vector3 &tip_m) noexcept {
+void Proxy::apply_friction(const ProxySolver &solver, const Rest &before,
+                           const SurfaceMaterial &material, const Vector3 &tip_m) noexcept {
     const std::size_t first = before.is_touching() || path_.size() < 2 ? 0 : 1;
     const double normal_m = (rest_.point_m - tip_m).norm();
-    const FrictionStop held = hold_back(path_, first, normal_m, material, slides_);
+    const FrictionStop held = stop_by_friction(path_, first, normal_m, material, slides_);
     sticks_ = held.sticks;
     slides_ = !held.sticks;
     if (held.sticks && first == 0) {
@@ -208,7 +210,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         sticks_ = slides_ = false;
     }
     SolverBudget budget;
-    keep_in_sight(surface, tip_m, budget);
+    update_neighbourhood(surface, tip_m, budget);
     last_tip_m_ = tip_m;
     if (moves_freely(surface, tip_m)) {
         rest_.point_m = tip_m;
@@ -237,7 +239,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     }
     const SurfaceMaterial &material = surface.material(rest_.held_by[0].obstacle);
     if (material.static_friction > 0.0) {
-        rub(solver, before, material, tip_m);
+        apply_friction(solver, before, material, tip_m);
     }
     Contact contact = resting_contact(surface, tip_m, rest_);
     contact.settled = has_settled;

@@ -51,10 +51,10 @@ public:
     [[nodiscard]] const ProxyPath &path() const noexcept { return path_; }
 
 private:
-    void keep_in_sight(const HapticSurface &surface, const Vector3 &tip_m,
-                       SolverBudget &budget) noexcept;
-    void look_around(const HapticSurface &surface, const Vector3 &centre_m,
-                     SolverBudget &budget) noexcept;
+    void update_neighbourhood(const HapticSurface &surface, const Vector3 &tip_m,
+                              SolverBudget &budget) noexcept;
+    void search_neighbourhood(const HapticSurface &surface, const Vector3 &centre_m,
+                              SolverBudget &budget) noexcept;
     [[nodiscard]] bool moves_freely(const HapticSurface &surface,
                                     const Vector3 &tip_m) const noexcept;
     [[nodiscard]] std::optional<ShapeSlide> free_slide(const HapticSurface &surface,
@@ -62,10 +62,10 @@ private:
     void follow(const ShapeSlide &slide) noexcept;
     [[nodiscard]] bool move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
                                     const Vector3 &tip_m, SolverBudget &budget) noexcept;
-    [[nodiscard]] bool hop(const ProxySolver &solver, const HapticSurface &surface,
-                           const Vector3 &tip_m) noexcept;
-    void rub(const ProxySolver &solver, const Rest &before, const SurfaceMaterial &material,
-             const Vector3 &tip_m) noexcept;
+    [[nodiscard]] bool jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &surface,
+                                           const Vector3 &tip_m) noexcept;
+    void apply_friction(const ProxySolver &solver, const Rest &before,
+                        const SurfaceMaterial &material, const Vector3 &tip_m) noexcept;
 
     double reach_m_;
     std::uint64_t surface_serial_ = 0; ///< of the surface in the last update
@@ -74,7 +74,7 @@ private:
     bool slides_ = false; ///< against dynamic friction
     Vector3 last_tip_m_{Vector3::Zero()};
     Neighbourhood near_;
-    double sight_m_; ///< radius of the next neighbourhood
+    double search_radius_m_; ///< radius of the next neighbourhood
     ProxyPath path_;
 };
 

@@ -20,7 +20,7 @@ constexpr double kGentle = 0.9;
 
 /// Around a curved offset, each slide along a tangent plane leaves a nearly constant fraction of
 /// the remaining distance: once it is known, so is the sum of the remaining slides (Aitken).
-class Foresight {
+class SlideExtrapolation {
 public:
     /// The length of all remaining slides, this one included, as a multiple of this one.
     [[nodiscard]] double stretch(const Vector3 &slide_m) noexcept {
@@ -99,7 +99,7 @@ bool ProxySolver::refresh(ContactPlanes &planes, const Vector3 &point_m) const n
 bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
     const double most_m = (target_m - rest.point_m).norm();
-    Foresight foresight;
+    SlideExtrapolation extrapolation;
     ContactPlanes last_met;
     ContactPlanes planes = rest.held_by; // the goal stays above these
     NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
@@ -122,7 +122,7 @@ bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
                 end_m = *above_m;
             } else {
                 const Vector3 slide_m = goal.point_m - rest.point_m;
-                double times = foresight.stretch(slide_m);
+                double times = extrapolation.stretch(slide_m);
                 if (!is_on_one_shape(planes)) {
                     times = std::min(times, times_within(most_m, slide_m, target_m - rest.point_m));
                 }

@@ -130,10 +130,10 @@ private:
 };
 
 /// The law reads the exact angles, as with the other plants, not counts.
-class OurPlant final : public PressedPlant {
+class SimulatorPlant final : public PressedPlant {
 public:
-    OurPlant(const rig::Scenario &press, const simulated::SimulationOptions &options,
-             const rig::PlantEquations &equations)
+    SimulatorPlant(const rig::Scenario &press, const simulated::SimulationOptions &options,
+                   const rig::PlantEquations &equations)
         : equations_(equations), geometry_(press.device.geometry),
           device_(press.device, options, press.start_m) {}
 

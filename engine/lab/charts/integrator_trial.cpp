@@ -91,14 +91,14 @@ NewPlant IntegratorTrial::plant(Integrator integrator, int sub_steps, double wid
         return made(std::type_identity<ExplicitPlant<Integrator::runge_kutta>>());
     case Integrator::implicit_midpoint:
         return made(std::type_identity<MidpointPlant>());
-    case Integrator::ours:
+    case Integrator::simulator:
         break;
     }
     return [this, sub_steps] {
         simulated::SimulationOptions options = press_.simulation;
         options.longest_step_s = press_.simulation.servo_period_s / sub_steps;
         options.quantised_encoders = false;
-        return std::make_unique<OurPlant>(press_, options, equations_);
+        return std::make_unique<SimulatorPlant>(press_, options, equations_);
     };
 }
 

@@ -19,11 +19,11 @@ enum class Integrator : std::uint8_t {
     semi_implicit_euler,
     runge_kutta,
     implicit_midpoint,
-    ours, ///< SimulatedPhantom::exchange
+    simulator, ///< SimulatedPhantom::exchange
 };
 
 struct NamedIntegrator {
-    Integrator integrator = Integrator::ours;
+    Integrator integrator = Integrator::simulator;
     std::string_view name;
     double order = 0.0; ///< in theory
 };
@@ -34,7 +34,7 @@ inline constexpr std::array<NamedIntegrator, 5> kIntegrators{{
     {Integrator::semi_implicit_euler, "semi-implicit Euler", 1.0},
     {Integrator::runge_kutta, "Runge-Kutta 4", 4.0},
     {Integrator::implicit_midpoint, "implicit midpoint", 2.0},
-    {Integrator::ours, "ours (exact in energy)", 2.0},
+    {Integrator::simulator, "ours (exact in energy)", 2.0},
 }};
 
 class IntegratorTrial {

@@ -31,9 +31,9 @@ Vector3 quantised(const Vector3 &theta_rad, int counts_per_turn) {
 }
 
 /// The point of the wall nearest to the tip as the encoders show it.
-Vector3 proxy_m(const Vector3 &true_tip_m, const Vector3 &believed_tip_m, const HeldTip &tip) {
-    const double height_m = tip.depth_m + tip.normal.dot(true_tip_m - believed_tip_m);
-    return believed_tip_m + height_m * tip.normal;
+Vector3 proxy_m(const Vector3 &true_tip_m, const Vector3 &estimated_tip_m, const HeldTip &tip) {
+    const double height_m = tip.depth_m + tip.normal.dot(true_tip_m - estimated_tip_m);
+    return estimated_tip_m + height_m * tip.normal;
 }
 
 /// The share of a displacement that each mode of the map opposes.
@@ -72,20 +72,20 @@ Vector3 force_on_holder_N(const device::DeviceDescription &device, const control
                           const MotionMethod &method, const HeldTip &tip) {
     const control::Configuration truth =
         at_rest(device, device::motor_from_joint(device.geometry, tip.q_rad));
-    const control::Configuration believed =
+    const control::Configuration estimated =
         at_rest(device, quantised(truth.theta_rad, tip.counts_per_turn));
     contact::Contact contact;
-    contact.x0_m = proxy_m(truth.tip_m, believed.tip_m, tip);
+    contact.x0_m = proxy_m(truth.tip_m, estimated.tip_m, tip);
     const control::TipSetPoint target =
-        control::contact_set_point(believed.tip_m, Vector3::Zero(), contact, tuning.eta);
+        control::contact_set_point(estimated.tip_m, Vector3::Zero(), contact, tuning.eta);
     const std::optional<control::MotorSetPoint> set_point =
-        motor_set_point(device, method, believed, target);
+        motor_set_point(device, method, estimated, target);
     if (!set_point) {
         return Vector3::Zero();
     }
     return control::static_tip_force(truth.J,
                                      control::static_stiffness_Nm_per_rad(device.motor, tuning),
-                                     set_point->theta_Sd_rad - believed.theta_rad);
+                                     set_point->theta_Sd_rad - estimated.theta_rad);
 }
 
 std::vector<Vector3> workspace_angles_rad(const device::DeviceDescription &device,

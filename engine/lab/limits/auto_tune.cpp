@@ -95,20 +95,20 @@ public:
 
     /// For a K_P below the best, the place near the best at which the slowest of the critical modes
     /// decays fastest: there, vibration excited by encoder counts decays soonest.
-    [[nodiscard]] Place calmest(double K_P) const {
-        Place calmest = best_.place;
-        double least = slowest(calmest, K_P);
+    [[nodiscard]] Place most_damped(double K_P) const {
+        Place most_damped = best_.place;
+        double least = slowest(most_damped, K_P);
         refine_grid(
             kFirstStep,
             [&](const Place &place) {
                 const double eigenvalue = slowest(place, K_P);
                 if (eigenvalue < least) {
-                    calmest = place;
+                    most_damped = place;
                     least = eigenvalue;
                 }
             },
-            [&] { return calmest; });
-        return calmest;
+            [&] { return most_damped; });
+        return most_damped;
     }
 
 private:
@@ -298,9 +298,9 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
         if (holds(places.best().place)) {
             return 1.0 - share;
         }
-        const Place calmest = places.calmest(share * places.best().K_P);
+        const Place most_damped = places.most_damped(share * places.best().K_P);
         const std::vector<Place> others =
-            share > kFew ? std::vector<Place>{calmest} : beside(calmest);
+            share > kFew ? std::vector<Place>{most_damped} : beside(most_damped);
         if (std::any_of(others.begin(), others.end(), holds)) {
             return 1.0 - share;
         }

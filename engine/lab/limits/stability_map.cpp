@@ -30,7 +30,7 @@ void fill(MapCell &cell, const loops::StabilityCase &there) {
     cell.eigenvalue = ranked.front().eigenvalue;
     TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     options.longest_s = 1.0;
-    options.patience_s = 0.0;
+    options.extension_s = 0.0;
     for (std::size_t i = 0; i < tried(there, ranked.size()) && cell.stable; ++i) {
         const Trial trial = simulated(there, ranked[i].member, options);
         cell.stable = trial.stable;

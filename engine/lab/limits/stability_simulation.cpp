@@ -24,7 +24,7 @@ rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_
     constexpr double kGreatestRate_per_s = 1e7;
     rig::RingdownOptions how;
     how.longest_s = options.longest_s;
-    how.patience_s = options.patience_s;
+    how.extension_s = options.extension_s;
     how.greatest = kGreatestRate_per_s * start_rad;
     // Encoders can sustain small motions of constant amplitude, whose measured slope is near zero.
     how.least_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;

@@ -27,7 +27,7 @@ struct TrialOptions {
     double longest_s = 3.0; ///< how long it is observed
     /// The same where it is still undecided by then whether the motion decays, see
     /// `RingdownOptions`.
-    double patience_s = 0.0;
+    double extension_s = 0.0;
 
     /// Small motions, only with effects that the prediction includes.
     [[nodiscard]] static constexpr TrialOptions linear() {

@@ -89,7 +89,7 @@ private:
         tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
         TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
         options.longest_s = 1.5;
-        options.patience_s = 0.0;
+        options.extension_s = 0.0;
         return is_stable_simulated(tried_, options);
     }
 

@@ -20,9 +20,9 @@ StabilityCase whole(StabilityCase which) {
 Complex tip_stiffness(const StabilityCase &which, const Vector3 &direction,
                       double omega_rad_per_s) {
     const StabilityCase all = whole(which);
-    const LoopMember nobody{0, no_hand()};
-    const DrivenLoad load = driven_load(all, nobody);
-    const SampledLaw law = sampled_law(all, nobody);
+    const LoopMember without_hand{0, no_hand()};
+    const DrivenLoad load = driven_load(all, without_hand);
+    const SampledLaw law = sampled_law(all, without_hand);
     const Eigen::MatrixXcd motors = motor_stiffness(load, law, omega_rad_per_s);
     const Vector3 n = direction.normalized();
     const Vector3 theta = device::motor_jacobian(which.device.geometry, which.q_rad).inverse() * n;
@@ -46,9 +46,9 @@ double inductive_tip_stiffness(const StabilityCase &which, const Vector3 &direct
 
 double force_of_a_count_N(const StabilityCase &which) {
     const StabilityCase all = whole(which);
-    const LoopMember nobody{0, no_hand()};
-    const DrivenLoad load = driven_load(all, nobody);
-    const SampledLaw law = sampled_law(all, nobody);
+    const LoopMember without_hand{0, no_hand()};
+    const DrivenLoad load = driven_load(all, without_hand);
+    const SampledLaw law = sampled_law(all, without_hand);
     const Matrix3 command =
         which.device.rad_per_count() *
         ((1.0 - law.filter_pole) / law.period_s * law.per_velocity + law.per_position);

@@ -28,11 +28,11 @@ constexpr double kListed_m = 1e-3;
 
 } // namespace
 
-Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes) {
+Vector3 unopposed_part(const Vector3 &desired, std::span<const Vector3> pushes) {
     Vector3 best = Vector3::Zero(); // always admissible
-    double least = wish.squaredNorm();
+    double least = desired.squaredNorm();
     const auto consider = [&](const Vector3 &way) {
-        const double missing = (way - wish).squaredNorm();
+        const double missing = (way - desired).squaredNorm();
         const double flat = kFlat * way.norm();
         if (missing < least && std::ranges::all_of(pushes, [&](const Vector3 &push) {
                 return push.dot(way) >= -flat;
@@ -41,14 +41,14 @@ Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes) {
             least = missing;
         }
     };
-    consider(wish);
+    consider(desired);
     for (std::size_t i = 0; i < pushes.size(); ++i) {
-        consider(wish - wish.dot(pushes[i]) * pushes[i]);
+        consider(desired - desired.dot(pushes[i]) * pushes[i]);
         for (std::size_t j = i + 1; j < pushes.size(); ++j) {
             const Vector3 edge = pushes[i].cross(pushes[j]);
             const double sine = edge.norm();
             if (sine > kFlat) {
-                consider(wish.dot(edge) / (sine * sine) * edge);
+                consider(desired.dot(edge) / (sine * sine) * edge);
             }
         }
     }
@@ -139,15 +139,15 @@ BruteForceProxy::Free BruteForceProxy::free_way(const std::vector<std::size_t> &
 /// One step down; false where there is none to take.
 bool BruteForceProxy::step(const std::vector<std::size_t> &listed, const Vector3 &target_m,
                            double reach_m, End &end) const {
-    const Vector3 wish = target_m - end.point_m;
+    const Vector3 desired = target_m - end.point_m;
     // Its drift towards a push that is turned by round-off stays within half of the slack.
     const double longest_m = std::min(kLongestStep_m, 0.5 * slack_m_ / kFlat);
     std::vector<std::size_t> blocking;
     std::vector<Vector3> pushes;
     for (;;) {
-        const Vector3 way = unopposed_part(wish, pushes);
+        const Vector3 way = unopposed_part(desired, pushes);
         const double way_m = way.norm();
-        if (way_m <= 1e-9 + 2.0 * kFlat * wish.norm()) {
+        if (way_m <= 1e-9 + 2.0 * kFlat * desired.norm()) {
             end.is_lowest = true;
             return false;
         }

@@ -13,10 +13,10 @@
 
 namespace springdrive::rig {
 
-/// Of `wish`, the nearest vector that opposes none of the pushes: its projection onto the cone
+/// Of `desired`, the nearest vector that opposes none of the pushes: its projection onto the cone
 /// { v : nᵢ · v >= 0 }, found by trying all faces of the cone.
 /// @param pushes  unit
-[[nodiscard]] Vector3 unopposed_part(const Vector3 &wish, std::span<const Vector3> pushes);
+[[nodiscard]] Vector3 unopposed_part(const Vector3 &desired, std::span<const Vector3> pushes);
 
 /// By how much a descent may come closer than the reach [m]: far above round-off. Ridges lower than
 /// this do not stop it.

@@ -58,7 +58,7 @@ public:
         fault_ = fault;
         from_ = from_period;
     }
-    void mend() { fault_ = {}; }
+    void clear_fault() { fault_ = {}; }
 
     /// Periods without a tick of the servo: the amplifiers hold the last command.
     void pass_by(int periods) noexcept;

@@ -26,9 +26,9 @@ Ringdown::Ringdown(const RingdownOptions &options, double period_s)
     per_window_ =
         std::max<std::size_t>(8, static_cast<std::size_t>(std::lround(window_s / period_s)));
     most_windows_ = static_cast<std::size_t>(std::lround(options.longest_s / window_s));
-    patience_windows_ = std::max(
-        most_windows_, static_cast<std::size_t>(std::lround(options.patience_s / window_s)));
-    windows_.reserve(patience_windows_);
+    extended_windows_ = std::max(
+        most_windows_, static_cast<std::size_t>(std::lround(options.extension_s / window_s)));
+    windows_.reserve(extended_windows_);
 }
 
 bool Ringdown::watch(double magnitude) {
@@ -48,7 +48,7 @@ bool Ringdown::watch(double magnitude) {
     in_window_ = 0;
     so_far_ = 0.0;
     const bool in_time =
-        windows_.size() < most_windows_ || (windows_.size() < patience_windows_ && is_unclear());
+        windows_.size() < most_windows_ || (windows_.size() < extended_windows_ && is_unclear());
     return in_time && !goes_round() && last() > options_.died_out * windows_.front() && !ran_away();
 }
 
@@ -67,8 +67,8 @@ double Ringdown::change_of_logarithm() const {
 
 bool Ringdown::stays() const {
     constexpr double kTenth = 0.1;
-    return options_.least_decay_per_s == 0.0 && options_.patience_s > 0.0 &&
-           windows_.size() >= patience_windows_ && std::abs(change_of_logarithm()) < kTenth;
+    return options_.least_decay_per_s == 0.0 && options_.extension_s > 0.0 &&
+           windows_.size() >= extended_windows_ && std::abs(change_of_logarithm()) < kTenth;
 }
 
 bool Ringdown::goes_round() const {

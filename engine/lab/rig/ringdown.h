@@ -16,7 +16,7 @@ struct RingdownOptions {
     /// Additional time for a motion that is undecided by then; 0: none. Without a least decay that
     /// is one that has neither doubled nor fallen to a third over the second half of the samples,
     /// with one a motion that falls but is not at rest.
-    double patience_s = 0.0;
+    double extension_s = 0.0;
     /// Motions that end below this share of their beginning have decayed.
     double died_out = 1e-6;
     /// Those that exceed their own first tenth of a window by this factor have run away.
@@ -64,7 +64,7 @@ private:
     double period_s_;
     std::size_t per_window_ = 8;
     std::size_t most_windows_ = 6;
-    std::size_t patience_windows_ = 6;
+    std::size_t extended_windows_ = 6;
     std::size_t waited_ = 0;      ///< samples before anything moved
     std::size_t early_count_ = 0; ///< samples in `early_`
     std::vector<double> windows_; ///< the greatest magnitude of each

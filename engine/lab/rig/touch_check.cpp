@@ -87,7 +87,7 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     findings.pop_throughs = pop_throughs(run, surface.triangles);
     std::vector<std::size_t> in_contact;
     std::vector<std::size_t> suspicious;
-    std::vector<std::size_t> astray;
+    std::vector<std::size_t> off_rest;
     for (std::size_t i = 0; i < run.steps.size(); ++i) {
         const TouchStep &step = run.steps[i];
         if (!step.settled) {
@@ -98,7 +98,7 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
             continue;
         }
         if (!step.settled || (!step.is_touching() && step.proxy_m != step.tip_m)) {
-            astray.push_back(i);
+            off_rest.push_back(i);
         }
         if (step.is_touching()) {
             in_contact.push_back(i);
@@ -112,7 +112,7 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     findings.suspicious = suspicious.size();
     findings.suspicious_unchecked = suspicious.size() - beside.size();
     to_check.insert(to_check.end(), beside.begin(), beside.end());
-    const std::vector<std::size_t> lost = spread(astray, options.most_suspicious);
+    const std::vector<std::size_t> lost = spread(off_rest, options.most_suspicious);
     to_check.insert(to_check.end(), lost.begin(), lost.end());
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());

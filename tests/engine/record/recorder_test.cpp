@@ -22,19 +22,19 @@ servo::ServoSample sample_at(std::uint64_t tick) {
 }
 
 /// The ticks and notes of a file, in order: "0 1 2 {note} 3".
-std::string story_of(const std::filesystem::path &file) {
+std::string log_of(const std::filesystem::path &file) {
     RecordReader reader(file);
-    std::string story;
+    std::string log;
     while (reader.next()) {
         if (reader.is_note()) {
-            story += "{" + std::string(reader.note()) + "} ";
+            log += "{" + std::string(reader.note()) + "} ";
         }
         for (std::uint32_t i = 0; i < reader.rows(); ++i) {
-            story += std::to_string(reader.read_sample(i).tick) + " ";
+            log += std::to_string(reader.read_sample(i).tick) + " ";
         }
     }
     EXPECT_EQ(reader.ending().why, "");
-    return story;
+    return log;
 }
 
 void push(SampleRing<servo::ServoSample> &ring, std::uint64_t from, std::uint64_t to) {
@@ -59,7 +59,7 @@ TEST(Recorder, KeepsWhatIsPumpedBetweenStartAndStop) {
     push(ring, 15, 17);
     recorder.stop("end");
     EXPECT_FALSE(recorder.is_recording());
-    EXPECT_EQ(story_of(file), "3 4 5 6 7 8 9 10 11 12 13 14 {scene} 15 16 {end} ");
+    EXPECT_EQ(log_of(file), "3 4 5 6 7 8 9 10 11 12 13 14 {scene} 15 16 {end} ");
     const RecorderStatus status = recorder.status();
     EXPECT_EQ(status.rows, 14U);
     EXPECT_EQ(status.bytes, std::filesystem::file_size(file));
@@ -122,8 +122,8 @@ TEST(Recorder, StartsAnewWithACleanSlate) {
     recorder.stop("twice");
     recorder.note("too late");
     recorder.pump();
-    EXPECT_EQ(story_of(folder / "a.rec"), "0 1 2 3 4 5 6 7 ");
-    EXPECT_EQ(story_of(folder / "b.rec"), "50 51 ");
+    EXPECT_EQ(log_of(folder / "a.rec"), "0 1 2 3 4 5 6 7 ");
+    EXPECT_EQ(log_of(folder / "b.rec"), "50 51 ");
 }
 
 TEST(Recorder, LeavesTheOldFileAloneWhereItCannotStart) {
@@ -148,7 +148,7 @@ TEST(Recorder, RefusesANoteThatIsTooLong) {
                   [&] { recorder.note(std::string(RecordWriter::kLongestNote + 1, ' ')); }),
               "");
     recorder.stop();
-    EXPECT_EQ(story_of(file), "");
+    EXPECT_EQ(log_of(file), "");
 }
 
 /// Waits for a condition set by another thread, at most a minute.
@@ -172,7 +172,7 @@ TEST(Recorder, WritesOnItsOwnThreadEvenWhenTheServoPauses) {
         [&] { return recorder.status().bytes > expected_bytes(7, record_header(10'000.0)); }));
     push(ring, 7, 9);
     recorder.stop("end");
-    EXPECT_EQ(story_of(file), "0 1 2 3 4 5 6 {paused} 7 8 {end} ");
+    EXPECT_EQ(log_of(file), "0 1 2 3 4 5 6 {paused} 7 8 {end} ");
 }
 
 // For the thread sanitizer: calls everything that may run concurrently.

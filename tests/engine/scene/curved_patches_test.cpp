@@ -253,15 +253,15 @@ TEST(CurvedPatches, WhatIsClosedStaysClosedWhateverItsNormals) {
     const auto random = [&] { return Vector3(normal(dice), normal(dice), normal(dice)); };
     for (int i = 0; i < 30; ++i) {
         // From slightly to wildly off, shared by all triangles at a vertex, and not.
-        const double wildness = std::pow(10.0, i % 5 - 3);
+        const double disorder = std::pow(10.0, i % 5 - 3);
         SmoothMesh shared = sphere(1);
         for (std::size_t v = 0; v < shared.positions.size(); ++v) {
-            shared.positions[v] += 0.1 * kRadius_m * wildness * random();
-            shared.normals[v] = (shared.normals[v] + wildness * random()).normalized();
+            shared.positions[v] += 0.1 * kRadius_m * disorder * random();
+            shared.normals[v] = (shared.normals[v] + disorder * random()).normalized();
         }
         expect_closed(cut_all(shared, 5));
         const SmoothMesh apart = split(shared, [&](const Vector3 &p, const Vector3 &) {
-            return Vector3(p.normalized() + wildness * random()).normalized();
+            return Vector3(p.normalized() + disorder * random()).normalized();
         });
         expect_closed(cut_all(apart, 4));
     }

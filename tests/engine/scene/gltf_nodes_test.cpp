@@ -223,15 +223,15 @@ TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
                          "sides": "two"}})"};
     const Scene scene = load(builder);
     ASSERT_EQ(scene.surface.materials.size(), 2U);
-    const contact::SurfaceMaterial &heir = scene.surface.materials[0];
-    EXPECT_EQ(heir.eta, 0.5);
-    EXPECT_EQ(heir.static_friction, 0.75);
-    EXPECT_EQ(heir.dynamic_friction, 0.25);
-    EXPECT_EQ(heir.sides, contact::TouchSides::one);
-    const contact::SurfaceMaterial &rebel = scene.surface.materials[1];
-    EXPECT_EQ(rebel.eta, 0.0);
-    EXPECT_EQ(rebel.static_friction, 0.0);
-    EXPECT_EQ(rebel.sides, contact::TouchSides::two);
+    const contact::SurfaceMaterial &inheriting = scene.surface.materials[0];
+    EXPECT_EQ(inheriting.eta, 0.5);
+    EXPECT_EQ(inheriting.static_friction, 0.75);
+    EXPECT_EQ(inheriting.dynamic_friction, 0.25);
+    EXPECT_EQ(inheriting.sides, contact::TouchSides::one);
+    const contact::SurfaceMaterial &overriding = scene.surface.materials[1];
+    EXPECT_EQ(overriding.eta, 0.0);
+    EXPECT_EQ(overriding.static_friction, 0.0);
+    EXPECT_EQ(overriding.sides, contact::TouchSides::two);
 
     const gltf::TouchExtras parent = read(R"({"smooth": true, "shape": "box"})");
     EXPECT_EQ(parent.shape, ShapeKind::box);

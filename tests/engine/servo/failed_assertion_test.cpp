@@ -57,16 +57,16 @@ struct Pressed {
 
 /// From the failure on the device received only braking commands, and before that it was driven.
 void expect_braked(const PlantedDevice &device) {
-    const std::vector<device::DeviceCommand> &heard = device.heard();
-    const std::size_t failed = device.heard_when_it_failed();
+    const std::vector<device::DeviceCommand> &received = device.received();
+    const std::size_t failed = device.received_before_failure();
     ASSERT_GT(failed, 0U);
-    ASSERT_LT(failed, heard.size());
-    EXPECT_GT(heard[failed - 1].e_W_V.norm(), 0.1);
-    EXPECT_GT(heard[failed - 1].cancelled_resistance_Ohm.minCoeff(), 1.0);
-    for (std::size_t i = failed; i < heard.size(); ++i) {
-        ASSERT_EQ(heard[i].mode, device::CommandMode::brake) << i - failed;
-        ASSERT_TRUE(heard[i].e_W_V.isZero(0.0)) << i - failed;
-        ASSERT_TRUE(heard[i].cancelled_resistance_Ohm.isZero(0.0)) << i - failed;
+    ASSERT_LT(failed, received.size());
+    EXPECT_GT(received[failed - 1].e_W_V.norm(), 0.1);
+    EXPECT_GT(received[failed - 1].cancelled_resistance_Ohm.minCoeff(), 1.0);
+    for (std::size_t i = failed; i < received.size(); ++i) {
+        ASSERT_EQ(received[i].mode, device::CommandMode::brake) << i - failed;
+        ASSERT_TRUE(received[i].e_W_V.isZero(0.0)) << i - failed;
+        ASSERT_TRUE(received[i].cancelled_resistance_Ohm.isZero(0.0)) << i - failed;
     }
 }
 
@@ -176,7 +176,7 @@ TEST(ServoAssertion, OneThatFailsAgainWhileBrakingEndsTheTicksNotTheProgram) {
         expect_braked(rig.device);
         EXPECT_EQ(rig.device.failures(), 2);
         // Once at each failure, and at the end.
-        EXPECT_EQ(rig.device.heard().size(), rig.device.heard_when_it_failed() + 3);
+        EXPECT_EQ(rig.device.received().size(), rig.device.received_before_failure() + 3);
     }
 }
 
@@ -185,11 +185,11 @@ TEST(ServoAssertion, WindingsThatAreOpenStayOpen) {
     rig.servo.advance(kPressing);
     rig.device.report(device::BoardFaults::kAmplifier);
     rig.servo.advance(1);
-    ASSERT_EQ(rig.device.heard().back().mode, device::CommandMode::open);
+    ASSERT_EQ(rig.device.received().back().mode, device::CommandMode::open);
     rig.device.arm();
     rig.servo.advance(10);
     EXPECT_EQ(rig.device.failures(), 1);
-    EXPECT_EQ(rig.device.heard().back().mode, device::CommandMode::open);
+    EXPECT_EQ(rig.device.received().back().mode, device::CommandMode::open);
     rig.take_in();
     expect_said(rig.samples.back().safety, rig.device.line()); // no longer the board's fault
 }

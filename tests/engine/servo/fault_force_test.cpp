@@ -37,7 +37,7 @@ TEST(FaultInjection, TipForce) {
                                                                           : TripCause::tip_force);
         rig.expect_latched();
         rig.expect_reset_waits();
-        rig.device().mend();
+        rig.device().clear_fault();
         rig.inputs.limits = unlowered();
         rig.expect_recovery();
     }
@@ -63,7 +63,7 @@ TEST(FaultInjection, Energy) {
         rig.expect_tripped_by(TripCause::energy);
         rig.expect_latched();
         rig.expect_reset_waits();
-        rig.device().mend();
+        rig.device().clear_fault();
         rig.expect_recovery();
     }
 }

@@ -34,7 +34,7 @@ void see_through(testing::FaultTrial &rig, rig::FaultKind kind, const Vector3 &s
     rig.expect_tripped_by(cause);
     rig.expect_latched();
     rig.expect_reset_trips_again(cause, 0.01);
-    rig.device().mend();
+    rig.device().clear_fault();
     rig.expect_latched();
     rig.expect_recovery();
 }
@@ -67,7 +67,7 @@ TEST(FaultInjection, StaleMeasurements) {
         rig.force_is_bounded = true;
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::stale_measurement, 0.01);
-        rig.device().mend();
+        rig.device().clear_fault();
         rig.expect_latched();
         rig.expect_recovery();
     }
@@ -147,7 +147,7 @@ TEST(FaultInjection, EncoderJump) {
         if (flickers) { // a permanent offset looks like any other position, once accepted
             rig.expect_reset_trips_again(TripCause::none, 0.01); // as a jump or as a speed
         }
-        rig.device().mend();
+        rig.device().clear_fault();
         rig.expect_latched();
         rig.expect_recovery();
     }

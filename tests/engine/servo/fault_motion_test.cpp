@@ -23,15 +23,15 @@ namespace {
 /// The hand's path before the fault, and from then on with another speed and target.
 simulated::SimulationOptions yanking(const testing::FaultCase &what, const Vector3 &end_m,
                                      double speed_m_per_s) {
-    const double yank_s = static_cast<double>(what.at_tick) / what.servo_hz;
+    const double pull_s = static_cast<double>(what.at_tick) / what.servo_hz;
     const double goes_s = (what.target_m - what.start_m).norm() / what.hand_m_per_s;
     simulated::SimulationOptions options;
     options.path.emplace(std::vector<simulated::HandPath::Point>{
         {0.0, what.start_m},
         {0.3, what.start_m},
-        {std::min(0.3 + goes_s, yank_s - 0.01), what.target_m},
-        {yank_s, what.target_m},
-        {yank_s + (end_m - what.target_m).norm() / speed_m_per_s, end_m}});
+        {std::min(0.3 + goes_s, pull_s - 0.01), what.target_m},
+        {pull_s, what.target_m},
+        {pull_s + (end_m - what.target_m).norm() / speed_m_per_s, end_m}});
     return options;
 }
 
@@ -139,7 +139,7 @@ TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
         rig.expect_tripped_by(TripCause::beyond_stops);
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::beyond_stops, 0.01);
-        rig.device().mend();
+        rig.device().clear_fault();
         rig.expect_latched();
         rig.expect_recovery();
     }

@@ -67,7 +67,7 @@ TEST(FaultInjection, WindowSilent) {
         const double limit_s = i % 6 == 0 ? 2.0 : testing::log_uniform(random, 0.05, 1.0);
         rig.inputs.limits.window_silence_s = limit_s;
         rig.run_to_fault();
-        rig.window_lives = false;
+        rig.window_responds = false;
         const std::uint32_t last_beat = rig.inputs.heartbeat;
         rig.run_to_trip(limit_s - 0.02); // the last heartbeat was at most 16 ms ago
         EXPECT_FALSE(rig.has_tripped());
@@ -76,7 +76,7 @@ TEST(FaultInjection, WindowSilent) {
         rig.expect_tripped_by(TripCause::window_silent);
         rig.expect_latched();
         rig.expect_reset_trips_again(TripCause::window_silent, limit_s + 0.01);
-        rig.window_lives = true;
+        rig.window_responds = true;
         rig.expect_latched();
         rig.expect_recovery();
     }

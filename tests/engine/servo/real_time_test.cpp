@@ -159,8 +159,8 @@ int exit_status_without_system_calls(TouchedScene &touched, bool call_one) {
 }
 
 TEST(RealTime, ATickMakesNoSystemCall) {
-    TouchedScene witness("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
-    const int killed = exit_status_without_system_calls(witness, true);
+    TouchedScene one_call("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
+    const int killed = exit_status_without_system_calls(one_call, true);
     if (killed == 77) {
         GTEST_SKIP() << "this kernel has no seccomp";
     }

@@ -37,15 +37,15 @@ TEST(RestDetector, TakesATenthOfASecondInOnePlaceAtAnyRate) {
 }
 
 TEST(RestDetector, AMillimetreToAndFroIsRestMoreIsNot) {
-    const auto sway = [](double reach_m) {
+    const auto oscillation = [](double reach_m) {
         return [reach_m](int tick) {
             return Vector3(kPlace_m + Vector3(0.0, tick % 2 == 0 ? reach_m : 0.0, 0.0));
         };
     };
-    RestDetector calm(kWatchPeriod_s);
-    EXPECT_GT(ticks_to_rest(calm, sway(0.999e-3), kWatchPeriod_s), 0);
-    RestDetector restless(kWatchPeriod_s);
-    EXPECT_EQ(ticks_to_rest(restless, sway(1.001e-3), kWatchPeriod_s), -1);
+    RestDetector resting(kWatchPeriod_s);
+    EXPECT_GT(ticks_to_rest(resting, oscillation(0.999e-3), kWatchPeriod_s), 0);
+    RestDetector moving(kWatchPeriod_s);
+    EXPECT_EQ(ticks_to_rest(moving, oscillation(1.001e-3), kWatchPeriod_s), -1);
 }
 
 TEST(RestDetector, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {

@@ -67,11 +67,11 @@ TEST(SafetyLimits, ALoweredOneIsLoweredAndNoOther) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     for (const SafetyLimit &changed : kSafetyLimits) {
         for (const double share : {1e-3, 0.5, 0.999}) {
-            SafetyLimits wish = unlowered();
-            wish.*changed.value = share * (device.*changed.value);
+            SafetyLimits request = unlowered();
+            request.*changed.value = share * (device.*changed.value);
             SafetyLimits expected = device;
             expected.*changed.value = share * (device.*changed.value);
-            expect_equal(lowered(device, wish), expected);
+            expect_equal(lowered(device, request), expected);
         }
     }
 }
@@ -80,9 +80,9 @@ TEST(SafetyLimits, NoneIsRaised) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     for (const SafetyLimit &changed : kSafetyLimits) {
         for (const double share : {1.0, 1.001, 1e6}) {
-            SafetyLimits wish = unlowered();
-            wish.*changed.value = share * (device.*changed.value);
-            expect_equal(lowered(device, wish), device);
+            SafetyLimits request = unlowered();
+            request.*changed.value = share * (device.*changed.value);
+            expect_equal(lowered(device, request), device);
         }
     }
 }
@@ -91,10 +91,10 @@ TEST(SafetyLimits, NonsenseChangesNothing) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     expect_equal(lowered(device, unlowered()), device);
     for (const SafetyLimit &changed : kSafetyLimits) {
-        for (const double wished : {kNaN, -kNaN, 0.0, -0.0, -1.0, -kInfinity, kInfinity}) {
-            SafetyLimits wish = unlowered();
-            wish.*changed.value = wished;
-            expect_equal(lowered(device, wish), device);
+        for (const double requested : {kNaN, -kNaN, 0.0, -0.0, -1.0, -kInfinity, kInfinity}) {
+            SafetyLimits request = unlowered();
+            request.*changed.value = requested;
+            expect_equal(lowered(device, request), device);
         }
     }
 }

@@ -359,11 +359,11 @@ TEST(ServoLoopChanges, MissedDeadlinesOfADeviceThatDoesNotWaitReachSampleAndMoni
 TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
-    FirmRig punctual;
-    punctual.run(kStartUp_s + 0.8);
+    FirmRig on_time;
+    on_time.run(kStartUp_s + 0.8);
     for (const std::uint32_t missed : {1U, 99U, 2000U}) {
         const ServoSample late = rig.tick({missed, missed});
-        const ServoSample sample = punctual.tick();
+        const ServoSample sample = on_time.tick();
         EXPECT_EQ(late.missed_deadlines, missed); // counted nevertheless
         EXPECT_EQ(late.missed_periods, 0U);
         EXPECT_EQ(late.safety.state, SafetyState::running);
@@ -408,7 +408,7 @@ TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBud
         for (int tick = 0; tick < 5; ++tick) {
             mended.tick();
         }
-        mended.device().mend();
+        mended.device().clear_fault();
         const ServoSample fresh = mended.tick();
         EXPECT_EQ(fresh.safety.state, SafetyState::running);
         EXPECT_EQ(fresh.missed_periods, 5U);
@@ -449,7 +449,7 @@ TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) 
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
         rig.fail(rig::FaultKind::absent); // no new measurement: the fault persists
         EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
-        rig.device().mend(); // it brakes again, until a reset
+        rig.device().clear_fault(); // it brakes again, until a reset
         EXPECT_EQ(rig.tick().command.mode, device::CommandMode::brake);
     }
 }
@@ -462,7 +462,7 @@ TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
         EXPECT_EQ(sample.command.mode, device::CommandMode::brake);
         EXPECT_NE(sample.safety.state, SafetyState::running);
     }
-    rig.device().mend();
+    rig.device().clear_fault();
     const ServoSample first = rig.tick();
     EXPECT_TRUE(first.theta_rate_rad_per_s.isZero(0.0));
     EXPECT_EQ(first.safety.state, SafetyState::waiting);

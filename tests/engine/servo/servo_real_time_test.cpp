@@ -37,7 +37,7 @@ namespace {
 using testing::watched;
 
 constexpr int kNone = -1;
-constexpr auto kPatience = std::chrono::seconds(30);
+constexpr auto kTimeout = std::chrono::seconds(30);
 
 /// Ends this child when the servo has done enough or was caught, after a final `check`.
 template <typename IsEnough, typename Check>
@@ -48,7 +48,7 @@ template <typename IsEnough, typename Check>
     servo.publish(inputs);
     servo.feed_recorder(true);
     servo.start({{}, testing::watch_this_thread_for_good});
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTimeout;
     bool enough = false;
     while (!enough && watched().system_call == kNone && std::chrono::steady_clock::now() < end) {
         servo.drain([&](const ServoSample &sample) { enough = enough || is_enough(sample); });
@@ -101,34 +101,34 @@ TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
 /// A device whose driver performs an action on the servo's thread in its twentieth tick.
 class Driver final : public device::ForwardingDevice {
 public:
-    explicit Driver(std::function<void()> deed)
+    explicit Driver(std::function<void()> action)
         : device::ForwardingDevice(std::make_unique<simulated::SimulatedPhantom>(
               testing::phantom_1_0(), simulated::SimulationOptions{},
               testing::phantom_1_0().workspace.centre_m)),
-          deed_(std::move(deed)) {}
+          action_(std::move(action)) {}
 
     [[nodiscard]] device::Measurement read() noexcept override {
         if (++ticks_ == 20) {
-            deed_();
+            action_();
         }
         return device::ForwardingDevice::read();
     }
 
 private:
-    std::function<void()> deed_;
+    std::function<void()> action_;
     int ticks_ = 0;
 };
 
-struct Deed {
+struct DriverAction {
     const char *name;
     std::function<void()> act;
     long system_call = kNone; ///< that it makes
 };
 
-/// Runs a servo whose driver performs `deed`, and checks what the watch has seen.
-template <typename Check> bool holds_for(const Deed &deed, Check &&check) {
+/// Runs a servo whose driver performs `action`, and checks what the watch has seen.
+template <typename Check> bool holds_for(const DriverAction &action, Check &&check) {
     return testing::holds_in_a_child([&] {
-        Driver driver(deed.act);
+        Driver driver(action.act);
         Servo servo(driver, 1000.0);
         run_watched(
             servo, nullptr, [](const ServoSample &sample) { return sample.tick > 40; },
@@ -165,19 +165,19 @@ TEST_F(RealTimeServo, TheWatchSeesAllocations) {
     static std::atomic<void *> kept = nullptr; // otherwise the compiler may omit the allocation
     static std::atomic<void *> none = nullptr;
     static auto *old = new std::vector<char>(100);
-    const std::array deeds{
-        Deed{"malloc", [] { kept = std::malloc(1); }},                    // NOLINT
-        Deed{"calloc", [] { kept = std::calloc(1, 1); }},                 // NOLINT
-        Deed{"realloc", [] { kept = std::realloc(none, 1); }},            // NOLINT
-        Deed{"aligned_alloc", [] { kept = std::aligned_alloc(64, 64); }}, // NOLINT
-        Deed{"new", [] { kept = new char; }},                             // NOLINT
-        Deed{"free", [] { std::free(none); }},                            // NOLINT
-        Deed{"a vector that grows", [] { old->resize(1000); }},
-        Deed{"a vector that goes", [] { delete old; }}, // NOLINT
+    const std::array actions{
+        DriverAction{"malloc", [] { kept = std::malloc(1); }},                    // NOLINT
+        DriverAction{"calloc", [] { kept = std::calloc(1, 1); }},                 // NOLINT
+        DriverAction{"realloc", [] { kept = std::realloc(none, 1); }},            // NOLINT
+        DriverAction{"aligned_alloc", [] { kept = std::aligned_alloc(64, 64); }}, // NOLINT
+        DriverAction{"new", [] { kept = new char; }},                             // NOLINT
+        DriverAction{"free", [] { std::free(none); }},                            // NOLINT
+        DriverAction{"a vector that grows", [] { old->resize(1000); }},
+        DriverAction{"a vector that goes", [] { delete old; }}, // NOLINT
     };
-    for (const Deed &deed : deeds) {
-        const bool seen = holds_for(deed, [] { EXPECT_GT(watched().allocations, 0); });
-        EXPECT_TRUE(seen) << deed.name;
+    for (const DriverAction &action : actions) {
+        const bool seen = holds_for(action, [] { EXPECT_GT(watched().allocations, 0); });
+        EXPECT_TRUE(seen) << action.name;
     }
 }
 
@@ -185,41 +185,43 @@ TEST_F(RealTimeServo, TheWatchSeesLocks) {
     static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     static pthread_rwlock_t lock = PTHREAD_RWLOCK_INITIALIZER;
     static std::mutex standard;
-    const std::array deeds{
-        Deed{"a mutex", [] { pthread_mutex_lock(&mutex); }},
-        Deed{"a mutex tried", [] { static_cast<void>(pthread_mutex_trylock(&mutex)); }},
-        Deed{"a lock to read", [] { pthread_rwlock_rdlock(&lock); }},
-        Deed{"a lock to write", [] { pthread_rwlock_wrlock(&lock); }},
-        Deed{"C++'s own", [] { const std::lock_guard guard(standard); }},
+    const std::array actions{
+        DriverAction{"a mutex", [] { pthread_mutex_lock(&mutex); }},
+        DriverAction{"a mutex tried", [] { static_cast<void>(pthread_mutex_trylock(&mutex)); }},
+        DriverAction{"a lock to read", [] { pthread_rwlock_rdlock(&lock); }},
+        DriverAction{"a lock to write", [] { pthread_rwlock_wrlock(&lock); }},
+        DriverAction{"C++'s own", [] { const std::lock_guard guard(standard); }},
     };
-    for (const Deed &deed : deeds) {
-        const bool seen = holds_for(deed, [] { EXPECT_EQ(watched().locks, 1); });
-        EXPECT_TRUE(seen) << deed.name;
+    for (const DriverAction &action : actions) {
+        const bool seen = holds_for(action, [] { EXPECT_EQ(watched().locks, 1); });
+        EXPECT_TRUE(seen) << action.name;
     }
 }
 
 TEST_F(RealTimeServo, TheWatchSeesSystemCalls) {
     static int word = 0;
-    const std::array deeds{
-        Deed{"write", [] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); }, SYS_write},
-        Deed{"wake", [] { syscall(SYS_futex, &word, FUTEX_WAKE, 1); }, SYS_futex},
-        Deed{"yield", [] { sched_yield(); }, SYS_sched_yield},
-        Deed{"open", [] { static_cast<void>(open("/dev/null", O_RDONLY)); }, SYS_openat},
-        Deed{"control", [] { ioctl(0, FIONREAD, &word); }, SYS_ioctl},
-        Deed{"map",
-             [] {
-                 static_cast<void>(mmap(nullptr, 1, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
-             },
-             SYS_mmap},
-        Deed{"unmap", [] { munmap(nullptr, 1); }, SYS_munmap},
-        Deed{"break", [] { syscall(SYS_brk, nullptr); }, SYS_brk},
-        Deed{"advise", [] { madvise(nullptr, 1, MADV_NORMAL); }, SYS_madvise},
-        Deed{"ask", [] { getppid(); }, SYS_getppid},
+    const std::array actions{
+        DriverAction{"write", [] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); },
+                     SYS_write},
+        DriverAction{"wake", [] { syscall(SYS_futex, &word, FUTEX_WAKE, 1); }, SYS_futex},
+        DriverAction{"yield", [] { sched_yield(); }, SYS_sched_yield},
+        DriverAction{"open", [] { static_cast<void>(open("/dev/null", O_RDONLY)); }, SYS_openat},
+        DriverAction{"control", [] { ioctl(0, FIONREAD, &word); }, SYS_ioctl},
+        DriverAction{"map",
+                     [] {
+                         static_cast<void>(
+                             mmap(nullptr, 1, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+                     },
+                     SYS_mmap},
+        DriverAction{"unmap", [] { munmap(nullptr, 1); }, SYS_munmap},
+        DriverAction{"break", [] { syscall(SYS_brk, nullptr); }, SYS_brk},
+        DriverAction{"advise", [] { madvise(nullptr, 1, MADV_NORMAL); }, SYS_madvise},
+        DriverAction{"ask", [] { getppid(); }, SYS_getppid},
     };
-    for (const Deed &deed : deeds) {
+    for (const DriverAction &action : actions) {
         const bool seen =
-            holds_for(deed, [&] { EXPECT_EQ(watched().system_call, deed.system_call); });
-        EXPECT_TRUE(seen) << deed.name;
+            holds_for(action, [&] { EXPECT_EQ(watched().system_call, action.system_call); });
+        EXPECT_TRUE(seen) << action.name;
     }
 }
 

@@ -26,9 +26,9 @@ namespace {
 const Vector3 kStart_m(0.0, 0.02, 0.0);
 
 /// A simulated device that stores the last command.
-class Witness final : public device::ForwardingDevice {
+class RecordingDevice final : public device::ForwardingDevice {
 public:
-    Witness()
+    RecordingDevice()
         : device::ForwardingDevice(std::make_unique<simulated::SimulatedPhantom>(
               testing::phantom_1_0(), simulated::SimulationOptions{}, kStart_m)) {}
 
@@ -59,7 +59,7 @@ std::vector<std::string> rows_of(Servo &servo) {
 }
 
 TEST(Servo, SendsTheSafeStateLast) {
-    Witness device;
+    RecordingDevice device;
     {
         Servo servo(device, 1000.0);
         servo.publish({});
@@ -73,7 +73,7 @@ TEST(Servo, SendsTheSafeStateLast) {
 }
 
 TEST(Servo, SendsTheSafeStateLastFromItsThreadToo) {
-    Witness device;
+    RecordingDevice device;
     {
         Servo servo(device, 1000.0);
         servo.start();
@@ -110,7 +110,7 @@ TEST(Servo, LockstepRepeatsToTheLastBit) {
 }
 
 TEST(Servo, EveryTickGivesOneSampleInOrder) {
-    Witness device;
+    RecordingDevice device;
     Servo servo(device, 2000.0);
     servo.start();
     std::uint64_t next = 0;
@@ -126,7 +126,7 @@ TEST(Servo, EveryTickGivesOneSampleInOrder) {
 }
 
 TEST(Servo, CountsTheSamplesThatNobodyFetched) {
-    Witness device;
+    RecordingDevice device;
     Servo servo(device, 1000.0);
     servo.advance(16'384 + 50);
     EXPECT_EQ(servo.lost_samples(), 50U);
@@ -134,7 +134,7 @@ TEST(Servo, CountsTheSamplesThatNobodyFetched) {
 }
 
 TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
-    Witness device;
+    RecordingDevice device;
     Servo servo(device, 5000.0);
     servo.start();
     // Consistent sets of inputs: the servo must report one of them.
@@ -342,7 +342,7 @@ TEST(Servo, AnotherRateOnItsThreadLosesNoSampleAndNoMemory) {
 }
 
 TEST(Servo, RefusesRatesThatItCannotKeep) {
-    Witness device;
+    RecordingDevice device;
     for (const double good : {250.0, 10'000.0}) {
         EXPECT_NO_THROW(Servo(device, good));
     }

@@ -44,9 +44,9 @@ std::string name_of(const std::array<Exchange, 3> &order) {
 }
 
 /// A session with cyclic requests for the next scene, rate or device.
-class Asked {
+class Requested {
 public:
-    explicit Asked(Session &session) : session_(session) {}
+    explicit Requested(Session &session) : session_(session) {}
 
     void ask(Exchange exchange) {
         constexpr std::array kScenes{"sphere", "organic", "plate"};
@@ -118,28 +118,28 @@ Sum exchange_in_contact(SessionOptions options, const std::array<Exchange, 3> &o
     options.plays_script = false;
     options.record = folder / "touch.rec";
     Session session(options);
-    Asked asked(session);
+    Requested requested(session);
     session.start();
     for (const Exchange exchange : order) {
-        if (apart || asked.is_done()) {
+        if (apart || requested.is_done()) {
             EXPECT_TRUE(press(session)) << name;
         }
-        asked.ask(exchange);
+        requested.ask(exchange);
         if (apart) {
             EXPECT_TRUE(run_until(
-                session, [&] { return asked.is_done(); }, 20.0))
+                session, [&] { return requested.is_done(); }, 20.0))
                 << name;
         }
     }
     EXPECT_TRUE(run_until(
-        session, [&] { return asked.is_done(); }, 20.0))
+        session, [&] { return requested.is_done(); }, 20.0))
         << name;
     EXPECT_TRUE(press(session)) << name; // everything is in use, and in contact
     session.stop();
     EXPECT_EQ(session.scenes().error(), "") << name;
     const Sum sum = judged(session, name);
     if (apart) {
-        EXPECT_EQ(sum.parts, 1 + asked.devices) << name;
+        EXPECT_EQ(sum.parts, 1 + requested.devices) << name;
     }
     std::filesystem::remove_all(folder);
     return sum;

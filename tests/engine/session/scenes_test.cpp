@@ -1,7 +1,7 @@
-// Covers engine/session/scenes.cpp, scene_loader.cpp and guided_hand.cpp, by themselves.
+// Covers engine/session/scenes.cpp, scene_loader.cpp and simulated_hand.cpp, by themselves.
 #include "engine/session/scenes.h"
 
-#include "engine/session/guided_hand.h"
+#include "engine/session/simulated_hand.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -76,9 +76,9 @@ TEST(Scenes, OneThatNobodyWantsAnyMoreIsNotLoadedToItsEnd) {
                  NotWanted);
 }
 
-TEST(GuidedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
+TEST(SimulatedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    GuidedHand hand;
+    SimulatedHand hand;
     hand.take_hold(nullptr, device, std::nullopt, Vector3::Zero());
     hand.move_to(Vector3(5.0, 5.0, 5.0));
     const Vector3 from_centre_m = hand.target_m() - device.workspace.centre_m;

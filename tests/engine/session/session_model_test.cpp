@@ -305,7 +305,7 @@ TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
         std::this_thread::yield();
     }
     EXPECT_NE(measurement.error().find("delay"), std::string::npos) << measurement.error();
-    measurement.forget();
+    measurement.discard();
     EXPECT_EQ(measurement.error(), "");
     EXPECT_TRUE(is_empty());
 }

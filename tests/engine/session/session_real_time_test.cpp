@@ -24,7 +24,7 @@ namespace {
 using testing::watched;
 
 constexpr std::array kScenes{"sphere", "stepped_block", "organic", "compliance", "plate"};
-constexpr auto kPatience = std::chrono::seconds(30);
+constexpr auto kTimeout = std::chrono::seconds(30);
 
 void expect_nothing_caught() {
     EXPECT_TRUE(watched().has_filter);
@@ -35,7 +35,7 @@ void expect_nothing_caught() {
 
 /// Runs until `is_so`, a timeout, or the servo is caught; the caller determines which.
 template <typename Step> bool step_until(const std::function<bool()> &is_so, Step &&step) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!is_so()) {
         if (watched().system_call != -1 || std::chrono::steady_clock::now() > end) {
             return false;

@@ -227,8 +227,8 @@ TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
     }
     session.stop();
     EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped);
-    EXPECT_GT(session.servo().stood_still().seconds, 0.4 * silence_s);
-    EXPECT_GT(session.servo().stood_still().longest_s, 0.4 * silence_s);
+    EXPECT_GT(session.servo().standstills().seconds, 0.4 * silence_s);
+    EXPECT_GT(session.servo().standstills().longest_s, 0.4 * silence_s);
     int told = 0;
     for (const std::string &remark : session.remarks().take_new()) {
         told += remark.find("the simulation waited") != std::string::npos ? 1 : 0;
@@ -252,10 +252,10 @@ TEST(Session, LimitsAreLoweredAndNeverRaised) {
     session.start();
     testing::run(session, 0.1);
     const servo::SafetyLimits device = servo::limits_of(session.description());
-    servo::SafetyLimits wishes = session.servo().inputs().limits;
-    wishes.tip_force_N = 3.0;
-    wishes.current_A = 100.0;
-    session.servo().lower_limits(wishes);
+    servo::SafetyLimits requested = session.servo().inputs().limits;
+    requested.tip_force_N = 3.0;
+    requested.current_A = 100.0;
+    session.servo().lower_limits(requested);
     testing::run(session, 0.1); // it still waits, so there is no force step
     EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
     EXPECT_EQ(session.latest().limits.current_A, device.current_A);

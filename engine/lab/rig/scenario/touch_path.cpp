@@ -19,11 +19,11 @@ constexpr double kAbove_m = 2e-3;
 constexpr double kSpacing_m = 0.5e-3;
 
 /// After so many directions without a surface the search ends.
-constexpr int kPatience = 2000;
+constexpr int kMaxMisses = 2000;
 
-class Dice {
+class RandomDraws {
 public:
-    explicit Dice(std::uint64_t seed) : random_(seed) {}
+    explicit RandomDraws(std::uint64_t seed) : random_(seed) {}
 
     double between(double lower, double upper) {
         return std::uniform_real_distribution<double>(lower, upper)(random_);
@@ -61,14 +61,14 @@ void go_round(TipPen &pen, const SurfaceProbe &probe, const Vector3 &from, const
     }
 }
 
-void press(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+void press(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const Eigen::AlignedBox3d &box = probe.box();
-    Vector3 from = dice.direction();
+    Vector3 from = draws.direction();
     pen.leap_to(probe.outside(from));
-    for (int misses = 0; misses < kPatience && !pen.is_full();) {
-        const Vector3 to = dice.direction();
+    for (int misses = 0; misses < kMaxMisses && !pen.is_full();) {
+        const Vector3 to = draws.direction();
         const Vector3 start_m = probe.outside(to);
-        const Vector3 inward = (dice.within(box) - start_m).normalized();
+        const Vector3 inward = (draws.within(box) - start_m).normalized();
         const std::optional<Vector3> touch_m = probe.first_touch(
             start_m, start_m + 2.0 * (start_m - probe.middle_m()).norm() * inward);
         if (!touch_m) {
@@ -91,7 +91,7 @@ template <typename NextDirection, typename Depth>
 void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, Depth &&depth_m) {
     pen.leap_to(probe.outside(next()));
     bool has_entered = false;
-    for (int misses = 0; misses < kPatience && !pen.is_full();) {
+    for (int misses = 0; misses < kMaxMisses && !pen.is_full();) {
         const Vector3 direction = next();
         const std::optional<Vector3> touch_m = probe.touch_from(direction);
         if (!has_entered) {
@@ -114,9 +114,9 @@ double angle_between_places(const SurfaceProbe &probe) {
     return kSpacing_m / std::max(kSpacing_m, 0.5 * probe.box().diagonal().norm());
 }
 
-void slide(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+void slide(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const double step = angle_between_places(probe);
-    Vector3 direction = dice.direction();
+    Vector3 direction = draws.direction();
     Vector3 axis = direction.unitOrthogonal();
     double turned = 0.0;
     slide_along(
@@ -125,7 +125,7 @@ void slide(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
             direction = (Eigen::AngleAxisd(step, axis) * direction).normalized();
             turned += step;
             if (turned >= 2.0 * std::numbers::pi) { // another circle through the same place
-                axis = Eigen::AngleAxisd(dice.between(0.5, 2.5), direction) * axis;
+                axis = Eigen::AngleAxisd(draws.between(0.5, 2.5), direction) * axis;
                 turned = 0.0;
             }
             return direction;
@@ -133,11 +133,11 @@ void slide(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
         [&] { return depth_m; });
 }
 
-void lissajous(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_m) {
+void lissajous(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const double step = angle_between_places(probe);
     const Vector3 rate(1.0, std::numbers::phi,
                        std::numbers::sqrt3); // incommensurable: it never repeats
-    const Vector3 phase(0.0, dice.between(0.5, 1.0), dice.between(1.5, 2.5));
+    const Vector3 phase(0.0, draws.between(0.5, 1.0), draws.between(1.5, 2.5));
     double t = 0.0;
     slide_along(
         pen, probe,
@@ -152,7 +152,8 @@ void lissajous(TipPen &pen, const SurfaceProbe &probe, Dice &dice, double depth_
         [&] { return depth_m * (1.0 + std::sin(7.0 * t) / 3.0); });
 }
 
-std::vector<Vector3> rain(const SurfaceProbe &probe, Dice &dice, const TouchPathOptions &options) {
+std::vector<Vector3> rain(const SurfaceProbe &probe, RandomDraws &draws,
+                          const TouchPathOptions &options) {
     constexpr double kGravity_m_per_s2 = 9.81;
     constexpr double kRest_s = 0.02;
     const Eigen::AlignedBox3d &box = probe.box();
@@ -161,7 +162,7 @@ std::vector<Vector3> rain(const SurfaceProbe &probe, Dice &dice, const TouchPath
     std::vector<Vector3> tips_m;
     tips_m.reserve(options.steps);
     while (tips_m.size() < options.steps) {
-        Vector3 start_m = dice.within(box);
+        Vector3 start_m = draws.within(box);
         start_m.y() = top_m;
         const Vector3 end_m(start_m.x(), bottom_m, start_m.z());
         const std::optional<Vector3> touch_m = probe.first_touch(start_m, end_m);
@@ -179,21 +180,21 @@ std::vector<Vector3> rain(const SurfaceProbe &probe, Dice &dice, const TouchPath
     return tips_m;
 }
 
-std::vector<Vector3> wander(const SurfaceProbe &probe, Dice &dice,
-                            const TouchPathOptions &options) {
+std::vector<Vector3> random_walk(const SurfaceProbe &probe, RandomDraws &draws,
+                                 const TouchPathOptions &options) {
     constexpr double kGrown = 1.2;
     constexpr unsigned kOneLeapIn = 1000;
     constexpr double kMeander = 0.05; ///< of the heading, a tick
     const Vector3 half_m = 0.5 * kGrown * probe.box().diagonal();
     const Eigen::AlignedBox3d room(probe.middle_m() - half_m, probe.middle_m() + half_m);
     const double step_m = options.speed_m_per_s * options.period_s;
-    std::vector<Vector3> tips_m{probe.outside(dice.direction())};
+    std::vector<Vector3> tips_m{probe.outside(draws.direction())};
     Vector3 heading = (probe.middle_m() - tips_m.front()).normalized();
     while (tips_m.size() < options.steps) {
-        heading = (heading + kMeander * dice.direction()).normalized();
+        heading = (heading + kMeander * draws.direction()).normalized();
         Vector3 tip_m = tips_m.back() + step_m * heading;
-        if (dice.one_in(kOneLeapIn)) {
-            tip_m = dice.within(room);
+        if (draws.one_in(kOneLeapIn)) {
+            tip_m = draws.within(room);
         } else if (!room.contains(tip_m)) {
             heading = (probe.middle_m() - tip_m).normalized();
         }
@@ -212,22 +213,22 @@ std::optional<TouchPathKind> touch_path_named(std::string_view name) {
 std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
                                 const Eigen::AlignedBox3d &box, const TouchPathOptions &options) {
     const SurfaceProbe probe(surface, box, options.radius_m);
-    Dice dice(options.seed);
+    RandomDraws draws(options.seed);
     TipPen pen(options.speed_m_per_s * options.period_s, options.steps);
     switch (options.kind) {
     case TouchPathKind::press:
-        press(pen, probe, dice, options.depth_m);
+        press(pen, probe, draws, options.depth_m);
         break;
     case TouchPathKind::slide:
-        slide(pen, probe, dice, options.depth_m);
+        slide(pen, probe, draws, options.depth_m);
         break;
     case TouchPathKind::lissajous:
-        lissajous(pen, probe, dice, options.depth_m);
+        lissajous(pen, probe, draws, options.depth_m);
         break;
     case TouchPathKind::rain:
-        return rain(probe, dice, options);
+        return rain(probe, draws, options);
     case TouchPathKind::random:
-        return wander(probe, dice, options);
+        return random_walk(probe, draws, options);
     }
     return pen.take();
 }

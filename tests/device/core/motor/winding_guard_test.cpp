@@ -189,10 +189,10 @@ TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
             guard.update(3.0);
             every.update(3.0);
         }
-        WindingGuard punctual = guard;
-        punctual.update(3.0);
+        WindingGuard on_time = guard;
+        on_time.update(3.0);
         guard.update(3.0, missed);
-        EXPECT_LT(guard.least_C(), punctual.least_C()) << missed;
+        EXPECT_LT(guard.least_C(), on_time.least_C()) << missed;
         EXPECT_GE(guard.least_C(), kColdestAir_C) << missed;
         EXPECT_EQ(guard.least_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
         for (int i = 0; i < 20; ++i) { // a long gap is processed over several ticks

@@ -296,9 +296,10 @@ TEST(BoxTree, TerminatesForAnyQuery) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Boxes boxes = testing::random_boxes(random, 1001, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
-    const std::vector<double> senseless{NAN, kInfinity, -kInfinity, 1e300, -1e300, 1e39, 1e-320};
-    for (const double value : senseless) {
-        for (const double other : senseless) {
+    const std::vector<double> extreme_values{NAN,    kInfinity, -kInfinity, 1e300,
+                                             -1e300, 1e39,      1e-320};
+    for (const double value : extreme_values) {
+        for (const double other : extreme_values) {
             int visits = 0;
             const auto count = [&](std::uint32_t item, double left) {
                 EXPECT_LT(item, boxes.size());

@@ -65,11 +65,12 @@ TEST(TriangleOrientation, TurnsTheFewInABodyAndInARoom) {
     const TriangleSoup body = bumpy_sphere(3, 0.03);
     for (const TriangleSoup &right : {body, testing::turned_inside_out(body)}) {
         for (int round = 0; round < 10; ++round) {
-            const TriangleSoup spoilt = testing::partly_turned(right, 0.05 + 0.02 * round, random);
-            const OrientationOutcome outcome = oriented(spoilt);
+            const TriangleSoup disturbed =
+                testing::partly_turned(right, 0.05 + 0.02 * round, random);
+            const OrientationOutcome outcome = oriented(disturbed);
             EXPECT_EQ(differences(outcome.triples, right.triangles), 0U);
             EXPECT_EQ(outcome.turned.of_one_winding,
-                      differences(spoilt.triangles, right.triangles));
+                      differences(disturbed.triangles, right.triangles));
         }
     }
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr double kRounding_m = 1e-15;
 
 /// Random points, directions and placements.
-class Dice {
+class RandomDraws {
 public:
     double between(double low, double high) {
         return std::uniform_real_distribution(low, high)(engine_);
@@ -50,7 +50,7 @@ struct KnownPoint {
 
 /// A random point of a shape's surface in its own frame, edges aside.
 struct SampleSurface {
-    Dice &dice;
+    RandomDraws &dice;
 
     KnownPoint operator()(const Plate &s) const {
         return {{dice.between(-s.half_x_m, s.half_x_m), 0.0, dice.between(-s.half_z_m, s.half_z_m)},
@@ -135,7 +135,7 @@ struct Case {
     Case(const AnalyticShape::Size &of, const Eigen::Isometry3d &where)
         : size(of), placement(where), shape(of, where, 7) {}
 
-    KnownPoint sample(Dice &dice) const {
+    KnownPoint sample(RandomDraws &dice) const {
         const KnownPoint local = std::visit(SampleSurface{dice}, size);
         return {placement * local.point_m, placement.linear() * local.normal};
     }
@@ -144,7 +144,7 @@ struct Case {
     }
 };
 
-AnalyticShape::Size random_size(int kind, Dice &dice) {
+AnalyticShape::Size random_size(int kind, RandomDraws &dice) {
     const auto length_m = [&] { return dice.between(0.005, 0.1); };
     switch (kind) {
     case 0:
@@ -162,7 +162,7 @@ AnalyticShape::Size random_size(int kind, Dice &dice) {
 
 class AnalyticShapes : public ::testing::TestWithParam<int> {
 protected:
-    Dice dice;
+    RandomDraws dice;
     Case random_case() { return {random_size(GetParam(), dice), dice.placement()}; }
 };
 
@@ -176,10 +176,10 @@ TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
                   kRounding_m);
         EXPECT_EQ(nearest.distance_m < 0.0, c.holds(query_m));
         // On the surface: slightly inwards is within the solid, slightly outwards is not.
-        const Vector3 hair_m = 1e-12 * nearest.normal;
-        EXPECT_FALSE(c.holds(nearest.point_m + hair_m));
+        const Vector3 offset_m = 1e-12 * nearest.normal;
+        EXPECT_FALSE(c.holds(nearest.point_m + offset_m));
         if (c.shape.is_solid() && nearest.distance_m < 0.0) {
-            EXPECT_TRUE(c.holds(nearest.point_m - hair_m));
+            EXPECT_TRUE(c.holds(nearest.point_m - offset_m));
         }
     }
 }

@@ -72,9 +72,9 @@ TEST(Friction, DoesNotCreepWhileItSticks) {
     const Vector3 held = proxy.update(floor, {0.01, -2e-3, 0.0}).x0_m;
     for (int tick = 0; tick < 60000; ++tick) {
         const double t = 1e-3 * tick;
-        const Vector3 tremble(0.7e-3 * std::sin(9.0 * t), 1e-4 * std::sin(50.0 * t),
-                              1e-4 * t / 60.0);
-        const Contact contact = proxy.update(floor, Vector3(0.01, -2e-3, 0.0) + tremble);
+        const Vector3 vibration(0.7e-3 * std::sin(9.0 * t), 1e-4 * std::sin(50.0 * t),
+                                1e-4 * t / 60.0);
+        const Contact contact = proxy.update(floor, Vector3(0.01, -2e-3, 0.0) + vibration);
         ASSERT_TRUE(contact.sticking);
         ASSERT_EQ(contact.x0_m, held) << "tick " << tick;
     }

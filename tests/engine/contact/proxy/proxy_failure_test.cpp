@@ -20,10 +20,10 @@ using testing::random_direction;
 using testing::random_vector;
 
 /// A tip at 1 kHz that moves randomly within a box at a given speed.
-class BoxWanderer {
+class RandomBoxWalk {
 public:
-    BoxWanderer(std::uint64_t seed, const Vector3 &start_m, const Vector3 &half_m,
-                double speed_m_per_s)
+    RandomBoxWalk(std::uint64_t seed, const Vector3 &start_m, const Vector3 &half_m,
+                  double speed_m_per_s)
         : random_(seed), tip_m_(start_m), half_m_(half_m), step_m_(1e-3 * speed_m_per_s) {}
 
     Vector3 next() {
@@ -50,12 +50,12 @@ class ProxyAtSpeed : public ::testing::TestWithParam<double> {};
 
 TEST_P(ProxyAtSpeed, NeverPassesAPlateOfATenthOfAMillimetre) {
     const HapticSurface plate(box_soup({-0.1, -0.05e-3, -0.1}, {0.1, 0.05e-3, 0.1}));
-    BoxWanderer wanderer(1, {0.0, 0.02, 0.0}, {0.08, 0.03, 0.08}, GetParam());
+    RandomBoxWalk walk(1, {0.0, 0.02, 0.0}, {0.08, 0.03, 0.08}, GetParam());
     Proxy proxy;
     proxy.reset({0.0, 0.02, 0.0});
     const double top_m = 0.05e-3 + kClearance_m;
     for (int i = 0; i < 20000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(plate, tip);
         // The tip never gets around the plate, so this is where the proxy is.
         const Vector3 expected(tip.x(), std::max(tip.y(), top_m), tip.z());
@@ -66,13 +66,13 @@ TEST_P(ProxyAtSpeed, NeverPassesAPlateOfATenthOfAMillimetre) {
 TEST_P(ProxyAtSpeed, FollowsTheWallsEdgesAndCornersOfARoom) {
     const Vector3 half(0.02, 0.03, 0.04);
     const HapticSurface room(testing::turned_inside_out(box_soup(-half, half)));
-    BoxWanderer wanderer(2, Vector3::Zero(), 1.3 * half, GetParam());
+    RandomBoxWalk walk(2, Vector3::Zero(), 1.3 * half, GetParam());
     Proxy proxy;
     proxy.reset(Vector3::Zero());
     std::array<int, 4> seen{};
     const Vector3 inner = half - Vector3::Constant(kClearance_m);
     for (int i = 0; i < 20000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(room, tip);
         ASSERT_LT((contact.x0_m - tip.cwiseMin(inner).cwiseMax(-inner)).norm(), 1e-12) << i;
         ++seen[static_cast<std::size_t>(contact.active_constraints)];
@@ -86,13 +86,13 @@ TEST_P(ProxyAtSpeed, NeverEntersASolidWhateverItsEdges) {
         const HapticSurface solid(soup);
         ASSERT_EQ(solid.report().closed_components, 1U);
         ASSERT_EQ(solid.report().inward_components, 0U);
-        BoxWanderer wanderer(3, Vector3::Constant(0.02), Vector3::Constant(0.021), GetParam());
+        RandomBoxWalk walk(3, Vector3::Constant(0.02), Vector3::Constant(0.021), GetParam());
         Proxy proxy;
         proxy.reset(Vector3::Constant(0.02));
         int touching = 0;
         const int steps = GetParam() < 0.5 ? 20000 : 4000;
         for (int i = 0; i < steps; ++i) {
-            const Vector3 tip = wanderer.next();
+            const Vector3 tip = walk.next();
             const Contact contact = proxy.update(solid, tip);
             ASSERT_TRUE(contact.settled) << i;
             touching += contact.touching ? 1 : 0;
@@ -216,10 +216,10 @@ TEST(ProxyOnUnits, IsIndependentOfTheFilesUnits) {
         surfaces.emplace_back(std::move(soup));
     }
     std::array<Proxy, 3> proxies;
-    BoxWanderer wanderer(7, {0.0, 0.06, 0.0}, {0.04, 0.08, 0.04}, 0.2);
+    RandomBoxWalk walk(7, {0.0, 0.06, 0.0}, {0.04, 0.08, 0.04}, 0.2);
     int touching = 0;
     for (int i = 0; i < 5000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         if (i == 0) {
             for (Proxy &proxy : proxies) {
                 proxy.reset(tip);

@@ -29,7 +29,7 @@ HapticSurface shape(const AnalyticShape::Size &size,
 }
 
 /// A tip that wanders between 30 mm about the origin, 0.2 mm a step, from outside at first.
-template <typename Visit> void wander(std::uint64_t seed, const Visit &visit) {
+template <typename Visit> void random_walk(std::uint64_t seed, const Visit &visit) {
     std::mt19937_64 random(seed);
     Vector3 tip(0.03, 0.03, 0.03);
     Vector3 heading = -tip.normalized();
@@ -51,7 +51,7 @@ TEST(ProxyOnShapes, IsTheNearestPointOfASphere) {
         Proxy proxy(reach_m);
         proxy.reset({0.031, 0.031, 0.031});
         int touching = 0;
-        wander(1, [&](const Vector3 &tip, int i) {
+        random_walk(1, [&](const Vector3 &tip, int i) {
             const Contact contact = proxy.update(ball, tip);
             if (contact.touching && tip.norm() > 0.005) { // at the centre all places are alike
                 ++touching;
@@ -98,7 +98,7 @@ int touches_alike(const BoxShapes &boxes, std::uint64_t seed) {
     on_shapes.reset({0.031, 0.031, 0.031});
     on_mesh.reset({0.031, 0.031, 0.031});
     int touching = 0;
-    wander(seed, [&](const Vector3 &tip, int i) {
+    random_walk(seed, [&](const Vector3 &tip, int i) {
         const Contact expected = on_mesh.update(mesh, tip);
         const Contact contact = on_shapes.update(exact, tip);
         EXPECT_LT((contact.x0_m - expected.x0_m).norm(), kShapePlace_m) << i;
@@ -148,7 +148,7 @@ TEST(ProxyOnShapes, RestsSquareToTheSurfaceOfAnyShapeAndNeverEntersIt) {
         Proxy proxy;
         proxy.reset({0.031, 0.031, 0.031});
         int touching = 0;
-        wander(4, [&](const Vector3 &tip, int i) {
+        random_walk(4, [&](const Vector3 &tip, int i) {
             const Contact contact = proxy.update(surface, tip);
             const NearestOnShape nearest = exact.nearest(contact.x0_m);
             EXPECT_GT(nearest.distance_m, kClearance_m - 2e-12) << i;
@@ -245,7 +245,7 @@ TEST(ProxyOnShapes, NearlyAlwaysSettlesWhereTheyOverlap) {
         Proxy proxy;
         proxy.reset({0.031, 0.031, 0.031});
         int unsettled = 0;
-        wander(7, [&](const Vector3 &tip, int i) {
+        random_walk(7, [&](const Vector3 &tip, int i) {
             const Contact contact = proxy.update(surface, tip);
             unsettled += contact.settled ? 0 : 1;
             for (const AnalyticShape &one : shapes) {

@@ -17,7 +17,7 @@ namespace {
 
 /// How much farther from the tip a proxy may end: it steps over ridges of up to 10 µm and descends
 /// on their other side.
-constexpr double kHop_m = 1.2e-5;
+constexpr double kJump_m = 1.2e-5;
 
 /// A box that protrudes from the top of another. In their crease, an extrapolated slide on one of
 /// them once ended 35 mm away around an edge.
@@ -40,7 +40,7 @@ TEST(ProxySolver, IsNotCarriedAwayFromTheTipInACrease) {
     EXPECT_TRUE(contact.settled);
     EXPECT_LT((contact.x0_m - tip_m).norm(), (from_m - tip_m).norm());
     for (const Vector3 &place_m : proxy.path()) {
-        EXPECT_LE((place_m - tip_m).norm(), (from_m - tip_m).norm() + kHop_m);
+        EXPECT_LE((place_m - tip_m).norm(), (from_m - tip_m).norm() + kJump_m);
     }
 }
 
@@ -68,7 +68,7 @@ TEST(ProxySolver, NeverEndsFartherFromTheTipThanItBegan) {
             }
             tip_m += kStep_m * heading;
             const Contact contact = proxy.update(surface, tip_m);
-            ASSERT_LE((contact.x0_m - tip_m).norm(), (before_m - tip_m).norm() + kHop_m)
+            ASSERT_LE((contact.x0_m - tip_m).norm(), (before_m - tip_m).norm() + kJump_m)
                 << "seed " << seed << ", tick " << tick;
             before_m = contact.x0_m;
         }

@@ -21,9 +21,9 @@ using testing::random_vector;
 constexpr double kSettled_m = 1e-10;
 
 /// A random motion of the tip: mostly smooth, sometimes with jumps, never farther than `reach_m`.
-class Wanderer {
+class RandomWalk {
 public:
-    Wanderer(std::uint64_t seed, const Vector3 &start_m, double reach_m, double step_m)
+    RandomWalk(std::uint64_t seed, const Vector3 &start_m, double reach_m, double step_m)
         : random_(seed), tip_m_(start_m), reach_m_(reach_m), step_m_(step_m) {}
 
     Vector3 next() {
@@ -77,12 +77,12 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
     const TriangleSoup &soup = GetParam();
     const HapticSurface mesh(soup);
     ASSERT_EQ(mesh.report().closed_components, mesh.report().components);
-    Wanderer wanderer(1, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    RandomWalk walk(1, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
     proxy.reset({0.0, 0.06, 0.0});
     int touching = 0;
     for (int i = 0; i < 20000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(mesh, tip);
         expect_sound(contact, tip);
         // Converged: the same tip again leaves it where it is.
@@ -103,11 +103,11 @@ TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
     // 5 m/s at 1 kHz, and jumps of 100 mm: through the shape and out on its other side.
     const TriangleSoup &soup = GetParam();
     const HapticSurface mesh(soup);
-    Wanderer wanderer(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
+    RandomWalk walk(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
     Proxy proxy;
     proxy.reset({0.0, 0.06, 0.0});
     for (int i = 0; i < 2000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(mesh, tip);
         expect_sound(contact, tip);
         // A path that crosses the surface once changes the winding number by one.
@@ -134,12 +134,12 @@ TEST(ProxyOnASphere, RestsWhereAFaceIsNearest) {
     const Vector3 edge =
         soup.vertices_m[soup.triangles[0][0]] - soup.vertices_m[soup.triangles[0][1]];
     const double sagitta_m = edge.squaredNorm() / kSphereRadius_m;
-    Wanderer wanderer(2, {0.0, 0.045, 0.0}, 0.041, 0.5e-3);
+    RandomWalk walk(2, {0.0, 0.045, 0.0}, 0.041, 0.5e-3);
     Proxy proxy;
     proxy.reset({0.0, 0.045, 0.0});
     int touching = 0;
     for (int i = 0; i < 3000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(mesh, tip);
         if (!contact.touching || tip.norm() < 0.02) {
             continue; // near the centre all faces are equally near
@@ -184,14 +184,14 @@ TEST(ProxyOnAnyMesh, IsInvariantUnderRigidMotions) {
     motion.rotate(Eigen::AngleAxisd(1.1, Vector3(1, 2, -3).normalized()));
     const HapticSurface mesh(soup);
     const HapticSurface moved_mesh(testing::moved(soup, motion));
-    Wanderer wanderer(5, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    RandomWalk walk(5, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
     Proxy moved_proxy;
     proxy.reset({0.0, 0.06, 0.0});
     moved_proxy.reset(motion * Vector3(0.0, 0.06, 0.0));
     int touching = 0;
     for (int i = 0; i < 20000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         const Contact contact = proxy.update(mesh, tip);
         const Contact moved = moved_proxy.update(moved_mesh, motion * tip);
         // Corners of the moved mesh are rounded to 1e-17 m, the planes through them turn by that
@@ -210,11 +210,11 @@ TEST(ProxyOnAnyMesh, GivesTheSameBitsForTheSameInput) {
     const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
     const HapticSurface mesh(soup);
     const HapticSurface same_mesh(soup);
-    Wanderer wanderer(6, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
+    RandomWalk walk(6, {0.0, 0.06, 0.0}, 0.06, 0.5e-3);
     Proxy proxy;
     Proxy same_proxy;
     for (int i = 0; i < 5000; ++i) {
-        const Vector3 tip = wanderer.next();
+        const Vector3 tip = walk.next();
         ASSERT_TRUE(is_identical(proxy.update(mesh, tip), same_proxy.update(same_mesh, tip)));
     }
 }

@@ -59,8 +59,8 @@ TEST(StickingPress, PressesHoldsAndReleases) {
 
 TEST(StickingPress, TrueFrictionHoldsTheJointsExactly) {
     EXPECT_EQ(turned_in_hold_rad(trial().reference_plant(CvodeMethod::adams, 1e-12)), 0.0);
-    EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::ours, 10)), 0.0);
-    EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::ours, 1)), 0.0);
+    EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::simulator, 10)), 0.0);
+    EXPECT_EQ(turned_in_hold_rad(trial().plant(Integrator::simulator, 1)), 0.0);
     // Friction by the sign chatters, smoothed friction creeps.
     EXPECT_GT(turned_in_hold_rad(trial().plant(Integrator::runge_kutta, 10)), 0.0);
     EXPECT_GT(turned_in_hold_rad(trial().cvode_plant(CvodeMethod::bdf, 1e-6, 1e-4)), 0.0);
@@ -92,7 +92,7 @@ TEST(FrictionIntegrators, ConvergeWithShorterSteps) {
         // First order for the explicit and smoothed methods, whatever their order without friction;
         // the simulated device is better.
         const double order = std::log2(error_of(8) / error_of(64)) / std::log2(8.0);
-        if (named.integrator == Integrator::ours) {
+        if (named.integrator == Integrator::simulator) {
             EXPECT_GT(order, 1.2);
         } else {
             EXPECT_NEAR(order, 1.0, 0.25) << named.name;

@@ -102,7 +102,7 @@ TEST(Integrators, DivergeWhereTheirStepIsTooLong) {
     EXPECT_FALSE(std::isfinite(trial.error_N(Integrator::runge_kutta, 3)));
     EXPECT_TRUE(std::isfinite(trial.error_N(Integrator::runge_kutta, 4)));
     // The others do not diverge at any step.
-    EXPECT_LT(trial.error_N(Integrator::ours, 1), trial.reference().greatest_force_N());
+    EXPECT_LT(trial.error_N(Integrator::simulator, 1), trial.reference().greatest_force_N());
     EXPECT_LT(trial.error_N(Integrator::implicit_midpoint, 1),
               trial.reference().greatest_force_N());
 }

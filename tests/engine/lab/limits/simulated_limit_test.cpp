@@ -127,12 +127,12 @@ TEST(SimulatedLimit, IsNearForSlowMotionsToo) {
     which.hands = {loops::no_hand()};
     const loops::StabilityParameter &K = testing::named("wall-stiffness");
     const StabilityLimit limit = predicted(which, K);
-    TrialOptions hasty = TrialOptions::linear();
-    hasty.patience_s = 0.0;
+    TrialOptions short_watch = TrialOptions::linear();
+    short_watch.extension_s = 0.0;
     const TrialOptions patient = TrialOptions::linear();
     // Grows by 0.056/s 1.2 times as stiff, beside two that fall by 0.11 and 0.21/s (eigenvalues).
     const loops::StabilityCase beyond = testing::with(which, K, 1.2 * limit.predicted);
-    EXPECT_TRUE(is_stable_simulated(beyond, hasty));
+    EXPECT_TRUE(is_stable_simulated(beyond, short_watch));
     EXPECT_FALSE(is_stable_simulated(beyond, patient));
     EXPECT_TRUE(is_stable_simulated(testing::with(which, K, 0.98 * limit.predicted), patient));
 }

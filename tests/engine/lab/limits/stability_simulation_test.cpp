@@ -147,7 +147,7 @@ TEST(StabilitySimulation, RestsOnItsCountsBeforeTheObservationEnds) {
     // Even where the run is too short to measure a slope.
     TrialOptions brief = options;
     brief.longest_s = 0.7;
-    brief.patience_s = 0.0;
+    brief.extension_s = 0.0;
     EXPECT_TRUE(simulated(which, member, brief).stable);
 }
 

@@ -58,17 +58,17 @@ TEST(TunedWall, IsTheStiffest) {
         const double B = std::pow(1.35, i); // up to 50
         for (int j = 0; j < 5; ++j) {
             const double lambda = 150.0 * std::pow(2.4, j); // up to 5000
-            const TunedWall rival{{1.06 * tuned.wall.stiffness_N_per_m, B}, lambda};
-            EXPECT_FALSE(holds(with(rival, kMargin))) << "B " << B << " λ " << lambda;
+            const TunedWall alternative{{1.06 * tuned.wall.stiffness_N_per_m, B}, lambda};
+            EXPECT_FALSE(holds(with(alternative, kMargin))) << "B " << B << " λ " << lambda;
         }
     }
 }
 
 TEST(TunedWall, RespectsTheLimitOnTheForceOfACount) {
-    const double loud_N = loops::force_of_a_count_N(with(tuned_wall(late_servo(), kMargin), 1.0));
-    const TunedWall quiet = tuned_wall(late_servo(), kMargin, 0.25 * loud_N);
+    const double large_N = loops::force_of_a_count_N(with(tuned_wall(late_servo(), kMargin), 1.0));
+    const TunedWall quiet = tuned_wall(late_servo(), kMargin, 0.25 * large_N);
     ASSERT_GT(quiet.wall.stiffness_N_per_m, 0.0);
-    EXPECT_LE(loops::force_of_a_count_N(with(quiet, 1.0)), 0.25 * loud_N);
+    EXPECT_LE(loops::force_of_a_count_N(with(quiet, 1.0)), 0.25 * large_N);
     EXPECT_TRUE(holds(with(quiet, kMargin)));
 }
 

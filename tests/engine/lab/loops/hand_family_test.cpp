@@ -41,11 +41,11 @@ TEST(HandFamily, GrowsFirmerFromOneToTheNext) {
 }
 
 TEST(HandFamily, BeginsWithoutAHand) {
-    const Hand nobody = hand_family().front();
-    EXPECT_EQ(nobody.mass_kg, 0.0);
-    EXPECT_EQ(nobody.damping_Ns_per_m, 0.0);
-    EXPECT_EQ(nobody.stiffness_N_per_m, 0.0);
-    EXPECT_EQ(nobody.name, "no hand");
+    const Hand without_hand = hand_family().front();
+    EXPECT_EQ(without_hand.mass_kg, 0.0);
+    EXPECT_EQ(without_hand.damping_Ns_per_m, 0.0);
+    EXPECT_EQ(without_hand.stiffness_N_per_m, 0.0);
+    EXPECT_EQ(without_hand.name, "no hand");
 }
 
 } // namespace

@@ -33,7 +33,7 @@ double cost_of(const ModelAxis &axis, std::size_t index) {
     return axis.candidates[index].cost.least_ns;
 }
 
-std::optional<std::size_t> dearest_below(const ModelAxis &axis, double cost_ns) {
+std::optional<std::size_t> costliest_below(const ModelAxis &axis, double cost_ns) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
         if (cost_of(axis, i) < cost_ns && (!found || cost_of(axis, i) > cost_of(axis, *found))) {
@@ -151,7 +151,7 @@ TEST(Choose, AlwaysMeetsAndNoNextCheaperDoes) {
         EXPECT_EQ(model.error.force_N, summed(axes, picks).force_N);
         for (std::size_t i = 0; i < axes.size(); ++i) {
             const std::optional<std::size_t> cheaper =
-                dearest_below(axes[i], (1.0 - kSameCost) * cost_of(axes[i], picks[i]));
+                costliest_below(axes[i], (1.0 - kSameCost) * cost_of(axes[i], picks[i]));
             ASSERT_EQ(model.axes[i].cheaper.empty(), !cheaper);
             if (cheaper) {
                 EXPECT_EQ(model.axes[i].cheaper.front().candidate, *cheaper);

@@ -52,19 +52,19 @@ TEST(UnopposedPart, IsTheProjectionOntoTheCone) {
         for (std::size_t k = 0; k < count; ++k) {
             pushes.push_back((axis + 0.9 * random_direction(random)).normalized());
         }
-        const Vector3 wish = random_direction(random);
-        const Vector3 way = unopposed_part(wish, pushes);
+        const Vector3 desired = random_direction(random);
+        const Vector3 way = unopposed_part(desired, pushes);
         std::size_t active = 0;
         for (const Vector3 &push : pushes) {
             ASSERT_GE(push.dot(way), -1.01e-7 * way.norm());
             active += std::abs(push.dot(way)) < 1e-12 ? 1 : 0;
         }
         // Moreau: what is left of the wish is square to the way, and opposed by all of the cone.
-        ASSERT_NEAR((wish - way).dot(way), 0.0, 1e-9);
+        ASSERT_NEAR((desired - way).dot(way), 0.0, 1e-9);
         for (int k = 0; k < 20; ++k) {
             const Vector3 other = (axis + random_direction(random)).normalized();
             if (std::ranges::all_of(pushes, [&](const Vector3 &p) { return p.dot(other) >= 0; })) {
-                ASSERT_LT((wish - way).dot(other), 1e-6);
+                ASSERT_LT((desired - way).dot(other), 1e-6);
             }
         }
         ++held[way.norm() == 0.0 ? 3 : std::min<std::size_t>(active, 2)];

@@ -138,9 +138,9 @@ TEST(Ringdown, WithPatienceTellsWhatIsSlow) {
     RingdownOptions options;
     options.window_s = 0.3;
     for (const double grows_per_s : {0.06, 0.1}) {
-        options.patience_s = 0.0;
+        options.extension_s = 0.0;
         EXPECT_TRUE(watched(motion(grows_per_s), options).dies_out());
-        options.patience_s = 30.0;
+        options.extension_s = 30.0;
         EXPECT_FALSE(watched(motion(grows_per_s), options).dies_out());
         EXPECT_TRUE(watched(motion(-grows_per_s), options).dies_out());
     }
@@ -148,7 +148,7 @@ TEST(Ringdown, WithPatienceTellsWhatIsSlow) {
 
 TEST(Ringdown, IsPatientOnlyWhereItIsUnclear) {
     RingdownOptions options;
-    options.patience_s = 30.0;
+    options.extension_s = 30.0;
     const auto watched_s = [&](double rate_per_s) {
         Ringdown ringdown(options, kPeriod_s);
         int k = 0;
@@ -175,7 +175,7 @@ TEST(Ringdown, WhatStaysIsNeitherSlowNorClear) {
         return watched([&](double t) { return std::exp(rate_per_s * t); }, options).stays();
     };
     EXPECT_FALSE(stays(0.0)); // it was not given the time to tell
-    options.patience_s = 30.0;
+    options.extension_s = 30.0;
     EXPECT_TRUE(stays(0.0));
     for (const double sign : {-1.0, 1.0}) {
         EXPECT_TRUE(stays(sign * 0.09 / 15.0)); // a tenth in half of the time

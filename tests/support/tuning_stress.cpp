@@ -1,4 +1,4 @@
-#include "tests/support/tuning_storm.h"
+#include "tests/support/tuning_stress.h"
 
 #include "engine/control/parameters.h"
 #include "tests/support/devices.h"
@@ -20,7 +20,7 @@ namespace {
 constexpr double kChanges_hz = 10'000.0;
 constexpr double kSceneShare = 0.0004; // of the changes: about four per second
 constexpr std::uint32_t kSerials = 40;
-constexpr std::uint64_t kMostTold = 5;
+constexpr std::uint64_t kMaxReported = 5;
 constexpr double kPress_s = 0.15; // down, and as long up: in a new scene around the tip the proxy
                                   // starts free
 const Vector3 kFree_m(0.0, 0.02, 0.0);
@@ -51,7 +51,7 @@ bool passes(const servo::ServoSample &sample) {
 
 } // namespace
 
-std::string StormFigures::text() const {
+std::string StressFigures::text() const {
     std::ostringstream out;
     out << published << " sets published, " << samples << " samples, " << felt
         << " of them in contact with voltage on, " << scenes << " scenes, greatest step "
@@ -64,7 +64,7 @@ std::string StormFigures::text() const {
     return out.str();
 }
 
-TuningStorm::TuningStorm(double servo_hz)
+TuningStress::TuningStress(double servo_hz)
     : device_(phantom_1_0(), at_rate(servo_hz), kFree_m), law_(device_.description()),
       supply_V_(Vector3::Constant(device_.description().motor[0].supply_V)),
       period_s_(1.0 / servo_hz), surfaces_{plate(0), plate(1), plate(2)},
@@ -74,7 +74,7 @@ TuningStorm::TuningStorm(double servo_hz)
 
 /// All parameters are within their ranges; K_D and η are proportional to K_P and α, also during
 /// transitions.
-void TuningStorm::publish() {
+void TuningStress::publish() {
     const auto serial = std::uniform_int_distribution<std::uint32_t>(0, kSerials - 1)(random_);
     std::uniform_real_distribution<double> share(0.0, 1.0);
     control::Tuning &tuning = inputs_.tuning;
@@ -103,7 +103,7 @@ void TuningStorm::publish() {
 }
 
 /// Up and down repeatedly; up after a trip, to rest as a start requires.
-void TuningStorm::lift_and_press(const servo::ServoSample &sample) {
+void TuningStress::lift_and_press(const servo::ServoSample &sample) {
     const auto ticks = static_cast<std::uint64_t>(kPress_s / period_s_);
     if (passes(sample)) {
         if (sample.tick % ticks == 0) {
@@ -118,14 +118,14 @@ void TuningStorm::lift_and_press(const servo::ServoSample &sample) {
     }
 }
 
-void TuningStorm::expect(bool good, const servo::ServoSample &sample, const char *what) {
-    if (!good && figures_.faults++ < kMostTold) {
+void TuningStress::expect(bool good, const servo::ServoSample &sample, const char *what) {
+    if (!good && figures_.faults++ < kMaxReported) {
         ADD_FAILURE() << what << " in tick " << sample.tick;
     }
 }
 
 /// The active set is consistent, and within its ranges.
-void TuningStorm::check_set(const servo::ServoSample &sample) {
+void TuningStress::check_set(const servo::ServoSample &sample) {
     const control::Tuning &tuning = sample.tuning;
     expect(control::is_valid(tuning), sample, "a parameter out of its range");
     const double serial_of_alpha = (sample.global_alpha_rad2_per_m2 - 500.0) / 100.0;
@@ -147,14 +147,14 @@ void TuningStorm::check_set(const servo::ServoSample &sample) {
 }
 
 /// The law's e_W for the state of one sample with the tuning of another, within the supply.
-Vector3 TuningStorm::wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
-                              const control::Configuration &now) const {
+Vector3 TuningStress::wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
+                               const control::Configuration &now) const {
     return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
 }
 
 /// Checks the step of e_W due to this tick's changes alone: relative to e_W without them, or after
 /// a change of scene to the last e_W. R̂ i must change as little.
-void TuningStorm::check_step(const servo::ServoSample &sample) {
+void TuningStress::check_step(const servo::ServoSample &sample) {
     const auto within_supply = [&](const Vector3 &e_W_V) -> Vector3 {
         return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
     };
@@ -189,20 +189,20 @@ void TuningStorm::check_step(const servo::ServoSample &sample) {
            sample, "a step in R̂ i");
 }
 
-void TuningStorm::check(const servo::ServoSample &sample) {
+void TuningStress::check(const servo::ServoSample &sample) {
     expect(sample.tick == figures_.samples, sample, "a lost sample");
     ++figures_.samples;
     check_set(sample);
-    if (knows_before_ && passes(before_)) {
+    if (has_previous_ && passes(before_)) {
         check_step(sample);
     }
     figures_.felt += passes(sample) && sample.contact.touching ? 1 : 0;
     lift_and_press(sample);
     before_ = sample;
-    knows_before_ = true;
+    has_previous_ = true;
 }
 
-StormFigures TuningStorm::blow(double seconds) {
+StressFigures TuningStress::run(double seconds) {
     using Clock = std::chrono::steady_clock;
     publish();
     servo_.start();

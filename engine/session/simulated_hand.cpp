@@ -1,4 +1,4 @@
-#include "engine/session/guided_hand.h"
+#include "engine/session/simulated_hand.h"
 
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
@@ -22,10 +22,10 @@ Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 
 
 } // namespace
 
-void GuidedHand::take_hold(simulated::SimulatedWorld *world,
-                           const device::DeviceDescription &device,
-                           const std::optional<simulated::HandPath> &path,
-                           const Vector3 &target_m) {
+void SimulatedHand::take_hold(simulated::SimulatedWorld *world,
+                              const device::DeviceDescription &device,
+                              const std::optional<simulated::HandPath> &path,
+                              const Vector3 &target_m) {
     world_ = world;
     geometry_ = device.geometry;
     workspace_ = device.workspace;
@@ -33,7 +33,7 @@ void GuidedHand::take_hold(simulated::SimulatedWorld *world,
     target_m_ = target_m;
 }
 
-void GuidedHand::move_to(const Vector3 &target_m) {
+void SimulatedHand::move_to(const Vector3 &target_m) {
     const Vector3 lower_m = workspace_.centre_m - 0.5 * workspace_.size_m;
     const Vector3 upper_m = workspace_.centre_m + 0.5 * workspace_.size_m;
     target_m_ = nearest_in_reach(geometry_, workspace_.centre_m,
@@ -43,7 +43,7 @@ void GuidedHand::move_to(const Vector3 &target_m) {
     }
 }
 
-void GuidedHand::follow(double time_s) {
+void SimulatedHand::follow(double time_s) {
     if (path_) {
         target_m_ = path_->at(time_s).position_m;
     }

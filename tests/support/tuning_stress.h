@@ -18,7 +18,7 @@
 namespace springdrive::testing {
 
 /// Results of a run.
-struct StormFigures {
+struct StressFigures {
     std::uint64_t published = 0;
     std::uint64_t samples = 0;
     std::uint64_t felt = 0;   ///< with voltage on and the tip touching
@@ -31,11 +31,11 @@ struct StormFigures {
     [[nodiscard]] std::string text() const;
 };
 
-class TuningStorm {
+class TuningStress {
 public:
-    explicit TuningStorm(double servo_hz);
+    explicit TuningStress(double servo_hz);
 
-    StormFigures blow(double seconds);
+    StressFigures run(double seconds);
 
 private:
     void publish();
@@ -54,8 +54,8 @@ private:
     std::array<contact::HapticSurface, 3> surfaces_;
     std::mt19937 random_{61};
     servo::ServoInputs inputs_;
-    StormFigures figures_;
-    bool knows_before_ = false;
+    StressFigures figures_;
+    bool has_previous_ = false;
     servo::ServoSample before_;
     std::uint64_t next_reset_ = 0; ///< no earlier than in this tick
     servo::Servo servo_;           ///< last member, so that it stops first

@@ -9,7 +9,7 @@
 
 namespace springdrive::session {
 
-class GuidedHand {
+class SimulatedHand {
 public:
     /// Attaches the hand to a device's tip, which is at the path's start, or else at `target_m`.
     /// @param world  must outlive this object; null for a real hand, which cannot be moved

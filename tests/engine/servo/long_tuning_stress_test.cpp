@@ -1,16 +1,16 @@
-// The stress test of tuning_storm_test.cpp, for longer.
+// The stress test of tuning_stress_test.cpp, for longer.
 #include "tests/support/cases.h"
-#include "tests/support/tuning_storm.h"
+#include "tests/support/tuning_stress.h"
 
 #include <gtest/gtest.h>
 
 namespace springdrive::servo {
 namespace {
 
-TEST(LongTuningStorm, NeitherTearsNorJolts) {
+TEST(LongTuningStress, NeitherTearsNorJolts) {
     const auto seconds = static_cast<unsigned>(testing::cases(4, 600));
-    testing::TuningStorm storm(1000.0);
-    const testing::StormFigures figures = storm.blow(seconds);
+    testing::TuningStress stress(1000.0);
+    const testing::StressFigures figures = stress.run(seconds);
     EXPECT_EQ(figures.faults, 0U);
     EXPECT_GT(figures.published, 1000 * seconds);
     EXPECT_GT(figures.samples, 80 * seconds);
