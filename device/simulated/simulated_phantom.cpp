@@ -28,7 +28,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
-    put_in_force(parts_);
+    activate(parts_);
     if (!options.quantised_encoders) {
         description_.encoder_counts_per_turn *= fine_encoder_factor(description);
     }
@@ -38,7 +38,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
 }
 
 /// Activates `parts` at the present pose of linkage and tip.
-void SimulatedPhantom::put_in_force(const PlantParts &parts) noexcept {
+void SimulatedPhantom::activate(const PlantParts &parts) noexcept {
     parts_ = parts;
     parts_.linkage.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
     first_joint_ = parts_.linkage.planar ? 1 : 0;
@@ -75,7 +75,7 @@ void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     parts.linkage.planar = wanted.linkage.planar && was_planar;
     // Otherwise a stop that the linkage is already beyond would throw it back.
     parts.linkage.stops = wanted.linkage.stops && description_.joint_limits.allow(linkage_.q_rad);
-    put_in_force(parts);
+    activate(parts);
 }
 
 void SimulatedPhantom::write(const device::DeviceCommand &command) noexcept {

@@ -108,7 +108,7 @@ private:
     using CurrentSteps = std::array<device::CurrentStep, 3>;
 
     [[nodiscard]] device::Measurement measurement() const noexcept;
-    void put_in_force(const PlantParts &parts) noexcept;
+    void activate(const PlantParts &parts) noexcept;
     void take_over(const PlantParts &wanted) noexcept;
     [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
     [[nodiscard]] Vector3 step(const PlantCommand &command, double h) noexcept;

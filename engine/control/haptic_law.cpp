@@ -9,7 +9,7 @@ namespace springdrive::control {
 
 namespace {
 
-double alpha_in_force(const Tuning &tuning, double bound, double global) {
+double active_alpha(const Tuning &tuning, double bound, double global) {
     switch (tuning.alpha_mode) {
     case AlphaMode::global:
         return global;
@@ -41,7 +41,7 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     found.eta = combined_eta(contact.eta, tuning.eta);
     found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
     found.alpha_rad2_per_m2 =
-        alpha_in_force(tuning, found.alpha_bound_rad2_per_m2, global_alpha_rad2_per_m2);
+        active_alpha(tuning, found.alpha_bound_rad2_per_m2, global_alpha_rad2_per_m2);
 
     const TipSetPoint target =
         contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact, found.eta);

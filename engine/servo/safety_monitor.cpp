@@ -284,14 +284,14 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     return passed.command;
 }
 
-device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &in_force, const Link &link,
+device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, const Link &link,
                                           const SafetyOrders &orders) noexcept {
     ++held_ticks_;
     watch_link(link, period_s_);
     watch_window(orders, period_s_);
     check_link(link, orders);
     check_clocks(link);
-    return lets_pass() ? in_force : safe_state();
+    return lets_pass() ? active : safe_state();
 }
 
 device::DeviceCommand SafetyMonitor::safe_state() const noexcept {

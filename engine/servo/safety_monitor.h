@@ -85,7 +85,7 @@ public:
 
     /// The same for a tick without a new measurement: the active command is held until the limit
     /// for stale measurements is reached. RT-safe.
-    device::DeviceCommand hold(const device::DeviceCommand &in_force, const Link &link,
+    device::DeviceCommand hold(const device::DeviceCommand &active, const Link &link,
                                const SafetyOrders &orders) noexcept;
 
     /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. A trip
