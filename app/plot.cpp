@@ -60,15 +60,15 @@ std::size_t first_visible(const Plot &plot, double first_s) {
     return low;
 }
 
-double greatest_value(const Plot &plot, std::size_t first) {
-    double greatest = 0.0;
+double max_value(const Plot &plot, std::size_t first) {
+    double maximum = 0.0;
     for (const PlotLine &line : plot.lines) {
         for (std::size_t i = first; i < plot.samples; ++i) {
             const double value = line.value(i);
-            greatest = value > greatest ? value : greatest; // a NaN is never greater
+            maximum = value > maximum ? value : maximum; // a NaN is never greater
         }
     }
-    return greatest;
+    return maximum;
 }
 
 void draw_axes(ImDrawList &list, const Plot &plot, const PlotFrame &frame) {
@@ -220,8 +220,7 @@ void draw_plot(const Plot &plot, ImVec2 size) {
     frame.last_s = plot.samples > 0 ? plot.time_s(plot.samples - 1) : 0.0;
     frame.first_s = frame.last_s - plot.span_s;
     const std::size_t first = first_visible(plot, frame.first_s);
-    frame.top = std::min(round_up(std::max(plot.least_top, greatest_value(plot, first))),
-                         plot.greatest_top);
+    frame.top = std::min(round_up(std::max(plot.min_top, max_value(plot, first))), plot.max_top);
 
     list.AddText(corner, packed(kInk), plot.title);
     // Beside the title if there is room, else below it.

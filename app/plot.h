@@ -20,10 +20,10 @@ struct PlotLevel {
 };
 
 struct Plot {
-    const char *title = "";    ///< with the unit
-    double span_s = 5.0;       ///< of the time axis, ending with the last sample
-    double least_top = 1.0;    ///< the value axis runs from 0 to at least this
-    double greatest_top = 1e9; ///< and to at most this; larger values are clipped
+    const char *title = ""; ///< with the unit
+    double span_s = 5.0;    ///< of the time axis, ending with the last sample
+    double min_top = 1.0;   ///< the value axis runs from 0 to at least this
+    double max_top = 1e9;   ///< and to at most this; larger values are clipped
     std::size_t samples = 0;
     std::function<double(std::size_t)> time_s; ///< of sample i, increasing
     std::vector<PlotLine> lines;

@@ -28,8 +28,8 @@ constexpr float kFontPixels = 15.0F;
 constexpr Window::Size kDefaultSize{1280, 720};
 
 /// A window smaller than this, times the scale, gets smaller text.
-constexpr float kLeastWidth = 1000.0F;
-constexpr float kLeastHeight = 640.0F;
+constexpr float kMinWidth = 1000.0F;
+constexpr float kMinHeight = 640.0F;
 
 /// The last error of GLFW.
 std::string &glfw_complaint() {
@@ -147,8 +147,8 @@ void Window::enlarge_for_scale() {
 /// Reduces the text size if panels would be clipped otherwise.
 void Window::fit_scale_to_window() {
     const Size now = size();
-    const float fits = std::min(static_cast<float>(now.width) / kLeastWidth,
-                                static_cast<float>(now.height) / kLeastHeight);
+    const float fits = std::min(static_cast<float>(now.width) / kMinWidth,
+                                static_cast<float>(now.height) / kMinHeight);
     const float usable = std::clamp(fits, 0.5F * scale_, scale_);
     if (usable != usable_scale_) {
         usable_scale_ = usable;

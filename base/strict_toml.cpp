@@ -32,10 +32,10 @@ namespace {
 std::string plain(double value) { return fmt::format("{:g}", value); }
 
 std::string allowed(NumberRange range) {
-    if (range.lowest == NumberRange{}.lowest && range.highest == NumberRange{}.highest) {
+    if (range.minimum == NumberRange{}.minimum && range.maximum == NumberRange{}.maximum) {
         return "a finite number";
     }
-    return fmt::format("a number from {:g} to {:g}", range.lowest, range.highest);
+    return fmt::format("a number from {:g} to {:g}", range.minimum, range.maximum);
 }
 
 /// The value of a TOML integer or float, NaN for anything else.
@@ -44,7 +44,7 @@ double as_number(const toml::node &node) {
 }
 
 bool lies_in(double value, NumberRange range) {
-    return std::isfinite(value) && value >= range.lowest && value <= range.highest;
+    return std::isfinite(value) && value >= range.minimum && value <= range.maximum;
 }
 
 /// A value as written in the file, on one line, for a message.
@@ -133,8 +133,8 @@ double StrictTomlTable::number(std::string_view key, NumberRange range) {
     return value;
 }
 
-int StrictTomlTable::integer(std::string_view key, int lowest, int highest) {
-    const double value = number(key, {static_cast<double>(lowest), static_cast<double>(highest)});
+int StrictTomlTable::integer(std::string_view key, int minimum, int maximum) {
+    const double value = number(key, {static_cast<double>(minimum), static_cast<double>(maximum)});
     if (value != std::floor(value)) {
         refuse(key, "is " + plain(value) + "; it must be a whole number");
     }

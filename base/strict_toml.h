@@ -16,8 +16,8 @@ namespace springdrive {
 
 /// The allowed range of a number. Bounds are inclusive.
 struct NumberRange {
-    double lowest = -std::numeric_limits<double>::max();
-    double highest = std::numeric_limits<double>::max();
+    double minimum = -std::numeric_limits<double>::max();
+    double maximum = std::numeric_limits<double>::max();
 };
 
 /// One table of a TOML file. Every reader throws InputError as described above.
@@ -35,7 +35,7 @@ public:
 
     [[nodiscard]] std::string text(std::string_view key);
     [[nodiscard]] double number(std::string_view key, NumberRange range = {});
-    [[nodiscard]] int integer(std::string_view key, int lowest, int highest);
+    [[nodiscard]] int integer(std::string_view key, int minimum, int maximum);
     [[nodiscard]] Vector3 vector(std::string_view key, NumberRange range_of_each = {});
     [[nodiscard]] StrictTomlTable table(std::string_view key);
 

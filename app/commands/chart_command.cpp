@@ -21,7 +21,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr int kMostRepeats = 100;
+constexpr int kMaxRepeats = 100;
 
 struct TypedChart {
     std::filesystem::path out;
@@ -36,7 +36,7 @@ charts::ChartSetting setting_of(const TypedChart &typed) {
     setting.device = device::read_device_file(typed.device_file);
     setting.tuning = tuning_of(typed.tuning_file);
     check_dR(setting.device, setting.tuning);
-    check_range("--repeats", typed.repeats, 1, kMostRepeats);
+    check_range("--repeats", typed.repeats, 1, kMaxRepeats);
     setting.repeats = typed.repeats;
     return setting;
 }
@@ -100,8 +100,8 @@ void add_chart_command(CLI::App &app) {
         ->check(CLI::IsMember(chart_names()));
     chart
         ->add_option("--repeats", typed->repeats,
-                     "repetitions of each timing, from 1 to " + std::to_string(kMostRepeats) +
-                         " [" + std::to_string(typed->repeats) + "]")
+                     "repetitions of each timing, from 1 to " + std::to_string(kMaxRepeats) + " [" +
+                         std::to_string(typed->repeats) + "]")
         ->type_name("N");
     add_device_file_option(*chart, typed->device_file);
     add_tuning_file_option(*chart, typed->tuning_file);

@@ -68,8 +68,8 @@ void add_motion_map_option(CLI::App &command, const std::string &option, std::st
 CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
     return command
         .add_option("--servo-hz", servo_hz,
-                    fmt::format("servo rate, {:g} to {:g} [{:g}]", servo::kSlowest_hz,
-                                servo::kFastest_hz, servo_hz))
+                    fmt::format("servo rate, {:g} to {:g} [{:g}]", servo::kMinRate_hz,
+                                servo::kMaxRate_hz, servo_hz))
         ->type_name("HZ");
 }
 
@@ -177,30 +177,30 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
         if (device::residual_resistance_Ohm(motor, tuning.dR_Ohm) != tuning.dR_Ohm) {
             throw InputError(fmt::format(
                 "dR is {:g} Ω; on motor {} of {} it must be from {:g} to its R, {:g} Ω",
-                tuning.dR_Ohm, j + 1, device.name,
-                device::kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm));
+                tuning.dR_Ohm, j + 1, device.name, device::kMinResidualShare * motor.resistance_Ohm,
+                motor.resistance_Ohm));
         }
     }
 }
 
 double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tuning &tuning) {
-    double least_Ohm = tuning.dR_Ohm;
+    double min_Ohm = tuning.dR_Ohm;
     for (const device::MotorParameters &motor : device.motor) {
-        least_Ohm = std::max(least_Ohm, device::least_cold_residual_Ohm(motor, device.amplifier));
+        min_Ohm = std::max(min_Ohm, device::min_cold_residual_Ohm(motor, device.amplifier));
     }
-    if (least_Ohm > tuning.dR_Ohm) {
+    if (min_Ohm > tuning.dR_Ohm) {
         print(std::cerr,
               "springdrive: remark: the servo limits dR to {:g} Ω, not {:g} Ω, until the "
               "windings are certain to be warm\n",
-              least_Ohm, tuning.dR_Ohm);
+              min_Ohm, tuning.dR_Ohm);
     }
-    return least_Ohm;
+    return min_Ohm;
 }
 
-void check_range(const std::string &what, double value, double lowest, double highest) {
-    if (!(value >= lowest && value <= highest)) { // a NaN too
+void check_range(const std::string &what, double value, double minimum, double maximum) {
+    if (!(value >= minimum && value <= maximum)) { // a NaN too
         throw InputError(
-            fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, lowest, highest));
+            fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, minimum, maximum));
     }
 }
 

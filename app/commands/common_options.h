@@ -101,6 +101,6 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
                                  const control::Tuning &tuning);
 
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
-void check_range(const std::string &what, double value, double lowest, double highest);
+void check_range(const std::string &what, double value, double minimum, double maximum);
 
 } // namespace springdrive::app

@@ -23,7 +23,7 @@ namespace springdrive::app {
 namespace {
 
 /// Data sheets specify R within a few per cent.
-constexpr double kLargestSpread = 0.05;
+constexpr double kMaxSpread = 0.05;
 
 struct TypedFigures {
     std::filesystem::path out;
@@ -52,9 +52,9 @@ FigureSetting setting_of(const TypedFigures &typed) {
     setting.device = device::read_device_file(typed.device_file);
     setting.tuning = tuning_of(typed.tuning_file);
     setting.q_rad = joint_angles_rad(typed.q_deg);
-    if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kLargestSpread)) {
+    if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kMaxSpread)) {
         throw InputError("--resistance-spread: must be a share from 0 to " +
-                         std::to_string(kLargestSpread).substr(0, 4));
+                         std::to_string(kMaxSpread).substr(0, 4));
     }
     setting.resistance_spread = typed.resistance_spread;
     rig::check_configuration(setting.device, setting.q_rad);

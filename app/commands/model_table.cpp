@@ -29,7 +29,7 @@ void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
     for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
         const model_selection::Candidate &candidate = axis.candidates[i];
         print(out, "{:<11}{:<21}{:>9.0f}", i == 0 ? axis.name : "", candidate.name,
-              candidate.cost.least_ns);
+              candidate.cost.min_ns);
         print(out, "{:>10.3f}{:>11.2f}  ", candidate.error.force_N,
               candidate.error.direction_rad * kDegreesPerRadian);
         print(out, "{}{}\n", model_selection::verdict(candidate.error, tolerance),

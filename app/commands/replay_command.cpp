@@ -66,7 +66,7 @@ void report(std::ostream &out, const record::RecordReader &record, const record:
             print(out, "  {:<22} equal to the last bit\n", quantity.name);
         } else {
             print(out, "  {:<22} differs in {} ticks, first in {}, by at most {:.3g}\n",
-                  quantity.name, quantity.differing, quantity.first_tick, quantity.greatest);
+                  quantity.name, quantity.differing, quantity.first_tick, quantity.maximum);
         }
     }
 }

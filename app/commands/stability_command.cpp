@@ -27,7 +27,7 @@ namespace springdrive::app {
 namespace {
 
 constexpr int kUnstable = 3; ///< exit status: completed, and the loop is unstable
-constexpr int kMostStepsOfAnAxis = 400;
+constexpr int kMaxStepsPerAxis = 400;
 
 struct TypedStability {
     StabilityOptions loop;
@@ -150,7 +150,7 @@ void draw_map(const TypedStability &typed) {
     if (x.parameter == y.parameter) {
         throw InputError("--map: names the same parameter twice; it takes two");
     }
-    check_range("--steps", typed.steps, 2, kMostStepsOfAnAxis);
+    check_range("--steps", typed.steps, 2, kMaxStepsPerAxis);
     if (typed.out.extension() != ".svg") {
         throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
     }

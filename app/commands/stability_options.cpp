@@ -151,7 +151,7 @@ void check_parameter_range(const std::string &option, const loops::StabilityPara
         throw InputError(
             fmt::format("{}: {} from {:g} to {:g}: the first must be below the second, "
                         "both from {:g} to {:g}",
-                        option, parameter.name, from, to, parameter.lowest, parameter.highest));
+                        option, parameter.name, from, to, parameter.minimum, parameter.maximum));
     }
 }
 

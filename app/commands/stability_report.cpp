@@ -136,12 +136,12 @@ double passive_wall_N_per_m(const loops::StabilityCase &which) {
     const double late_s =
         which.period_s * (1.0 + 2.0 * which.delay_periods) +
         2.0 / (2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz);
-    double least = HUGE_VAL;
+    double minimum = HUGE_VAL;
     for (const loops::LoopMember &member : loops::members(each)) {
         const double b = loops::driven_load(each, member).damping_Nms_per_rad(0, 0);
-        least = std::min(least, 2.0 * b / late_s / J.col(member.motor).squaredNorm());
+        minimum = std::min(minimum, 2.0 * b / late_s / J.col(member.motor).squaredNorm());
     }
-    return least;
+    return minimum;
 }
 
 void write_stability_table(std::ostream &out, const StabilityReport &report) {

@@ -22,8 +22,8 @@ namespace springdrive::app {
 namespace {
 
 /// One period is a million ticks of the fastest servo.
-constexpr double kLowest_hz = 0.01;
-constexpr int kMostPoints = 10000;
+constexpr double kMin_hz = 0.01;
+constexpr int kMaxPoints = 10000;
 
 struct TypedStiffness {
     std::filesystem::path device_file;
@@ -31,8 +31,8 @@ struct TypedStiffness {
     std::vector<double> motor; ///< R, L, k_T; empty: the device file's
     double servo_hz = 1000.0;
     double delay_periods = 0.0;
-    double lowest_hz = 1.0;
-    std::optional<double> highest_hz; ///< a quarter of the servo rate
+    double min_hz = 1.0;
+    std::optional<double> max_hz; ///< a quarter of the servo rate
     int points = 25;
     std::vector<CLI::Option *> of_a_sweep; ///< the options above, which a hold cannot use
     std::optional<double> hold_N;
@@ -67,14 +67,14 @@ control::Tuning tuning_for(const device::DeviceDescription &device, const TypedS
 
 loops::SweepRange range_of(const TypedStiffness &typed) {
     const double half_rate_hz = 0.5 * typed.servo_hz;
-    const double highest_hz = typed.highest_hz.value_or(0.5 * half_rate_hz);
-    check_range("--freq-from", typed.lowest_hz, kLowest_hz, half_rate_hz);
-    check_range("--freq-to", highest_hz, kLowest_hz, half_rate_hz);
-    check_range("--points", typed.points, 2, kMostPoints);
-    if (!(typed.lowest_hz < highest_hz)) {
+    const double max_hz = typed.max_hz.value_or(0.5 * half_rate_hz);
+    check_range("--freq-from", typed.min_hz, kMin_hz, half_rate_hz);
+    check_range("--freq-to", max_hz, kMin_hz, half_rate_hz);
+    check_range("--points", typed.points, 2, kMaxPoints);
+    if (!(typed.min_hz < max_hz)) {
         throw InputError("--freq-from must be below --freq-to");
     }
-    return {typed.lowest_hz, highest_hz, typed.points};
+    return {typed.min_hz, max_hz, typed.points};
 }
 
 void sweep(const TypedStiffness &typed) {
@@ -120,10 +120,9 @@ void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
     typed.of_a_sweep = {
         add_servo_hz_option(stiffness, typed.servo_hz),
         add_delay_option(stiffness, typed.delay_periods),
-        stiffness.add_option("--freq-from", typed.lowest_hz, "lowest frequency [1]")
-            ->type_name("HZ"),
+        stiffness.add_option("--freq-from", typed.min_hz, "lowest frequency [1]")->type_name("HZ"),
         stiffness
-            .add_option("--freq-to", typed.highest_hz,
+            .add_option("--freq-to", typed.max_hz,
                         "highest frequency, up to half the servo rate [a quarter]")
             ->type_name("HZ"),
         stiffness

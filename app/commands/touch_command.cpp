@@ -29,7 +29,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr int kMostSteps = 1'000'000;
+constexpr int kMaxSteps = 1'000'000;
 constexpr int kRepeats = 3;
 
 struct TypedTouch {
@@ -41,7 +41,7 @@ struct TypedTouch {
     std::optional<int> steps; ///< 20000, or those of a file
     double servo_hz = 1000.0;
     int checks = 200;
-    double slack_m = rig::kLeastSlack_m;
+    double slack_m = rig::kMinSlack_m;
     std::vector<CLI::Option *> of_a_made_path; ///< which do not apply to a file's path
     std::string csv;
     std::string json;
@@ -53,9 +53,9 @@ void check(const TypedTouch &typed) {
     check_range("--depth", typed.how.depth_m, 1e-6, 1.0);
     check_range("--radius", typed.how.radius_m, 0.0, 0.1);
     check_range("--seed", typed.seed, 0, std::numeric_limits<int>::max());
-    check_range("--steps", typed.steps.value_or(1), 1, kMostSteps);
-    check_range("--check", typed.checks, 0, kMostSteps);
-    check_range("--slack", typed.slack_m, rig::kLeastSlack_m, 0.5 * contact::kClearance_m);
+    check_range("--steps", typed.steps.value_or(1), 1, kMaxSteps);
+    check_range("--check", typed.checks, 0, kMaxSteps);
+    check_range("--slack", typed.slack_m, rig::kMinSlack_m, 0.5 * contact::kClearance_m);
     if (typed.csv == "-" && typed.json == "-") {
         throw InputError("--csv - and --json - would mix on standard output; give one a file");
     }
@@ -77,12 +77,12 @@ std::vector<Vector3> tips_of_file(const TypedTouch &typed, double period_s) {
         simulated::HandPath::read_csv(typed.path, simulated::HandPath::Header::optional);
     const double start_s = path.points().front().time_s;
     const double ticks = (path.points().back().time_s - start_s) / period_s + 1e-9;
-    if (!typed.steps && ticks >= kMostSteps) {
-        throw InputError(typed.path + ": takes more than " + std::to_string(kMostSteps) +
+    if (!typed.steps && ticks >= kMaxSteps) {
+        throw InputError(typed.path + ": takes more than " + std::to_string(kMaxSteps) +
                          " steps of the servo; shorten it, or lower --servo-hz");
     }
-    const double most = typed.steps.value_or(kMostSteps);
-    const auto count = static_cast<std::size_t>(std::min(ticks + 1.0, most));
+    const double maximum = typed.steps.value_or(kMaxSteps);
+    const auto count = static_cast<std::size_t>(std::min(ticks + 1.0, maximum));
     std::vector<Vector3> tips_m;
     for (std::size_t i = 0; i < count; ++i) {
         tips_m.push_back(path.at(start_s + static_cast<double>(i) * period_s).position_m);

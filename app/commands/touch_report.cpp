@@ -40,17 +40,17 @@ Json optional_json(const std::optional<std::size_t> &value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
-Json value_json(const rig::Greatest &greatest, double factor) {
-    return greatest.step ? Json(greatest.value * factor) : Json(nullptr);
+Json value_json(const rig::Maximum &maximum, double factor) {
+    return maximum.step ? Json(maximum.value * factor) : Json(nullptr);
 }
 
 void print_times(std::ostream &out, const char *what, std::size_t steps, const rig::TouchRun &run,
                  bool touching) {
     const std::optional<rig::UpdateTimes> first =
         rig::update_times(run, touching, &rig::TouchStep::first_ns);
-    const std::optional<rig::UpdateTimes> least =
-        rig::update_times(run, touching, &rig::TouchStep::least_ns);
-    if (!first || !least) {
+    const std::optional<rig::UpdateTimes> minimum =
+        rig::update_times(run, touching, &rig::TouchStep::min_ns);
+    if (!first || !minimum) {
         print(out, "{:<12}{:>10} steps\n", what, steps);
         return;
     }
@@ -61,7 +61,7 @@ void print_times(std::ostream &out, const char *what, std::size_t steps, const r
     print(out, "{:<12}{:>10} steps", what, steps);
     row(*first);
     print(out, "{:<28}", "  best of all repeats");
-    row(*least);
+    row(*minimum);
 }
 
 void print_steps(std::ostream &out, const char *what, const std::vector<std::size_t> &steps) {
@@ -110,9 +110,9 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
     json["steps"] = run.steps.size();
     json["steps_in_contact"] = steps_in_contact(run);
     json["contact_ns"] = times_json(run, true, &rig::TouchStep::first_ns);
-    json["contact_floor_ns"] = times_json(run, true, &rig::TouchStep::least_ns);
+    json["contact_floor_ns"] = times_json(run, true, &rig::TouchStep::min_ns);
     json["free_ns"] = times_json(run, false, &rig::TouchStep::first_ns);
-    json["free_floor_ns"] = times_json(run, false, &rig::TouchStep::least_ns);
+    json["free_floor_ns"] = times_json(run, false, &rig::TouchStep::min_ns);
     json["pop_throughs"] = found.pop_throughs.size();
     json["pop_through_steps"] = first_of(found.pop_throughs);
     json["stuck_steps"] = found.stuck.size();

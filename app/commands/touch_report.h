@@ -29,7 +29,7 @@ struct TouchReport {
 
     rig::TouchRun run;
     rig::TouchFindings findings;
-    std::optional<rig::Greatest> sphere_error_rad; ///< of a sphere, whose true normals are known
+    std::optional<rig::Maximum> sphere_error_rad; ///< of a sphere, whose true normals are known
 };
 
 /// A header and a row for each step. SI units, but for the time of an update in nanoseconds.

@@ -16,8 +16,8 @@ void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
     print(out, "margins: K_P and K_D × {:.3g} (then unstable with {} at η {:.2g})", margins.gain,
           loops::hand_text(margins.worst_hand), margins.worst_eta);
     print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
-          margins.more_delay_periods, margins.least_dR_Ohm);
-    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+          margins.more_delay_periods, margins.min_dR_Ohm);
+    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
         out << "K_P is at the end of its range: larger values would be stable\n";
     }
     if (found.taken_back > 0.0) {

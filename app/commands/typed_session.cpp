@@ -95,9 +95,8 @@ session::SessionOptions TypedSession::session() const {
     session.program_version = SPRINGDRIVE_VERSION;
     session.device.kind = *factory::device_kind_named(device);
     if (late_limit_ms) {
-        const double greatest_ms =
-            1e3 * device::read_device_file(session.device.file).limits.late_s;
-        check_range("--late-limit-ms", *late_limit_ms, 1e-3, greatest_ms);
+        const double max_ms = 1e3 * device::read_device_file(session.device.file).limits.late_s;
+        check_range("--late-limit-ms", *late_limit_ms, 1e-3, max_ms);
         session.late_limit_s = 1e-3 * *late_limit_ms;
     }
     session.tuning = tuning.tuning();

@@ -17,10 +17,10 @@ constexpr int kDecades = 4; ///< 1 Hz to 10 kHz: below R/L and above it
 
 /// The highest frequency to be measured, relative to the servo rate; above one half there is
 /// aliasing.
-constexpr double kHighestMeasured = 0.45;
+constexpr double kMaxMeasured = 0.45;
 
 std::string row(const loops::SpringDrive &drive, double wanted_hz) {
-    const bool measurable = wanted_hz * drive.period_s <= kHighestMeasured;
+    const bool measurable = wanted_hz * drive.period_s <= kMaxMeasured;
     const loops::SweepWindow window =
         measurable ? loops::sweep_window(wanted_hz, drive.period_s) : loops::SweepWindow{};
     const double frequency_hz = measurable ? window.frequency_hz(drive.period_s) : wanted_hz;

@@ -15,26 +15,26 @@ class LogRange {
 public:
     void include(double number) {
         if (number > 0.0 && std::isfinite(number)) {
-            least_ = std::min(least_, std::log10(number));
-            greatest_ = std::max(greatest_, std::log10(number));
+            minimum_ = std::min(minimum_, std::log10(number));
+            maximum_ = std::max(maximum_, std::log10(number));
         }
     }
 
     /// @param room below, relative to the range of the numbers; at least a fifth of a decade
     [[nodiscard]] double low(double room) const {
-        return std::isfinite(least_) ? std::pow(10.0, least_ - room_decades(room)) : 0.1;
+        return std::isfinite(minimum_) ? std::pow(10.0, minimum_ - room_decades(room)) : 0.1;
     }
     [[nodiscard]] double high(double room) const {
-        return std::isfinite(least_) ? std::pow(10.0, greatest_ + room_decades(room)) : 10.0;
+        return std::isfinite(minimum_) ? std::pow(10.0, maximum_ + room_decades(room)) : 10.0;
     }
 
 private:
     [[nodiscard]] double room_decades(double room) const {
-        return std::max(0.2, room * (greatest_ - least_));
+        return std::max(0.2, room * (maximum_ - minimum_));
     }
 
-    double least_ = std::numeric_limits<double>::infinity();
-    double greatest_ = -std::numeric_limits<double>::infinity();
+    double minimum_ = std::numeric_limits<double>::infinity();
+    double maximum_ = -std::numeric_limits<double>::infinity();
 };
 
 /// An error this many decades below the next is round-off, not an error of the method.
@@ -75,8 +75,8 @@ Frame frame_of(const rig::SpeedAccuracyChart &chart) {
     bool has_zero = false;
     bool has_none = false;
     for (const rig::ChartPoint &point : chart.points) {
-        cost_ns.include(point.cost.least_ns);
-        cost_ns.include(point.cost.greatest_ns);
+        cost_ns.include(point.cost.min_ns);
+        cost_ns.include(point.cost.max_ns);
         has_zero |= point.error <= round_off;
         has_none |= !std::isfinite(point.error);
         if (point.error > round_off) {

@@ -12,8 +12,8 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
 
     Plot error;
     error.title = "angle force–normal [°]";
-    error.least_top = 10.0;
-    error.greatest_top = 60.0; // peaks during an impact would compress the scale
+    error.min_top = 10.0;
+    error.max_top = 60.0; // peaks during an impact would compress the scale
     error.samples = history.size();
     error.time_s = [&history](std::size_t i) { return history[i].time_s; };
     ImVec4 faint = kUsedMap;
@@ -28,8 +28,8 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
 
     Plot force = error;
     force.title = "force [N]";
-    force.least_top = 1.0;
-    force.greatest_top = 1e9;
+    force.min_top = 1.0;
+    force.max_top = 1e9;
     force.lines = {{"rendered", kForce, [&history](std::size_t i) { return history[i].force_N; }}};
     force.levels.clear();
 

@@ -7,35 +7,35 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLeastShare = 0.02; // of the device's limit; lower values always trip
+constexpr double kMinShare = 0.02; // of the device's limit; lower values always trip
 
 /// A slider from nearly zero to the device's limit, and a button to restore that.
 bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &requested) {
     const double scale = limit.shown_per_si;
     const float font = ImGui::GetFontSize();
     double shown = scale * std::min(device_value, requested);
-    const double highest = scale * device_value;
-    const double lowest = kLeastShare * highest;
+    const double maximum = scale * device_value;
+    const double minimum = kMinShare * maximum;
     ImGui::PushID(limit.name);
     ImGui::AlignTextToFramePadding();
     ImGui::TextColored(kFaintInk, "%s", limit.what);
     ImGui::SameLine(12.0F * font);
     ImGui::SetNextItemWidth(10.0F * font);
-    bool changed = ImGui::SliderScalar("##slider", ImGuiDataType_Double, &shown, &lowest, &highest,
+    bool changed = ImGui::SliderScalar("##slider", ImGuiDataType_Double, &shown, &minimum, &maximum,
                                        "%.3g", ImGuiSliderFlags_AlwaysClamp);
     ImGui::SameLine();
     ImGui::TextColored(kFaintInk, "%s", limit.unit);
     ImGui::SameLine(24.5F * font);
     if (ImGui::Button("\u21BA")) {
-        shown = highest;
+        shown = maximum;
         changed = true;
     }
     if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("reset to the device's limit, %.3g %s", highest, limit.unit);
+        ImGui::SetTooltip("reset to the device's limit, %.3g %s", maximum, limit.unit);
     }
     ImGui::PopID();
     if (changed) {
-        requested = shown >= highest ? device_value : shown / scale;
+        requested = shown >= maximum ? device_value : shown / scale;
     }
     return changed;
 }

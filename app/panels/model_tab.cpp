@@ -53,7 +53,7 @@ void draw_candidate(const model_selection::ModelAxis &axis, std::size_t index,
                        is_chosen ? ", selected" : "");
     explain(reason_of(axis, index, tolerance).c_str());
     ImGui::TableNextColumn();
-    ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.least_ns);
+    ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.min_ns);
     ImGui::TableNextColumn();
     ImGui::TextColored(model_selection::meets(candidate.error, tolerance) ? kFaintInk : kWarning,
                        "%.2f N, %.1f°", candidate.error.force_N,

@@ -14,13 +14,13 @@ namespace {
 constexpr double kFieldMoved_rad = 0.1; // below that, the field hardly changes
 
 /// The centre of one of `count` cells between two ends on a logarithmic scale.
-double middle(double least, double greatest, int cell, int count) {
-    return least * std::pow(greatest / least, (cell + 0.5) / count);
+double middle(double minimum, double maximum, int cell, int count) {
+    return minimum * std::pow(maximum / minimum, (cell + 0.5) / count);
 }
 
-double share(double value, double least, double greatest) {
-    return std::clamp(std::log(std::max(value, least) / least) / std::log(greatest / least), 0.0,
-                      1.0);
+double share(double value, double minimum, double maximum) {
+    return std::clamp(std::log(std::max(value, minimum) / minimum) / std::log(maximum / minimum),
+                      0.0, 1.0);
 }
 
 bool has_same_field(const loops::StabilityCase &a, const loops::StabilityCase &b) {
@@ -79,11 +79,11 @@ void draw_cells(const StabilityGrid &grid, ImVec2 corner, ImVec2 size) {
 void draw_cross(const control::Tuning &now, ImVec2 corner, ImVec2 size) {
     const float x =
         corner.x +
-        size.x * static_cast<float>(share(now.K_P_V_per_rad, StabilityGrid::kLeast_K_P_V_per_rad,
-                                          StabilityGrid::kGreatest_K_P_V_per_rad));
+        size.x * static_cast<float>(share(now.K_P_V_per_rad, StabilityGrid::kMin_K_P_V_per_rad,
+                                          StabilityGrid::kMax_K_P_V_per_rad));
     const float y = corner.y + size.y -
-                    size.y * static_cast<float>(share(now.dR_Ohm, StabilityGrid::kLeast_dR_Ohm,
-                                                      StabilityGrid::kGreatest_dR_Ohm));
+                    size.y * static_cast<float>(share(now.dR_Ohm, StabilityGrid::kMin_dR_Ohm,
+                                                      StabilityGrid::kMax_dR_Ohm));
     const float arm = 0.4F * ImGui::GetFontSize();
     ImDrawList &list = *ImGui::GetWindowDrawList();
     const ImU32 ink = ImGui::GetColorU32(kUsedMap);
@@ -94,12 +94,10 @@ void draw_cross(const control::Tuning &now, ImVec2 corner, ImVec2 size) {
 } // namespace
 
 double StabilityGrid::K_P_V_per_rad(int column) {
-    return middle(kLeast_K_P_V_per_rad, kGreatest_K_P_V_per_rad, column, kColumns);
+    return middle(kMin_K_P_V_per_rad, kMax_K_P_V_per_rad, column, kColumns);
 }
 
-double StabilityGrid::dR_Ohm(int row) {
-    return middle(kLeast_dR_Ohm, kGreatest_dR_Ohm, row, kRows);
-}
+double StabilityGrid::dR_Ohm(int row) { return middle(kMin_dR_Ohm, kMax_dR_Ohm, row, kRows); }
 
 double StabilityGrid::at(int column, int row) const {
     return eigenvalue.at(static_cast<std::size_t>(row) * kColumns +
@@ -137,8 +135,8 @@ void StabilityField::draw(const control::Tuning &now) const {
         return;
     }
     ImGui::TextColored(kFaintInk, "\u2192 K_P %g to %g V/rad   \u2191 dR %g to %g Ω",
-                       StabilityGrid::kLeast_K_P_V_per_rad, StabilityGrid::kGreatest_K_P_V_per_rad,
-                       StabilityGrid::kLeast_dR_Ohm, StabilityGrid::kGreatest_dR_Ohm);
+                       StabilityGrid::kMin_K_P_V_per_rad, StabilityGrid::kMax_K_P_V_per_rad,
+                       StabilityGrid::kMin_dR_Ohm, StabilityGrid::kMax_dR_Ohm);
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 size(ImGui::GetContentRegionAvail().x, 7.0F * ImGui::GetFontSize());
     ImGui::InvisibleButton("##field", size);

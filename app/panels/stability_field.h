@@ -13,10 +13,10 @@ namespace springdrive::app {
 struct StabilityGrid {
     static constexpr int kColumns = 36;
     static constexpr int kRows = 18;
-    static constexpr double kLeast_K_P_V_per_rad = 0.5;
-    static constexpr double kGreatest_K_P_V_per_rad = 200.0;
-    static constexpr double kLeast_dR_Ohm = 0.02;
-    static constexpr double kGreatest_dR_Ohm = 2.0;
+    static constexpr double kMin_K_P_V_per_rad = 0.5;
+    static constexpr double kMax_K_P_V_per_rad = 200.0;
+    static constexpr double kMin_dR_Ohm = 0.02;
+    static constexpr double kMax_dR_Ohm = 2.0;
 
     double period_s = 1e-3;
     std::vector<double> eigenvalue; ///< row by row from the lowest dR, of the worst hand

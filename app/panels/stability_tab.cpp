@@ -12,8 +12,8 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLeastMargin = 1.0;
-constexpr double kGreatestMargin = 3.0;
+constexpr double kMinMargin = 1.0;
+constexpr double kMaxMargin = 3.0;
 
 /// The tooltip of the previous item.
 void explain(const std::string &text) {
@@ -83,8 +83,8 @@ void show_prediction(const StabilityPrediction &prediction) {
 void show_search(const session::Session &session, StabilityTabState &state) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.0F * font);
-    ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kLeastMargin,
-                        &kGreatestMargin, "× %.2f", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kMinMargin, &kMaxMargin,
+                        "× %.2f", ImGuiSliderFlags_AlwaysClamp);
     explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
             "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
     ImGui::SameLine();
@@ -111,13 +111,13 @@ void show_margins(const limits::AutoTuned &found) {
     ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
     explain("static stiffness k_T K_P/dR (13) at the motor");
     ImGui::TextWrapped("margins: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
-                       margins.least_dR_Ohm, margins.more_delay_periods);
+                       margins.min_dR_Ohm, margins.more_delay_periods);
     explain("changes with which it remains stable, one at a time: larger K_P and K_D, a lower\n"
             "dR, whole periods of delay. With larger gains it becomes unstable\n"
             "first with " +
             loops::hand_text(margins.worst_hand) + ". Stable: " + std::to_string(found.loops) +
             " loops, of all hands, configurations and η");
-    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.greatest_K_P_V_per_rad) {
+    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
         ImGui::TextColored(kFaintInk,
                            "K_P is at the end of its range: larger values would be stable");
     }

@@ -35,10 +35,10 @@ void show(const char *label, CheckedFormat<double> format, double value, const c
 
 /// Enough digits for the parameter's range.
 const char *digits_for(const control::Parameter &parameter) {
-    if (parameter.highest >= 1000.0) {
+    if (parameter.maximum >= 1000.0) {
         return "%.0f";
     }
-    return parameter.highest <= 0.5 ? "%.4f" : "%.3f";
+    return parameter.maximum <= 0.5 ? "%.4f" : "%.3f";
 }
 
 /// The number beside the slider. It becomes active on Enter or when the field loses focus.
@@ -70,13 +70,13 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
     ImGui::TextColored(is_active ? kInk : kFaintInk, "%s", std::string(parameter.symbol).c_str());
     if (ImGui::IsItemHovered()) {
         ImGui::SetTooltip("%s %s\nfrom %g to %g %s", std::string(parameter.help).c_str(),
-                          std::string(parameter.equation).c_str(), parameter.lowest,
-                          parameter.highest, std::string(parameter.unit).c_str());
+                          std::string(parameter.equation).c_str(), parameter.minimum,
+                          parameter.maximum, std::string(parameter.unit).c_str());
     }
     ImGui::SameLine(2.9F * font);
     ImGui::SetNextItemWidth(9.0F * font);
-    ImGui::SliderScalar("##slider", ImGuiDataType_Double, &value, &parameter.lowest,
-                        &parameter.highest, "",
+    ImGui::SliderScalar("##slider", ImGuiDataType_Double, &value, &parameter.minimum,
+                        &parameter.maximum, "",
                         parameter.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     ImGui::SameLine();
     edit_typed(state, index, value);
@@ -92,8 +92,9 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
     }
     ImGui::PopID();
     // Typed values may be out of range.
-    if (!(value >= parameter.lowest && value <= parameter.highest)) {
-        value = std::isnan(value) ? before : std::clamp(value, parameter.lowest, parameter.highest);
+    if (!(value >= parameter.minimum && value <= parameter.maximum)) {
+        value =
+            std::isnan(value) ? before : std::clamp(value, parameter.minimum, parameter.maximum);
     }
     return value != before;
 }

@@ -6,7 +6,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLeastForce_N = 0.05; // shorter arrows would be noise
+constexpr double kMinForce_N = 0.05; // shorter arrows would be noise
 constexpr double kNormalLength_m = 0.060;
 constexpr double kNormalBeyondArrow_m = 0.015;
 constexpr double kDash_m = 0.0040;
@@ -76,13 +76,12 @@ void append_hand_target(std::vector<Solid> &solids, const ViewState &state,
 std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scale) {
     std::vector<Solid> solids;
     // A force that is not finite draws no arrow.
-    const bool has_force =
-        state.tip_force_N.allFinite() && state.tip_force_N.norm() > kLeastForce_N;
+    const bool has_force = state.tip_force_N.allFinite() && state.tip_force_N.norm() > kMinForce_N;
     const Vector3 arrow_m =
         has_force ? Vector3(kArrowMetresPerNewton * state.tip_force_N) : Vector3::Zero();
     if (state.touching) {
-        const double least_m = scale.length_m(kProxyRadius_px, state.proxy_m);
-        solids.push_back(ball(state.proxy_m, std::max(kProxyRadius_m, least_m), kProxyColour));
+        const double min_m = scale.length_m(kProxyRadius_px, state.proxy_m);
+        solids.push_back(ball(state.proxy_m, std::max(kProxyRadius_m, min_m), kProxyColour));
         append_line(solids, state.proxy_m, state.tip_m, kTipColour, scale);
         append_normal(solids, state, arrow_m.norm(), scale);
     }
@@ -94,8 +93,8 @@ std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scal
 }
 
 Solid tip_solid(const ViewState &state, const MarkerScale &scale) {
-    const double least_m = scale.length_m(kTipRadius_px, state.tip_m);
-    return ball(state.tip_m, std::max(kTipRadius_m, least_m), kTipColour);
+    const double min_m = scale.length_m(kTipRadius_px, state.tip_m);
+    return ball(state.tip_m, std::max(kTipRadius_m, min_m), kTipColour);
 }
 
 } // namespace springdrive::app

@@ -32,7 +32,7 @@ MotorParameters read_motor(StrictTomlTable &table) {
     motor.thermal.housing_ambient_K_per_W = table.number("housing_ambient_K_per_W", {0.01, 1000.0});
     motor.thermal.winding_time_s = table.number("winding_time_s", {0.1, 1e4});
     motor.thermal.motor_time_s = table.number("motor_time_s", {1.0, 1e5});
-    motor.thermal.greatest_winding_C = table.number("greatest_winding_C", {40.0, 300.0});
+    motor.thermal.max_winding_C = table.number("greatest_winding_C", {40.0, 300.0});
     table.refuse_unknown_keys();
     return motor;
 }
@@ -57,14 +57,14 @@ LinkBody read_body(StrictTomlTable table, About about) {
     body.inertia_kg_m2 = table.vector("inertia_kg_m2", {1e-10, 1.0});
     // About a joint the inertia is at least that of the point mass. (The triangle inequality of the
     // moments is not checked: published values violate it.)
-    const double least_kg_m2 =
+    const double min_kg_m2 =
         about == About::joint ? body.mass_kg * body.centre_m * body.centre_m : 0.0;
-    if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < least_kg_m2) {
+    if (std::min(body.inertia_kg_m2[0], body.inertia_kg_m2[1]) < min_kg_m2) {
         table.refuse(
             "inertia_kg_m2",
             fmt::format("is too small for a mass at that distance from the joint; its first two "
                         "numbers must be at least mass_kg times centre_m squared, {:g}",
-                        least_kg_m2));
+                        min_kg_m2));
     }
     table.refuse_unknown_keys();
     return body;
@@ -92,11 +92,11 @@ JointFriction read_friction(StrictTomlTable table) {
 
 JointLimits read_joint_limits(StrictTomlTable table) {
     JointLimits limits;
-    limits.lowest_rad = kRadiansPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
-    limits.highest_rad = kRadiansPerDegree * table.vector("highest_deg", {0.0, 270.0});
-    limits.least_q3_minus_q2_rad =
+    limits.min_rad = kRadiansPerDegree * table.vector("lowest_deg", {-180.0, 0.0});
+    limits.max_rad = kRadiansPerDegree * table.vector("highest_deg", {0.0, 270.0});
+    limits.min_q3_minus_q2_rad =
         kRadiansPerDegree * table.number("least_q3_minus_q2_deg", {-89.0, 0.0});
-    limits.greatest_q3_minus_q2_rad =
+    limits.max_q3_minus_q2_rad =
         kRadiansPerDegree * table.number("greatest_q3_minus_q2_deg", {0.0, 89.0});
     table.refuse_unknown_keys();
     return limits;
@@ -148,12 +148,12 @@ AmplifierParameters read_amplifier(StrictTomlTable table,
     // R̂ may exceed R by as much as a warm winding's R does, at most by the excess that the file
     // allows.
     const double excess_Ohm = table.number("greatest_excess_Ohm", {0.0, 100.0});
-    double least_resistance_Ohm = std::numeric_limits<double>::infinity();
+    double min_resistance_Ohm = std::numeric_limits<double>::infinity();
     for (const MotorParameters &motor : motors) {
-        least_resistance_Ohm = std::min(least_resistance_Ohm, motor.resistance_Ohm);
+        min_resistance_Ohm = std::min(min_resistance_Ohm, motor.resistance_Ohm);
     }
-    amplifier.greatest_cancelled_Ohm =
-        table.number("greatest_cancelled_Ohm", {0.0, least_resistance_Ohm + excess_Ohm});
+    amplifier.max_cancelled_Ohm =
+        table.number("greatest_cancelled_Ohm", {0.0, min_resistance_Ohm + excess_Ohm});
     amplifier.current_bandwidth_hz = table.number("current_bandwidth_hz", {1.0, 1e6});
     table.refuse_unknown_keys();
     return amplifier;

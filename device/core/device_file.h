@@ -46,16 +46,16 @@ struct JointFriction {
 
 /// The joints' range of travel between their stops.
 struct JointLimits {
-    Vector3 lowest_rad{Vector3::Zero()};
-    Vector3 highest_rad{Vector3::Zero()};
-    double least_q3_minus_q2_rad = 0.0; ///< the links fold no further
-    double greatest_q3_minus_q2_rad = 0.0;
+    Vector3 min_rad{Vector3::Zero()};
+    Vector3 max_rad{Vector3::Zero()};
+    double min_q3_minus_q2_rad = 0.0; ///< the links fold no further
+    double max_q3_minus_q2_rad = 0.0;
 
     [[nodiscard]] bool allow(const Vector3 &q_rad) const {
         const double fold_rad = q_rad[2] - q_rad[1];
-        return (q_rad.array() >= lowest_rad.array()).all() &&
-               (q_rad.array() <= highest_rad.array()).all() && fold_rad >= least_q3_minus_q2_rad &&
-               fold_rad <= greatest_q3_minus_q2_rad;
+        return (q_rad.array() >= min_rad.array()).all() &&
+               (q_rad.array() <= max_rad.array()).all() && fold_rad >= min_q3_minus_q2_rad &&
+               fold_rad <= max_q3_minus_q2_rad;
     }
 };
 

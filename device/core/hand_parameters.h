@@ -9,8 +9,8 @@ struct HandParameters {
     double mass_kg = 0.1;
     double damping_Ns_per_m = 6.0;
     double stiffness_N_per_m = 300.0;
-    double greatest_force_N = 5.0;       ///< of the spring: a hand's force is limited
-    double greatest_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
+    double max_force_N = 5.0;       ///< of the spring: a hand's force is limited
+    double max_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
 };
 
 } // namespace springdrive::device

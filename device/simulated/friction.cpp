@@ -27,7 +27,7 @@ Vector<joints> solve_for(const Matrix<joints> &A, const Vector<joints> &b,
             right[j] = 0.0;
         } else {
             right[j] +=
-                mode == FrictionMode::turning_forward ? friction.lowest[j] : friction.highest[j];
+                mode == FrictionMode::turning_forward ? friction.minimum[j] : friction.maximum[j];
         }
     }
     Vector<joints> v = solve_definite<joints>(system, right);
@@ -40,7 +40,7 @@ Vector<joints> solve_for(const Matrix<joints> &A, const Vector<joints> &b,
 }
 
 /// The mode that a joint should change to; its own if that agrees with the solution.
-FrictionMode corrected(FrictionMode mode, double v, double needed, double lowest, double highest) {
+FrictionMode corrected(FrictionMode mode, double v, double needed, double minimum, double maximum) {
     switch (mode) {
     case FrictionMode::turning_forward:
         return v >= 0.0 ? mode : FrictionMode::stopped;
@@ -49,10 +49,10 @@ FrictionMode corrected(FrictionMode mode, double v, double needed, double lowest
     case FrictionMode::stopped:
         break;
     }
-    if (needed < lowest) {
+    if (needed < minimum) {
         return FrictionMode::turning_forward;
     }
-    return needed > highest ? FrictionMode::turning_backward : FrictionMode::stopped;
+    return needed > maximum ? FrictionMode::turning_backward : FrictionMode::stopped;
 }
 
 /// Changes one joint at a time, the first that disagrees: for such a matrix this cannot cycle
@@ -69,7 +69,7 @@ Vector<joints> solve(const Matrix<joints> &A, const Vector<joints> &b,
         for (Eigen::Index j = 0; j < joints && agrees; ++j) {
             FrictionMode &mode = modes[static_cast<std::size_t>(j)];
             const FrictionMode better =
-                corrected(mode, v[j], needed[j], friction.lowest[j], friction.highest[j]);
+                corrected(mode, v[j], needed[j], friction.minimum[j], friction.maximum[j]);
             agrees = better == mode;
             mode = better;
         }

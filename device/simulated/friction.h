@@ -21,16 +21,16 @@ namespace springdrive::simulated {
 /// The range of friction over a step, per joint [N·m, or N·m·s for an impulse].
 template <int joints> struct JointFrictionRange {
     using Vector = Eigen::Matrix<double, joints, 1>;
-    Vector lowest{Vector::Zero()};
-    Vector highest{Vector::Zero()};
+    Vector minimum{Vector::Zero()};
+    Vector maximum{Vector::Zero()};
 
     /// By the table above.
     [[nodiscard]] static JointFrictionRange after(const Vector &rate_before,
                                                   const Vector &coulomb) {
         JointFrictionRange range;
         for (Eigen::Index j = 0; j < joints; ++j) {
-            range.lowest[j] = rate_before[j] < 0.0 ? 0.0 : -coulomb[j];
-            range.highest[j] = rate_before[j] > 0.0 ? 0.0 : coulomb[j];
+            range.minimum[j] = rate_before[j] < 0.0 ? 0.0 : -coulomb[j];
+            range.maximum[j] = rate_before[j] > 0.0 ? 0.0 : coulomb[j];
         }
         return range;
     }

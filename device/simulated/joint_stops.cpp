@@ -26,11 +26,11 @@ std::array<Stop, 8> stops(const device::JointLimits &limits) {
     std::array<Stop, 8> all{};
     for (Eigen::Index j = 0; j < 3; ++j) {
         const auto index = static_cast<std::size_t>(2 * j);
-        all[index] = {Vector3::Unit(j), limits.highest_rad[j]};
-        all[index + 1] = {-Vector3::Unit(j), -limits.lowest_rad[j]};
+        all[index] = {Vector3::Unit(j), limits.max_rad[j]};
+        all[index + 1] = {-Vector3::Unit(j), -limits.min_rad[j]};
     }
-    all[6] = {fold, limits.greatest_q3_minus_q2_rad};
-    all[7] = {-fold, -limits.least_q3_minus_q2_rad};
+    all[6] = {fold, limits.max_q3_minus_q2_rad};
+    all[7] = {-fold, -limits.min_q3_minus_q2_rad};
     return all;
 }
 

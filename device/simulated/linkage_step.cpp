@@ -14,9 +14,9 @@ namespace {
 /// Iterations end when the angles at the end of the step change by no more than this: round-off.
 constexpr double kSettled_rad = 2e-16;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr int kMostIterations = 12;
+constexpr int kMaxIterations = 12;
 /// A step that does not converge is halved, repeatedly. No hand moves a device that fast.
-constexpr int kMostPieces = 64;
+constexpr int kMaxPieces = 64;
 
 template <int joints>
 device::JointMatrix<joints> inertia_with_rotors(const LinkagePlant &plant,
@@ -54,8 +54,8 @@ public:
         : has_friction_((plant.coulomb_Nm.array() > 0.0).any()), modes_(modes) {
         if (has_friction_) {
             range_ = JointFrictionRange<joints>::after(rate_a, plant.coulomb_Nm.tail<joints>());
-            range_.lowest *= h;
-            range_.highest *= h;
+            range_.minimum *= h;
+            range_.maximum *= h;
         }
     }
 
@@ -102,7 +102,7 @@ std::optional<LinkageMotion> accelerated_step(const LinkagePlant &plant, const L
     StepFriction<joints> friction(plant, rate_a, h, modes);
 
     device::JointVector<joints> mean_rate = rate_a;
-    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
         const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
         const device::LinkageSecants<joints> secants(q_a, q_b);
         const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
@@ -128,7 +128,7 @@ std::optional<LinkageMotion> balanced_step(const LinkagePlant &plant, const Link
                                            const LinkageLoad &load, double h) {
     const Vector3 &q_a = before.q_rad;
     device::JointVector<joints> mean_rate = before.rate_rad_per_s.tail<joints>();
-    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
         const Vector3 q_b = q_a + h * all_joints<joints>(mean_rate);
         const device::LinkageSecants<joints> secants(q_a, q_b);
         const LinkageForces<joints> force = linkage_forces<joints>(plant, load, secants, q_a, q_b);
@@ -191,7 +191,7 @@ LinkageMotion linkage_step(const LinkagePlant &plant, const LinkageState &before
                            const LinkageLoad &load, double step_s,
                            std::array<FrictionMode, 3> &modes) noexcept {
     std::optional<LinkageMotion> motion = undivided_step(plant, before, load, step_s, modes);
-    for (int pieces = 2; !motion && pieces <= kMostPieces; pieces *= 2) {
+    for (int pieces = 2; !motion && pieces <= kMaxPieces; pieces *= 2) {
         motion = divided_step(plant, before, load, step_s, pieces, modes);
     }
     if (motion) {

@@ -88,15 +88,15 @@ device::WindingTemperature temperature(const device::MotorParameters &motor,
 
 void check_options(const device::DeviceDescription &description, const SimulationOptions &options) {
     const device::HandParameters &hand = options.hand;
-    constexpr double kMostSteps = 1e6; // in a period
+    constexpr double kMaxSteps = 1e6; // in a period
     const bool finite = std::isfinite(hand.mass_kg) && std::isfinite(hand.damping_Ns_per_m) &&
                         std::isfinite(hand.stiffness_N_per_m) &&
                         std::isfinite(options.servo_period_s);
     const bool good = finite && options.servo_period_s > 0.0 &&
-                      options.longest_step_s * kMostSteps >= options.servo_period_s &&
+                      options.longest_step_s * kMaxSteps >= options.servo_period_s &&
                       hand.mass_kg >= 0.0 && hand.damping_Ns_per_m >= 0.0 &&
-                      hand.stiffness_N_per_m >= 0.0 && hand.greatest_force_N >= 0.0 &&
-                      hand.greatest_speed_m_per_s > 0.0;
+                      hand.stiffness_N_per_m >= 0.0 && hand.max_force_N >= 0.0 &&
+                      hand.max_speed_m_per_s > 0.0;
     if (!good) {
         throw InputError("simulated device: the period and the hand's speed must be positive, a "
                          "sub-step at least a millionth of the period, the hand's mass, "

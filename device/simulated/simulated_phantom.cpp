@@ -13,9 +13,9 @@ namespace {
 /// `set_hand_target`, which also smooths the steps of a 60 Hz mouse.
 constexpr double kHandReachRate = 40.0; // rad/s
 
-Vector3 limited(const Vector3 &vector, double greatest_norm) {
+Vector3 limited(const Vector3 &vector, double max_norm) {
     const double norm = vector.norm();
-    return norm > greatest_norm ? Vector3(vector * (greatest_norm / norm)) : vector;
+    return norm > max_norm ? Vector3(vector * (max_norm / norm)) : vector;
 }
 
 } // namespace
@@ -242,8 +242,7 @@ void SimulatedPhantom::move_hand_target(double h) noexcept {
         const Vector3 gap = hand_target_.latest() - hand_.position_m;
         hand_.velocity_m_per_s +=
             h * kHandReachRate * (kHandReachRate * gap - 2.0 * hand_.velocity_m_per_s);
-        hand_.velocity_m_per_s =
-            limited(hand_.velocity_m_per_s, options_.hand.greatest_speed_m_per_s);
+        hand_.velocity_m_per_s = limited(hand_.velocity_m_per_s, options_.hand.max_speed_m_per_s);
         hand_.position_m += h * hand_.velocity_m_per_s;
     }
     truth_.hand_target_m = hand_.position_m;
@@ -283,7 +282,7 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
     const bool drives = spring.mode == device::CommandMode::drive;
     const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
     const double cancelled_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
-                                            description_.amplifier.greatest_cancelled_Ohm);
+                                            description_.amplifier.max_cancelled_Ohm);
     return at_once ? device::spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
                    : device::spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }
@@ -310,8 +309,8 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
 VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
     const device::HandParameters &hand = options_.hand;
     const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
-    const bool saturated = pull.norm() > hand.greatest_force_N;
-    return {limited(pull, hand.greatest_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s,
+    const bool saturated = pull.norm() > hand.max_force_N;
+    return {limited(pull, hand.max_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s,
             hand.damping_Ns_per_m + (saturated ? 0.0 : 0.5 * h * hand.stiffness_N_per_m)};
 }
 

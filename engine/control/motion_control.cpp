@@ -63,7 +63,7 @@ double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness) {
 double global_alpha_bound(const device::DeviceDescription &device, int points_per_axis) {
     const Vector3 weights = relative_stiffness(device);
     const double step = 1.0 / std::max(1, points_per_axis - 1);
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (int i = 0; i < points_per_axis; ++i) {
         for (int j = 0; j < points_per_axis; ++j) {
             for (int k = 0; k < points_per_axis; ++k) {
@@ -73,14 +73,14 @@ double global_alpha_bound(const device::DeviceDescription &device, int points_pe
                 const std::optional<Vector3> q_rad =
                     device::joint_angles_rad(device.geometry, point_m);
                 if (q_rad) {
-                    least =
-                        std::min(least, alpha_bound(device::motor_jacobian(device.geometry, *q_rad),
-                                                    weights));
+                    minimum = std::min(
+                        minimum,
+                        alpha_bound(device::motor_jacobian(device.geometry, *q_rad), weights));
                 }
             }
         }
     }
-    return std::isfinite(least) ? least : 0.0;
+    return std::isfinite(minimum) ? minimum : 0.0;
 }
 
 Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,

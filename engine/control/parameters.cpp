@@ -21,7 +21,7 @@ std::optional<Enum> numbered(const Names &names, std::string_view name) {
 // Written so that a NaN lies in no range.
 bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept {
     const double value = tuning.*parameter.value;
-    return value >= parameter.lowest && value <= parameter.highest;
+    return value >= parameter.minimum && value <= parameter.maximum;
 }
 
 bool is_valid(const Tuning &tuning) noexcept {
@@ -33,7 +33,7 @@ std::string what_is_wrong_with(const Tuning &tuning) {
     for (const Parameter &parameter : kParameters) {
         if (!lies_in_range(parameter, tuning)) {
             return fmt::format("{} is {:g}; it must be from {:g} to {:g}", parameter.name,
-                               tuning.*parameter.value, parameter.lowest, parameter.highest);
+                               tuning.*parameter.value, parameter.minimum, parameter.maximum);
         }
     }
     return {};

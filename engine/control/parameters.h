@@ -18,8 +18,8 @@ struct Parameter {
     std::string_view symbol; ///< in panels, UTF-8
     std::string_view unit;   ///< in panels, UTF-8; "–" where it has none
     double Tuning::*value = nullptr;
-    double lowest = 0.0;       ///< inclusive
-    double highest = 0.0;      ///< inclusive
+    double minimum = 0.0;      ///< inclusive
+    double maximum = 0.0;      ///< inclusive
     bool logarithmic = false;  ///< how a slider should run
     std::string_view equation; ///< where the paper brings it in
     std::string_view help;

@@ -53,16 +53,16 @@ std::string_view delay_key(StrictTomlTable &table, std::string_view key, std::st
 }
 
 TuningMargins read_margins(StrictTomlTable table) {
-    constexpr double kFastest_hz = 1e6;
+    constexpr double kMaxRate_hz = 1e6;
     constexpr int kLongest_periods = 100;
     TuningMargins margins;
-    margins.servo_hz = table.number("servo_hz", {1.0, kFastest_hz});
+    margins.servo_hz = table.number("servo_hz", {1.0, kMaxRate_hz});
     margins.delay_periods =
         table.number(delay_key(table, "delay_periods", "delay_samples"), {0.0, kLongest_periods});
     margins.gain = table.number("gain", {1.0});
     margins.more_delay_periods = table.integer(
         delay_key(table, "more_delay_periods", "more_delay_samples"), 0, kLongest_periods);
-    margins.least_dR_Ohm = table.number("least_dR_Ohm", {0.0});
+    margins.min_dR_Ohm = table.number("least_dR_Ohm", {0.0});
     margins.K_DC_Nm_per_rad = table.number("K_DC_Nm_per_rad", {0.0});
     margins.worst_hand = table.text("worst_hand");
     margins.worst_eta = table.number("worst_eta", {0.0, 1.0});
@@ -94,7 +94,7 @@ TuningFile read_whole_tuning_file(const std::filesystem::path &path) {
     file.description = table.text("description");
     for (const Parameter &parameter : kParameters) {
         file.tuning.*parameter.value =
-            table.number(parameter.name, {parameter.lowest, parameter.highest});
+            table.number(parameter.name, {parameter.minimum, parameter.maximum});
     }
     file.tuning.map = read_map(table);
     file.tuning.alpha_mode = read_alpha_mode(table);
@@ -125,7 +125,7 @@ void write_tuning_file(std::ostream &out, const TuningFile &file) {
     out << "delay_periods = " << digits(margins.delay_periods) << '\n';
     out << "gain = " << digits(margins.gain) << '\n';
     out << "more_delay_periods = " << margins.more_delay_periods << '\n';
-    out << "least_dR_Ohm = " << digits(margins.least_dR_Ohm) << '\n';
+    out << "least_dR_Ohm = " << digits(margins.min_dR_Ohm) << '\n';
     out << "K_DC_Nm_per_rad = " << digits(margins.K_DC_Nm_per_rad) << '\n';
     out << "worst_hand = " << toml_string(margins.worst_hand) << '\n';
     out << "worst_eta = " << digits(margins.worst_eta) << '\n';

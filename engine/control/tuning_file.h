@@ -17,7 +17,7 @@ struct TuningMargins {
     double delay_periods = 0.0;   ///< d
     double gain = 1.0;            ///< the factor on K_P and K_D that is just stable
     int more_delay_periods = 0;   ///< whole periods beyond the delay that are still stable
-    double least_dR_Ohm = 0.0;    ///< down to which dR may fall, as in a winding that cools
+    double min_dR_Ohm = 0.0;      ///< down to which dR may fall, as in a winding that cools
     double K_DC_Nm_per_rad = 0.0; ///< (13), for the record
     std::string worst_hand;       ///< the hand that limits the gain
     double worst_eta = 0.0;       ///< and at which η

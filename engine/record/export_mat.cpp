@@ -16,7 +16,7 @@ namespace springdrive::record {
 
 namespace {
 
-constexpr std::uint64_t kMostBytesAVariable = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t kMaxBytesPerVariable = std::numeric_limits<std::int32_t>::max();
 /// Limit on the columns held in memory at a time; a single column may exceed it.
 constexpr std::uint64_t kBytesAtATime = 256U << 20U;
 constexpr const char *kTitle = "MATLAB 5.0 MAT-file, telemetry recorded by springdrive";
@@ -62,7 +62,7 @@ std::uint64_t bytes_in_file(const RecordColumn &column, std::uint64_t rows) {
 
 void check_sizes(const std::vector<RecordColumn> &columns, std::uint64_t rows) {
     for (const RecordColumn &column : columns) {
-        if (rows > kMostBytesAVariable / bytes_of(column.type)) {
+        if (rows > kMaxBytesPerVariable / bytes_of(column.type)) {
             throw InputError("column " + column.name + " has " + std::to_string(rows) +
                              " rows, but a variable in a MAT file is limited to 2 GB; export a "
                              "shorter time range, or to NPY");
@@ -128,16 +128,16 @@ ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
     if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
         throw InputError(file.string() + ": is not a regular file; choose another name");
     }
-    std::uint64_t least_bytes = 128; // the file's header
+    std::uint64_t min_bytes = 128; // the file's header
     for (const RecordColumn &column : columns) {
-        least_bytes += bytes_in_file(column, rows);
+        min_bytes += bytes_in_file(column, rows);
     }
     // Written under a temporary name, so that an existing file is replaced only on success.
     const std::filesystem::path unfinished = file.string() + ".unfinished";
     std::error_code error;
     // The library does not report a full disk; the file's size shows it.
     if (write_variables(record, range, rows, columns, unfinished) &&
-        std::filesystem::file_size(unfinished, error) >= least_bytes && !error) {
+        std::filesystem::file_size(unfinished, error) >= min_bytes && !error) {
         std::filesystem::rename(unfinished, file, error);
         if (!error) {
             return summary;

@@ -12,7 +12,7 @@ namespace springdrive::record {
 
 namespace {
 
-constexpr std::size_t kMostSuggestions = 3;
+constexpr std::size_t kMaxSuggestions = 3;
 constexpr std::size_t kLongestCompared = 100;
 
 constexpr double kRounding = 1e-6; ///< tolerance of a range's bounds, in periods
@@ -43,7 +43,7 @@ std::string nearest_names(const RecordHeader &header, std::string_view name) {
     std::stable_sort(columns.begin(), columns.end(),
                      [&](const auto *a, const auto *b) { return how_far(a) < how_far(b); });
     std::string list;
-    for (std::size_t i = 0; i < std::min(kMostSuggestions, columns.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kMaxSuggestions, columns.size()); ++i) {
         list += (i == 0 ? "" : ", ") + columns[i]->name;
     }
     return list;

@@ -72,8 +72,8 @@ inline constexpr std::string_view kChunkMagic = "CHNK";
 inline constexpr std::size_t kChunkHeadBytes = 28;
 
 // A reader rejects larger sizes, so that no file makes it allocate excessive memory.
-inline constexpr std::uint32_t kMostHeaderBytes = 1U << 20U;
-inline constexpr std::uint32_t kMostPayloadBytes = 64U << 20U;
+inline constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
+inline constexpr std::uint32_t kMaxPayloadBytes = 64U << 20U;
 
 enum class ChunkKind : std::uint32_t { rows = 0, note = 1 };
 

@@ -70,9 +70,9 @@ RecordHeader record_header(double servo_hz) {
     header.columns = sample_columns();
     header.enum_names = sample_enum_names();
     header.row_bytes = header.columns.back().offset + bytes_of(header.columns.back().type);
-    const std::uint32_t most_rows = kMostPayloadBytes / header.row_bytes;
+    const std::uint32_t max_rows = kMaxPayloadBytes / header.row_bytes;
     header.chunk_rows = static_cast<std::uint32_t>(
-        std::clamp(std::round(kChunk_s * servo_hz), 1.0, static_cast<double>(most_rows)));
+        std::clamp(std::round(kChunk_s * servo_hz), 1.0, static_cast<double>(max_rows)));
     return header;
 }
 

@@ -20,7 +20,7 @@ using nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestName = 63; // MATLAB's limit
-constexpr std::size_t kMostColumns = 10'000;
+constexpr std::size_t kMaxColumns = 10'000;
 
 OrderedJson tuning_to_json(const control::Tuning &tuning) {
     OrderedJson object;
@@ -104,7 +104,7 @@ RecordColumn column_from_json(const json &object, std::uint32_t offset, std::siz
 }
 
 void read_columns(const json &list, RecordHeader &header) {
-    if (!list.is_array() || list.empty() || list.size() > kMostColumns) {
+    if (!list.is_array() || list.empty() || list.size() > kMaxColumns) {
         refuse("has no usable list of columns");
     }
     std::uint32_t offset = 0;
@@ -142,7 +142,7 @@ void read_rows_layout(const json &document, RecordHeader &header) {
         refuse("has columns that do not add up to its row_bytes");
     }
     const std::uint64_t chunk_rows = count_or(document, "chunk_rows", 0);
-    if (chunk_rows == 0 || chunk_rows > kMostPayloadBytes / header.row_bytes) {
+    if (chunk_rows == 0 || chunk_rows > kMaxPayloadBytes / header.row_bytes) {
         refuse("has an invalid chunk_rows");
     }
     header.chunk_rows = static_cast<std::uint32_t>(chunk_rows);

@@ -72,7 +72,7 @@ void RecordReader::read_header() {
                          "the version that wrote it");
     }
     const auto length = load<std::uint32_t>(start.data() + kMagic.size());
-    if (length > kMostHeaderBytes || start.size() + length + 4 > file_bytes_) {
+    if (length > kMaxHeaderBytes || start.size() + length + 4 > file_bytes_) {
         throw InputError("its header is incomplete or damaged; nothing in the file can be used");
     }
     std::vector<std::byte> json(length + std::size_t{4});
@@ -111,7 +111,7 @@ void RecordReader::stop(const std::string &why) {
 
 /// What is wrong with a chunk according to its head, if `left` bytes follow it in the file.
 std::string RecordReader::complaint(const ChunkHead &head, std::uint64_t left) const {
-    if (head.payload_bytes > kMostPayloadBytes) {
+    if (head.payload_bytes > kMaxPayloadBytes) {
         return "a chunk's size exceeds the maximum";
     }
     if (head.kind == static_cast<std::uint32_t>(ChunkKind::rows) &&

@@ -76,7 +76,7 @@ RecordWriter::~RecordWriter() {
 
 void RecordWriter::write_header(const RecordHeader &header) {
     const std::string json = to_json(header);
-    if (json.size() > kMostHeaderBytes) {
+    if (json.size() > kMaxHeaderBytes) {
         drop_file();
         throw InputError(path_.string() + ": cannot be written: its header, with the device file, "
                                           "is larger than 1 MB; give a smaller device file");

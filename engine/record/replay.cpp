@@ -110,7 +110,7 @@ void Replay::compare(std::size_t quantity, std::uint64_t tick, const Vector3 &re
         found.first_tick = tick;
     }
     const double difference = (recorded - replayed).cwiseAbs().maxCoeff();
-    found.greatest = std::isnan(difference) ? difference : std::max(found.greatest, difference);
+    found.maximum = std::isnan(difference) ? difference : std::max(found.maximum, difference);
 }
 
 bool Replay::is_identical() const {

@@ -32,7 +32,7 @@ struct ReplayedTick {
 struct ReplayedQuantity {
     const char *name = "";
     std::uint64_t differing = 0;  ///< number of ticks
-    double greatest = 0.0;        ///< maximum difference, in the quantity's unit
+    double maximum = 0.0;         ///< maximum difference, in the quantity's unit
     std::uint64_t first_tick = 0; ///< the first one that differs
 };
 

@@ -134,8 +134,8 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
         {"winding_least3_C", "winding_greatest3_C", "R_hat_limit3_Ohm", "R_hat_limited3"},
     }};
     for (std::size_t motor = 0; motor < 3; ++motor) {
-        visit(kWindingNames[motor][0], "°C", s.winding[motor].least_C);
-        visit(kWindingNames[motor][1], "°C", s.winding[motor].greatest_C);
+        visit(kWindingNames[motor][0], "°C", s.winding[motor].min_C);
+        visit(kWindingNames[motor][1], "°C", s.winding[motor].max_C);
         visit(kWindingNames[motor][2], "Ω", s.winding[motor].R_hat_limit_Ohm);
         visit(kWindingNames[motor][3], "1", s.winding[motor].is_limited);
     }

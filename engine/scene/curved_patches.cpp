@@ -191,39 +191,39 @@ double CurvedPatches::turn_rad(std::size_t triangle, std::size_t cuts) const {
         const Vector3 &corner = facets.positions[facet[0]];
         return (facets.positions[facet[1]] - corner).cross(facets.positions[facet[2]] - corner);
     };
-    double greatest_rad = 0.0;
+    double max_rad = 0.0;
     for (std::size_t i = 0; i + 2 <= cuts; ++i) {
         for (std::size_t j = 0; i + j + 2 <= cuts; ++j) {
             const Vector3 middle = normal(turned(cuts, i, j));
             for (const Triangle &neighbour :
                  {upright(cuts, i, j), upright(cuts, i + 1, j), upright(cuts, i, j + 1)}) {
-                greatest_rad = std::max(greatest_rad, angle_between(middle, normal(neighbour)));
+                max_rad = std::max(max_rad, angle_between(middle, normal(neighbour)));
             }
         }
     }
-    return greatest_rad;
+    return max_rad;
 }
 
-std::size_t CurvedPatches::cuts_for(double angle_rad, std::size_t most) const {
+std::size_t CurvedPatches::cuts_for(double angle_rad, std::size_t maximum) const {
     std::size_t cuts = 1;
     for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
         // A single facet has no neighbour in its patch; halved, it tells how much it bends.
         double turn = cuts == 1 ? 2.0 * turn_rad(triangle, 2) : turn_rad(triangle, cuts);
-        while (cuts < most && turn > angle_rad) {
+        while (cuts < maximum && turn > angle_rad) {
             const double wanted = std::ceil(static_cast<double>(cuts) * turn / angle_rad);
-            cuts = std::clamp(static_cast<std::size_t>(wanted), cuts + 1, most);
+            cuts = std::clamp(static_cast<std::size_t>(wanted), cuts + 1, maximum);
             turn = turn_rad(triangle, cuts);
         }
     }
     return cuts;
 }
 
-double CurvedPatches::greatest_turn_rad(std::size_t cuts) const {
-    double greatest_rad = 0.0;
+double CurvedPatches::max_turn_rad(std::size_t cuts) const {
+    double max_rad = 0.0;
     for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
-        greatest_rad = std::max(greatest_rad, turn_rad(triangle, cuts));
+        max_rad = std::max(max_rad, turn_rad(triangle, cuts));
     }
-    return greatest_rad;
+    return max_rad;
 }
 
 void for_each_grid_point(std::size_t cuts, const std::function<void(const GridPoint &)> &visit) {

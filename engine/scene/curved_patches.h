@@ -20,11 +20,11 @@ public:
     explicit CurvedPatches(SmoothMesh mesh);
 
     /// Into how many pieces each edge must be cut, for no two neighbouring facets of a patch to
-    /// differ by more than `angle_rad`. At most `most`.
-    [[nodiscard]] std::size_t cuts_for(double angle_rad, std::size_t most) const;
+    /// differ by more than `angle_rad`. At most `maximum`.
+    [[nodiscard]] std::size_t cuts_for(double angle_rad, std::size_t maximum) const;
 
     /// The largest angle between neighbouring facets of one patch when edges are cut into `cuts`.
-    [[nodiscard]] double greatest_turn_rad(std::size_t cuts) const;
+    [[nodiscard]] double max_turn_rad(std::size_t cuts) const;
 
     /// The patches of the triangles [first, last), each cut into cuts² facets. They come in the
     /// triangles' order, the vertices of each in that of `for_each_grid_point`.

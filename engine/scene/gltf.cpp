@@ -131,7 +131,7 @@ void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primi
 void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> &nodes) {
     LoadAllowance allowance;
     if (std::ranges::any_of(nodes, [](const PlacedMesh &node) { return node.touch.smooth; })) {
-        allowance.add(kMostCurvedTriangles, kMostCurvedTriangles);
+        allowance.add(kMaxCurvedTriangles, kMaxCurvedTriangles);
     }
     for_each_node(nodes, [&](const PlacedMesh &node) {
         for (const auto &primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
@@ -243,8 +243,8 @@ void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const 
     const auto material = static_cast<std::uint16_t>(materials.size());
     materials.push_back(touch.material);
     if (touch.shape) {
-        if (scene.shapes.size() == contact::kMostShapes) {
-            throw InputError("has more than " + std::to_string(contact::kMostShapes) +
+        if (scene.shapes.size() == contact::kMaxShapes) {
+            throw InputError("has more than " + std::to_string(contact::kMaxShapes) +
                              " nodes that are touched as shapes; let some be touched as meshes");
         }
         scene.shapes.push_back(shape_of(primitives, fit, material));

@@ -116,9 +116,9 @@ Elements find_elements(const tinygltf::Model &model, int view, std::size_t offse
 }
 
 void check_count(const tinygltf::Accessor &accessor, const std::string &place) {
-    if (accessor.count > kMostVertices) {
+    if (accessor.count > kMaxVertices) {
         throw InputError(place + ": holds " + std::to_string(accessor.count) +
-                         " elements; at most " + std::to_string(kMostVertices) + " are allowed");
+                         " elements; at most " + std::to_string(kMaxVertices) + " are allowed");
     }
 }
 

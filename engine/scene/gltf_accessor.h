@@ -20,7 +20,7 @@ class Model;
 namespace springdrive::scene::gltf {
 
 /// A scene with more vertices, or indices, than this is taken to be damaged.
-inline constexpr std::size_t kMostVertices = 60'000'000;
+inline constexpr std::size_t kMaxVertices = 60'000'000;
 
 using Triangle = std::array<std::uint32_t, 3>; ///< indices of vertices
 

@@ -18,8 +18,8 @@ namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr std::uintmax_t kLargestFile_bytes = 2'000'000'000; // tinygltf counts in 32 bits
-constexpr std::size_t kDeepestJson = 100;                    // glTF itself needs about ten
+constexpr std::uintmax_t kMaxFile_bytes = 2'000'000'000; // tinygltf counts in 32 bits
+constexpr std::size_t kDeepestJson = 100;                // glTF itself needs about ten
 constexpr std::size_t kGlbHeader_bytes = 12;
 constexpr std::size_t kChunkHeader_bytes = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A; // "JSON"
@@ -210,7 +210,7 @@ Bytes read_bytes(const std::filesystem::path &file) {
         throw InputError("is no ordinary file; name a .gltf or .glb file");
     }
     const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error || size > kLargestFile_bytes) {
+    if (error || size > kMaxFile_bytes) {
         throw InputError("is larger than 2 GB; split or simplify it");
     }
     Bytes bytes(size);

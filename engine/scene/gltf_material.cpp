@@ -17,7 +17,7 @@ namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr std::size_t kMostPixels = 134'217'728; // 512 MB once decoded, over all textures
+constexpr std::size_t kMaxPixels = 134'217'728; // 512 MB once decoded, over all textures
 
 template <typename Item>
 const Item &checked(const std::vector<Item> &items, int index, const std::string &what) {
@@ -101,8 +101,7 @@ bool any_see_through(std::span<const std::uint8_t> rgba) {
 }
 
 /// @return no pixels, and the reason in `problem`, when the bytes are no image or too large a one
-Texture decode(std::span<const unsigned char> bytes, std::size_t most_pixels,
-               std::string &problem) {
+Texture decode(std::span<const unsigned char> bytes, std::size_t max_pixels, std::string &problem) {
     Texture texture;
     int channels = 0;
     const auto size = static_cast<int>(bytes.size());
@@ -113,7 +112,7 @@ Texture decode(std::span<const unsigned char> bytes, std::size_t most_pixels,
     }
     const auto pixels =
         static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
-    if (pixels == 0 || pixels > most_pixels) {
+    if (pixels == 0 || pixels > max_pixels) {
         problem = "is too large with " + std::to_string(texture.width) + " x " +
                   std::to_string(texture.height) + " pixels";
         return {};
@@ -191,7 +190,7 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
         const tinygltf::Image &image = checked(model_.images, source.source, "image");
         const std::span<const unsigned char> bytes = encoded_bytes(model_, image, problem);
         if (problem.empty()) {
-            texture = decode(bytes, kMostPixels - pixels_, problem);
+            texture = decode(bytes, kMaxPixels - pixels_, problem);
         }
     }
     if (!problem.empty()) {

@@ -62,14 +62,14 @@ private:
     std::optional<DracoMesh> draco_;
 };
 
-void check_shape(const Attribute &attribute, const std::string &name, int fewest, int most,
+void check_shape(const Attribute &attribute, const std::string &name, int minimum, int maximum,
                  std::size_t count) {
     if (attribute.empty()) {
         return;
     }
-    if (attribute.components < fewest || attribute.components > most) {
+    if (attribute.components < minimum || attribute.components > maximum) {
         throw InputError(name + " has " + std::to_string(attribute.components) +
-                         " numbers a vertex; it takes " + std::to_string(most));
+                         " numbers a vertex; it takes " + std::to_string(maximum));
     }
     if (attribute.count() != count) {
         throw InputError(name + " has " + std::to_string(attribute.count()) + " entries for " +

@@ -36,8 +36,8 @@ public:
 
     /// The number under `key`, if there is one.
     /// @param meaning what it may be, for the message: "a number from 0 to 10"
-    /// @throw InputError unless it is a number from `lowest` to `highest`.
-    [[nodiscard]] std::optional<double> number(const char *key, double lowest, double highest,
+    /// @throw InputError unless it is a number from `minimum` to `maximum`.
+    [[nodiscard]] std::optional<double> number(const char *key, double minimum, double maximum,
                                                const std::string &meaning) const;
 
     /// @throw InputError unless the value is true or false.
@@ -72,7 +72,7 @@ Extras::Extras(const std::string &text, std::string owner)
 
 bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
 
-std::optional<double> Extras::number(const char *key, double lowest, double highest,
+std::optional<double> Extras::number(const char *key, double minimum, double maximum,
                                      const std::string &meaning) const {
     if (!has(key)) {
         return std::nullopt;
@@ -81,7 +81,7 @@ std::optional<double> Extras::number(const char *key, double lowest, double high
         refuse(key, meaning);
     }
     const auto number = values_[key].get<double>();
-    if (!(number >= lowest && number <= highest)) {
+    if (!(number >= minimum && number <= maximum)) {
         refuse(key, meaning);
     }
     return number;
@@ -145,10 +145,10 @@ void Extras::refuse(const char *key, const std::string &meaning) const {
 constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
 
 void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
-    constexpr double kGreatest = 10.0; // rubber reaches about 2; much more is a typing error
+    constexpr double kMaximum = 10.0; // rubber reaches about 2; much more is a typing error
     const std::string range = "a number from 0 to 10";
-    const auto at_rest = extras.number("static_friction", 0.0, kGreatest, range);
-    const auto sliding = extras.number("dynamic_friction", 0.0, kGreatest, range);
+    const auto at_rest = extras.number("static_friction", 0.0, kMaximum, range);
+    const auto sliding = extras.number("dynamic_friction", 0.0, kMaximum, range);
     if (!at_rest && !sliding) {
         return;
     }

@@ -21,10 +21,10 @@ void LoadAllowance::add(std::size_t triangles, std::size_t vertices) {
     vertices_ += vertices;
     const double needed_bytes = kPerTriangle_bytes * static_cast<double>(triangles_) +
                                 kPerVertex_bytes * static_cast<double>(vertices_);
-    if (needed_bytes > kMostMemory_bytes) {
+    if (needed_bytes > kMaxMemory_bytes) {
         throw InputError("with it the scene has " + std::to_string(triangles_) + " triangles and " +
                          std::to_string(vertices_) + " vertices, for which loading needs about " +
-                         in_GiB(needed_bytes) + " of memory; at most " + in_GiB(kMostMemory_bytes) +
+                         in_GiB(needed_bytes) + " of memory; at most " + in_GiB(kMaxMemory_bytes) +
                          " are allowed: simplify it");
     }
 }

@@ -6,7 +6,7 @@
 namespace springdrive::scene::gltf {
 
 /// Loading takes no more than this at its peak, textures aside.
-inline constexpr double kMostMemory_bytes = 8.0 * 1024 * 1024 * 1024;
+inline constexpr double kMaxMemory_bytes = 8.0 * 1024 * 1024 * 1024;
 
 /// What a triangle and a vertex cost at the peak: all copies that stand at the same time, in file,
 /// scene and search structure. Above what was measured with 9 to 19 million triangles, whether they

@@ -13,7 +13,7 @@ namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr std::size_t kMostCuts = 128; // of an edge; more is asked for by damaged normals only
+constexpr std::size_t kMaxCuts = 128; // of an edge; more is asked for by damaged normals only
 
 /// The primitives of one smooth node and the patches that they make.
 struct SmoothNode {
@@ -112,13 +112,13 @@ std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitiv
         if (!node->touch.smooth) {
             continue;
         }
-        if (4 * triangles > kMostCurvedTriangles) {
+        if (4 * triangles > kMaxCurvedTriangles) {
             remarks.push_back(node->label + ": is too large to be smoothed further; its " +
                               std::to_string(triangles) + " triangles stay flat");
             continue;
         }
         CurvedPatches patches(joined(those));
-        const std::size_t cuts = patches.cuts_for(kSmooth_deg / kDegreesPerRadian, kMostCuts);
+        const std::size_t cuts = patches.cuts_for(kSmooth_deg / kDegreesPerRadian, kMaxCuts);
         nodes.push_back({those, std::move(patches), triangles, cuts, cuts});
     }
     return nodes;
@@ -130,7 +130,7 @@ void keep_within_allowance(std::vector<SmoothNode> &nodes) {
     for (const SmoothNode &node : nodes) {
         wanted += static_cast<double>(node.triangles * node.cuts * node.cuts);
     }
-    const double share = std::sqrt(static_cast<double>(kMostCurvedTriangles) / wanted);
+    const double share = std::sqrt(static_cast<double>(kMaxCurvedTriangles) / wanted);
     for (SmoothNode &node : nodes) {
         const double cuts = std::floor(share * static_cast<double>(node.cuts));
         node.cuts = std::clamp<std::size_t>(static_cast<std::size_t>(cuts), 1, node.cuts);
@@ -138,11 +138,11 @@ void keep_within_allowance(std::vector<SmoothNode> &nodes) {
 }
 
 void remark_on(const SmoothNode &node, std::vector<std::string> &remarks) {
-    if (node.cuts == node.wanted_cuts && node.cuts < kMostCuts) {
+    if (node.cuts == node.wanted_cuts && node.cuts < kMaxCuts) {
         return; // as smooth as it should be
     }
     const double turn_deg =
-        node.patches.greatest_turn_rad(std::max<std::size_t>(node.cuts, 2)) * kDegreesPerRadian;
+        node.patches.max_turn_rad(std::max<std::size_t>(node.cuts, 2)) * kDegreesPerRadian;
     const double reached_deg = node.cuts == 1 ? 2.0 * turn_deg : turn_deg;
     if (reached_deg > kSmooth_deg) {
         remarks.push_back(node.primitives.front().node->label + ": its " +

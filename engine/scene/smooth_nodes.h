@@ -12,7 +12,7 @@ namespace springdrive::scene::gltf {
 inline constexpr double kSmooth_deg = 0.5;
 
 /// All smooth nodes of a scene together become no more triangles than this.
-inline constexpr std::size_t kMostCurvedTriangles = 2'000'000;
+inline constexpr std::size_t kMaxCurvedTriangles = 2'000'000;
 
 /// Replaces the primitives of smooth nodes by curved, finely cut ones; all primitives of a node are
 /// cut alike, so that they stay joined. Where the scene's allowance does not suffice, all are cut

@@ -13,15 +13,15 @@ namespace {
 /// Copies triangles of a mesh into one piece after the other.
 class Cutter {
 public:
-    Cutter(const VisualMesh &mesh, std::size_t most_vertices)
-        : mesh_(mesh), most_vertices_(most_vertices), index_in_piece_(mesh.vertices.size(), kNone) {
+    Cutter(const VisualMesh &mesh, std::size_t max_vertices)
+        : mesh_(mesh), max_vertices_(max_vertices), index_in_piece_(mesh.vertices.size(), kNone) {
         begin_piece();
     }
 
     void add(std::span<const std::uint32_t> triangle) {
         const VisualMesh &full = pieces_.back();
-        if (full.vertices.size() + 3 > most_vertices_ ||
-            full.indices.size() + 3 > 6 * most_vertices_) {
+        if (full.vertices.size() + 3 > max_vertices_ ||
+            full.indices.size() + 3 > 6 * max_vertices_) {
             begin_piece();
         }
         for (const std::uint32_t corner : triangle) {
@@ -55,7 +55,7 @@ private:
     }
 
     const VisualMesh &mesh_;
-    std::size_t most_vertices_;
+    std::size_t max_vertices_;
     std::vector<std::uint32_t> index_in_piece_; ///< of each vertex of the mesh, or kNone
     std::vector<std::uint32_t> in_piece_;       ///< the vertices that have one
     std::vector<VisualMesh> pieces_;
@@ -63,13 +63,13 @@ private:
 
 } // namespace
 
-std::vector<VisualMesh> in_pieces(VisualMesh mesh, std::size_t most_vertices) {
+std::vector<VisualMesh> in_pieces(VisualMesh mesh, std::size_t max_vertices) {
     std::vector<VisualMesh> pieces;
-    if (mesh.vertices.size() <= most_vertices && mesh.indices.size() <= 6 * most_vertices) {
+    if (mesh.vertices.size() <= max_vertices && mesh.indices.size() <= 6 * max_vertices) {
         pieces.push_back(std::move(mesh));
         return pieces;
     }
-    Cutter cutter(mesh, most_vertices);
+    Cutter cutter(mesh, max_vertices);
     for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
         stop_if_given_up(i);
         cutter.add(std::span(mesh.indices).subspan(i, 3));

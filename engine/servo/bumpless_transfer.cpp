@@ -14,7 +14,7 @@ namespace {
 constexpr double kTuningGlide_s = 0.05;
 constexpr double kTuningArrived = 1e-6;
 
-double greatest_peak_A(const device::DeviceDescription &device) {
+double max_peak_A(const device::DeviceDescription &device) {
     double peak_A = 0.0;
     for (const device::MotorParameters &motor : device.motor) {
         peak_A = std::max(peak_A, motor.peak_current_A);
@@ -26,7 +26,7 @@ double greatest_peak_A(const device::DeviceDescription &device) {
 
 BumplessTransfer::BumplessTransfer(const device::DeviceDescription &device, double period_s)
     : supply_V_(device.motor[0].supply_V, device.motor[1].supply_V, device.motor[2].supply_V),
-      peak_current_A_(greatest_peak_A(device)), period_s_(period_s) {}
+      peak_current_A_(max_peak_A(device)), period_s_(period_s) {}
 
 void BumplessTransfer::set_period(double period_s) noexcept { period_s_ = period_s; }
 
@@ -40,12 +40,12 @@ void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcep
     for (const control::Parameter &parameter : control::kParameters) {
         const double value = before_.tuning.*parameter.value;
         const double gap = wanted.tuning.*parameter.value - value;
-        if (std::abs(gap) >= kTuningArrived * (parameter.highest - parameter.lowest)) {
+        if (std::abs(gap) >= kTuningArrived * (parameter.maximum - parameter.minimum)) {
             active_.tuning.*parameter.value = value + share * gap;
         }
     }
     // R̂ i is a voltage, too: even at the peak current it changes no faster than the limit.
-    const double step_Ohm = kGreatestChange_V_per_s * period_s_ / peak_current_A_;
+    const double step_Ohm = kMaxChange_V_per_s * period_s_ / peak_current_A_;
     const double dR_before_Ohm = before_.tuning.dR_Ohm;
     active_.tuning.dR_Ohm =
         std::clamp(active_.tuning.dR_Ohm, dR_before_Ohm - step_Ohm, dR_before_Ohm + step_Ohm);
@@ -63,7 +63,7 @@ Vector3 BumplessTransfer::transferred_V(const Vector3 &e_W_V,
             // The old command counts only within the supply, the new one in full.
             carried_V_ = within_supply(*unchanged_V + carried_V_) - e_W_V;
         }
-        const Vector3 bound_V = Vector3::Constant(kGreatestChange_V_per_s * period_s_);
+        const Vector3 bound_V = Vector3::Constant(kMaxChange_V_per_s * period_s_);
         carried_V_ -= carried_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
     }
     last_e_W_V_ = within_supply(e_W_V + carried_V_);

@@ -4,7 +4,7 @@
 //
 //   e_W = law(after the change) + carried,    carried := law(before) − law(after), then to zero
 //
-// So no change alone moves e_W by more than kGreatestChange_V_per_s · T per tick.
+// So no change alone moves e_W by more than kMaxChange_V_per_s · T per tick.
 #pragma once
 
 #include "base/vector.h"
@@ -16,7 +16,7 @@
 namespace springdrive::servo {
 
 /// 0.05 V per tick of 1 ms: about 0.2 N at the tip at a dR of 0.5 Ω.
-inline constexpr double kGreatestChange_V_per_s = 50.0;
+inline constexpr double kMaxChange_V_per_s = 50.0;
 
 /// All settings of the control law.
 struct LawSettings {

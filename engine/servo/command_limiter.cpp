@@ -77,7 +77,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
                                             inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
         dR_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
-                             device::kLeastResidualShare * motor.resistance_Ohm);
+                             device::kMinResidualShare * motor.resistance_Ohm);
         back_emf_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j];
         const double edge_A =
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);

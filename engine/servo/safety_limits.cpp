@@ -9,7 +9,7 @@ SafetyLimits limits_of(const device::DeviceDescription &device) {
     for (const device::MotorParameters &motor : device.motor) {
         limits.voltage_V = std::max(limits.voltage_V, motor.supply_V);
         limits.current_A = std::max(limits.current_A, motor.peak_current_A);
-        limits.winding_C = std::max(limits.winding_C, motor.thermal.greatest_winding_C);
+        limits.winding_C = std::max(limits.winding_C, motor.thermal.max_winding_C);
     }
     limits.tip_force_N = device.limits.tip_force_N;
     limits.tip_speed_m_per_s = device.limits.tip_speed_m_per_s;

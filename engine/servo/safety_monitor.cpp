@@ -21,11 +21,11 @@ constexpr double kRoundOff = 1e-9;
 
 device::WindingGuard guard_of(const device::DeviceDescription &device, std::size_t motor,
                               double period_s) {
-    return {device.motor[motor], device.amplifier.greatest_cancelled_Ohm, period_s};
+    return {device.motor[motor], device.amplifier.max_cancelled_Ohm, period_s};
 }
 
-double greatest_step_m(const device::DeviceDescription &device, double speed_limit_m_per_s,
-                       double time_s, const Matrix3 &J) {
+double max_step_m(const device::DeviceDescription &device, double speed_limit_m_per_s,
+                  double time_s, const Matrix3 &J) {
     return kJumpFactor * speed_limit_m_per_s * time_s +
            kJumpCounts * device.rad_per_count() * J.norm();
 }
@@ -94,8 +94,7 @@ void SafetyMonitor::watch_windings(const Vector3 &current_A,
                                    std::uint32_t missed_periods) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
         guard_[j].update(current_A[static_cast<Eigen::Index>(j)], missed_periods);
-        winding_[j] = {guard_[j].least_C(), guard_[j].greatest_C(),
-                       guard_[j].greatest_cancelled_Ohm(), false};
+        winding_[j] = {guard_[j].min_C(), guard_[j].max_C(), guard_[j].max_cancelled_Ohm(), false};
     }
 }
 
@@ -134,20 +133,20 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
     const Vector3 &tip_m = seen.now.tip_m;
     if (has_tip_) {
         trip_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
-                   greatest_step_m(device_, device_limits_.tip_speed_m_per_s,
-                                   (1.0 + seen.missed_periods) * period_s_, seen.now.J));
+                   max_step_m(device_, device_limits_.tip_speed_m_per_s,
+                              (1.0 + seen.missed_periods) * period_s_, seen.now.J));
     }
     check_windings(seen.current_A);
     trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
     trip_above(TripCause::tip_speed, seen.now.tip_velocity_m_per_s().norm(),
                limits_.tip_speed_m_per_s);
     for (std::size_t j = 0; j < winding_.size(); ++j) {
-        trip_above(TripCause::winding_temperature, winding_[j].greatest_C,
-                   std::min(device_.motor[j].thermal.greatest_winding_C, limits_.winding_C));
+        trip_above(TripCause::winding_temperature, winding_[j].max_C,
+                   std::min(device_.motor[j].thermal.max_winding_C, limits_.winding_C));
     }
     const Vector3 q_rad = device::joint_from_motor(device_.geometry, seen.now.theta_rad);
     trip_above(TripCause::beyond_stops,
-               beyond_limits(device_.joint_limits, q_rad, 0.0).greatest_rad(),
+               beyond_limits(device_.joint_limits, q_rad, 0.0).max_excess_rad(),
                limits_.beyond_stops_rad);
     trip_above(TripCause::energy, energy_.generated_J(), limits_.generated_energy_J);
 }

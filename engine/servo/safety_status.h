@@ -77,8 +77,8 @@ struct ActiveLimits {
 
 /// The monitor's estimates for one winding, and their effect in the last tick.
 struct WindingStatus {
-    double least_C = 0.0;         ///< lower bound of its temperature
-    double greatest_C = 0.0;      ///< upper bound of its temperature
+    double min_C = 0.0;           ///< lower bound of its temperature
+    double max_C = 0.0;           ///< upper bound of its temperature
     double R_hat_limit_Ohm = 0.0; ///< the largest safe R̂
     bool is_limited = false;      ///< whether more than that was requested
 };

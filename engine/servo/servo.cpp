@@ -69,9 +69,9 @@ void sleep_until(std::chrono::steady_clock::time_point deadline) {
 } // namespace
 
 double servo_period_s(double servo_hz) {
-    if (!(servo_hz >= kSlowest_hz && servo_hz <= kFastest_hz)) {
+    if (!(servo_hz >= kMinRate_hz && servo_hz <= kMaxRate_hz)) {
         throw InputError(fmt::format("the servo rate is {:g} Hz; it must be from {:g} to {:g} Hz",
-                                     servo_hz, kSlowest_hz, kFastest_hz));
+                                     servo_hz, kMinRate_hz, kMaxRate_hz));
     }
     return 1.0 / servo_hz;
 }

@@ -32,8 +32,8 @@
 
 namespace springdrive::servo {
 
-inline constexpr double kSlowest_hz = 250.0;
-inline constexpr double kFastest_hz = 10'000.0;
+inline constexpr double kMinRate_hz = 250.0;
+inline constexpr double kMaxRate_hz = 10'000.0;
 
 /// T = 1/rate [s].
 /// @throw InputError for a rate that is not finite or outside of these bounds.

@@ -16,15 +16,15 @@ namespace {
 
 /// Below this the direction of a rendered force is meaningless: single encoder counts in the
 /// velocity signal cause forces of this size.
-constexpr double kLeastForceWithDirection_N = 0.1;
+constexpr double kMinForceWithDirection_N = 0.1;
 
 /// Below this a set-point coincides with the tip up to round-off, for instance at η = 1.
-constexpr double kLeastSetPointGap_m = 1e-6;
+constexpr double kMinSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A device's clock may jump; larger numbers of missed periods are clamped to this.
-constexpr double kMostMissedPeriods = 1e6;
+constexpr double kMaxMissedPeriods = 1e6;
 
 /// A failed assertion abandons a tick without running destructors, see `run_guarded`.
 static_assert(std::is_trivially_destructible_v<ServoSample> &&
@@ -131,14 +131,14 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
     sample.x_Sd_m = found.x_Sd_m;
     sample.theta_Sd_rad = found.used.theta_Sd_rad;
 
-    const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kLeastSetPointGap_m;
+    const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kMinSetPointGap_m;
     const auto static_error = [&](const control::MotorSetPoint &set_point) {
         return control::direction_error_rad(law_.force_direction(now, set_point), contact.normal);
     };
     sample.inverse_error_rad = pushes && found.inverse ? static_error(*found.inverse) : kNone;
     sample.transpose_error_rad = pushes ? static_error(found.transpose) : kNone;
     sample.rendered_error_rad =
-        contact.touching && sample.tip_force_N.norm() > kLeastForceWithDirection_N
+        contact.touching && sample.tip_force_N.norm() > kMinForceWithDirection_N
             ? control::direction_error_rad(sample.tip_force_N, contact.normal)
             : kNone;
     return found;
@@ -216,13 +216,13 @@ ServoLoop::Passed ServoLoop::passed(const device::Measurement &measured,
         const double since_last_s = since_s > 0.0 ? since_s : period_s_;
         const double missed = std::round(since_last_s / period_s_) - 1.0;
         return {since_last_s,
-                static_cast<std::uint32_t>(std::clamp(missed, 0.0, kMostMissedPeriods)),
+                static_cast<std::uint32_t>(std::clamp(missed, 0.0, kMaxMissedPeriods)),
                 timing.missed_in_a_row};
     }
     const std::uint64_t periods =
         measured.number > measured_.number ? measured.number - measured_.number : 1;
     const auto missed = static_cast<std::uint32_t>(
-        std::min(periods - 1, static_cast<std::uint64_t>(kMostMissedPeriods)));
+        std::min(periods - 1, static_cast<std::uint64_t>(kMaxMissedPeriods)));
     const std::uint32_t skipped = missed - std::min(missed, held_ticks_);
     skipped_in_a_row_ = skipped > 0 ? skipped_in_a_row_ + skipped : 0;
     return {(1.0 + missed) * period_s_, missed, skipped_in_a_row_};

@@ -7,8 +7,8 @@ namespace springdrive::servo {
 
 namespace {
 
-double beyond(double value, double lowest, double highest) {
-    return value > highest ? value - highest : std::min(0.0, value - lowest);
+double beyond(double value, double minimum, double maximum) {
+    return value > maximum ? value - maximum : std::min(0.0, value - minimum);
 }
 
 /// The damper ramps up over this distance beyond the edge, to avoid a force step.
@@ -27,7 +27,7 @@ double push_back(const device::WorkspaceEdge &edge, double beyond_rad, double ra
 
 } // namespace
 
-double BeyondLimits::greatest_rad() const noexcept {
+double BeyondLimits::max_excess_rad() const noexcept {
     return std::max(joint_rad.cwiseAbs().maxCoeff(), std::abs(fold_rad));
 }
 
@@ -36,10 +36,10 @@ BeyondLimits beyond_limits(const device::JointLimits &limits, const Vector3 &q_r
     BeyondLimits result;
     for (Eigen::Index j = 0; j < 3; ++j) {
         result.joint_rad[j] =
-            beyond(q_rad[j], limits.lowest_rad[j] + margin_rad, limits.highest_rad[j] - margin_rad);
+            beyond(q_rad[j], limits.min_rad[j] + margin_rad, limits.max_rad[j] - margin_rad);
     }
-    result.fold_rad = beyond(q_rad[2] - q_rad[1], limits.least_q3_minus_q2_rad + margin_rad,
-                             limits.greatest_q3_minus_q2_rad - margin_rad);
+    result.fold_rad = beyond(q_rad[2] - q_rad[1], limits.min_q3_minus_q2_rad + margin_rad,
+                             limits.max_q3_minus_q2_rad - margin_rad);
     return result;
 }
 

@@ -14,7 +14,7 @@ struct BeyondLimits {
     Vector3 joint_rad{Vector3::Zero()};
     double fold_rad = 0.0;
 
-    [[nodiscard]] double greatest_rad() const noexcept;
+    [[nodiscard]] double max_excess_rad() const noexcept;
 };
 
 /// RT-safe.

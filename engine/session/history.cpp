@@ -14,12 +14,12 @@ namespace springdrive::session {
 namespace {
 
 constexpr double kPlotted_s = 10.0;
-constexpr double kGreatestPlotRate_hz = 1000.0;
+constexpr double kMaxPlotRate_hz = 1000.0;
 
 } // namespace
 
 void History::set_rate(double servo_hz) {
-    const double stride = std::max(1.0, std::ceil(servo_hz / kGreatestPlotRate_hz));
+    const double stride = std::max(1.0, std::ceil(servo_hz / kMaxPlotRate_hz));
     const auto capacity = static_cast<std::size_t>(std::max(1.0, kPlotted_s * servo_hz / stride));
     History before = *this;
     servo_hz_ = servo_hz;

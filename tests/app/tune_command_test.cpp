@@ -74,7 +74,7 @@ TEST(TuneCommand, SaysByHowManyPerCentCountsHeldItBack) {
     found.taken_back = 0.07;
     EXPECT_NE(said().find("K_P is 7 % below"), std::string::npos) << said();
     EXPECT_EQ(said().find("end of its range"), std::string::npos) << said();
-    found.tuning.K_P_V_per_rad = limits::AutoTuneRequest{}.greatest_K_P_V_per_rad;
+    found.tuning.K_P_V_per_rad = limits::AutoTuneRequest{}.max_K_P_V_per_rad;
     EXPECT_NE(said().find("end of its range"), std::string::npos) << said();
 }
 

@@ -96,7 +96,7 @@ void time_casts(RTCScene scene, const contact::TriangleSoup &soup,
             }
         }
     }
-    times.cast_floor_ns = least_of_repeats(times_ns);
+    times.cast_floor_ns = min_of_repeats(times_ns);
 }
 
 struct Nearest {
@@ -142,7 +142,7 @@ Answers time_closest(RTCScene scene, const contact::TriangleSoup &soup,
                 time_ns([&] { answers.distances_m[i] = closest(scene, soup, tips_m[i]); }));
         }
     }
-    answers.floor_ns = least_of_repeats(times_ns);
+    answers.floor_ns = min_of_repeats(times_ns);
     return answers;
 }
 

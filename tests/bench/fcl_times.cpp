@@ -55,7 +55,7 @@ std::optional<Answers> time_fcl(const contact::TriangleSoup &soup,
             }));
         }
     }
-    answers.floor_ns = least_of_repeats(times_ns);
+    answers.floor_ns = min_of_repeats(times_ns);
     return answers;
 }
 

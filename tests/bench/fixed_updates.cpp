@@ -31,8 +31,8 @@ struct FixedInput {
     Vector3 start_m{Vector3::Zero()};
     std::vector<Vector3> tips_m;
     std::vector<Vector3> resets_m; ///< where the proxy is put before each update, if it is
-    int least_constraints = 0;     ///< of every contact
-    int most_constraints = 0;
+    int min_constraints = 0;       ///< of every contact
+    int max_constraints = 0;
 };
 
 contact::TriangleSoup sphere() { return *rig::test_surface_named("sphere:20480"); }
@@ -139,8 +139,8 @@ FixedInput input_named(std::string_view name) {
             proxy.reset(input.resets_m[i]);
         }
         const contact::Contact contact = proxy.update(surface, input.tips_m[i]);
-        as_meant += contact.active_constraints >= input.least_constraints &&
-                    contact.active_constraints <= input.most_constraints;
+        as_meant += contact.active_constraints >= input.min_constraints &&
+                    contact.active_constraints <= input.max_constraints;
     }
     return as_meant;
 }

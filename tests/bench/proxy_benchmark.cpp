@@ -30,7 +30,7 @@ using namespace springdrive;
 using namespace springdrive::bench;
 
 constexpr std::array<std::size_t, 5> kTriangles{1280, 20480, 81920, 327680, 1310720};
-constexpr std::size_t kMostWhenQuick = 81920;
+constexpr std::size_t kMaxQuickTriangles = 81920;
 
 /// The number of tips for each measurement, the path's first ones.
 struct Counts {
@@ -72,13 +72,13 @@ std::string mean_and_p99(const std::vector<double> &times_ns) {
 
 /// By trying every triangle.
 double surface_distance_m(const contact::TriangleSoup &soup, const Vector3 &tip_m) {
-    double least_m = INFINITY;
+    double min_m = INFINITY;
     for (const auto &[a, b, c] : soup.triangles) {
         const contact::TrianglePoint nearest = contact::nearest_on_triangle(
             {soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]}, tip_m);
-        least_m = std::min(least_m, (nearest.point_m - tip_m).norm());
+        min_m = std::min(min_m, (nearest.point_m - tip_m).norm());
     }
-    return least_m;
+    return min_m;
 }
 
 /// The columns of the proxy.
@@ -170,7 +170,7 @@ void run(bool quick, std::size_t only) {
     print_head();
     for (const Relief relief : {Relief::smooth, Relief::bumpy}) {
         for (const std::size_t triangles : kTriangles) {
-            if (only == 0 ? !quick || triangles <= kMostWhenQuick : triangles == only) {
+            if (only == 0 ? !quick || triangles <= kMaxQuickTriangles : triangles == only) {
                 print_row(relief, triangles, counts, errors);
             }
         }

@@ -55,7 +55,7 @@ ProxyTimes time_proxy(const contact::HapticSurface &surface, const std::vector<V
         }
     }
     times.touching = static_cast<double>(touching) / static_cast<double>(times.raw_ns.size());
-    times.floor_ns = least_of_repeats(times.raw_ns);
+    times.floor_ns = min_of_repeats(times.raw_ns);
     return times;
 }
 

@@ -31,14 +31,14 @@ inline constexpr int kRepeats = 3;
 
 /// Each call's minimum of `kRepeats` identical runs, timed one whole run after another: this
 /// excludes most of the machine's other load.
-[[nodiscard]] inline std::vector<double> least_of_repeats(const std::vector<double> &times_ns) {
+[[nodiscard]] inline std::vector<double> min_of_repeats(const std::vector<double> &times_ns) {
     const std::size_t calls = times_ns.size() / kRepeats;
-    std::vector<double> least_ns(times_ns.begin(),
-                                 times_ns.begin() + static_cast<std::ptrdiff_t>(calls));
+    std::vector<double> min_ns(times_ns.begin(),
+                               times_ns.begin() + static_cast<std::ptrdiff_t>(calls));
     for (std::size_t i = calls; i < times_ns.size(); ++i) {
-        least_ns[i % calls] = std::min(least_ns[i % calls], times_ns[i]);
+        min_ns[i % calls] = std::min(min_ns[i % calls], times_ns[i]);
     }
-    return least_ns;
+    return min_ns;
 }
 
 [[nodiscard]] inline double mean(const std::vector<double> &values) {

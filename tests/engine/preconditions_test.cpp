@@ -47,7 +47,7 @@ TEST(PreconditionsDeathTest, OfOneNumber) {
     EXPECT_EQ(NumberedBox(kUnitBox, end - 1).number(), end - 1);
     EXPECT_DEATH(NumberedBox(kUnitBox, end), "engine/contact/bvh/box_tree_build.cpp:");
 
-    EXPECT_DEATH(TriangleSets(kMostTriangles + 1), "count <= kMostTriangles");
+    EXPECT_DEATH(TriangleSets(kMaxTriangles + 1), "count <= kMaxTriangles");
 }
 
 TEST(PreconditionsDeathTest, OfTwoNumbers) {

@@ -39,8 +39,7 @@ public:
             found.rates += std::abs(sample.since_last_s - before_->since_last_s) > 1e-9 ? 1 : 0;
         }
         found.felt += servo::lets_pass(sample.safety.state) && sample.contact.touching ? 1 : 0;
-        found.greatest_carried_V =
-            std::max(found.greatest_carried_V, sample.carried_V.cwiseAbs().maxCoeff());
+        found.max_carried_V = std::max(found.max_carried_V, sample.carried_V.cwiseAbs().maxCoeff());
         before_ = sample;
     }
 
@@ -107,9 +106,9 @@ private:
                    now.since_last_s / servo::kRampTime_s + 1e-12,
                now, "a step of the ramp");
         const double allowed_V =
-            servo::kGreatestChange_V_per_s * now.since_last_s + ramp_V + kRoundOff_V;
-        found.greatest_step_V = std::max(found.greatest_step_V, step_V);
-        found.greatest_share = std::max(found.greatest_share, step_V / allowed_V);
+            servo::kMaxChange_V_per_s * now.since_last_s + ramp_V + kRoundOff_V;
+        found.max_step_V = std::max(found.max_step_V, step_V);
+        found.max_share = std::max(found.max_share, step_V / allowed_V);
         expect(step_V <= allowed_V, now,
                "a step in e_W of " + std::to_string(step_V) + " V, allowed " +
                    std::to_string(allowed_V) + " V,");

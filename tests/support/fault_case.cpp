@@ -10,17 +10,17 @@
 
 namespace springdrive::testing {
 
-double uniform(std::mt19937 &random, double lowest, double highest) {
-    return std::uniform_real_distribution<double>(lowest, highest)(random);
+double uniform(std::mt19937 &random, double minimum, double maximum) {
+    return std::uniform_real_distribution<double>(minimum, maximum)(random);
 }
 
-double log_uniform(std::mt19937 &random, double lowest, double highest) {
-    return std::exp(uniform(random, std::log(lowest), std::log(highest)));
+double log_uniform(std::mt19937 &random, double minimum, double maximum) {
+    return std::exp(uniform(random, std::log(minimum), std::log(maximum)));
 }
 
 device::HandParameters FaultCase::hand() const {
     device::HandParameters hand = firm ? kFirmHand : kLightHand;
-    hand.greatest_speed_m_per_s = hand_m_per_s;
+    hand.max_speed_m_per_s = hand_m_per_s;
     return hand;
 }
 

@@ -38,7 +38,7 @@ struct FaultCase {
 /// Tunings, rates and hands cycle with the number of the case; all else is random.
 [[nodiscard]] FaultCase random_case(std::mt19937 &random, int number, Place place);
 
-[[nodiscard]] double uniform(std::mt19937 &random, double lowest, double highest);
-[[nodiscard]] double log_uniform(std::mt19937 &random, double lowest, double highest);
+[[nodiscard]] double uniform(std::mt19937 &random, double minimum, double maximum);
+[[nodiscard]] double log_uniform(std::mt19937 &random, double minimum, double maximum);
 
 } // namespace springdrive::testing

@@ -116,7 +116,7 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSa
             housing_C_[j] +=
                 h * (inner_W - outer_W) * thermal.housing_ambient_K_per_W / thermal.motor_time_s;
         }
-        const double limit_C = std::min(thermal.greatest_winding_C, sample.limits.winding_C);
+        const double limit_C = std::min(thermal.max_winding_C, sample.limits.winding_C);
         constexpr double kSlack_K = 5e-4; // error of the Euler steps
         find(servo::TripCause::winding_temperature, winding_C_[j], limit_C, kSlack_K / limit_C);
     }
@@ -146,10 +146,9 @@ void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
     const device::JointLimits &stops = device_.joint_limits;
     const double fold_rad = q_rad[2] - q_rad[1];
     double worst_rad =
-        std::max(fold_rad - stops.greatest_q3_minus_q2_rad, stops.least_q3_minus_q2_rad - fold_rad);
+        std::max(fold_rad - stops.max_q3_minus_q2_rad, stops.min_q3_minus_q2_rad - fold_rad);
     for (Eigen::Index j = 0; j < 3; ++j) {
-        worst_rad =
-            std::max({worst_rad, q_rad[j] - stops.highest_rad[j], stops.lowest_rad[j] - q_rad[j]});
+        worst_rad = std::max({worst_rad, q_rad[j] - stops.max_rad[j], stops.min_rad[j] - q_rad[j]});
     }
     find(servo::TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
 }
@@ -212,13 +211,13 @@ FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
                                                 const device::DeviceCommand &wanted,
                                                 const servo::ServoSample &sample) const {
     const device::MotorParameters &motor = device_.motor[0];
-    Vector3 least_Ohm;
+    Vector3 min_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double R_hat_Ohm =
             std::min(wanted.cancelled_resistance_Ohm[j],
                      sample.winding[static_cast<std::size_t>(j)].R_hat_limit_Ohm);
-        least_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
-                                device::kLeastResidualShare * motor.resistance_Ohm);
+        min_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
+                              device::kMinResidualShare * motor.resistance_Ohm);
     }
     const Vector3 &N = device_.geometry.transmission_ratio;
     const Vector3 edge_Nm =
@@ -226,12 +225,12 @@ FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
             .cwiseQuotient(N);
     const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
     const Vector3 settling_A =
-        (wanted.e_W_V - back_emf_V).cwiseQuotient(least_Ohm) + edge_Nm.cwiseQuotient(k_T_);
+        (wanted.e_W_V - back_emf_V).cwiseQuotient(min_Ohm) + edge_Nm.cwiseQuotient(k_T_);
     const double force_N = now.force_N(k_T_.cwiseProduct(settling_A)).norm();
-    const double most_A = std::min(motor.peak_current_A, sample.limits.current_A);
-    const double share = std::min({1.0, 0.95 * most_A / settling_A.cwiseAbs().maxCoeff(),
+    const double max_A = std::min(motor.peak_current_A, sample.limits.current_A);
+    const double share = std::min({1.0, 0.95 * max_A / settling_A.cwiseAbs().maxCoeff(),
                                    0.95 * sample.limits.tip_force_N / force_N});
-    return {share, back_emf_V + share * settling_A.cwiseProduct(least_Ohm)};
+    return {share, back_emf_V + share * settling_A.cwiseProduct(min_Ohm)};
 }
 
 void FaultJudge::look(const device::Measurement &measured, const servo::ServoInputs &inputs,

@@ -82,7 +82,7 @@ void FaultTrial::check(const device::Measurement &measured) {
         late_ = 0;
         check_braking();
     } else if (late_ > 0 || judge.first_must() != servo::TripCause::none) {
-        most_ticks_late_ = std::max(most_ticks_late_, ++late_);
+        max_ticks_late_ = std::max(max_ticks_late_, ++late_);
         EXPECT_LE(late_, 0) << "no trip in tick " << ticks_ << " by "
                             << servo::kTripCauseNames[static_cast<std::size_t>(judge.first_must())];
     }
@@ -120,7 +120,7 @@ void FaultTrial::check_force() {
     }
     force_N_ = force_N;
     brake_N_ = brake_N;
-    greatest_force_N_ = std::max(greatest_force_N_, force_N);
+    max_force_N_ = std::max(max_force_N_, force_N);
 }
 
 void FaultTrial::check_braking() const {
@@ -167,7 +167,7 @@ void FaultTrial::expect_tripped_by(servo::TripCause cause) const {
     EXPECT_EQ(servo::kTripCauseNames[static_cast<std::size_t>(last.safety.cause)],
               servo::kTripCauseNames[static_cast<std::size_t>(cause)])
         << servo::description(last.safety);
-    EXPECT_LE(most_ticks_late_, 1);
+    EXPECT_LE(max_ticks_late_, 1);
 }
 
 void FaultTrial::expect_latched() {

@@ -53,8 +53,8 @@ public:
     void commit(rig::FaultKind kind, const Vector3 &size) { device().commit({kind, size}); }
 
     /// Ticks from the first that must trip to the trip; the command takes effect in the next.
-    [[nodiscard]] int most_ticks_late() const { return most_ticks_late_; }
-    [[nodiscard]] double greatest_force_N() const { return greatest_force_N_; }
+    [[nodiscard]] int max_ticks_late() const { return max_ticks_late_; }
+    [[nodiscard]] double max_force_N() const { return max_force_N_; }
     [[nodiscard]] int ticks_in(double time_s) const;
 
     FaultCase what;
@@ -74,11 +74,11 @@ private:
     std::uint64_t ticks_ = 0;
     std::uint64_t since_reset_ = 0;
     int late_ = 0;
-    int most_ticks_late_ = 0;
+    int max_ticks_late_ = 0;
     int above_force_ = 0; ///< consecutive ticks
     double force_N_ = 0.0;
     double brake_N_ = 0.0; ///< of shorted windings at the hand's speed
-    double greatest_force_N_ = 0.0;
+    double max_force_N_ = 0.0;
     std::deque<std::pair<Vector3, bool>> recent_; ///< tip, and whether it touched
 };
 

@@ -12,10 +12,10 @@ namespace springdrive::testing {
 
 class OwnClockDevice final : public device::ForwardingDevice {
 public:
-    /// @param most_periods  by which the plant advances at most in one read; after a longer gap it
+    /// @param max_periods  by which the plant advances at most in one read; after a longer gap it
     ///                      lags
-    OwnClockDevice(device::HapticDevice &device, double period_s, int most_periods = 100)
-        : device::ForwardingDevice(device), period_s_(period_s), most_periods_(most_periods) {}
+    OwnClockDevice(device::HapticDevice &device, double period_s, int max_periods = 100)
+        : device::ForwardingDevice(device), period_s_(period_s), max_periods_(max_periods) {}
 
     [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::own; }
     [[nodiscard]] device::Measurement read() noexcept override {
@@ -24,7 +24,7 @@ public:
         last_s_ = now_s;
         started_ = true;
         device::Measurement measured = device::ForwardingDevice::read();
-        for (int i = 1; i < std::min(static_cast<int>(std::min(passed, 1e6)), most_periods_); ++i) {
+        for (int i = 1; i < std::min(static_cast<int>(std::min(passed, 1e6)), max_periods_); ++i) {
             measured = device::ForwardingDevice::read();
         }
         measured.time_s = now_s;
@@ -35,7 +35,7 @@ private:
     using Clock = std::chrono::steady_clock;
 
     double period_s_;
-    int most_periods_;
+    int max_periods_;
     bool started_ = false;
     double last_s_ = 0.0;
 };

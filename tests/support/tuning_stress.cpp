@@ -55,7 +55,7 @@ std::string StressFigures::text() const {
     std::ostringstream out;
     out << published << " sets published, " << samples << " samples, " << felt
         << " of them in contact with voltage on, " << scenes << " scenes, greatest step "
-        << greatest_step_V << " V, trips:";
+        << max_step_V << " V, trips:";
     for (std::size_t cause = 1; cause < by_cause.size(); ++cause) {
         if (by_cause[cause] > 0) {
             out << ' ' << servo::kTripCauseNames[cause] << ' ' << by_cause[cause];
@@ -82,9 +82,9 @@ void TuningStress::publish() {
         const double x = share(random_);
         tuning.*parameter.value =
             parameter.logarithmic
-                ? std::clamp(parameter.lowest * std::pow(parameter.highest / parameter.lowest, x),
-                             parameter.lowest, parameter.highest)
-                : parameter.lowest + x * (parameter.highest - parameter.lowest);
+                ? std::clamp(parameter.minimum * std::pow(parameter.maximum / parameter.minimum, x),
+                             parameter.minimum, parameter.maximum)
+                : parameter.minimum + x * (parameter.maximum - parameter.minimum);
     }
     tuning.K_D_Vs_per_rad = tuning.K_P_V_per_rad / 200.0;
     tuning.eta = tuning.alpha_rad2_per_m2 / 20'000.0;
@@ -181,11 +181,11 @@ void TuningStress::check_step(const servo::ServoSample &sample) {
             within_supply(wanted_V(sample, before_, configuration(before_))) + before_.carried_V;
     }
     const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();
-    figures_.greatest_step_V = std::max(figures_.greatest_step_V, step_V);
-    expect(step_V <= servo::kGreatestChange_V_per_s * period_s_ + 1e-6, sample, "a step in e_W");
+    figures_.max_step_V = std::max(figures_.max_step_V, step_V);
+    expect(step_V <= servo::kMaxChange_V_per_s * period_s_ + 1e-6, sample, "a step in e_W");
     const double peak_A = device_.description().motor[0].peak_current_A;
     expect(std::abs(sample.tuning.dR_Ohm - before_.tuning.dR_Ohm) * peak_A <=
-               servo::kGreatestChange_V_per_s * period_s_ + 1e-9,
+               servo::kMaxChange_V_per_s * period_s_ + 1e-9,
            sample, "a step in R̂ i");
 }
 

@@ -26,7 +26,7 @@ struct StressFigures {
     std::uint64_t trips = 0;  ///< random tunings are not all stable
     std::uint64_t faults = 0; ///< failed expectations; the first few are reported
     std::array<int, servo::kTripCauseNames.size()> by_cause{};
-    double greatest_step_V = 0.0; ///< of e_W due to a change in a tick
+    double max_step_V = 0.0; ///< of e_W due to a change in a tick
 
     [[nodiscard]] std::string text() const;
 };

@@ -118,7 +118,7 @@ CurrentStep current_drive_step(const MotorParameters &motor, const DriveState &n
 CurrentStep spring_drive_at_once(const MotorParameters &motor, const DriveState &now, double e_W_V,
                                  double cancelled_resistance_Ohm) {
     const double R = now.resistance_Ohm;
-    const double dR = std::max(R - cancelled_resistance_Ohm, kLeastResidualShare * R);
+    const double dR = std::max(R - cancelled_resistance_Ohm, kMinResidualShare * R);
     const CurrentStep unlimited = at_once(motor, {e_W_V, dR});
     if (!now.limited) {
         return unlimited;

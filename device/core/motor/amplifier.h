@@ -51,7 +51,7 @@ struct DriveState {
 // The same two amplifiers on windings without inductance, whose current follows immediately: (11)
 // with L = 0, i = (e_W − k_T θ̇)/dR. End and mean current then depend on ω̄ in the same way.
 
-/// An over-cancelled winding would have no steady current, so dR is at least kLeastResidualShare of
+/// An over-cancelled winding would have no steady current, so dR is at least kMinResidualShare of
 /// R. Supply and current limit are evaluated at the rate at the start of the step. RT-safe.
 [[nodiscard]] CurrentStep spring_drive_at_once(const MotorParameters &motor, const DriveState &now,
                                                double e_W_V, double cancelled_resistance_Ohm);

@@ -11,7 +11,7 @@ struct ThermalParameters {
     double housing_ambient_K_per_W = 0.0;
     double winding_time_s = 0.0; ///< time constant, winding to housing
     double motor_time_s = 0.0;   ///< time constant, housing to air
-    double greatest_winding_C = 0.0;
+    double max_winding_C = 0.0;
 };
 
 /// Data sheet of one motor and the limits of its amplifier. The values come from a device file.
@@ -30,18 +30,18 @@ struct MotorParameters {
 
 /// Limits of the amplifiers' settings; the three amplifiers are identical.
 struct AmplifierParameters {
-    double greatest_cancelled_Ohm = 0.0; ///< the largest R̂ of (6) that can be set
-    double current_bandwidth_hz = 0.0;   ///< of the current drive used for comparison
+    double max_cancelled_Ohm = 0.0;    ///< the largest R̂ of (6) that can be set
+    double current_bandwidth_hz = 0.0; ///< of the current drive used for comparison
 };
 
 /// Minimum share of R that an amplifier leaves, so that the net resistance stays positive (7).
-inline constexpr double kLeastResidualShare = 0.005;
+inline constexpr double kMinResidualShare = 0.005;
 
 /// The dR that results from a requested `dR_Ohm`: R̂ = R − dR can be neither negative nor closer to
-/// R than kLeastResidualShare.
+/// R than kMinResidualShare.
 [[nodiscard]] constexpr double residual_resistance_Ohm(const MotorParameters &motor,
                                                        double dR_Ohm) {
-    return std::clamp(dR_Ohm, kLeastResidualShare * motor.resistance_Ohm, motor.resistance_Ohm);
+    return std::clamp(dR_Ohm, kMinResidualShare * motor.resistance_Ohm, motor.resistance_Ohm);
 }
 
 /// K_L = k_T²/L (4) [N·m/rad]: the inductance as a spring; also K_HF (14).

@@ -5,68 +5,66 @@
 
 namespace springdrive::device {
 
-double least_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParameters &amplifier) {
+double min_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParameters &amplifier) {
     constexpr double kAnyPeriod_s = 1.0; // irrelevant, as the guard is read before its first update
     return motor.resistance_Ohm -
-           WindingGuard(motor, amplifier.greatest_cancelled_Ohm, kAnyPeriod_s)
-               .greatest_cancelled_Ohm();
+           WindingGuard(motor, amplifier.max_cancelled_Ohm, kAnyPeriod_s).max_cancelled_Ohm();
 }
 
-WindingGuard::WindingGuard(const MotorParameters &motor, double greatest_cancelled_Ohm,
-                           double period_s)
-    : motor_(motor), amplifier_limit_Ohm_(greatest_cancelled_Ohm),
-      coldest_(motor.thermal, kColdestAir_C, period_s), least_(coldest_),
-      greatest_(motor.thermal, kWarmestAir_C, period_s) {}
+WindingGuard::WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s)
+    : motor_(motor), amplifier_limit_Ohm_(max_cancelled_Ohm),
+      coldest_(motor.thermal, kColdestAir_C, period_s), minimum_(coldest_),
+      maximum_(motor.thermal, kWarmestAir_C, period_s) {}
 
 void WindingGuard::set_period(double period_s) noexcept {
     coldest_.set_period(period_s);
-    least_.set_period(period_s);
-    greatest_.set_period(period_s);
+    minimum_.set_period(period_s);
+    maximum_.set_period(period_s);
 }
 
 void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexcept {
     const bool known = std::isfinite(current_A) && std::isfinite(current_A_);
     const bool passed_zero = !(current_A * current_A_ > 0.0);
-    const double least_A =
+    const double min_A =
         known && !passed_zero ? std::min(std::abs(current_A), std::abs(current_A_)) : 0.0;
-    const double most_A =
+    const double max_A =
         known ? std::max(std::abs(current_A), std::abs(current_A_)) : motor_.peak_current_A;
     current_A_ = current_A;
     cool_through(missed_periods);
-    least_.update(least_A * least_A * least_resistance_Ohm(motor_, least_.winding_C()));
-    heat_through(missed_periods, most_A);
-    greatest_.update(most_A * most_A * greatest_resistance_Ohm(motor_, greatest_.winding_C()));
+    minimum_.update(min_A * min_A * min_resistance_Ohm(motor_, minimum_.winding_C()));
+    heat_through(missed_periods, max_A);
+    maximum_.update(max_A * max_A * max_resistance_Ohm(motor_, maximum_.winding_C()));
 }
 
 /// Without heat; after a long gap, as cold as possible.
 void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
-    if (missed_periods > kMostAtOnce) {
-        least_ = coldest_;
+    if (missed_periods > kMaxAtOnce) {
+        minimum_ = coldest_;
         return;
     }
     for (std::uint32_t i = 0; i < missed_periods; ++i) {
-        least_.update(0.0);
+        minimum_.update(0.0);
     }
 }
 
 /// With the maximum possible heat; a long gap is processed over several ticks.
-void WindingGuard::heat_through(std::uint32_t missed_periods, double most_A) noexcept {
+void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noexcept {
     if (missed_periods > 0) {
         pending_ += std::min(missed_periods, kMaxPending - pending_);
-        pending_max_A_ = std::max(pending_max_A_, most_A);
+        pending_max_A_ = std::max(pending_max_A_, max_A);
     }
-    const std::uint32_t now = std::min(pending_, kMostAtOnce);
+    const std::uint32_t now = std::min(pending_, kMaxAtOnce);
     for (std::uint32_t i = 0; i < now; ++i) {
-        greatest_.update(pending_max_A_ * pending_max_A_ *
-                         greatest_resistance_Ohm(motor_, greatest_.winding_C()));
+        maximum_.update(pending_max_A_ * pending_max_A_ *
+                        max_resistance_Ohm(motor_, maximum_.winding_C()));
     }
     pending_ -= now;
     pending_max_A_ = pending_ > 0 ? pending_max_A_ : 0.0;
 }
 
-double WindingGuard::greatest_cancelled_Ohm() const noexcept {
+double WindingGuard::max_cancelled_Ohm() const noexcept {
     const double permissible_Ohm =
-        (1.0 - kLeastResidualShare) * least_resistance_Ohm(motor_, least_.winding_C());
+        (1.0 - kMinResidualShare) * min_resistance_Ohm(motor_, minimum_.winding_C());
     return std::min(permissible_Ohm, amplifier_limit_Ohm_);
 }
 

@@ -33,15 +33,15 @@ inline constexpr double kWarmestAir_C = 35.0;
 
 /// The smallest dR of a motor about which it is only known that its windings are not colder than
 /// kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].
-[[nodiscard]] double least_cold_residual_Ohm(const MotorParameters &motor,
-                                             const AmplifierParameters &amplifier);
+[[nodiscard]] double min_cold_residual_Ohm(const MotorParameters &motor,
+                                           const AmplifierParameters &amplifier);
 
 /// The guard of one motor. RT-safe after construction.
 class WindingGuard {
 public:
-    /// @param greatest_cancelled_Ohm  the largest R̂ that the amplifier can be set to
+    /// @param max_cancelled_Ohm  the largest R̂ that the amplifier can be set to
     /// @param period_s                T, the duration of each `update`
-    WindingGuard(const MotorParameters &motor, double greatest_cancelled_Ohm, double period_s);
+    WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s);
 
     /// Keeps the estimates. RT-safe.
     void set_period(double period_s) noexcept;
@@ -54,28 +54,28 @@ public:
     /// bound and without heat, in the coldest air, for the lower.
     void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
 
-    /// The largest R̂ that leaves a net resistance of kLeastResidualShare of R at every commutator
+    /// The largest R̂ that leaves a net resistance of kMinResidualShare of R at every commutator
     /// angle. That share also covers a winding's cooling while a command is in transit: even the
     /// hottest winding takes more than a tenth of a second to lose as much.
-    [[nodiscard]] double greatest_cancelled_Ohm() const noexcept;
+    [[nodiscard]] double max_cancelled_Ohm() const noexcept;
 
-    [[nodiscard]] double least_C() const { return least_.winding_C(); }
-    [[nodiscard]] double greatest_C() const { return greatest_.winding_C(); }
+    [[nodiscard]] double min_C() const { return minimum_.winding_C(); }
+    [[nodiscard]] double max_C() const { return maximum_.winding_C(); }
 
 private:
-    /// Processing kMostAtOnce periods takes some microseconds; after kMaxPending periods the upper
+    /// Processing kMaxAtOnce periods takes some microseconds; after kMaxPending periods the upper
     /// bound has settled.
-    static constexpr std::uint32_t kMostAtOnce = 100;
+    static constexpr std::uint32_t kMaxAtOnce = 100;
     static constexpr std::uint32_t kMaxPending = 1'000'000;
 
     void cool_through(std::uint32_t missed_periods) noexcept;
-    void heat_through(std::uint32_t missed_periods, double most_A) noexcept;
+    void heat_through(std::uint32_t missed_periods, double max_A) noexcept;
 
     MotorParameters motor_;
     double amplifier_limit_Ohm_;
-    WindingTemperature coldest_; ///< initial state of `least_`
-    WindingTemperature least_;
-    WindingTemperature greatest_;
+    WindingTemperature coldest_; ///< initial state of `minimum_`
+    WindingTemperature minimum_;
+    WindingTemperature maximum_;
     double current_A_ = 0.0;    ///< at the last update
     std::uint32_t pending_ = 0; ///< missed periods not yet processed for the upper bound
     double pending_max_A_ = 0.0;

@@ -25,11 +25,11 @@ double winding_resistance_Ohm(const MotorParameters &motor, double winding_C, do
            (1.0 + motor.commutation_ripple * std::cos(motor.commutator_segments * theta_rad));
 }
 
-double least_resistance_Ohm(const MotorParameters &motor, double winding_C) {
+double min_resistance_Ohm(const MotorParameters &motor, double winding_C) {
     return mean_resistance_Ohm(motor, winding_C) * (1.0 - motor.commutation_ripple);
 }
 
-double greatest_resistance_Ohm(const MotorParameters &motor, double winding_C) {
+double max_resistance_Ohm(const MotorParameters &motor, double winding_C) {
     return mean_resistance_Ohm(motor, winding_C) * (1.0 + motor.commutation_ripple);
 }
 

@@ -21,10 +21,10 @@ inline constexpr double kReferenceTemperature_C = 25.0;
                                             double theta_rad);
 
 /// Minimum of R(T, θ) over all angles, for a winding of at least `winding_C`. RT-safe.
-[[nodiscard]] double least_resistance_Ohm(const MotorParameters &motor, double winding_C);
+[[nodiscard]] double min_resistance_Ohm(const MotorParameters &motor, double winding_C);
 
 /// Maximum of R(T, θ) over all angles, for a winding of at most `winding_C`. RT-safe.
-[[nodiscard]] double greatest_resistance_Ohm(const MotorParameters &motor, double winding_C);
+[[nodiscard]] double max_resistance_Ohm(const MotorParameters &motor, double winding_C);
 
 /// Winding and housing of one motor. RT-safe after construction.
 class WindingTemperature {

@@ -83,7 +83,7 @@ private:
     float gap_m_;
 };
 
-constexpr int kMostBoxBins = 16;
+constexpr int kMaxBoxBins = 16;
 
 struct BoxBin {
     Bounds bounds;
@@ -100,7 +100,7 @@ class BoxBinning {
 public:
     /// @param count  of boxes: few do not need many bins
     BoxBinning(const Bounds &twice_centres, std::uint32_t count) noexcept
-        : bins_(count < 32 ? kMostBoxBins / 2 : kMostBoxBins), lower_(twice_centres.lower) {
+        : bins_(count < 32 ? kMaxBoxBins / 2 : kMaxBoxBins), lower_(twice_centres.lower) {
         const Float4 size = twice_centres.upper - twice_centres.lower;
         for (int axis = 0; axis < 3; ++axis) {
             // All in the first bin where their centres coincide.
@@ -144,7 +144,7 @@ public:
     }
 
 private:
-    std::array<std::array<BoxBin, kMostBoxBins>, 3> bins_;
+    std::array<std::array<BoxBin, kMaxBoxBins>, 3> bins_;
 };
 
 [[nodiscard]] std::size_t largest_lane(Float4 values) noexcept {
@@ -167,14 +167,14 @@ BoxFork BoxSplitter::fork(const BoxRun &whole, SplitRule rule) const {
     fork.size = 1;
     // The run to be split next is the one that is visited most often, of those that would not fit
     // into one node.
-    const auto choose = [&](std::uint32_t least_count, std::uint32_t most_count) {
+    const auto choose = [&](std::uint32_t min_count, std::uint32_t max_count) {
         std::optional<std::size_t> chosen;
         float largest = -1.0F;
         for (std::size_t i = 0; i < fork.size; ++i) {
             const BoxRun &run = fork.runs[i];
             const float weight =
                 rule == SplitRule::halves ? static_cast<float>(run.count) : half_area(run.bounds);
-            if (run.count >= least_count && run.count <= most_count && weight > largest) {
+            if (run.count >= min_count && run.count <= max_count && weight > largest) {
                 largest = weight;
                 chosen = i;
             }
@@ -219,7 +219,7 @@ BoxSplitter::Wall BoxSplitter::cheapest_wall(const BoxRun &whole) const noexcept
     };
     Wall best;
     for (int axis = 0; axis < 3; ++axis) {
-        std::array<float, kMostBoxBins> cost_above{};
+        std::array<float, kMaxBoxBins> cost_above{};
         BoxBin above;
         for (int i = binning.bins() - 1; i > 0; --i) {
             above.add(bins.at(axis, i));
@@ -290,7 +290,7 @@ constexpr int kHalvingDepth = kDeepestBoxNode - 16;
 
 /// The work is divided into at least this many parts, whatever the number of threads.
 constexpr std::size_t kParts = 64;
-constexpr std::uint32_t kLeastPart = 1024;
+constexpr std::uint32_t kMinPart = 1024;
 
 /// For the comparison of areas, boxes grow by this share of the whole [-].
 constexpr float kGapShare = 1e-5F;
@@ -351,7 +351,7 @@ class Builder {
 public:
     Builder(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads)
         : threads_(threads), boxes_(boxes.size()),
-          most_in_part_(std::max(kLeastPart, static_cast<std::uint32_t>(boxes.size() / kParts))) {
+          max_in_part_(std::max(kMinPart, static_cast<std::uint32_t>(boxes.size() / kParts))) {
         for_each_chunk([&](std::size_t i) {
             boxes_[i] = NumberedBox(boxes[i], static_cast<std::uint32_t>(i));
         });
@@ -414,7 +414,7 @@ private:
         if (run.count == 1 && depth > 0) {
             return {BranchKind::item, run.first};
         }
-        if (run.count <= most_in_part_) {
+        if (run.count <= max_in_part_) {
             parts_.push_back({run, depth, {}, 0});
             return {BranchKind::part, static_cast<std::uint32_t>(parts_.size() - 1)};
         }
@@ -473,7 +473,7 @@ private:
 
     unsigned threads_;
     std::vector<NumberedBox> boxes_;
-    std::uint32_t most_in_part_;
+    std::uint32_t max_in_part_;
     std::vector<TopNode> top_;
     std::vector<Part> parts_;
 };

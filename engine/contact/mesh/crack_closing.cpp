@@ -20,7 +20,7 @@ constexpr std::size_t kDistanceClasses = 64;
 
 /// No more neighbours of a vertex than this are examined: where more are within the tolerance, they
 /// are connected through each other anyway, or the mesh is finer than the tolerance.
-constexpr int kMostNeighbours = 64;
+constexpr int kMaxNeighbours = 64;
 
 /// From here on vertices are identified by their numbers in the rim.
 struct NearPair {
@@ -29,7 +29,7 @@ struct NearPair {
     std::uint32_t distance_class = 0;
 };
 
-/// All pairs within the tolerance, up to kMostNeighbours for each vertex; the nearest first.
+/// All pairs within the tolerance, up to kMaxNeighbours for each vertex; the nearest first.
 [[nodiscard]] std::vector<NearPair> near_pairs(const std::vector<Vector3> &places_m,
                                                double tolerance_m) {
     VertexGrid grid(places_m, tolerance_m, 8.0 * tolerance_m);
@@ -42,7 +42,7 @@ struct NearPair {
             const auto distance_class = static_cast<std::uint32_t>(
                 std::min(kDistanceClasses - 1.0, std::floor(share * kDistanceClasses)));
             pairs.push_back({earlier, vertex, distance_class});
-            return ++neighbours == kMostNeighbours;
+            return ++neighbours == kMaxNeighbours;
         };
         static_cast<void>(grid.visit_near(vertex, home, note));
         grid.insert(vertex, home);

@@ -17,8 +17,8 @@ namespace {
 
 /// More vertices per tolerance of an edge's length than this are not a T-junction but a mesh finer
 /// than the tolerance, and are left unchanged.
-constexpr double kMostPerTolerance = 4.0;
-constexpr double kMostOnAnyEdge = 16.0;
+constexpr double kMaxPerTolerance = 4.0;
+constexpr double kMaxPerEdge = 16.0;
 
 /// Where a vertex divides a side of a triangle.
 struct Cut {
@@ -45,17 +45,17 @@ public:
         const Vector3 &from_m = vertices_m_[triangle.vertices[use.side()]];
         const Vector3 &to_m = vertices_m_[triangle.vertices[(use.side() + 1) % 3]];
         const std::size_t before = cuts.size();
-        const double most =
-            kMostOnAnyEdge + kMostPerTolerance * (to_m - from_m).norm() / tolerance_m_;
+        const double maximum =
+            kMaxPerEdge + kMaxPerTolerance * (to_m - from_m).norm() / tolerance_m_;
         const auto is_one_too_many = [&](std::uint32_t number, double fraction, double distance_m) {
             const std::uint32_t vertex = rim_.vertex(number);
             if (!has_corner(triangle, vertex)) {
                 cuts.push_back({use.triangle(), use.side(), fraction, vertex, distance_m});
             }
-            return static_cast<double>(cuts.size() - before) > most;
+            return static_cast<double>(cuts.size() - before) > maximum;
         };
         tree_.visit_along(from_m, to_m, tolerance_m_, is_one_too_many);
-        if (static_cast<double>(cuts.size() - before) > most) {
+        if (static_cast<double>(cuts.size() - before) > maximum) {
             cuts.resize(before);
         }
     }

@@ -22,7 +22,7 @@ template <typename Visit> void for_each_side(const VertexTriple &vertices, Visit
 EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t vertices,
                      unsigned threads)
     : first_use_(vertices + 1), uses_(3 * triangles.size()) {
-    SPRINGDRIVE_ASSERT(triangles.size() <= kMostTriangles);
+    SPRINGDRIVE_ASSERT(triangles.size() <= kMaxTriangles);
     SPRINGDRIVE_ASSERT_AUDIT(std::ranges::all_of(triangles, [&](const MeshTriangle &triangle) {
         const auto &[a, b, c] = triangle.vertices;
         return std::max({a, b, c}) < vertices && a != b && b != c && c != a;

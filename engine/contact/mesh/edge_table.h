@@ -55,7 +55,7 @@ struct Edge {
 /// All edges of a mesh, ordered by their lower, then by their upper vertex.
 class EdgeTable {
 public:
-    /// @pre at most kMostTriangles, of vertices below `vertices`, each of three different ones
+    /// @pre at most kMaxTriangles, of vertices below `vertices`, each of three different ones
     EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t vertices, unsigned threads);
 
     [[nodiscard]] std::size_t vertices() const { return first_use_.size() - 1; }

@@ -51,7 +51,7 @@ struct Facet::Crossing {
     bool pierces; ///< the triangle, or ends in the layer over it
 };
 
-double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
+double min_height_m(const std::array<Vector3, 3> &corners_m) noexcept {
     const double longest = std::sqrt(std::max({(corners_m[1] - corners_m[0]).squaredNorm(),
                                                (corners_m[2] - corners_m[1]).squaredNorm(),
                                                (corners_m[0] - corners_m[2]).squaredNorm()}));
@@ -63,7 +63,7 @@ Facet::Facet(const FacetSource &source) noexcept
       offset_m_(normal_.dot(source.corners_m[0])), corners_m_(source.corners_m),
       triangle_(source.triangle), material_(source.material), sides_(source.sides) {
     SPRINGDRIVE_ASSERT(normal_.squaredNorm() > 0.5); // 0 where there is no area
-    SPRINGDRIVE_ASSERT_AUDIT(smallest_height_m(source.corners_m) > kRoundOff_m);
+    SPRINGDRIVE_ASSERT_AUDIT(min_height_m(source.corners_m) > kRoundOff_m);
 }
 
 std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
@@ -87,10 +87,10 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
     const double descent_m = start_m - end_m;
     const double enters = start_m > reach_m ? (start_m - reach_m) / descent_m : 0.0;
     const double leaves = end_m < -reach_m ? (start_m + reach_m) / descent_m : 1.0;
-    const double lowest = end_m < 0.0 ? start_m / descent_m : 1.0;
+    const double minimum = end_m < 0.0 ? start_m / descent_m : 1.0;
     const Vector3 enters_m = from_m + enters * motion;
     const Vector3 leaves_m = from_m + leaves * motion;
-    const Vector3 lowest_m = from_m + lowest * motion;
+    const Vector3 lowest_point_m = from_m + minimum * motion;
 
     bool is_over_start = true;
     bool pierces = end_m < reach_m - kSlack_m;
@@ -103,7 +103,7 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
             return std::nullopt; // passes beyond this edge
         }
         is_over_start = is_over_start && out_enters <= 0.0;
-        pierces = pierces && outward[i].dot(lowest_m - corners_m_[i]) <= 0.0;
+        pierces = pierces && outward[i].dot(lowest_point_m - corners_m_[i]) <= 0.0;
     }
     if (is_over_start) {
         const double kept_m = kept_distance_m(start_m, reach_m);
@@ -119,12 +119,12 @@ std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept 
     const auto nearest_m = [this](const Vector3 &point_m) { return nearest(point_m).point_m; };
     if (!crossing.pierces) {
         // Computed exactly, since a slide along a neighbour's plane grazes this edge.
-        double least_m = crossing.reach_m;
+        double min_m = crossing.reach_m;
         for (std::size_t i = 0; i < 3; ++i) {
-            least_m = std::min(least_m, segment_distance_m(crossing.enters_m, crossing.leaves_m,
-                                                           corners_m_[i], corners_m_[(i + 1) % 3]));
+            min_m = std::min(min_m, segment_distance_m(crossing.enters_m, crossing.leaves_m,
+                                                       corners_m_[i], corners_m_[(i + 1) % 3]));
         }
-        if (least_m >= crossing.reach_m - kSlack_m) {
+        if (min_m >= crossing.reach_m - kSlack_m) {
             return std::nullopt;
         }
     }

@@ -53,7 +53,7 @@ struct FacetSource {
 };
 
 /// Smallest of a triangle's three heights [m]; zero if it has no area.
-[[nodiscard]] double smallest_height_m(const std::array<Vector3, 3> &corners_m) noexcept;
+[[nodiscard]] double min_height_m(const std::array<Vector3, 3> &corners_m) noexcept;
 
 /// How far a motion may go, and the half-space normal · x >= offset_m to stay in from there on: it
 /// touches the obstacle's offset where the motion ends, and excludes all of its inside.
@@ -66,7 +66,7 @@ struct Stop {
 /// On two cache lines of its own; most motions need only the first, with the plane.
 class alignas(64) Facet {
 public:
-    /// @pre smallest_height_m(source.corners_m) is above round-off
+    /// @pre min_height_m(source.corners_m) is above round-off
     explicit Facet(const FacetSource &source) noexcept;
 
     /// Where the facet stops the motion from `from_m` to `to_m`, if it does. A motion that starts

@@ -26,13 +26,13 @@ namespace {
 constexpr double kWeldTolerance_m = 1e-7;
 
 /// Threads take time to start, and memory for every vertex.
-constexpr std::size_t kLeastTrianglesPerThread = 4000;
-constexpr unsigned kMostThreads = 8;
+constexpr std::size_t kMinTrianglesPerThread = 4000;
+constexpr unsigned kMaxThreads = 8;
 
 [[nodiscard]] unsigned useful_threads(unsigned allowed, std::size_t triangles) {
-    const std::size_t busy = triangles / kLeastTrianglesPerThread;
+    const std::size_t busy = triangles / kMinTrianglesPerThread;
     return std::max(1U, static_cast<unsigned>(
-                            std::min({busy, std::size_t{allowed}, std::size_t{kMostThreads}})));
+                            std::min({busy, std::size_t{allowed}, std::size_t{kMaxThreads}})));
 }
 
 void require_consistent(const TriangleSoup &soup) {
@@ -53,7 +53,7 @@ void require_consistent(const TriangleSoup &soup) {
 }
 
 void require_few(std::size_t triangles) {
-    if (triangles > kMostTriangles) {
+    if (triangles > kMaxTriangles) {
         throw std::length_error("prepare_mesh: more triangles than can be prepared");
     }
 }

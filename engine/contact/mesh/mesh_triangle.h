@@ -11,7 +11,7 @@ namespace springdrive::contact {
 using VertexTriple = std::array<std::uint32_t, 3>;
 
 /// Meshes of more triangles than this are refused.
-inline constexpr std::size_t kMostTriangles = std::size_t{1} << 29;
+inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 29;
 
 /// A triangle of welded vertices, all different, and where it came from.
 struct MeshTriangle {

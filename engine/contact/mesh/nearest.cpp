@@ -42,7 +42,7 @@ TrianglePoint nearest_on_triangle(const std::array<Vector3, 3> &corners_m,
         nearest.point_m = to_m - normal.dot(to_m - corners_m[0]) * normal;
         return nearest;
     }
-    double least2 = -1.0;
+    double min2 = -1.0;
     for (std::size_t i = 0; i < 3; ++i) {
         // The nearest point is on an edge only if the foot lies outside of that edge.
         if (parts[i] > 0.0) {
@@ -53,8 +53,8 @@ TrianglePoint nearest_on_triangle(const std::array<Vector3, 3> &corners_m,
         const double share = nearest_share(corners_m[j], corners_m[k], to_m);
         const Vector3 point = corners_m[j] + share * (corners_m[k] - corners_m[j]);
         const double distance2 = (to_m - point).squaredNorm();
-        if (least2 < 0.0 || distance2 < least2) {
-            least2 = distance2;
+        if (min2 < 0.0 || distance2 < min2) {
+            min2 = distance2;
             nearest.point_m = point;
             nearest.weights.setZero();
             nearest.weights[static_cast<Eigen::Index>(j)] = 1.0 - share;
@@ -75,18 +75,18 @@ double segment_distance_m(const Vector3 &a_m, const Vector3 &b_m, const Vector3 
     const double determinant = u.cross(v).squaredNorm(); // uu vv − uv², without cancellation
     // The nearest pair includes an end point, unless both points lie inside their segments: then
     // they are where the lines come nearest.
-    double least2 = std::min({(a_m - c_m - nearest_share(c_m, d_m, a_m) * v).squaredNorm(),
-                              (b_m - c_m - nearest_share(c_m, d_m, b_m) * v).squaredNorm(),
-                              (c_m - a_m - nearest_share(a_m, b_m, c_m) * u).squaredNorm(),
-                              (d_m - a_m - nearest_share(a_m, b_m, d_m) * u).squaredNorm()});
+    double min2 = std::min({(a_m - c_m - nearest_share(c_m, d_m, a_m) * v).squaredNorm(),
+                            (b_m - c_m - nearest_share(c_m, d_m, b_m) * v).squaredNorm(),
+                            (c_m - a_m - nearest_share(a_m, b_m, c_m) * u).squaredNorm(),
+                            (d_m - a_m - nearest_share(a_m, b_m, d_m) * u).squaredNorm()});
     if (determinant > 0.0) {
         const double s = (uv * v.dot(w) - vv * u.dot(w)) / determinant;
         const double t = (uu * v.dot(w) - uv * u.dot(w)) / determinant;
         if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) {
-            least2 = std::min(least2, (w + s * u - t * v).squaredNorm());
+            min2 = std::min(min2, (w + s * u - t * v).squaredNorm());
         }
     }
-    return std::sqrt(least2);
+    return std::sqrt(min2);
 }
 
 } // namespace springdrive::contact

@@ -30,10 +30,10 @@ struct Sliver {
         for (std::size_t i = first; i < last; ++i) {
             stop_if_given_up(i);
             // True for a height that is not finite too.
-            const double height_m = smallest_height_m(corners_m(triangles[i], vertices_m));
-            if (!(height_m >= kLeastHeight_m)) {
+            const double height_m = min_height_m(corners_m(triangles[i], vertices_m));
+            if (!(height_m >= kMinHeight_m)) {
                 slivers_of_chunk[chunk].push_back(
-                    {static_cast<std::uint32_t>(i), height_m >= kLeastNormalHeight_m});
+                    {static_cast<std::uint32_t>(i), height_m >= kMinNormalHeight_m});
             }
         }
     });

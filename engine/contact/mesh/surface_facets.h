@@ -14,14 +14,14 @@
 namespace springdrive::contact {
 
 /// Triangles lower than this are slivers [m]. Their normals are unreliable.
-inline constexpr double kLeastHeight_m = kClearance_m;
+inline constexpr double kMinHeight_m = kClearance_m;
 
 /// Triangles lower than this have no usable normal [m]: they may consist of round-off.
-inline constexpr double kLeastNormalHeight_m = 1e-9;
+inline constexpr double kMinNormalHeight_m = 1e-9;
 
 /// Slivers to leave out, by index, in order.
 ///
-/// The proxy cannot fall through where one was: it is nowhere wider than kLeastHeight_m, its
+/// The proxy cannot fall through where one was: it is nowhere wider than kMinHeight_m, its
 /// neighbours over all edges stay, and the proxy keeps kClearance_m from them, twice of which
 /// bridges it. Therefore one in two of adjacent slivers stays, unless it has no normal; twenty of
 /// that kind would have to lie side by side to leave a gap.

@@ -18,7 +18,7 @@ namespace {
 constexpr double kClearMajority = 2.0 / 3.0;
 
 /// Volumes below this times area^1.5 are round-off: a foil of 10 µm, 10 cm square, has 1e-4 of it.
-constexpr double kLeastVolumeRatio = 1e-9;
+constexpr double kMinVolumeRatio = 1e-9;
 
 /// What decides which way a patch is turned.
 struct Patch {
@@ -34,7 +34,7 @@ struct Patch {
 
     [[nodiscard]] bool is_first_right() const {
         const double larger = std::max(area_of_first, area_of_others);
-        const bool has_inside = std::abs(volume) > kLeastVolumeRatio * std::pow(area, 1.5);
+        const bool has_inside = std::abs(volume) > kMinVolumeRatio * std::pow(area, 1.5);
         if (larger < kClearMajority * voting_area() && has_inside) {
             return volume > 0.0;
         }

@@ -19,9 +19,9 @@ public:
         bool is_opposite = false; ///< wound opposite to the root
     };
 
-    /// @pre at most kMostTriangles
+    /// @pre at most kMaxTriangles
     explicit TriangleSets(std::size_t count) : link_(count) {
-        SPRINGDRIVE_ASSERT(count <= kMostTriangles);
+        SPRINGDRIVE_ASSERT(count <= kMaxTriangles);
         for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
             link_[triangle] = triangle << 1;
         }

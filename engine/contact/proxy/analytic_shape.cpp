@@ -11,12 +11,12 @@ namespace springdrive::contact {
 namespace {
 
 /// Squares below this begin to lose digits.
-constexpr double kLeastSquare_m2 = 1e-280;
+constexpr double kMinSquare_m2 = 1e-280;
 
 /// In the direction of `v`, however short. @pre v is not zero
 [[nodiscard]] Vector3 unit(const Vector3 &v) noexcept {
     const double length2 = v.squaredNorm();
-    if (length2 > kLeastSquare_m2) {
+    if (length2 > kMinSquare_m2) {
         return v / std::sqrt(length2);
     }
     const double largest = v.cwiseAbs().maxCoeff();
@@ -106,12 +106,12 @@ constexpr double kLeastSquare_m2 = 1e-280;
 }
 
 /// For points relative to a centre: whether both lie in front of the plane perpendicular to
-/// `from_m` at distance `least_m`. Without a root or a division, as it is called in every tick.
-[[nodiscard]] bool are_beyond(double least_m, const Vector3 &from_m, const Vector3 &to_m) noexcept {
+/// `from_m` at distance `min_m`. Without a root or a division, as it is called in every tick.
+[[nodiscard]] bool are_beyond(double min_m, const Vector3 &from_m, const Vector3 &to_m) noexcept {
     const double from_m2 = from_m.squaredNorm();
     const double along_m2 = from_m.dot(to_m);
-    const double least_m2 = least_m * least_m;
-    return from_m2 >= least_m2 && along_m2 >= 0.0 && along_m2 * along_m2 >= least_m2 * from_m2;
+    const double min_m2 = min_m * min_m;
+    return from_m2 >= min_m2 && along_m2 >= 0.0 && along_m2 * along_m2 >= min_m2 * from_m2;
 }
 
 [[nodiscard]] bool is_parted(const Box &box, const Vector3 &from_m, const Vector3 &to_m,
@@ -128,9 +128,8 @@ constexpr double kLeastSquare_m2 = 1e-280;
 [[nodiscard]] bool is_parted(const Cylinder &cylinder, const Vector3 &from_m, const Vector3 &to_m,
                              double clear_m) noexcept {
     const Vector3 across(1.0, 0.0, 1.0);
-    const double least_m = cylinder.half_height_m + clear_m;
-    return std::min(from_m.y(), to_m.y()) >= least_m ||
-           std::max(from_m.y(), to_m.y()) <= -least_m ||
+    const double min_m = cylinder.half_height_m + clear_m;
+    return std::min(from_m.y(), to_m.y()) >= min_m || std::max(from_m.y(), to_m.y()) <= -min_m ||
            are_beyond(cylinder.radius_m + clear_m, from_m.cwiseProduct(across),
                       to_m.cwiseProduct(across));
 }

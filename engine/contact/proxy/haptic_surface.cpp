@@ -56,7 +56,7 @@ template <typename Visit> void for_each(ShapeSet shapes, const Visit &visit) {
 
 HapticSurface::HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes)
     : shapes_(std::move(shapes)), serial_(next_serial()) {
-    if (shapes_.size() > kMostShapes) {
+    if (shapes_.size() > kMaxShapes) {
         throw std::invalid_argument("HapticSurface: too many shapes");
     }
     if (!std::ranges::all_of(shapes_, [&](const AnalyticShape &shape) {

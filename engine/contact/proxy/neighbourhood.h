@@ -15,7 +15,7 @@ namespace springdrive::contact {
 
 /// A set of shapes of a surface, one bit each.
 using ShapeSet = std::uint64_t;
-inline constexpr std::size_t kMostShapes = 64;
+inline constexpr std::size_t kMaxShapes = 64;
 
 /// The facets and shapes of one surface that intersect a ball. Complete: whatever is not listed
 /// lies outside of the ball.
@@ -75,22 +75,22 @@ public:
         for (int first = 0; first < size_; first += kAtOnce) {
             const Heights starts_m = heights_m(first, from_m);
             const Heights ends_m = heights_m(first, to_m);
-            const Heights lowest_m = starts_m.min(ends_m) + far_if_positive(-starts_m);
-            for_each_below(clear_m, lowest_m, [&](int i) {
+            const Heights min_m = starts_m.min(ends_m) + far_if_positive(-starts_m);
+            for_each_below(clear_m, min_m, [&](int i) {
                 visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)]);
             });
         }
     }
 
     /// Calls `visit(facet index, depth)` for facets that have the tip behind them, less than
-    /// `least_depth_m` deep.
+    /// `min_depth_m` deep.
     template <typename Visit>
-    void for_each_shallower(const Vector3 &tip_m, double least_depth_m,
+    void for_each_shallower(const Vector3 &tip_m, double min_depth_m,
                             const Visit &visit) const noexcept {
         for (int first = 0; first < size_; first += kAtOnce) {
             const Heights tips_m = heights_m(first, tip_m);
             const Heights depths_m = far_if_positive(tips_m) - tips_m;
-            for_each_below(least_depth_m, depths_m, [&](int i) {
+            for_each_below(min_depth_m, depths_m, [&](int i) {
                 visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)],
                       depths_m[i]);
             });
@@ -98,9 +98,9 @@ public:
     }
 
     /// Whether there is any such facet.
-    [[nodiscard]] bool has_shallower(const Vector3 &tip_m, double least_depth_m) const noexcept {
+    [[nodiscard]] bool has_shallower(const Vector3 &tip_m, double min_depth_m) const noexcept {
         bool has = false;
-        for_each_shallower(tip_m, least_depth_m, [&](std::uint32_t, double) { has = true; });
+        for_each_shallower(tip_m, min_depth_m, [&](std::uint32_t, double) { has = true; });
         return has;
     }
 

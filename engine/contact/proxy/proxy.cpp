@@ -71,9 +71,9 @@ void Proxy::update_neighbourhood(const HapticSurface &surface, const Vector3 &ti
     }
     // Centred ahead of the proxy, so that it lasts; but not so far that it might reach other facets
     // by then.
-    constexpr double kMostAhead_steps = 10.0;
+    constexpr double kMaxAhead_steps = 10.0;
     const double ahead =
-        step_m > 0.0 ? std::min(kMostAhead_steps, 0.85 * (search_radius_m_ - needed_m) / step_m)
+        step_m > 0.0 ? std::min(kMaxAhead_steps, 0.85 * (search_radius_m_ - needed_m) / step_m)
                      : 0.0;
     search_neighbourhood(surface, rest_.point_m + ahead * step, budget);
     if (!near_.covers(rest_.point_m, reach_m_)) {
@@ -127,17 +127,16 @@ void Proxy::follow(const ShapeSlide &slide) noexcept {
 bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &surface,
                                 const Vector3 &tip_m) noexcept {
     const double here_m = (rest_.point_m - tip_m).norm();
-    double least_m = here_m - reach_m_ - kNearer_m;
+    double min_m = here_m - reach_m_ - kNearer_m;
     std::optional<Vector3> aim_m;
-    near_.for_each_shallower(tip_m, least_m, [&](std::uint32_t index, double depth_m) noexcept {
+    near_.for_each_shallower(tip_m, min_m, [&](std::uint32_t index, double depth_m) noexcept {
         const Facet &facet = surface.facet(index);
         const double side = facet.height_m(tip_m) <= 0.0 ? 1.0 : -1.0;
         const Vector3 rest_m = tip_m + side * (depth_m + reach_m_) * facet.normal();
-        if (depth_m < least_m &&
-            (rest_m - rest_.point_m).squaredNorm() <= kMaxJump_m * kMaxJump_m &&
+        if (depth_m < min_m && (rest_m - rest_.point_m).squaredNorm() <= kMaxJump_m * kMaxJump_m &&
             facet.is_over(tip_m)) {
             aim_m = rest_m;
-            least_m = depth_m;
+            min_m = depth_m;
         }
     });
     if (!aim_m) {

@@ -38,13 +38,13 @@ private:
     double last_length_m_ = 0.0;
 };
 
-/// By what multiple a slide reaches the point at which the target is `most_m` away again: beyond
+/// By what multiple a slide reaches the point at which the target is `max_m` away again: beyond
 /// it, the proxy would move away from its target. Where the target is already farther, the point at
 /// which it is nearest.
-double times_within(double most_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
+double times_within(double max_m, const Vector3 &slide_m, const Vector3 &to_target_m) noexcept {
     const double slide_m2 = slide_m.squaredNorm();
     const double along_m2 = slide_m.dot(to_target_m);
-    const double left_m2 = most_m * most_m - to_target_m.squaredNorm();
+    const double left_m2 = max_m * max_m - to_target_m.squaredNorm();
     return (along_m2 + std::sqrt(std::max(0.0, along_m2 * along_m2 + slide_m2 * left_m2))) /
            slide_m2;
 }
@@ -98,7 +98,7 @@ bool ProxySolver::refresh(ContactPlanes &planes, const Vector3 &point_m) const n
 
 bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
-    const double most_m = (target_m - rest.point_m).norm();
+    const double max_m = (target_m - rest.point_m).norm();
     SlideExtrapolation extrapolation;
     ContactPlanes last_met;
     ContactPlanes planes = rest.held_by; // the goal stays above these
@@ -124,7 +124,7 @@ bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
                 const Vector3 slide_m = goal.point_m - rest.point_m;
                 double times = extrapolation.stretch(slide_m);
                 if (!is_on_one_shape(planes)) {
-                    times = std::min(times, times_within(most_m, slide_m, target_m - rest.point_m));
+                    times = std::min(times, times_within(max_m, slide_m, target_m - rest.point_m));
                 }
                 end_m = rest.point_m + times * slide_m;
             }

@@ -53,9 +53,9 @@ using MaybeSlide = std::optional<LocalSlide>;
     const double start_m2 = start_out_m.squaredNorm();
     const double tip_m2 = tip_out_m.squaredNorm();
     const double along_m2 = start_out_m.dot(tip_out_m);
-    const double least_m = radius_m + kept_m;
-    if (start_m2 < least_m * least_m || tip_m2 < kNoDirection_m * kNoDirection_m ||
-        along_m2 < 0.0 || along_m2 * along_m2 < kGentle2 * start_m2 * tip_m2) {
+    const double min_m = radius_m + kept_m;
+    if (start_m2 < min_m * min_m || tip_m2 < kNoDirection_m * kNoDirection_m || along_m2 < 0.0 ||
+        along_m2 * along_m2 < kGentle2 * start_m2 * tip_m2) {
         return std::nullopt;
     }
     const double tip_distance_m = std::sqrt(tip_m2);

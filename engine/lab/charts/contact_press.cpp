@@ -24,16 +24,16 @@ rig::LawRig press_loop(const rig::Scenario &press, PressedPlant &plant) {
     options.device = press.device;
     options.tuning = press.tuning;
     options.period_s = press.simulation.servo_period_s;
-    options.greatest_turn_rad = kFarAway_rad;
+    options.max_turn_rad = kFarAway_rad;
     return {plant, options, press.constraint, rig::FirstCommand::answers};
 }
 
-double PressRecord::greatest_force_N() const {
-    double greatest_N = 0.0;
+double PressRecord::max_force_N() const {
+    double max_N = 0.0;
     for (const Vector3 &one : force_N) {
-        greatest_N = std::max(greatest_N, one.norm());
+        max_N = std::max(max_N, one.norm());
     }
-    return greatest_N;
+    return max_N;
 }
 
 PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant) {
@@ -50,8 +50,8 @@ PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant) {
 
 rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                      const NewPlant &new_plant, int sub_steps, int repeats) {
-    constexpr int kLeastSubSteps = 5120; // below, the clock would be too coarse
-    const int rounds = std::max(1, kLeastSubSteps / (periods_of(press) * std::max(1, sub_steps)));
+    constexpr int kMinSubSteps = 5120; // below, the clock would be too coarse
+    const int rounds = std::max(1, kMinSubSteps / (periods_of(press) * std::max(1, sub_steps)));
     std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press to come
     const int presses = rounds * (repeats + 1);
     plants.reserve(static_cast<std::size_t>(presses));
@@ -74,7 +74,7 @@ rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
 
 double force_error_N(const PressRecord &record, const PressRecord &reference) {
     constexpr double kAway = 10.0;
-    const double away_N = kAway * reference.greatest_force_N();
+    const double away_N = kAway * reference.max_force_N();
     double sum = 0.0;
     for (std::size_t k = 0; k < reference.force_N.size(); ++k) {
         const Vector3 &force_N = record.force_N[k];

@@ -30,7 +30,7 @@ struct PressRecord {
     std::vector<simulated::PlantCommand> commands;
     std::vector<Vector3> force_N;
 
-    [[nodiscard]] double greatest_force_N() const;
+    [[nodiscard]] double max_force_N() const;
 };
 
 /// A plant advanced by one of the integrators. `advance` is what is timed.

@@ -14,7 +14,7 @@
 
 namespace springdrive::charts::cvode {
 
-inline constexpr long kMostSteps = 1'000'000;
+inline constexpr long kMaxSteps = 1'000'000;
 inline constexpr double kAbsoluteShare = 1e-2; ///< of the relative tolerance
 
 /// An object allocated by CVODE, freed at the end of its scope.
@@ -76,7 +76,7 @@ public:
               "CVodeSStolerances");
         check(CVodeSetLinearSolver(cvode_.get(), solver_.get(), matrix_.get()),
               "CVodeSetLinearSolver");
-        check(CVodeSetMaxNumSteps(cvode_.get(), kMostSteps), "CVodeSetMaxNumSteps");
+        check(CVodeSetMaxNumSteps(cvode_.get(), kMaxSteps), "CVodeSetMaxNumSteps");
     }
 
     /// Restarts at `start_s` and does not step beyond `end_s`.

@@ -36,7 +36,7 @@ rig::SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
     double done = 0.0;
     for (const NamedIntegrator &named : kIntegrators) {
         const bool is_smoothed = named.integrator == Integrator::implicit_midpoint;
-        for (int sub_steps = 1; sub_steps <= kMostFrictionSubSteps; sub_steps *= 2) {
+        for (int sub_steps = 1; sub_steps <= kMaxFrictionSubSteps; sub_steps *= 2) {
             const double step_s = trial.press().simulation.servo_period_s / sub_steps;
             const double width = is_smoothed ? trial.friction_width_rad_per_s(step_s) : 0.0;
             chart.points.push_back(

@@ -17,6 +17,6 @@ namespace springdrive::charts {
                                                                 const ChartProgress &progress);
 
 /// Maximum number of steps in a servo period: down to about 16 µs at 1 kHz.
-inline constexpr int kMostFrictionSubSteps = 64;
+inline constexpr int kMaxFrictionSubSteps = 64;
 
 } // namespace springdrive::charts

@@ -30,7 +30,7 @@ rig::SpeedAccuracyChart chart_of(const rig::Scenario &press, std::string name, s
     const double lines = kIntegrators.size() + kCvodes.size();
     double done = 0.0;
     for (const NamedIntegrator &named : kIntegrators) {
-        for (int sub_steps = 1; sub_steps <= kMostSubSteps; sub_steps *= 2) {
+        for (int sub_steps = 1; sub_steps <= kMaxSubSteps; sub_steps *= 2) {
             chart.points.push_back(trial.point(named.integrator, sub_steps, setting.repeats));
             chart.points.back().method = named.name;
         }

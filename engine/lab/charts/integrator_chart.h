@@ -22,6 +22,6 @@ namespace springdrive::charts {
                                                              const ChartProgress &progress);
 
 /// Maximum number of steps in a servo period: down to about a microsecond at 1 kHz.
-inline constexpr int kMostSubSteps = 1024;
+inline constexpr int kMaxSubSteps = 1024;
 
 } // namespace springdrive::charts

@@ -144,8 +144,8 @@ std::string setting_text(const ChartSetting &setting, const MotionMethod &method
             control::alpha_bound(device::motor_jacobian(setting.device.geometry, q_rad),
                                  control::relative_stiffness(setting.device)));
     }
-    const auto [least, greatest] = std::ranges::minmax(bounds);
-    return alpha_text(least) + " to " + std::to_string(std::lround(greatest));
+    const auto [minimum, maximum] = std::ranges::minmax(bounds);
+    return alpha_text(minimum) + " to " + std::to_string(std::lround(maximum));
 }
 
 rig::ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,

@@ -22,7 +22,7 @@ constexpr int kFrequencies = 12; ///< of the sweep at each rate
 
 rig::Cost per_millisecond(const rig::Cost &tick, int rate_Hz) {
     const double ticks = 1e-3 * rate_Hz;
-    return {ticks * tick.least_ns, ticks * tick.median_ns, ticks * tick.greatest_ns};
+    return {ticks * tick.min_ns, ticks * tick.median_ns, ticks * tick.max_ns};
 }
 
 /// "4 kHz", "250 Hz".
@@ -38,7 +38,7 @@ constexpr const char *kCostLabel =
 double scaled_lambda(const control::Tuning &tuning, double factor) {
     const auto parameter = std::ranges::find(
         control::kParameters, &control::Tuning::lambda_rad_per_s, &control::Parameter::value);
-    return std::clamp(factor * tuning.lambda_rad_per_s, parameter->lowest, parameter->highest);
+    return std::clamp(factor * tuning.lambda_rad_per_s, parameter->minimum, parameter->maximum);
 }
 
 } // namespace

@@ -10,8 +10,8 @@ namespace springdrive::charts {
 
 /// The band in which the stiffness is compared with (12): above it the hand holds the tip rather
 /// than perceives its stiffness.
-inline constexpr double kLowestJudged_Hz = 2.0;
-inline constexpr double kHighestJudged_Hz = 100.0;
+inline constexpr double kMinJudged_Hz = 2.0;
+inline constexpr double kMaxJudged_Hz = 100.0;
 
 /// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies of the band, at least
 /// two, evenly spaced on a logarithmic scale.

@@ -15,7 +15,7 @@ namespace springdrive::charts {
 namespace {
 
 constexpr int kJoints = 3;
-constexpr int kMostChanges = 10'000; ///< per call
+constexpr int kMaxChanges = 10'000; ///< per call
 constexpr std::array<int, 3> kModes{0, 1, -1};
 
 struct SlidingPlant {
@@ -97,7 +97,7 @@ StickSlipModes stick_slip_modes(const rig::PlantMechanics &mechanics, const Vect
                                 const Vector3 &rate_rad_per_s,
                                 const std::array<bool, 3> &released) {
     StickSlipModes best{};
-    double least_Nm = std::numeric_limits<double>::infinity();
+    double min_Nm = std::numeric_limits<double>::infinity();
     const auto may_be = [&](std::size_t joint, int mode) {
         const double rate = rate_rad_per_s[static_cast<Eigen::Index>(joint)];
         return rate == 0.0 ? mode != 0 || !released[joint] : mode * rate > 0.0;
@@ -111,8 +111,8 @@ StickSlipModes stick_slip_modes(const rig::PlantMechanics &mechanics, const Vect
                 const StickSlipModes modes{first, second, third};
                 const double wrong_Nm =
                     contradiction_Nm(mechanics, coulomb_Nm, rate_rad_per_s, modes);
-                if (wrong_Nm < least_Nm) {
-                    least_Nm = wrong_Nm;
+                if (wrong_Nm < min_Nm) {
+                    min_Nm = wrong_Nm;
                     best = modes;
                 }
             }
@@ -142,7 +142,7 @@ rig::PlantState StickSlipSolver::advance(const rig::PlantEquations &equations, d
     rig::PlantState now = y;
     double now_s = start_s;
     std::array<bool, 3> released{};
-    for (int change = 0; change < kMostChanges; ++change) {
+    for (int change = 0; change < kMaxChanges; ++change) {
         plant.modes = stick_slip_modes(equations.mechanics(now_s, now), equations.coulomb_Nm(),
                                        now.segment<3>(3), released);
         parts_->session.restart(now_s, end_s, now, &plant);

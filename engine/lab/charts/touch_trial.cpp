@@ -15,7 +15,7 @@ namespace springdrive::charts {
 
 namespace {
 
-constexpr std::size_t kMostCuts = 128;
+constexpr std::size_t kMaxCuts = 128;
 
 using Corners = std::array<Vector3, 3>;
 
@@ -102,11 +102,11 @@ contact::TriangleSoup bent(const contact::TriangleSoup &soup,
         mesh.normals.push_back(normal(vertex_m));
     }
     const scene::CurvedPatches patches(std::move(mesh));
-    const auto most =
-        static_cast<std::size_t>(std::sqrt(static_cast<double>(scene::gltf::kMostCurvedTriangles) /
+    const auto maximum =
+        static_cast<std::size_t>(std::sqrt(static_cast<double>(scene::gltf::kMaxCurvedTriangles) /
                                            static_cast<double>(soup.triangles.size())));
     const std::size_t cuts = patches.cuts_for(scene::gltf::kSmooth_deg * kRadiansPerDegree,
-                                              std::clamp<std::size_t>(most, 1, kMostCuts));
+                                              std::clamp<std::size_t>(maximum, 1, kMaxCuts));
     scene::SmoothMesh curved = patches.cut(cuts, 0, soup.triangles.size());
     contact::TriangleSoup fine;
     fine.vertices_m = std::move(curved.positions);

@@ -14,7 +14,7 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kGreatestMargin = 10.0;
+constexpr double kMaxMargin = 10.0;
 
 const control::Parameter &parameter(double control::Tuning::*value) {
     return *std::find_if(control::kParameters.begin(), control::kParameters.end(),
@@ -30,8 +30,8 @@ struct Place {
     [[nodiscard]] loops::Gains gains(double K_P) const {
         const control::Parameter &of_K_D = parameter(&control::Tuning::K_D_Vs_per_rad);
         const control::Parameter &of_lambda = parameter(&control::Tuning::lambda_rad_per_s);
-        return {K_P, of_K_D.lowest + K_D * K_D * (of_K_D.highest - of_K_D.lowest),
-                of_lambda.lowest * std::pow(of_lambda.highest / of_lambda.lowest, lambda)};
+        return {K_P, of_K_D.minimum + K_D * K_D * (of_K_D.maximum - of_K_D.minimum),
+                of_lambda.minimum * std::pow(of_lambda.maximum / of_lambda.minimum, lambda)};
     }
 };
 
@@ -58,7 +58,7 @@ void refine_grid(double step, const Look &look_at, const Best &best) {
 class Search {
 public:
     Search(loops::TuningConstraints &loops, const AutoTuneRequest &request)
-        : loops_(loops), margin_(request.margin), greatest_K_P_(request.greatest_K_P_V_per_rad) {}
+        : loops_(loops), margin_(request.margin), max_K_P_(request.max_K_P_V_per_rad) {}
 
     struct Best {
         Place place;
@@ -97,14 +97,14 @@ public:
     /// decays fastest: there, vibration excited by encoder counts decays soonest.
     [[nodiscard]] Place most_damped(double K_P) const {
         Place most_damped = best_.place;
-        double least = slowest(most_damped, K_P);
+        double minimum = slowest(most_damped, K_P);
         refine_grid(
             kFirstStep,
             [&](const Place &place) {
                 const double eigenvalue = slowest(place, K_P);
-                if (eigenvalue < least) {
+                if (eigenvalue < minimum) {
                     most_damped = place;
-                    least = eigenvalue;
+                    minimum = eigenvalue;
                 }
             },
             [&] { return most_damped; });
@@ -140,15 +140,15 @@ private:
         const auto holds = [&](double K_P) {
             return loops_.are_stable(critical_, with_margin(place, K_P));
         };
-        if (holds(greatest_K_P_)) {
-            return greatest_K_P_;
+        if (holds(max_K_P_)) {
+            return max_K_P_;
         }
-        return holds(0.0) ? last_that_holds({0.0, greatest_K_P_}, 1e-4, holds) : -1.0;
+        return holds(0.0) ? last_that_holds({0.0, max_K_P_}, 1e-4, holds) : -1.0;
     }
 
     loops::TuningConstraints &loops_;
     double margin_;
-    double greatest_K_P_;
+    double max_K_P_;
     /// Loops found to limit K_P; the first is a likely one.
     std::vector<std::size_t> critical_{0};
     Best best_;
@@ -199,19 +199,19 @@ bool all_stable(const loops::StabilityCase &which) {
 
 void find_gain_margin(control::TuningMargins &margins, loops::TuningConstraints &loops,
                       const control::Tuning &tuning) {
-    constexpr double kMostGain = 100.0;
+    constexpr double kMaxGain = 100.0;
     std::size_t worst = 0;
     const auto holds = [&](double gain) {
         const std::size_t failed = loops.first_unstable(scaled(tuning, gain));
         worst = failed == loops.count() ? worst : failed;
         return failed == loops.count();
     };
-    if (holds(kMostGain)) {
-        margins.gain = kMostGain;
+    if (holds(kMaxGain)) {
+        margins.gain = kMaxGain;
         return;
     }
     const auto is_wide = [](const Bracket &gains) { return gains.width() > 1e-3 * gains.holds_at; };
-    margins.gain = bisect({1.0, kMostGain}, is_wide, holds).holds_at;
+    margins.gain = bisect({1.0, kMaxGain}, is_wide, holds).holds_at;
     margins.worst_hand = loops[worst].hand;
     margins.worst_eta = loops[worst].eta;
 }
@@ -226,20 +226,20 @@ control::TuningMargins margins_of(loops::TuningConstraints &loops,
     find_gain_margin(margins, loops, which.tuning);
 
     loops::StabilityCase later = which;
-    constexpr int kMostMoreDelay = 8;
-    for (; margins.more_delay_periods < kMostMoreDelay; ++margins.more_delay_periods) {
+    constexpr int kMaxAddedDelay = 8;
+    for (; margins.more_delay_periods < kMaxAddedDelay; ++margins.more_delay_periods) {
         ++later.delay_periods;
         if (!all_stable(later)) {
             break;
         }
     }
     const double dR_Ohm = which.dR_Ohm(which.device.motor[0]);
-    margins.least_dR_Ohm =
+    margins.min_dR_Ohm =
         bisect(
             {dR_Ohm, 0.0}, [&](const Bracket &now) { return now.width() > 1e-2 * dR_Ohm; },
-            [&](double least_Ohm) {
+            [&](double min_Ohm) {
                 loops::StabilityCase cooler = which;
-                cooler.net_resistance_Ohm = least_Ohm;
+                cooler.net_resistance_Ohm = min_Ohm;
                 return all_stable(cooler);
             })
             .holds_at;
@@ -286,14 +286,14 @@ std::vector<Place> beside(const Place &place) {
 double take_back(Search &places, const loops::StabilityCase &which, control::Tuning &tuning,
                  const Progress &progress) {
     constexpr double kFew = 0.9;
-    constexpr double kLeast = 0.05;
+    constexpr double kMinimum = 0.05;
     double share = 1.0;
     const auto holds = [&](const Place &place) {
         const double K_P = share * places.best().K_P;
         tuning = with_gains(which.tuning, place.gains(K_P));
         return rests(tuned(which, tuning)) && places.all_stable(place, K_P);
     };
-    while (share > kLeast) {
+    while (share > kMinimum) {
         report_progress(progress, kShareOfSearch + (1.0 - kShareOfSearch) * (1.0 - share));
         if (holds(places.best().place)) {
             return 1.0 - share;
@@ -314,7 +314,7 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
 } // namespace
 
 AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
-    if (!(request.margin >= 1.0 && request.margin <= kGreatestMargin)) {
+    if (!(request.margin >= 1.0 && request.margin <= kMaxMargin)) {
         throw InputError("the margin must be from 1 to 10: the factor by which the gains could be "
                          "raised before a loop becomes unstable");
     }

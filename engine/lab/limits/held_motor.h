@@ -18,7 +18,7 @@ public:
     HeldMotor(const device::MotorParameters &motor, const device::AmplifierParameters &amplifier,
               double theta_rad, double ambient_C, double step_s)
         : motor_(motor), theta_rad_(theta_rad), temperature_(motor.thermal, ambient_C, step_s),
-          guard_(motor, amplifier.greatest_cancelled_Ohm, step_s) {}
+          guard_(motor, amplifier.max_cancelled_Ohm, step_s) {}
 
     /// Sets R̂ = R(T, θ) − dR (7), as the operator does.
     void tune(double dR_Ohm) {
@@ -38,15 +38,15 @@ public:
     }
     [[nodiscard]] double R_hat_asked_Ohm() const { return R_hat_asked_Ohm_; }
     [[nodiscard]] double R_hat_allowed_Ohm() const {
-        return std::min(R_hat_asked_Ohm_, guard_.greatest_cancelled_Ohm());
+        return std::min(R_hat_asked_Ohm_, guard_.max_cancelled_Ohm());
     }
     [[nodiscard]] double dR_Ohm() const { return resistance_Ohm() - R_hat_allowed_Ohm(); }
     [[nodiscard]] double dR_unlimited_Ohm() const { return resistance_Ohm() - R_hat_asked_Ohm_; }
-    [[nodiscard]] double least_dR_Ohm() const {
-        return device::least_resistance_Ohm(motor_, winding_C()) - R_hat_allowed_Ohm();
+    [[nodiscard]] double min_dR_Ohm() const {
+        return device::min_resistance_Ohm(motor_, winding_C()) - R_hat_allowed_Ohm();
     }
-    [[nodiscard]] double least_dR_unlimited_Ohm() const {
-        return device::least_resistance_Ohm(motor_, winding_C()) - R_hat_asked_Ohm_;
+    [[nodiscard]] double min_dR_unlimited_Ohm() const {
+        return device::min_resistance_Ohm(motor_, winding_C()) - R_hat_asked_Ohm_;
     }
     /// (11) at rest, with an unlimited supply.
     [[nodiscard]] double asked_current_A() const { return e_W_V_ / dR_Ohm(); }
@@ -56,9 +56,7 @@ public:
         return std::clamp(asked_current_A(), -rail_A, rail_A);
     }
     [[nodiscard]] double winding_C() const { return temperature_.winding_C(); }
-    [[nodiscard]] bool too_hot() const {
-        return guard_.greatest_C() > motor_.thermal.greatest_winding_C;
-    }
+    [[nodiscard]] bool too_hot() const { return guard_.max_C() > motor_.thermal.max_winding_C; }
     [[nodiscard]] const device::MotorParameters &parameters() const { return motor_; }
 
 private:

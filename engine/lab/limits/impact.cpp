@@ -64,7 +64,7 @@ Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double
         loop.tick();
         const double grown_N = motors_push_N(which, phantom) - idle_N;
         const double since_s = now.time_s - contact_s;
-        seen.greatest_force_N = std::max(seen.greatest_force_N, grown_N);
+        seen.max_force_N = std::max(seen.max_force_N, grown_N);
         if (since_s >= kSoonest_s) {
             seen.rate_hardness_N_per_m =
                 std::max(seen.rate_hardness_N_per_m, grown_N / (since_s * speed));
@@ -82,7 +82,7 @@ Impact impact(const loops::StabilityCase &which, double speed_m_per_s) {
         const Impact one =
             impact_at(which, speed_m_per_s, (i + 0.5) / kPhases * speed_m_per_s * which.period_s);
         mean.rate_hardness_N_per_m += one.rate_hardness_N_per_m / kPhases;
-        mean.greatest_force_N += one.greatest_force_N / kPhases;
+        mean.max_force_N += one.max_force_N / kPhases;
     }
     return mean;
 }

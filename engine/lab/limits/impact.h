@@ -13,7 +13,7 @@ struct Impact {
     /// mean over contact times spread over a servo period [N/m]. The skin does not resolve times
     /// below 1 ms.
     double rate_hardness_N_per_m = 0.0;
-    double greatest_force_N = 0.0; ///< of the motors, within the same time
+    double max_force_N = 0.0; ///< of the motors, within the same time
 };
 
 /// @param which of its hands, the first holds the tip

@@ -24,7 +24,7 @@ public:
     [[nodiscard]] double value(double share) const {
         constexpr double kOfZero = 1e-9; // where a share would be zero
         const double away = share * std::max(std::abs(at_), kOfZero);
-        return std::clamp(at_ + outward_ * away, parameter_.lowest, parameter_.highest);
+        return std::clamp(at_ + outward_ * away, parameter_.minimum, parameter_.maximum);
     }
 
 private:

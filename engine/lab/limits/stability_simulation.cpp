@@ -21,13 +21,13 @@ namespace {
 rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_rad) {
     // Modes lie below 1e4 rad/s or little above. Without supply limits the linkage would otherwise
     // saturate by whirling round before growth is detected.
-    constexpr double kGreatestRate_per_s = 1e7;
+    constexpr double kMaxRate_per_s = 1e7;
     rig::RingdownOptions how;
     how.longest_s = options.longest_s;
     how.extension_s = options.extension_s;
-    how.greatest = kGreatestRate_per_s * start_rad;
+    how.maximum = kMaxRate_per_s * start_rad;
     // Encoders can sustain small motions of constant amplitude, whose measured slope is near zero.
-    how.least_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;
+    how.min_decay_per_s = options.effects.quantisation ? 0.2 : 0.0;
     return how;
 }
 
@@ -38,11 +38,12 @@ double slowest_half_period_s(const loops::DrivenLoad &load, const loops::Sampled
             .eigenvalues()
             .real();
     constexpr double kFree = 1e-9; // of the stiffest: round-off of an unconstrained direction
-    double least = HUGE_VAL;
+    double minimum = HUGE_VAL;
     for (const double square : squares) {
-        least = square > kFree * squares.cwiseAbs().maxCoeff() ? std::min(least, square) : least;
+        minimum =
+            square > kFree * squares.cwiseAbs().maxCoeff() ? std::min(minimum, square) : minimum;
     }
-    return std::numbers::pi / std::sqrt(least);
+    return std::numbers::pi / std::sqrt(minimum);
 }
 
 /// How a member's motion is observed.

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kLongestThermalStep_s = 0.01;
 constexpr double kLongestHold_s = 86400.0;
-constexpr int kMostRows = 100000;
-constexpr double kLargestK_P_V_per_rad = 1e6; ///< far beyond any stable one
+constexpr int kMaxRows = 100000;
+constexpr double kMax_K_P_V_per_rad = 1e6; ///< far beyond any stable one
 
 [[nodiscard]] Vector3 of_each(const std::array<HeldMotor, 3> &motors,
                               double (HeldMotor::*value)() const) {
@@ -148,8 +148,8 @@ ThermalRow HeldDevice::row() const {
     row.R_hat_allowed_Ohm = of_each(motors_, &HeldMotor::R_hat_allowed_Ohm);
     row.dR_unlimited_Ohm = of_each(motors_, &HeldMotor::dR_unlimited_Ohm);
     row.dR_Ohm = of_each(motors_, &HeldMotor::dR_Ohm);
-    row.least_dR_unlimited_Ohm = of_each(motors_, &HeldMotor::least_dR_unlimited_Ohm);
-    row.least_dR_Ohm = of_each(motors_, &HeldMotor::least_dR_Ohm);
+    row.min_dR_unlimited_Ohm = of_each(motors_, &HeldMotor::min_dR_unlimited_Ohm);
+    row.min_dR_Ohm = of_each(motors_, &HeldMotor::min_dR_Ohm);
     row.K_DC_Nm_per_rad = static_stiffness_Nm_per_rad();
     const Vector3 force_N = tip_force_N();
     row.tip_force_N = force_N.norm();
@@ -157,7 +157,7 @@ ThermalRow HeldDevice::row() const {
     double fastest_per_s = 0.0;
     for (const HeldMotor &motor : motors_) {
         fastest_per_s = std::max(fastest_per_s,
-                                 -motor.least_dR_unlimited_Ohm() / motor.parameters().inductance_H);
+                                 -motor.min_dR_unlimited_Ohm() / motor.parameters().inductance_H);
     }
     if (fastest_per_s > 0.0) {
         row.growth_time_s = 1.0 / fastest_per_s;
@@ -167,28 +167,28 @@ ThermalRow HeldDevice::row() const {
 }
 
 [[noreturn]] void refuse(const char *what, double value, const char *unit, const char *range,
-                         double lowest, const char *range_end, double highest) {
+                         double minimum, const char *range_end, double maximum) {
     throw InputError(fmt::format("thermal hold: {} is {:g}{}; it must be {}{:g}{}{:g}{}", what,
-                                 value, unit, range, lowest, range_end, highest, unit));
+                                 value, unit, range, minimum, range_end, maximum, unit));
 }
 
-void check_range(const char *what, double value, double lowest, double highest, const char *unit) {
-    if (!(value >= lowest && value <= highest)) { // a NaN too
-        refuse(what, value, unit, "from ", lowest, " to ", highest);
+void check_range(const char *what, double value, double minimum, double maximum, const char *unit) {
+    if (!(value >= minimum && value <= maximum)) { // a NaN too
+        refuse(what, value, unit, "from ", minimum, " to ", maximum);
     }
 }
 
-void check_positive(const char *what, double value, double highest, const char *unit) {
-    if (!(value > 0.0 && value <= highest)) {
-        refuse(what, value, unit, "above ", 0.0, " and at most ", highest);
+void check_positive(const char *what, double value, double maximum, const char *unit) {
+    if (!(value > 0.0 && value <= maximum)) {
+        refuse(what, value, unit, "above ", 0.0, " and at most ", maximum);
     }
 }
 
 void check(const device::DeviceDescription &device, const ThermalHoldOptions &options) {
     check_positive("the force", options.force_N, device.limits.tip_force_N, " N");
     check_positive("the time", options.seconds, kLongestHold_s, " s");
-    check_range("the number of rows", options.rows, 2, kMostRows, "");
-    check_positive("K_P", options.tuning.K_P_V_per_rad, kLargestK_P_V_per_rad, " V/rad");
+    check_range("the number of rows", options.rows, 2, kMaxRows, "");
+    check_positive("K_P", options.tuning.K_P_V_per_rad, kMax_K_P_V_per_rad, " V/rad");
     check_range("the air", options.ambient_C, device::kColdestAir_C, device::kWarmestAir_C, " °C");
     rig::check_configuration(device, options.q_rad);
     if (!(options.direction.allFinite() && options.direction.norm() > 0.0)) {

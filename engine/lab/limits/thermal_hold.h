@@ -48,8 +48,8 @@ struct ThermalRow {
     Vector3 dR_unlimited_Ohm{Vector3::Zero()};  ///< R − R̂ as asked, at the angle held
     Vector3 dR_Ohm{Vector3::Zero()};            ///< R − R̂ as allowed, at the angle held
     /// The same at the commutator's worst angle, to which a released device may turn.
-    Vector3 least_dR_unlimited_Ohm{Vector3::Zero()};
-    Vector3 least_dR_Ohm{Vector3::Zero()};
+    Vector3 min_dR_unlimited_Ohm{Vector3::Zero()};
+    Vector3 min_dR_Ohm{Vector3::Zero()};
     Vector3 K_DC_Nm_per_rad{Vector3::Zero()}; ///< (13) with dR as allowed
     double tip_force_N = 0.0;
     double direction_error_rad = std::numeric_limits<double>::quiet_NaN(); ///< NaN without force

@@ -29,8 +29,8 @@ template <typename Visit> void for_each_column(const ThermalRow &row, Visit &&vi
     motors("R_hat_allowed", "Ohm", row.R_hat_allowed_Ohm);
     motors("dR_unlimited", "Ohm", row.dR_unlimited_Ohm);
     motors("dR", "Ohm", row.dR_Ohm);
-    motors("least_dR_unlimited", "Ohm", row.least_dR_unlimited_Ohm);
-    motors("least_dR", "Ohm", row.least_dR_Ohm);
+    motors("least_dR_unlimited", "Ohm", row.min_dR_unlimited_Ohm);
+    motors("least_dR", "Ohm", row.min_dR_Ohm);
     motors("K_DC", "Nm_per_rad", row.K_DC_Nm_per_rad);
     visit("tip_force_N", row.tip_force_N);
     visit("direction_error_deg", row.direction_error_rad * kDegreesPerRadian);
@@ -107,14 +107,14 @@ void write_hold(std::ostream &out, const Rows &hold) {
 
 /// The summary of R̂ tuned hot.
 void write_verdict(std::ostream &out, const Rows &cool) {
-    Vector3 least_unlimited = cool.front().least_dR_unlimited_Ohm;
-    Vector3 least = cool.front().least_dR_Ohm;
+    Vector3 min_unlimited = cool.front().min_dR_unlimited_Ohm;
+    Vector3 minimum = cool.front().min_dR_Ohm;
     for (const ThermalRow &row : cool) {
-        least_unlimited = least_unlimited.cwiseMin(row.least_dR_unlimited_Ohm);
-        least = least.cwiseMin(row.least_dR_Ohm);
+        min_unlimited = min_unlimited.cwiseMin(row.min_dR_unlimited_Ohm);
+        minimum = minimum.cwiseMin(row.min_dR_Ohm);
     }
     Eigen::Index worst = 0;
-    const double worst_Ohm = least_unlimited.minCoeff(&worst);
+    const double worst_Ohm = min_unlimited.minCoeff(&worst);
     print(out, "Without a limit on R̂, dR of motor {} falls to {:.3f} Ω", worst + 1, worst_Ohm);
     const auto over_cancelled = std::find_if(cool.begin(), cool.end(), [](const ThermalRow &row) {
         return !std::isnan(row.growth_time_s);
@@ -123,7 +123,7 @@ void write_verdict(std::ostream &out, const Rows &cool) {
         print(out, ": over-cancelled from {:.0f} s on, until its current grows e-fold in {:.1f} ms",
               over_cancelled->time_s, 1e3 * cool.back().growth_time_s);
     }
-    print(out, ".\nWith it no dR falls below {:.3f} Ω.\n", least.minCoeff());
+    print(out, ".\nWith it no dR falls below {:.3f} Ω.\n", minimum.minCoeff());
 }
 
 void write_cool(std::ostream &out, const Rows &cool) {
@@ -134,8 +134,8 @@ void write_cool(std::ostream &out, const Rows &cool) {
     for (const ThermalRow &row : thinned(cool)) {
         cell(out, row.time_s, 8, 1);
         cells(out, row.winding_C, 7, 1);
-        cells(out, row.least_dR_unlimited_Ohm, 7, 3);
-        cells(out, row.least_dR_Ohm, 7, 3);
+        cells(out, row.min_dR_unlimited_Ohm, 7, 3);
+        cells(out, row.min_dR_Ohm, 7, 3);
         cell(out, 1e3 * row.growth_time_s, 8, 2);
         out << '\n';
     }

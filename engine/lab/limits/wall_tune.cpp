@@ -33,8 +33,8 @@ struct ReadyLoop {
 
 class WallSearch {
 public:
-    WallSearch(const loops::StabilityCase &which, double margin, double greatest_count_N)
-        : tried_(which), margin_(margin), greatest_count_N_(greatest_count_N) {
+    WallSearch(const loops::StabilityCase &which, double margin, double max_count_N)
+        : tried_(which), margin_(margin), max_count_N_(max_count_N) {
         for (const loops::Freedom freedom :
              {loops::Freedom::one_motor, loops::Freedom::three_motors}) {
             loops::StabilityCase each = which;
@@ -96,7 +96,7 @@ private:
     bool holds(const control::VirtualWall &wall, double lambda_rad_per_s) {
         tried_.wall = wall;
         tried_.tuning.lambda_rad_per_s = lambda_rad_per_s;
-        if (loops::force_of_a_count_N(tried_) > greatest_count_N_) {
+        if (loops::force_of_a_count_N(tried_) > max_count_N_) {
             return false;
         }
         for (std::size_t i = 0; i < loops_.size(); ++i) {
@@ -119,21 +119,21 @@ private:
 
     loops::StabilityCase tried_;
     double margin_;
-    double greatest_count_N_;
+    double max_count_N_;
     std::vector<ReadyLoop> loops_;
     TunedWall best_;
 };
 
 } // namespace
 
-TunedWall tuned_wall(loops::StabilityCase which, double margin, double greatest_count_N) {
+TunedWall tuned_wall(loops::StabilityCase which, double margin, double max_count_N) {
     which.drive = device::AmplifierKind::current_drive;
     which.tuning.eta = 0.0;
-    WallSearch search(which, margin, greatest_count_N);
-    constexpr double kLeast_Ns_per_m = 0.1;
-    constexpr double kMost_Ns_per_m = 300.0;
+    WallSearch search(which, margin, max_count_N);
+    constexpr double kMin_Ns_per_m = 0.1;
+    constexpr double kMax_Ns_per_m = 300.0;
     for (const double lambda : by_ratio(100.0, kFastest_rad_per_s, 9)) {
-        for (const double B : by_ratio(kLeast_Ns_per_m, kMost_Ns_per_m, 25)) {
+        for (const double B : by_ratio(kMin_Ns_per_m, kMax_Ns_per_m, 25)) {
             search.look_at(B, lambda);
         }
     }

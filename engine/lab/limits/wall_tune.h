@@ -17,8 +17,8 @@ struct TunedWall {
 /// every hand, even with K and B larger by `margin`, and for which every motor comes to rest with
 /// its counts and supply in trials with every hand. K is zero where nothing is stable.
 /// @param which  its drive, wall, λ and freedom are ignored
-/// @param greatest_count_N  maximum change of force from one count, see `force_of_a_count_N`
+/// @param max_count_N  maximum change of force from one count, see `force_of_a_count_N`
 [[nodiscard]] TunedWall tuned_wall(loops::StabilityCase which, double margin,
-                                   double greatest_count_N = HUGE_VAL);
+                                   double max_count_N = HUGE_VAL);
 
 } // namespace springdrive::limits

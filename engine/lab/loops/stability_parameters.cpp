@@ -125,14 +125,14 @@ std::string names_of_stability_parameters() {
 }
 
 std::string what_is_wrong_with(const StabilityParameter &parameter, double value) {
-    const bool in_range = value >= parameter.lowest && value <= parameter.highest;
+    const bool in_range = value >= parameter.minimum && value <= parameter.maximum;
     const bool zero_dR = parameter.name == "dR" && value == 0.0;
     if (in_range && !zero_dR) {
         return {};
     }
     const bool has_unit = parameter.unit != "–";
     return fmt::format("{} is {:g}; it must be from {:g} to {:g}{}{}{}", parameter.name, value,
-                       parameter.lowest, parameter.highest, has_unit ? " " : "",
+                       parameter.minimum, parameter.maximum, has_unit ? " " : "",
                        has_unit ? parameter.unit : "", zero_dR ? ", and not 0" : "");
 }
 

@@ -14,8 +14,8 @@ struct StabilityParameter {
     std::string_view name; ///< on the command line
     std::string_view symbol;
     std::string_view unit; ///< "–" where it has none
-    double lowest = 0.0;   ///< of the meaningful range, inclusive
-    double highest = 0.0;
+    double minimum = 0.0;  ///< of the meaningful range, inclusive
+    double maximum = 0.0;
     double from = 0.0; ///< default range of the search for limits
     double to = 0.0;
     bool logarithmic = false;

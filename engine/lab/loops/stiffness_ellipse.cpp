@@ -16,7 +16,7 @@ namespace {
 
 /// The links count as aligned when the tip's motions by the two motors are parallel up to an angle
 /// with this sine: 0.006 degrees from the singular configuration.
-constexpr double kLeastSine = 1e-4;
+constexpr double kMinSine = 1e-4;
 
 /// (1 − η) K_DC (13) of the two motors that move the tip in its plane.
 Vector2 planar_stiffness_Nm_per_rad(const device::DeviceDescription &device,
@@ -37,7 +37,7 @@ double planar_alpha_bound(const device::DeviceDescription &device, const Vector3
 PlanarStiffness planar_stiffness(const device::DeviceDescription &device,
                                  const control::Tuning &tuning, const Vector3 &q_rad) {
     const Matrix2 J = planar_jacobian(device.geometry, q_rad);
-    if (!(std::abs(J.determinant()) > kLeastSine * J.col(0).norm() * J.col(1).norm())) {
+    if (!(std::abs(J.determinant()) > kMinSine * J.col(0).norm() * J.col(1).norm())) {
         throw InputError("the links are aligned at these joint angles, where the tip's stiffness "
                          "is unbounded; choose q3 - q2 farther from 90 and -90 degrees");
     }

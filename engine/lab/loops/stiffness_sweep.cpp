@@ -19,8 +19,8 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-constexpr long kLeastTicks = 1000;
-constexpr double kGreatestStep_rad = 0.02;      ///< ωh
+constexpr long kMinTicks = 1000;
+constexpr double kMaxStep_rad = 0.02;           ///< ωh
 constexpr double kTimeConstantsToSettle = 14.0; ///< e^(−14) < 1e-6
 
 /// The voltages applied over one period.
@@ -73,7 +73,7 @@ struct SweepPart {
 
     SweepPart(const SpringDrive &drive, double from_share, double its_share, double turn_a_tick)
         : from(from_share), share(its_share),
-          steps(std::lround(std::ceil(its_share * turn_a_tick / kGreatestStep_rad))) {
+          steps(std::lround(std::ceil(its_share * turn_a_tick / kMaxStep_rad))) {
         const double h_s = its_share * drive.period_s / static_cast<double>(steps);
         winding = device::winding_step(drive.motor, drive.dR_Ohm(), h_s);
         back_emf_V_per_rad = drive.motor.torque_constant_Nm_per_A / h_s;
@@ -103,7 +103,7 @@ long settling_ticks(const SpringDrive &drive) {
 
 SweepWindow sweep_window(double frequency_hz, double period_s) {
     const double periods_a_tick = frequency_hz * period_s;
-    const long periods = std::max(1L, std::lround(std::ceil(kLeastTicks * periods_a_tick)));
+    const long periods = std::max(1L, std::lround(std::ceil(kMinTicks * periods_a_tick)));
     const long ticks = std::lround(static_cast<double>(periods) / periods_a_tick);
     return {periods, std::max(ticks, 2 * periods + 1)};
 }
@@ -168,10 +168,9 @@ std::complex<double> measured_stiffness(const SpringDrive &drive, SweepWindow wi
 std::vector<StiffnessPoint> stiffness_sweep(const SpringDrive &drive, const SweepRange &range,
                                             const SweepOptions &options) {
     std::vector<StiffnessPoint> points;
-    const double ratio = std::log(range.highest_hz / range.lowest_hz) / (range.points - 1);
+    const double ratio = std::log(range.max_hz / range.min_hz) / (range.points - 1);
     for (int i = 0; i < range.points; ++i) {
-        const SweepWindow window =
-            sweep_window(range.lowest_hz * std::exp(ratio * i), drive.period_s);
+        const SweepWindow window = sweep_window(range.min_hz * std::exp(ratio * i), drive.period_s);
         const double f_hz = window.frequency_hz(drive.period_s);
         const double omega_rad_per_s = 2.0 * pi * f_hz;
         points.push_back({f_hz, analytic_stiffness(drive, omega_rad_per_s),

@@ -51,8 +51,8 @@ struct SweepWindow {
 
 /// The frequencies of a sweep.
 struct SweepRange {
-    double lowest_hz = 0.0;
-    double highest_hz = 0.0;
+    double min_hz = 0.0;
+    double max_hz = 0.0;
     int points = 0; ///< at least two, evenly spaced on a logarithmic scale
 };
 

@@ -109,9 +109,9 @@ double TuningConstraints::largest_eigenvalue(std::size_t index, const Gains &gai
 
 bool TuningConstraints::is_stable(std::size_t index, const Gains &gains) const {
     // In free space no gain acts: a mass without friction coasts, whatever the tuning.
-    const double most =
+    const double maximum =
         loops_[index].eta < 1.0 ? 1.0 - kEigenvalueRoundOff : 1.0 + kEigenvalueRoundOff;
-    return largest_eigenvalue(index, gains) < most;
+    return largest_eigenvalue(index, gains) < maximum;
 }
 
 bool TuningConstraints::are_stable(const std::vector<std::size_t> &some, const Gains &gains) const {

@@ -11,7 +11,7 @@ namespace springdrive::model_selection {
 namespace {
 
 bool is_cheaper(const Candidate &a, const Candidate &b) {
-    return a.cost.least_ns < (1.0 - kSameCost) * b.cost.least_ns;
+    return a.cost.min_ns < (1.0 - kSameCost) * b.cost.min_ns;
 }
 
 /// The cheapest that meets on its own. The fullest always meets, being the reference.
@@ -20,7 +20,7 @@ std::size_t cheapest_meeting(const ModelAxis &axis, const scene::ModelTolerance 
     const auto share = [&](std::size_t i) { return share_of_tolerance(all[i].error, tolerance); };
     std::size_t cheapest = all.size() - 1;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (share(i) <= 1.0 && all[i].cost.least_ns < all[cheapest].cost.least_ns) {
+        if (share(i) <= 1.0 && all[i].cost.min_ns < all[cheapest].cost.min_ns) {
             cheapest = i;
         }
     }
@@ -44,7 +44,7 @@ std::vector<std::size_t> cheaper_ones(const ModelAxis &axis, std::size_t than,
         }
     }
     std::ranges::sort(found, [&](std::size_t a, std::size_t b) {
-        return axis.candidates[a].cost.least_ns > axis.candidates[b].cost.least_ns;
+        return axis.candidates[a].cost.min_ns > axis.candidates[b].cost.min_ns;
     });
     if (!found.empty()) {
         const auto misses = [&](std::size_t i) {
@@ -63,7 +63,7 @@ std::size_t next_better(const ModelAxis &axis, std::size_t than,
     for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
         const Candidate &candidate = axis.candidates[i];
         if (share_of_tolerance(candidate.error, tolerance) < share &&
-            candidate.cost.least_ns < axis.candidates[next].cost.least_ns) {
+            candidate.cost.min_ns < axis.candidates[next].cost.min_ns) {
             next = i;
         }
     }

@@ -13,7 +13,7 @@ namespace springdrive::model_selection {
 namespace {
 
 /// Meshes are not simplified below this: a tetrahedron has four.
-constexpr std::size_t kFewestTriangles = 4;
+constexpr std::size_t kMinTriangles = 4;
 /// A simplification that leaves more than this share of the previous one is not a useful candidate.
 constexpr double kWorthwhile = 0.75;
 
@@ -40,7 +40,7 @@ contact::HapticSurface with_primitives(const scene::Scene &scene) {
     std::vector<contact::AnalyticShape> shapes = scene.shapes;
     std::vector<bool> is_replaced(fits.size(), false);
     for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (fits[i] && shapes.size() < contact::kMostShapes) {
+        if (fits[i] && shapes.size() < contact::kMaxShapes) {
             shapes.push_back(fits[i]->shape);
             is_replaced[i] = true;
         }
@@ -77,9 +77,9 @@ std::vector<ContactShape> contact_shapes_of(const scene::Scene &scene) {
     std::vector<ContactShape> simplified_ones;
     const contact::TriangleSoup &source = to_simplify(scene);
     std::size_t last = source.triangles.size();
-    for (int divisor = 2; last / 2 >= kFewestTriangles; divisor *= 2) {
+    for (int divisor = 2; last / 2 >= kMinTriangles; divisor *= 2) {
         const std::size_t left = simplified(source, divisor).triangles.size();
-        if (left < kFewestTriangles ||
+        if (left < kMinTriangles ||
             static_cast<double>(left) > kWorthwhile * static_cast<double>(last)) {
             break;
         }

@@ -23,12 +23,12 @@ constexpr std::size_t kPieceTicks = 25;  // per timing
 /// its times, which excludes interruptions by other work of the machine.
 class TickClock {
 public:
-    explicit TickClock(std::size_t ticks) : least_ns_(ticks / kPieceTicks, kNever) {}
+    explicit TickClock(std::size_t ticks) : min_ns_(ticks / kPieceTicks, kNever) {}
 
     /// Runs and times `tick(i)` for each i.
     template <typename Tick> void repeat(const Tick &tick) {
         double sum_ns = 0.0;
-        for (std::size_t piece = 0; piece < least_ns_.size(); ++piece) {
+        for (std::size_t piece = 0; piece < min_ns_.size(); ++piece) {
             stop_if_given_up();
             const auto start = std::chrono::steady_clock::now();
             for (std::size_t i = 0; i < kPieceTicks; ++i) {
@@ -36,26 +36,26 @@ public:
             }
             const auto end = std::chrono::steady_clock::now();
             const double time_ns = std::chrono::duration<double, std::nano>(end - start).count();
-            least_ns_[piece] = std::min(least_ns_[piece], time_ns);
+            min_ns_[piece] = std::min(min_ns_[piece], time_ns);
             sum_ns += time_ns;
         }
         sums_ns_.push_back(sum_ns);
     }
 
     [[nodiscard]] rig::Cost cost() const {
-        const auto timed = static_cast<double>(least_ns_.size() * kPieceTicks);
+        const auto timed = static_cast<double>(min_ns_.size() * kPieceTicks);
         rig::Cost cost = rig::cost_of_times(sums_ns_);
-        cost.least_ns = std::accumulate(least_ns_.begin(), least_ns_.end(), 0.0) / timed;
+        cost.min_ns = std::accumulate(min_ns_.begin(), min_ns_.end(), 0.0) / timed;
         cost.median_ns /= timed;
-        cost.greatest_ns /= timed;
+        cost.max_ns /= timed;
         return cost;
     }
 
 private:
     static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-    std::vector<double> least_ns_; ///< of each piece
-    std::vector<double> sums_ns_;  ///< of each repeat
+    std::vector<double> min_ns_;  ///< of each piece
+    std::vector<double> sums_ns_; ///< of each repeat
 };
 
 /// The law with one map only.

@@ -14,7 +14,7 @@ namespace springdrive::model_selection {
 namespace {
 
 /// Weaker forces have no meaningful direction: five times the device's own friction.
-constexpr double kLeastForceWithDirection_N = 0.2;
+constexpr double kMinForceWithDirection_N = 0.2;
 
 std::size_t ticks_of(const ModelSetting &setting) {
     return static_cast<std::size_t>(setting.scenario.duration_s /
@@ -94,7 +94,7 @@ ModelError model_error(const ModelRun &run, const ModelRun &fullest, double peri
         force_sum += (felt_N[i] - wanted_N[i]).squaredNorm();
         const bool both_touch = run.contacts[i].touching && fullest.contacts[i].touching;
         if (both_touch &&
-            std::min(felt_N[i].norm(), wanted_N[i].norm()) >= kLeastForceWithDirection_N) {
+            std::min(felt_N[i].norm(), wanted_N[i].norm()) >= kMinForceWithDirection_N) {
             const double angle_rad = control::direction_error_rad(felt_N[i], wanted_N[i]);
             angle_sum += angle_rad * angle_rad;
             ++with_direction;

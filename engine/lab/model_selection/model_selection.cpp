@@ -19,11 +19,11 @@ namespace {
                      "', which this program does not know; measure it again with --fresh");
 }
 
-int number(const std::string &aspect, const std::string &text, int least) {
+int number(const std::string &aspect, const std::string &text, int minimum) {
     int value = 0;
     const char *end = text.data() + text.size();
     const auto [stopped, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc() || stopped != end || value < least) {
+    if (error != std::errc() || stopped != end || value < minimum) {
         refuse(aspect, text);
     }
     return value;

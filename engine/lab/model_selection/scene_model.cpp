@@ -89,9 +89,9 @@ public:
 
     /// Of everything that a model runs in a tick.
     [[nodiscard]] double cost_ns(const Picks &picks) const {
-        return costs(ModelAspect::plant, {picks})[0].least_ns +
-               costs(ModelAspect::surface, {picks})[0].least_ns +
-               costs(ModelAspect::controller, {picks})[0].least_ns;
+        return costs(ModelAspect::plant, {picks})[0].min_ns +
+               costs(ModelAspect::surface, {picks})[0].min_ns +
+               costs(ModelAspect::controller, {picks})[0].min_ns;
     }
 
     [[nodiscard]] bool touches() const { return fullest_.touches(); }

@@ -31,9 +31,9 @@ Json axis_json(const ModelAxis &axis, const scene::ModelTolerance &tolerance) {
     Json candidates = Json::array();
     for (const Candidate &candidate : axis.candidates) {
         candidates.push_back({{"name", candidate.name},
-                              {"cost_ns", candidate.cost.least_ns},
+                              {"cost_ns", candidate.cost.min_ns},
                               {"median_cost_ns", candidate.cost.median_ns},
-                              {"greatest_cost_ns", candidate.cost.greatest_ns},
+                              {"greatest_cost_ns", candidate.cost.max_ns},
                               {"error", error_json(candidate.error)},
                               {"verdict", verdict(candidate.error, tolerance)}});
     }

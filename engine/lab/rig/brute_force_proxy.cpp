@@ -8,7 +8,7 @@ namespace springdrive::rig {
 namespace {
 
 constexpr double kLongestStep_m = 50e-6;
-constexpr int kMostSteps = 50'000;
+constexpr int kMaxSteps = 50'000;
 
 /// What starts too close may come closer by this in a step [m]: round-off.
 constexpr double kMayLoseMore_m = 1e-14;
@@ -30,15 +30,15 @@ constexpr double kListed_m = 1e-3;
 
 Vector3 unopposed_part(const Vector3 &desired, std::span<const Vector3> pushes) {
     Vector3 best = Vector3::Zero(); // always admissible
-    double least = desired.squaredNorm();
+    double minimum = desired.squaredNorm();
     const auto consider = [&](const Vector3 &way) {
         const double missing = (way - desired).squaredNorm();
         const double flat = kFlat * way.norm();
-        if (missing < least && std::ranges::all_of(pushes, [&](const Vector3 &push) {
+        if (missing < minimum && std::ranges::all_of(pushes, [&](const Vector3 &push) {
                 return push.dot(way) >= -flat;
             })) {
             best = way;
-            least = missing;
+            minimum = missing;
         }
     };
     consider(desired);
@@ -127,9 +127,9 @@ BruteForceProxy::Free BruteForceProxy::free_way(const std::vector<std::size_t> &
             continue; // farther all along the motion
         }
         // Newton's method ends a little above its level, hence the lower one.
-        const double least_m =
+        const double min_m =
             std::min(reach_m - slack_m_, start.distance_m - kMayLoseMore_m) - kReached_m;
-        if (length_until_m(i, least_m, from_m, direction, free.length_m) < free.length_m) {
+        if (length_until_m(i, min_m, from_m, direction, free.length_m) < free.length_m) {
             free = {length_until_m(i, reach_m, from_m, direction, free.length_m), i};
         }
     }
@@ -180,7 +180,7 @@ BruteForceProxy::End BruteForceProxy::walk(const Vector3 &from_m, const Vector3 
     End end{from_m, false};
     Vector3 listed_about_m = from_m;
     std::vector<std::size_t> listed = within(from_m, kListed_m + reach_m);
-    for (int i = 0; i < kMostSteps && step(listed, target_m, reach_m, end); ++i) {
+    for (int i = 0; i < kMaxSteps && step(listed, target_m, reach_m, end); ++i) {
         if ((end.point_m - listed_about_m).norm() > kListed_m - 2.0 * kLongestStep_m) {
             listed_about_m = end.point_m;
             listed = within(listed_about_m, kListed_m + reach_m);

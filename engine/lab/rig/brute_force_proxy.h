@@ -20,15 +20,15 @@ namespace springdrive::rig {
 
 /// By how much a descent may come closer than the reach [m]: far above round-off. Ridges lower than
 /// this do not stop it.
-inline constexpr double kLeastSlack_m = 2e-12;
+inline constexpr double kMinSlack_m = 2e-12;
 
 class BruteForceProxy {
 public:
     /// Triangles and shapes must outlive this.
-    /// @param slack_m  at least kLeastSlack_m
+    /// @param slack_m  at least kMinSlack_m
     explicit BruteForceProxy(std::span<const PlainTriangle> triangles,
                              std::span<const contact::AnalyticShape> shapes = {},
-                             double slack_m = kLeastSlack_m);
+                             double slack_m = kMinSlack_m);
 
     struct End {
         Vector3 point_m{Vector3::Zero()};

@@ -8,9 +8,9 @@ namespace springdrive::rig {
 
 /// A time measured repeatedly: its least, median and greatest value.
 struct Cost {
-    double least_ns = 0.0;
+    double min_ns = 0.0;
     double median_ns = 0.0;
-    double greatest_ns = 0.0;
+    double max_ns = 0.0;
 };
 
 /// One method at one setting.

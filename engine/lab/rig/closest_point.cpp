@@ -29,7 +29,7 @@ ClosestPointFinder::ClosestPointFinder(const contact::TriangleSoup &soup) {
     for (const std::uint32_t item : tree_.take_order()) {
         const auto &[a, b, c] = soup.triangles[item];
         corners_m_.push_back({soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]});
-        SPRINGDRIVE_ASSERT_AUDIT(contact::smallest_height_m(corners_m_.back()) > 0.0);
+        SPRINGDRIVE_ASSERT_AUDIT(contact::min_height_m(corners_m_.back()) > 0.0);
     }
 }
 
@@ -38,16 +38,16 @@ ClosestPoint ClosestPointFinder::closest(const Vector3 &to_m) {
     ClosestPoint closest;
     closest.point_m = contact::nearest_on_triangle(corners_m_[last_], to_m).point_m;
     const double last_m2 = (closest.point_m - to_m).squaredNorm();
-    double least_m2 = last_m2;
+    double min_m2 = last_m2;
     tree_.within(to_m, std::sqrt(last_m2), unlimited, [&](std::uint32_t item, double) {
         const Vector3 point_m = contact::nearest_on_triangle(corners_m_[item], to_m).point_m;
         const double distance_m2 = (point_m - to_m).squaredNorm();
-        if (distance_m2 < least_m2) {
-            least_m2 = distance_m2;
+        if (distance_m2 < min_m2) {
+            min_m2 = distance_m2;
             last_ = item;
             closest.point_m = point_m;
         }
-        return least_m2;
+        return min_m2;
     });
     const auto &[a, b, c] = corners_m_[last_];
     closest.normal = (b - a).cross(c - a).normalized();

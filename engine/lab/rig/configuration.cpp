@@ -16,8 +16,8 @@ namespace {
 struct LimitedAngle {
     const char *name;
     double rad;
-    double lowest_rad;
-    double highest_rad;
+    double min_rad;
+    double max_rad;
 };
 
 } // namespace
@@ -25,17 +25,16 @@ struct LimitedAngle {
 void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad) {
     const device::JointLimits &limits = device.joint_limits;
     const std::array<LimitedAngle, 4> angles{
-        {{"q1", q_rad[0], limits.lowest_rad[0], limits.highest_rad[0]},
-         {"q2", q_rad[1], limits.lowest_rad[1], limits.highest_rad[1]},
-         {"q3", q_rad[2], limits.lowest_rad[2], limits.highest_rad[2]},
-         {"q3 - q2", q_rad[2] - q_rad[1], limits.least_q3_minus_q2_rad,
-          limits.greatest_q3_minus_q2_rad}}};
+        {{"q1", q_rad[0], limits.min_rad[0], limits.max_rad[0]},
+         {"q2", q_rad[1], limits.min_rad[1], limits.max_rad[1]},
+         {"q3", q_rad[2], limits.min_rad[2], limits.max_rad[2]},
+         {"q3 - q2", q_rad[2] - q_rad[1], limits.min_q3_minus_q2_rad, limits.max_q3_minus_q2_rad}}};
     for (const LimitedAngle &angle : angles) {
-        if (!(angle.rad >= angle.lowest_rad && angle.rad <= angle.highest_rad)) { // a NaN too
+        if (!(angle.rad >= angle.min_rad && angle.rad <= angle.max_rad)) { // a NaN too
             throw InputError(fmt::format(
                 "{} is {:g}°; {} allows {:g}° to {:g}° (joint_limits of its device file)",
                 angle.name, kDegreesPerRadian * angle.rad, device.name,
-                kDegreesPerRadian * angle.lowest_rad, kDegreesPerRadian * angle.highest_rad));
+                kDegreesPerRadian * angle.min_rad, kDegreesPerRadian * angle.max_rad));
         }
     }
     constexpr double kSameAngle_rad = 1e-6;

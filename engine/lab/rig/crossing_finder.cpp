@@ -11,7 +11,7 @@ namespace {
 constexpr double kRim_m = 1e-10;
 
 /// Cells along the longest side of the box: 2 million in all at most.
-constexpr double kMostCells = 128.0;
+constexpr double kMaxCells = 128.0;
 
 } // namespace
 
@@ -37,7 +37,7 @@ CrossingFinder::CrossingFinder(std::span<const PlainTriangle> triangles) : trian
         return;
     }
     cell_m_ = std::max(sizes_m / static_cast<double>(triangles.size()),
-                       box_.diagonal().maxCoeff() / kMostCells);
+                       box_.diagonal().maxCoeff() / kMaxCells);
     cells_ = (box_.diagonal() / cell_m_).array().floor().cast<int>() + 1;
     // How many come into each cell, where each begins, then who they are.
     first_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
@@ -68,11 +68,11 @@ std::size_t CrossingFinder::index(int x, int y, int z) const {
 
 template <typename Visit>
 void CrossingFinder::for_each_cell(const Eigen::AlignedBox3d &box, const Visit &visit) const {
-    const Cell lowest = cell_of(box.min());
-    const Cell highest = cell_of(box.max());
-    for (int z = lowest.z(); z <= highest.z(); ++z) {
-        for (int y = lowest.y(); y <= highest.y(); ++y) {
-            for (int x = lowest.x(); x <= highest.x(); ++x) {
+    const Cell minimum = cell_of(box.min());
+    const Cell maximum = cell_of(box.max());
+    for (int z = minimum.z(); z <= maximum.z(); ++z) {
+        for (int y = minimum.y(); y <= maximum.y(); ++y) {
+            for (int x = minimum.x(); x <= maximum.x(); ++x) {
                 visit(index(x, y, z));
             }
         }
@@ -83,11 +83,11 @@ template <typename Visit>
 void CrossingFinder::for_each_cell(const PlainTriangle &triangle, const Visit &visit) const {
     // A cell's corner is no farther than this from its middle; a little more for round-off.
     const double half_diagonal_m = 0.87 * cell_m_;
-    const Cell lowest = cell_of(triangle.bounds().min());
-    const Cell highest = cell_of(triangle.bounds().max());
-    for (int z = lowest.z(); z <= highest.z(); ++z) {
-        for (int y = lowest.y(); y <= highest.y(); ++y) {
-            for (int x = lowest.x(); x <= highest.x(); ++x) {
+    const Cell minimum = cell_of(triangle.bounds().min());
+    const Cell maximum = cell_of(triangle.bounds().max());
+    for (int z = minimum.z(); z <= maximum.z(); ++z) {
+        for (int y = minimum.y(); y <= maximum.y(); ++y) {
+            for (int x = minimum.x(); x <= maximum.x(); ++x) {
                 const Vector3 middle_m = box_.min() + cell_m_ * Vector3(x + 0.5, y + 0.5, z + 0.5);
                 if (std::abs(triangle.height_m(middle_m)) <= half_diagonal_m) {
                     visit(index(x, y, z));

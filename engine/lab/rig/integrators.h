@@ -61,7 +61,7 @@ public:
     [[nodiscard]] std::optional<State> step(const Rates &f, double time_s, const State &y) const {
         State middle = y;
         double before = std::numeric_limits<double>::infinity();
-        for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+        for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
             const State gap = y + 0.5 * h_ * f(time_s + 0.5 * h_, middle) - middle;
             const State correction = newton_.solve(gap);
             middle += correction;
@@ -78,7 +78,7 @@ public:
 
 private:
     using Matrix = Eigen::Matrix<double, State::RowsAtCompileTime, State::RowsAtCompileTime>;
-    static constexpr int kMostIterations = 50;
+    static constexpr int kMaxIterations = 50;
     static constexpr double kDifference = 1e-7;
     static constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     static constexpr double kRoundOff = 1e-10;

@@ -37,7 +37,7 @@ void LawRig::tick() {
 void LawRig::answer() {
     const Vector3 theta_rad = plant_.theta_rad();
     command_ = {device::DeviceCommand::braking(), Vector3::Zero()};
-    if (!(theta_rad.norm() < options_.greatest_turn_rad)) { // true for a NaN
+    if (!(theta_rad.norm() < options_.max_turn_rad)) { // true for a NaN
         return;
     }
     configuration_ =

@@ -57,7 +57,7 @@ struct LawOptions {
     /// Initial angles of the velocity filter; else the plant's first angles.
     std::optional<Vector3> rests_at_rad;
     /// At larger angles the plant is braked: it has run away.
-    double greatest_turn_rad = HUGE_VAL;
+    double max_turn_rad = HUGE_VAL;
 };
 
 /// The command of the first period.

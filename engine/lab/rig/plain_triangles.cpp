@@ -27,12 +27,12 @@ Vector3 nearest_on_edge(const Vector3 &a_m, const Vector3 &b_m, const Vector3 &p
 } // namespace
 
 double PlainTriangle::beyond_m(const Vector3 &point_m) const {
-    double most_m = -std::numeric_limits<double>::infinity();
+    double max_m = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
         const Vector3 outward = (corners_m[(i + 1) % 3] - corners_m[i]).cross(normal).normalized();
-        most_m = std::max(most_m, outward.dot(point_m - corners_m[i]));
+        max_m = std::max(max_m, outward.dot(point_m - corners_m[i]));
     }
-    return most_m;
+    return max_m;
 }
 
 Away PlainTriangle::away(const Vector3 &point_m) const {

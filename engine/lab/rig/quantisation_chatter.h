@@ -10,20 +10,20 @@ namespace springdrive::rig {
 
 class QuantisationChatter {
 public:
-    /// @param most_rad  the largest peak-to-peak amplitude
+    /// @param max_range_rad  the largest peak-to-peak amplitude
     /// @param lasting_s  for how long it must not have been exceeded
-    QuantisationChatter(double most_rad, double lasting_s, double period_s)
-        : most_rad_(most_rad), lasting_(std::ceil(lasting_s / period_s)) {}
+    QuantisationChatter(double max_range_rad, double lasting_s, double period_s)
+        : max_range_rad_(max_range_rad), lasting_(std::ceil(lasting_s / period_s)) {}
 
     /// Adds the next sample's angles. Where they exceed the amplitude, the count restarts.
     void watch(const Vector3 &angles_rad) {
-        least_rad_ = least_rad_.cwiseMin(angles_rad);
-        greatest_rad_ = greatest_rad_.cwiseMax(angles_rad);
+        min_rad_ = min_rad_.cwiseMin(angles_rad);
+        max_rad_ = max_rad_.cwiseMax(angles_rad);
         samples_ += 1.0;
         began_anew_ =
-            !angles_rad.allFinite() || !((greatest_rad_ - least_rad_).maxCoeff() <= most_rad_);
+            !angles_rad.allFinite() || !((max_rad_ - min_rad_).maxCoeff() <= max_range_rad_);
         if (began_anew_) {
-            least_rad_ = greatest_rad_ = angles_rad;
+            min_rad_ = max_rad_ = angles_rad;
             samples_ = 1.0;
         }
     }
@@ -35,10 +35,10 @@ public:
     [[nodiscard]] bool may_be_all() const { return !began_anew_; }
 
 private:
-    double most_rad_;
+    double max_range_rad_;
     double lasting_; ///< samples
-    Vector3 least_rad_{Vector3::Constant(HUGE_VAL)};
-    Vector3 greatest_rad_{Vector3::Constant(-HUGE_VAL)};
+    Vector3 min_rad_{Vector3::Constant(HUGE_VAL)};
+    Vector3 max_rad_{Vector3::Constant(-HUGE_VAL)};
     double samples_ = 0.0; ///< in a row
     bool began_anew_ = false;
 };

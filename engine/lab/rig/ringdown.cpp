@@ -21,19 +21,19 @@ constexpr double kSteady = 0.02;
 
 Ringdown::Ringdown(const RingdownOptions &options, double period_s)
     : options_(options), period_s_(period_s) {
-    constexpr double kLeastWindows = 6.0;
-    const double window_s = std::min(options.window_s, options.longest_s / kLeastWindows);
+    constexpr double kMinWindows = 6.0;
+    const double window_s = std::min(options.window_s, options.longest_s / kMinWindows);
     per_window_ =
         std::max<std::size_t>(8, static_cast<std::size_t>(std::lround(window_s / period_s)));
-    most_windows_ = static_cast<std::size_t>(std::lround(options.longest_s / window_s));
+    max_windows_ = static_cast<std::size_t>(std::lround(options.longest_s / window_s));
     extended_windows_ = std::max(
-        most_windows_, static_cast<std::size_t>(std::lround(options.extension_s / window_s)));
+        max_windows_, static_cast<std::size_t>(std::lround(options.extension_s / window_s)));
     windows_.reserve(extended_windows_);
 }
 
 bool Ringdown::watch(double magnitude) {
     if (magnitude == 0.0 && windows_.empty() && in_window_ == 0) {
-        return ++waited_ < per_window_ * most_windows_;
+        return ++waited_ < per_window_ * max_windows_;
     }
     so_far_ = std::isfinite(magnitude) ? std::max(so_far_, magnitude) : HUGE_VAL;
     ++in_window_;
@@ -41,19 +41,19 @@ bool Ringdown::watch(double magnitude) {
         early_ = so_far_;
         ++early_count_;
     }
-    if (in_window_ < per_window_ && std::isfinite(so_far_) && so_far_ <= options_.greatest) {
+    if (in_window_ < per_window_ && std::isfinite(so_far_) && so_far_ <= options_.maximum) {
         return true;
     }
     windows_.push_back(so_far_);
     in_window_ = 0;
     so_far_ = 0.0;
     const bool in_time =
-        windows_.size() < most_windows_ || (windows_.size() < extended_windows_ && is_unclear());
+        windows_.size() < max_windows_ || (windows_.size() < extended_windows_ && is_unclear());
     return in_time && !goes_round() && last() > options_.died_out * windows_.front() && !ran_away();
 }
 
 bool Ringdown::is_unclear() const {
-    if (options_.least_decay_per_s > 0.0) {
+    if (options_.min_decay_per_s > 0.0) {
         return dies_out(); // decaying, by its slope
     }
     const double change = change_of_logarithm();
@@ -67,17 +67,17 @@ double Ringdown::change_of_logarithm() const {
 
 bool Ringdown::stays() const {
     constexpr double kTenth = 0.1;
-    return options_.least_decay_per_s == 0.0 && options_.extension_s > 0.0 &&
+    return options_.min_decay_per_s == 0.0 && options_.extension_s > 0.0 &&
            windows_.size() >= extended_windows_ && std::abs(change_of_logarithm()) < kTenth;
 }
 
 bool Ringdown::goes_round() const {
-    if (options_.least_decay_per_s == 0.0 || windows_.size() < kRounds) {
+    if (options_.min_decay_per_s == 0.0 || windows_.size() < kRounds) {
         return false;
     }
-    const auto [least, greatest] =
+    const auto [minimum, maximum] =
         std::minmax_element(windows_.end() - static_cast<std::ptrdiff_t>(kRounds), windows_.end());
-    return *greatest - *least < kSteady * *greatest;
+    return *maximum - *minimum < kSteady * *maximum;
 }
 
 bool Ringdown::dies_out() const {
@@ -91,9 +91,9 @@ bool Ringdown::dies_out() const {
     if (last() <= options_.died_out * first) {
         return true;
     }
-    const double least = options_.least_decay_per_s;
-    return !ran_away() && !goes_round() && growth_per_s() < -least &&
-           (least == 0.0 || last() < 0.5 * first);
+    const double minimum = options_.min_decay_per_s;
+    return !ran_away() && !goes_round() && growth_per_s() < -minimum &&
+           (minimum == 0.0 || last() < 0.5 * first);
 }
 
 double Ringdown::growth_per_s() const {

@@ -21,10 +21,10 @@ struct RingdownOptions {
     double died_out = 1e-6;
     /// Those that exceed their own first tenth of a window by this factor have run away.
     double ran_away = 1e3;
-    double greatest = HUGE_VAL; ///< a motion that exceeds this has run away, too
+    double maximum = HUGE_VAL; ///< a motion that exceeds this has run away, too
     /// A motion that decays more slowly than this, or is still above half of its beginning, is
     /// sustained [1/s].
-    double least_decay_per_s = 0.0;
+    double min_decay_per_s = 0.0;
 };
 
 /// Watches one quantity that is zero at rest, sample by sample, from its first nonzero sample: an
@@ -52,7 +52,7 @@ public:
 
 private:
     [[nodiscard]] bool ran_away() const {
-        return last() > std::min(options_.ran_away * early_, options_.greatest);
+        return last() > std::min(options_.ran_away * early_, options_.maximum);
     }
     [[nodiscard]] std::size_t second_half() const; ///< where it begins in `windows_`
     [[nodiscard]] bool is_unclear() const;
@@ -63,7 +63,7 @@ private:
     RingdownOptions options_;
     double period_s_;
     std::size_t per_window_ = 8;
-    std::size_t most_windows_ = 6;
+    std::size_t max_windows_ = 6;
     std::size_t extended_windows_ = 6;
     std::size_t waited_ = 0;      ///< samples before anything moved
     std::size_t early_count_ = 0; ///< samples in `early_`

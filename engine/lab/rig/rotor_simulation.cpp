@@ -60,13 +60,13 @@ double RotorSimulation::rate_after(const device::CurrentStep &drive, double h_s)
                             k_T * drive.mean_As_per_rad);
     const double pushes = (load.inertia_kg_m2 - resists) * rate_ +
                           h_s * (k_T * drive.mean_A - load.stiffness_Nm_per_rad * theta_rad_);
-    const double lowest = rate_ < 0.0 ? 0.0 : -h_s * options_.coulomb_Nm;
-    const double highest = rate_ > 0.0 ? 0.0 : h_s * options_.coulomb_Nm;
+    const double minimum = rate_ < 0.0 ? 0.0 : -h_s * options_.coulomb_Nm;
+    const double maximum = rate_ > 0.0 ? 0.0 : h_s * options_.coulomb_Nm;
     const double all = load.inertia_kg_m2 + resists;
-    if (pushes + lowest > 0.0) {
-        return (pushes + lowest) / all;
+    if (pushes + minimum > 0.0) {
+        return (pushes + minimum) / all;
     }
-    return pushes + highest < 0.0 ? (pushes + highest) / all : 0.0;
+    return pushes + maximum < 0.0 ? (pushes + maximum) / all : 0.0;
 }
 
 void RotorSimulation::advance(double command, const Part &part) {

@@ -64,7 +64,7 @@ void check_step(const TouchRun &run, std::size_t index, const BruteForceProxy &b
         }
     }
     const Vector3 force = end.point_m - step.tip_m;
-    if (step.is_touching() && force.norm() > kLeastGap_m) {
+    if (step.is_touching() && force.norm() > kMinGap_m) {
         findings.direction_error_rad.consider(angle_rad(step.normal, force), index);
     }
 }
@@ -108,11 +108,11 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
         }
     }
     std::vector<std::size_t> to_check = spread(in_contact, options.checks);
-    const std::vector<std::size_t> beside = spread(suspicious, options.most_suspicious);
+    const std::vector<std::size_t> beside = spread(suspicious, options.max_suspicious);
     findings.suspicious = suspicious.size();
     findings.suspicious_unchecked = suspicious.size() - beside.size();
     to_check.insert(to_check.end(), beside.begin(), beside.end());
-    const std::vector<std::size_t> lost = spread(off_rest, options.most_suspicious);
+    const std::vector<std::size_t> lost = spread(off_rest, options.max_suspicious);
     to_check.insert(to_check.end(), lost.begin(), lost.end());
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());
@@ -124,12 +124,12 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     return findings;
 }
 
-Greatest sphere_direction_error_rad(const TouchRun &run) {
-    Greatest error_rad;
+Maximum sphere_direction_error_rad(const TouchRun &run) {
+    Maximum error_rad;
     for (std::size_t i = 0; i < run.steps.size(); ++i) {
         const TouchStep &step = run.steps[i];
-        if (step.is_touching() && (step.proxy_m - step.tip_m).norm() > kLeastGap_m &&
-            step.tip_m.norm() > kLeastGap_m) {
+        if (step.is_touching() && (step.proxy_m - step.tip_m).norm() > kMinGap_m &&
+            step.tip_m.norm() > kMinGap_m) {
             error_rad.consider(angle_rad(step.normal, step.tip_m), i);
         }
     }

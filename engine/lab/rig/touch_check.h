@@ -16,17 +16,17 @@ namespace springdrive::rig {
 inline constexpr double kLag_m = 1e-6;
 
 /// Tips nearer to the proxy than this tell too little of a direction [m].
-inline constexpr double kLeastGap_m = 1e-5;
+inline constexpr double kMinGap_m = 1e-5;
 
 struct TouchCheckOptions {
-    std::size_t checks = 200;           ///< steps in contact to check, spread over all of them
-    std::size_t most_suspicious = 1000; ///< steps to check beside these, of each kind of suspicion
-    double reach_m = 0.0;               ///< what the proxy keeps from every surface
-    double slack_m = kLeastSlack_m;     ///< see Downhill: lower ridges do not excuse a lag
+    std::size_t checks = 200;          ///< steps in contact to check, spread over all of them
+    std::size_t max_suspicious = 1000; ///< steps to check beside these, of each kind of suspicion
+    double reach_m = 0.0;              ///< what the proxy keeps from every surface
+    double slack_m = kMinSlack_m;      ///< see Downhill: lower ridges do not excuse a lag
 };
 
 /// The greatest of something, and the step it was found at.
-struct Greatest {
+struct Maximum {
     double value = 0.0;
     std::optional<std::size_t> step;
 
@@ -54,9 +54,9 @@ struct TouchFindings {
     std::size_t suspicious_unchecked = 0; ///< of these, beyond the cap
     std::size_t given_up = 0;             ///< checks that reached their step limit
     std::size_t with_friction = 0;        ///< in contact with friction, never checked for lag
-    Greatest lag_m;                       ///< of steps flagged as settled
-    Greatest unsettled_lag_m;             ///< of the others
-    Greatest direction_error_rad;
+    Maximum lag_m;                        ///< of steps flagged as settled
+    Maximum unsettled_lag_m;              ///< of the others
+    Maximum direction_error_rad;
 };
 
 /// Whether a step looks stuck: in contact as the step before, the tip moved on along the surface,
@@ -73,6 +73,6 @@ struct TouchFindings {
 
 /// The greatest angle between the contact's normal and the true one of a sphere about the origin,
 /// over all steps in contact whose tip is deep enough and off the sphere's centre [rad].
-[[nodiscard]] Greatest sphere_direction_error_rad(const TouchRun &run);
+[[nodiscard]] Maximum sphere_direction_error_rad(const TouchRun &run);
 
 } // namespace springdrive::rig

@@ -52,10 +52,10 @@ TouchRun run_touch(const contact::HapticSurface &surface, std::span<const Vector
             const double time_ns = std::chrono::duration<double, std::nano>(end - start).count();
             if (repeat == 0) {
                 TouchStep step = step_of(surface, tips_m[i], contact);
-                step.first_ns = step.least_ns = time_ns;
+                step.first_ns = step.min_ns = time_ns;
                 run.add(step, {proxy.path().begin(), proxy.path().end()});
             } else {
-                run.steps[i].least_ns = std::min(run.steps[i].least_ns, time_ns);
+                run.steps[i].min_ns = std::min(run.steps[i].min_ns, time_ns);
             }
         }
     }

@@ -20,7 +20,7 @@ struct TouchStep {
     bool settled = true;
     bool has_friction = false; ///< of the touched material: the proxy may lag
     double first_ns = 0.0;     ///< time of the first run
-    double least_ns = 0.0;     ///< least time of all runs: without disturbance by other processes
+    double min_ns = 0.0;       ///< least time of all runs: without disturbance by other processes
 
     [[nodiscard]] bool is_touching() const { return constraints > 0; }
 };

@@ -9,14 +9,14 @@ namespace springdrive::app {
 namespace {
 
 TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
-    EXPECT_GT(StabilityGrid::K_P_V_per_rad(0), StabilityGrid::kLeast_K_P_V_per_rad);
+    EXPECT_GT(StabilityGrid::K_P_V_per_rad(0), StabilityGrid::kMin_K_P_V_per_rad);
     EXPECT_LT(StabilityGrid::K_P_V_per_rad(StabilityGrid::kColumns - 1),
-              StabilityGrid::kGreatest_K_P_V_per_rad);
+              StabilityGrid::kMax_K_P_V_per_rad);
     const double ratio = StabilityGrid::dR_Ohm(1) / StabilityGrid::dR_Ohm(0);
     EXPECT_NEAR(StabilityGrid::dR_Ohm(9) / StabilityGrid::dR_Ohm(8), ratio, 1e-12);
     // Half a cell lies beyond the centres of the outermost.
     EXPECT_NEAR(StabilityGrid::dR_Ohm(0) * StabilityGrid::dR_Ohm(StabilityGrid::kRows - 1),
-                StabilityGrid::kLeast_dR_Ohm * StabilityGrid::kGreatest_dR_Ohm, 1e-12);
+                StabilityGrid::kMin_dR_Ohm * StabilityGrid::kMax_dR_Ohm, 1e-12);
 }
 
 TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {

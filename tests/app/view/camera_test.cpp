@@ -25,8 +25,8 @@ class RandomViews {
 public:
     explicit RandomViews(std::uint64_t seed) : random_(seed) {}
 
-    double between(double least, double greatest) {
-        return std::uniform_real_distribution<double>(least, greatest)(random_);
+    double between(double minimum, double maximum) {
+        return std::uniform_real_distribution<double>(minimum, maximum)(random_);
     }
 
     Vector3 point(double reach_m) {

@@ -135,21 +135,21 @@ TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
     OpenDevice open = open_device(request());
     device::DeviceCommand command;
     command.e_W_V = Vector3(2.0, 2.0, 2.0);
-    const auto greatest_current_A = [&] {
-        double greatest_A = 0.0;
+    const auto max_current_A = [&] {
+        double max_A = 0.0;
         for (int tick = 0; tick < 50; ++tick) {
             open.device().write(command);
-            greatest_A = std::max(greatest_A, open.device().read().current_A.cwiseAbs().maxCoeff());
+            max_A = std::max(max_A, open.device().read().current_A.cwiseAbs().maxCoeff());
         }
-        return greatest_A;
+        return max_A;
     };
-    EXPECT_GT(greatest_current_A(), 0.5);
+    EXPECT_GT(max_current_A(), 0.5);
     open.close();
-    greatest_current_A(); // while motion decays
-    EXPECT_LT(greatest_current_A(), 0.3);
+    max_current_A(); // while motion decays
+    EXPECT_LT(max_current_A(), 0.3);
     open.reconnect(); // a command from before is no longer active
     EXPECT_LT(open.device().read().current_A.cwiseAbs().maxCoeff(), 0.3);
-    EXPECT_GT(greatest_current_A(), 0.5);
+    EXPECT_GT(max_current_A(), 0.5);
 }
 
 TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {

@@ -49,12 +49,12 @@ Problem random_problem(std::mt19937_64 &random, double skew) {
 bool is_complementary(const Problem &problem, const Vector3 &v, double tolerance) {
     const Vector3 f = problem.A * v - problem.b;
     for (int j = 0; j < 3; ++j) {
-        const double lowest = problem.friction.lowest[j];
-        const double highest = problem.friction.highest[j];
-        const bool good = v[j] > tolerance ? std::abs(f[j] - lowest) <= tolerance
+        const double minimum = problem.friction.minimum[j];
+        const double maximum = problem.friction.maximum[j];
+        const bool good = v[j] > tolerance ? std::abs(f[j] - minimum) <= tolerance
                           : v[j] < -tolerance
-                              ? std::abs(f[j] - highest) <= tolerance
-                              : f[j] >= lowest - tolerance && f[j] <= highest + tolerance;
+                              ? std::abs(f[j] - maximum) <= tolerance
+                              : f[j] >= minimum - tolerance && f[j] <= maximum + tolerance;
         if (!good) {
             return false;
         }
@@ -73,10 +73,10 @@ Vector3 solution_for(const Problem &problem, const Modes &modes) {
             right[j] = 0.0;
             break;
         case FrictionMode::turning_forward:
-            right[j] += problem.friction.lowest[j];
+            right[j] += problem.friction.minimum[j];
             break;
         case FrictionMode::turning_backward:
-            right[j] += problem.friction.highest[j];
+            right[j] += problem.friction.maximum[j];
             break;
         }
     }
@@ -138,8 +138,8 @@ INSTANTIATE_TEST_SUITE_P(Systems, FrictionSolver, ::testing::Values(0.0, 1.0),
 TEST(FrictionRange, OnlyOpposesTheMotionThatThereWas) {
     const FrictionRange range =
         FrictionRange::after(Vector3(1e-300, 0.0, -1e-300), Vector3(1.0, 2.0, 3.0));
-    EXPECT_EQ(range.lowest, Vector3(-1.0, -2.0, 0.0));
-    EXPECT_EQ(range.highest, Vector3(0.0, 2.0, 3.0));
+    EXPECT_EQ(range.minimum, Vector3(-1.0, -2.0, 0.0));
+    EXPECT_EQ(range.maximum, Vector3(0.0, 2.0, 3.0));
 }
 
 TEST(FrictionSolver, WithoutFrictionIsAPlainSolution) {
@@ -158,8 +158,8 @@ TEST(FrictionSolver, TwoJointsAreThreeWithOneByItself) {
     for (int i = 0; i < 1000; ++i) {
         Problem problem = random_problem(random, 1.0);
         problem.A.row(0) = problem.A.col(0).transpose() = Vector3::UnitX().transpose();
-        const JointFrictionRange<2> friction{problem.friction.lowest.tail<2>(),
-                                             problem.friction.highest.tail<2>()};
+        const JointFrictionRange<2> friction{problem.friction.minimum.tail<2>(),
+                                             problem.friction.maximum.tail<2>()};
         Modes modes{};
         std::array<FrictionMode, 2> two_modes{};
         const Vector3 v = solve_with_friction(problem.A, problem.b, problem.friction, modes);

@@ -22,14 +22,14 @@ const device::JointLimits &limits() {
 
 /// Angles in and beyond the joints' travel.
 Vector3 random_angles(std::mt19937_64 &random) {
-    return 0.5 * (limits().lowest_rad + limits().highest_rad) + testing::random_vector(random, 2.5);
+    return 0.5 * (limits().min_rad + limits().max_rad) + testing::random_vector(random, 2.5);
 }
 
 bool is_inside(const Vector3 &q) {
     const double fold = q[2] - q[1];
-    return (q.array() <= limits().highest_rad.array()).all() &&
-           (q.array() >= limits().lowest_rad.array()).all() &&
-           fold <= limits().greatest_q3_minus_q2_rad && fold >= limits().least_q3_minus_q2_rad;
+    return (q.array() <= limits().max_rad.array()).all() &&
+           (q.array() >= limits().min_rad.array()).all() && fold <= limits().max_q3_minus_q2_rad &&
+           fold >= limits().min_q3_minus_q2_rad;
 }
 
 TEST(JointStops, DoExactlyTheWorkThatTheirEnergyTells) {

@@ -254,10 +254,9 @@ TEST(JointStops, HoldALinkageThatFallsIntoThem) {
         device.advance(device::DeviceCommand::braking());
         const Vector3 q =
             device::joint_from_motor(device.description().geometry, device.truth().theta_rad);
-        deepest_rad = std::max({deepest_rad, (q - limits.highest_rad).maxCoeff(),
-                                (limits.lowest_rad - q).maxCoeff(),
-                                q[2] - q[1] - limits.greatest_q3_minus_q2_rad,
-                                limits.least_q3_minus_q2_rad - (q[2] - q[1])});
+        deepest_rad = std::max(
+            {deepest_rad, (q - limits.max_rad).maxCoeff(), (limits.min_rad - q).maxCoeff(),
+             q[2] - q[1] - limits.max_q3_minus_q2_rad, limits.min_q3_minus_q2_rad - (q[2] - q[1])});
     }
     EXPECT_GT(deepest_rad, 0.0); // it reached one
     // The whole initial energy plus 0.1 J of gravity, stored in a spring of 100 N·m/rad.

@@ -32,7 +32,7 @@ SimulationOptions bare(PlantDynamics dynamics) {
     SimulationOptions options;
     options.dynamics = dynamics;
     options.effects = PlantEffects::none();
-    options.hand.greatest_force_N = 1e6; // a limit has a corner
+    options.hand.max_force_N = 1e6; // a limit has a corner
     return options;
 }
 

@@ -158,7 +158,7 @@ TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
     device.set_hand_target(beyond_m); // from inside the stops hold
     run(device, 1000);
     const Vector3 q_rad = device::joint_from_motor(description.geometry, device.truth().theta_rad);
-    EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.least_q3_minus_q2_rad - 0.02);
+    EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.min_q3_minus_q2_rad - 0.02);
 }
 
 TEST(PlantExchange, WhatCannotBeSimulatedIsRefusedAndChangesNothing) {

@@ -180,7 +180,7 @@ Trial random_trial(const Plant &plant, std::mt19937_64 &random) {
     trial.options.effects.structural_compliance = plant.bends;
     trial.options.amplifier = plant.amplifier;
     trial.options.servo_period_s = kPeriod_s;
-    trial.options.hand.greatest_force_N = 1e6; // a limit has a corner
+    trial.options.hand.max_force_N = 1e6; // a limit has a corner
     trial.start_q_rad = testing::random_workspace_angles(trial.device, random);
     trial.start_rate = testing::random_vector(random, 2.0);
     if (plant.amplifier == device::AmplifierKind::spring_drive) { // a current drive stays at 0 A

@@ -249,11 +249,11 @@ TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     // Shorted windings brake while the target moves away at its maximum speed.
     device.set_hand_target(testing::kOffCentre_m + Vector3(0.5, 0.0, 0.0));
-    const double greatest = options.hand.greatest_force_N + 2.0 * options.hand.damping_Ns_per_m *
-                                                                options.hand.greatest_speed_m_per_s;
+    const double maximum = options.hand.max_force_N +
+                           2.0 * options.hand.damping_Ns_per_m * options.hand.max_speed_m_per_s;
     for (int k = 0; k < 300; ++k) {
         device.advance(device::DeviceCommand::braking());
-        ASSERT_LT(device.truth().hand_force_N.norm(), greatest);
+        ASSERT_LT(device.truth().hand_force_N.norm(), maximum);
     }
 }
 

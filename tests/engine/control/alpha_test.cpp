@@ -70,15 +70,15 @@ TEST(Alpha, AtItsBoundRendersASphereThatTouchesTheEllipsoidFromWithin) {
 
             const Matrix3 K_inv =
                 now.J.transpose().inverse() * weights.asDiagonal() * now.J.inverse();
-            const double least =
+            const double minimum =
                 Eigen::SelfAdjointEigenSolver<Matrix3>(K_inv).eigenvalues().minCoeff();
             // An eigenvalue is found to ε of the largest of its matrix, the square of J's
             // condition.
             const double touching = 1e-15 * condition * condition;
             ASSERT_LT(touching, 1e-7);
-            ASSERT_NEAR(alpha / least, 1.0, touching);
+            ASSERT_NEAR(alpha / minimum, 1.0, touching);
             const double above = transpose_stiffness(now, (1.0 + 1e-6) * alpha, weights)(0, 0);
-            ASSERT_GT(above, least);
+            ASSERT_GT(above, minimum);
         }
     }
 }
@@ -105,7 +105,7 @@ TEST(Alpha, GlobalIsTheMinimumOverTheWorkspaceGrid) {
     constexpr int kPoints = 7;
     for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const Vector3 weights = relative_stiffness(device);
-        double most = 0.0;
+        double maximum = 0.0;
         for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
             const Eigen::Vector3i index(i % kPoints, i / kPoints % kPoints,
                                         i / (kPoints * kPoints));
@@ -113,10 +113,10 @@ TEST(Alpha, GlobalIsTheMinimumOverTheWorkspaceGrid) {
             const auto q_rad = device::joint_angles_rad(
                 device.geometry,
                 device.workspace.centre_m + share.cwiseProduct(device.workspace.size_m));
-            most = q_rad ? std::max(most, largest_stretch(device, *q_rad, weights)) : most;
+            maximum = q_rad ? std::max(maximum, largest_stretch(device, *q_rad, weights)) : maximum;
         }
         // Central differences: 1e-10 of truncation, 1e-11 of round-off over 1e-5 rad.
-        EXPECT_NEAR(global_alpha_bound(device, kPoints) * most * most, 1.0, 1e-8);
+        EXPECT_NEAR(global_alpha_bound(device, kPoints) * maximum * maximum, 1.0, 1e-8);
     }
 }
 
@@ -124,15 +124,15 @@ TEST(Alpha, GlobalIsWithinTheBoundBetweenTheGridPointsToo) {
     std::mt19937_64 random(9);
     for (const device::DeviceDescription &device : devices_and_unequal_ones()) {
         const double global = global_alpha_bound(device);
-        double least = INFINITY;
+        double minimum = INFINITY;
         for (int i = 0; i < 5000; ++i) {
             const Vector3 q = testing::random_workspace_angles(device, random);
-            least = std::min(least, alpha_bound(device::motor_jacobian(device.geometry, q),
-                                                relative_stiffness(device)));
+            minimum = std::min(minimum, alpha_bound(device::motor_jacobian(device.geometry, q),
+                                                    relative_stiffness(device)));
         }
         // The grid may miss the true minimum by the change of α over half its pitch.
-        EXPECT_LT(global, 1.02 * least);
-        EXPECT_GT(global, 0.8 * least);
+        EXPECT_LT(global, 1.02 * minimum);
+        EXPECT_GT(global, 0.8 * minimum);
     }
 }
 

@@ -102,7 +102,7 @@ TuningFile random_file(std::mt19937_64 &random) {
     file.description = "a \"firm\" one \\ of dR 0.5 Ω";
     for (const Parameter &parameter : kParameters) {
         file.tuning.*parameter.value =
-            parameter.lowest + share(random) * (parameter.highest - parameter.lowest);
+            parameter.minimum + share(random) * (parameter.maximum - parameter.minimum);
     }
     file.tuning.map = share(random) < 0.5 ? MotionMap::inverse : MotionMap::transpose;
     constexpr std::array kModes{AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand};
@@ -134,7 +134,7 @@ TEST(TuningFile, IsReadAsItWasWrittenToTheLastBit) {
         EXPECT_EQ(same.margins->delay_periods, file.margins->delay_periods);
         EXPECT_EQ(same.margins->gain, file.margins->gain);
         EXPECT_EQ(same.margins->more_delay_periods, file.margins->more_delay_periods);
-        EXPECT_EQ(same.margins->least_dR_Ohm, file.margins->least_dR_Ohm);
+        EXPECT_EQ(same.margins->min_dR_Ohm, file.margins->min_dR_Ohm);
         EXPECT_EQ(same.margins->K_DC_Nm_per_rad, file.margins->K_DC_Nm_per_rad);
         EXPECT_EQ(same.margins->worst_hand, file.margins->worst_hand);
         EXPECT_EQ(same.margins->worst_eta, file.margins->worst_eta);
@@ -242,15 +242,15 @@ TEST(TuningFile, RefusesInvalidMarginsWithTheirLine) {
 
 TEST(Parameters, BothSidesOfEveryRange) {
     for (const Parameter &parameter : kParameters) {
-        for (const double good : {parameter.lowest, parameter.highest}) {
+        for (const double good : {parameter.minimum, parameter.maximum}) {
             Tuning tuning;
             tuning.*parameter.value = good;
             EXPECT_TRUE(is_valid(tuning)) << parameter.name << " " << good;
         }
         const double infinity = std::numeric_limits<double>::infinity();
         for (const double bad :
-             {std::nextafter(parameter.lowest, -infinity),
-              std::nextafter(parameter.highest, infinity), std::nan(""), infinity, -infinity}) {
+             {std::nextafter(parameter.minimum, -infinity),
+              std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
             Tuning tuning;
             tuning.*parameter.value = bad;
             EXPECT_FALSE(is_valid(tuning)) << parameter.name << " " << bad;

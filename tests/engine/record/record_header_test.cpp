@@ -80,7 +80,7 @@ TEST(RecordHeader, BeginsNowAndHoldsTwentyMillisecondsAChunk) {
     EXPECT_EQ(record_header(250.0).chunk_rows, 5U);
     EXPECT_EQ(record_header(1.0).chunk_rows, 1U);
     const RecordHeader fast = record_header(1e6);
-    EXPECT_LE(std::uint64_t{fast.chunk_rows} * fast.row_bytes, kMostPayloadBytes);
+    EXPECT_LE(std::uint64_t{fast.chunk_rows} * fast.row_bytes, kMaxPayloadBytes);
 }
 
 TEST(RecordHeader, RefusesARateThatCannotBe) {

@@ -21,7 +21,7 @@ namespace springdrive::record {
 namespace {
 
 constexpr double kServo_hz = 10'000.0;
-constexpr std::uint64_t kMostLost = 1000; // 0.1 s
+constexpr std::uint64_t kMaxLost = 1000; // 0.1 s
 constexpr std::uint64_t kNothing = ~std::uint64_t{0};
 
 using Newest = std::atomic<std::uint64_t>;
@@ -68,7 +68,7 @@ TEST(RecordKill, LosesATenthOfASecondAtTheMost) {
     const auto folder = testing::fresh_folder("record_kill");
     std::mt19937_64 random(1);
     std::uniform_int_distribution<int> some_ms(50, 300);
-    std::uint64_t most_lost = 0;
+    std::uint64_t max_lost = 0;
     for (int i = 0; i < testing::cases(10, 100); ++i) {
         const auto file = folder / (std::to_string(i) + ".rec");
         Newest &newest = shared_tick();
@@ -84,13 +84,13 @@ TEST(RecordKill, LosesATenthOfASecondAtTheMost) {
         waitpid(child, nullptr, 0);
         const std::uint64_t pushed = newest + 1;
         const std::uint64_t kept = contiguous_rows(file);
-        EXPECT_LE(pushed, kept + kMostLost) << file;
+        EXPECT_LE(pushed, kept + kMaxLost) << file;
         EXPECT_LE(kept, pushed + 1) << file; // killed between push and store
-        most_lost = std::max(most_lost, pushed - std::min(kept, pushed));
+        max_lost = std::max(max_lost, pushed - std::min(kept, pushed));
         munmap(&newest, sizeof newest);
         std::filesystem::remove(file);
     }
-    RecordProperty("most_samples_lost", std::to_string(most_lost));
+    RecordProperty("most_samples_lost", std::to_string(max_lost));
 }
 
 } // namespace

@@ -204,7 +204,7 @@ TEST(RecordReader, NamesTheFileWhenAColumnOfASampleIsMissing) {
     EXPECT_EQ(said.find(file.string() + ": the record has no column tick"), 0U) << said;
 }
 
-std::int64_t most_memory_kB() {
+std::int64_t max_memory_kB() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return usage.ru_maxrss;
@@ -213,7 +213,7 @@ std::int64_t most_memory_kB() {
 // The file says that it is 8 GB large, and its heads that all of it is one note or chunk.
 TEST(RecordReader, AsksForLittleMemoryWhateverLengthsAFileClaims) {
     const auto file = fresh_folder("reader_memory") / "a.rec";
-    const std::int64_t before_kB = most_memory_kB();
+    const std::int64_t before_kB = max_memory_kB();
     std::string header = header_bytes(to_json(record_header(testing::kServo_hz)));
     std::string head = chunk_bytes(1, 0, 0, "");
     for (const std::uint64_t claimed : {0xFFFFFFFFU, 0x80000000U, (64U << 20U) + 1}) {
@@ -228,7 +228,7 @@ TEST(RecordReader, AsksForLittleMemoryWhateverLengthsAFileClaims) {
     write_file(file, header);
     std::filesystem::resize_file(file, std::uintmax_t{8} << 30U);
     EXPECT_NE(complaint_of([&] { RecordReader{file}; }), "");
-    EXPECT_LT(most_memory_kB() - before_kB, 50'000);
+    EXPECT_LT(max_memory_kB() - before_kB, 50'000);
 }
 
 } // namespace

@@ -54,7 +54,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
-    [[maybe_unused]] const auto &[least, greatest, R_hat_limit, is_limited] = winding[0];
+    [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited] = winding[0];
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
 
@@ -163,8 +163,8 @@ TEST(TelemetryColumns, OfOneUnitStandForTheMemberOfTheirNameToo) {
         {"alpha_bound_rad2_per_m2", &sample.alpha_bound_rad2_per_m2},
         {"trip_measured", &sample.safety.measured},
         {"trip_limit", &sample.safety.limit},
-        {"winding_least2_C", &sample.winding[1].least_C},
-        {"winding_greatest2_C", &sample.winding[1].greatest_C},
+        {"winding_least2_C", &sample.winding[1].min_C},
+        {"winding_greatest2_C", &sample.winding[1].max_C},
         {"theta2_rad", &sample.theta_rad[1]},
         {"theta_Sd2_rad", &sample.theta_Sd_rad[1]},
         {"carried2_V", &sample.carried_V[1]},

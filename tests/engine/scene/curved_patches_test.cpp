@@ -110,14 +110,14 @@ void expect_closed(const SmoothMesh &mesh) {
     EXPECT_EQ(open, 0U);
 }
 
-double greatest_dihedral_deg(const SmoothMesh &mesh) {
-    double greatest = 0.0;
+double max_dihedral_deg(const SmoothMesh &mesh) {
+    double maximum = 0.0;
     for (const auto &[edge, use] : edges_of(mesh)) {
         const Vector3 a = facet_normal(mesh, use.triangles.front());
         const Vector3 b = facet_normal(mesh, use.triangles.back());
-        greatest = std::max(greatest, std::atan2(a.cross(b).norm(), a.dot(b)) * kRadian);
+        maximum = std::max(maximum, std::atan2(a.cross(b).norm(), a.dot(b)) * kRadian);
     }
-    return greatest;
+    return maximum;
 }
 
 SmoothMesh cut_all(const SmoothMesh &mesh, std::size_t cuts) {
@@ -139,7 +139,7 @@ TEST(CurvedPatches, EightyTrianglesWithRadialNormalsBecomeASphere) {
     for (std::size_t t = 0; t < fine.triangles.size(); ++t) {
         EXPECT_GT(facet_normal(fine, t).dot(fine.positions[fine.triangles[t][0]]), 0.0);
     }
-    EXPECT_LE(greatest_dihedral_deg(fine), 0.75); // also across the old edges; measured: 0.51°
+    EXPECT_LE(max_dihedral_deg(fine), 0.75); // also across the old edges; measured: 0.51°
     EXPECT_LT(fine.triangles.size(), 200'000U);
 }
 
@@ -272,10 +272,10 @@ TEST(CurvedPatches, CutsAreAsManyAsTheAngleNeeds) {
         const CurvedPatches patches(mesh);
         for (const double angle_rad : {0.1, 0.02}) {
             const std::size_t cuts = patches.cuts_for(angle_rad, 1000);
-            EXPECT_LE(patches.greatest_turn_rad(std::max<std::size_t>(cuts, 2)), angle_rad);
+            EXPECT_LE(patches.max_turn_rad(std::max<std::size_t>(cuts, 2)), angle_rad);
             EXPECT_EQ(patches.cuts_for(angle_rad, cuts), cuts);
             if (cuts > 5) { // not many more than needed
-                EXPECT_GT(patches.greatest_turn_rad(cuts * 9 / 10), angle_rad);
+                EXPECT_GT(patches.max_turn_rad(cuts * 9 / 10), angle_rad);
                 EXPECT_EQ(patches.cuts_for(angle_rad, cuts - 2), cuts - 2);
             }
         }

@@ -64,15 +64,15 @@ TEST_F(GltfModels, DenseSphereIsASphereOnceDecompressed) {
     const Scene scene = load_model("DenseSphere.glb");
     EXPECT_EQ(scene.surface.triangles.size(), 30'720U);
     const Vector3 centre_m = small_workspace().centre_m;
-    double least_m = 1.0;
-    double most_m = 0.0;
+    double min_m = 1.0;
+    double max_m = 0.0;
     for (const Vector3 &vertex : scene.surface.vertices_m) {
         const double radius_m = (vertex - centre_m).norm();
-        least_m = std::min(least_m, radius_m);
-        most_m = std::max(most_m, radius_m);
+        min_m = std::min(min_m, radius_m);
+        max_m = std::max(max_m, radius_m);
     }
     // The model's own vertices lie about 1 % within the sphere of its farthest ones at most.
-    EXPECT_GT(least_m, 0.989 * most_m);
+    EXPECT_GT(min_m, 0.989 * max_m);
     // Its uncompressed bounds stand in the file: ±32555 by ±32767 by ±32575; Draco rounded to
     // 14 bits.
     const Vector3 extent = scene.upper_m - scene.lower_m;

@@ -224,12 +224,12 @@ TEST(ShapeFit, ShapesAndTrianglesStandSideBySideWithMaterialsOfTheirOwn) {
 
 TEST(ShapeFit, NoMoreShapesThanTheProxyTakes) {
     GltfBuilder builder = cube(R"("extras": {"shape": "box"})");
-    while (builder.nodes.size() < contact::kMostShapes) {
+    while (builder.nodes.size() < contact::kMaxShapes) {
         builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
     }
     const Scene scene = load(builder);
     EXPECT_EQ(contact::HapticSurface(scene.surface, scene.shapes).shapes().size(),
-              contact::kMostShapes);
+              contact::kMaxShapes);
     builder.nodes.emplace_back(R"({"mesh": 0, "extras": {"shape": "box"}})");
     expect_failure(builder, "more than 64 nodes that are touched as shapes");
 }

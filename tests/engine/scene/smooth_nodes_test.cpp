@@ -152,8 +152,8 @@ TEST(SmoothNodes, ManyShareTheAllowanceAndSayHowFarTheyGot) {
     GltfBuilder builder = ball(kSmoothBall);
     builder.nodes.assign(30, builder.nodes[0]); // 30 × 177,000 triangles would be wanted
     const Scene scene = load(builder);
-    EXPECT_LE(scene.surface.triangles.size(), gltf::kMostCurvedTriangles);
-    EXPECT_GT(scene.surface.triangles.size(), gltf::kMostCurvedTriangles / 2);
+    EXPECT_LE(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles);
+    EXPECT_GT(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles / 2);
     EXPECT_TRUE(
         has_remark(scene, "node 'ball': its 62720 curved facets still differ by up to 0.8"));
     EXPECT_TRUE(has_remark(scene, "degrees from their neighbours, instead of 0.5"));

@@ -39,13 +39,13 @@ std::vector<float> corners(const std::vector<VisualMesh> &meshes) {
 TEST(VisualPieces, HoldTheSameTrianglesInTheSameOrder) {
     const VisualMesh mesh = random_mesh(1000, 3000);
     const std::vector<float> wanted = corners({mesh});
-    for (const std::size_t most : {3U, 4U, 10U, 100U, 999U}) {
-        const std::vector<VisualMesh> pieces = in_pieces(mesh, most);
+    for (const std::size_t maximum : {3U, 4U, 10U, 100U, 999U}) {
+        const std::vector<VisualMesh> pieces = in_pieces(mesh, maximum);
         EXPECT_GT(pieces.size(), 1U);
-        EXPECT_EQ(corners(pieces), wanted) << most;
+        EXPECT_EQ(corners(pieces), wanted) << maximum;
         for (const VisualMesh &piece : pieces) {
-            EXPECT_LE(piece.vertices.size(), most);
-            EXPECT_LE(piece.indices.size(), 6 * most);
+            EXPECT_LE(piece.vertices.size(), maximum);
+            EXPECT_LE(piece.indices.size(), 6 * maximum);
             EXPECT_FALSE(piece.indices.empty());
             EXPECT_EQ(piece.name, "mesh");
             EXPECT_EQ(piece.texture, 3);

@@ -22,7 +22,7 @@ TEST(BumplessTransfer, NoChangeMovesTheVoltageByMoreThanItsBound) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> chance(0.0, 1.0);
     for (const double period_s : {1.0 / 250, 1e-3, 1e-4}) {
-        const double bound_V = kGreatestChange_V_per_s * period_s;
+        const double bound_V = kMaxChange_V_per_s * period_s;
         BumplessTransfer transfer = transfer_at(period_s);
         Vector3 set_V = testing::random_vector(random, 3.0);
         Vector3 own_V = Vector3::Zero(); // the law's own variation
@@ -103,7 +103,7 @@ TEST(BumplessTransfer, LetsParametersGlideToWhatIsWanted) {
         const double left = std::exp(-tick * kPeriod_s / kGlide_s);
         for (const control::Parameter &parameter : control::kParameters) {
             const double end = wanted.tuning.*parameter.value;
-            const double range = parameter.highest - parameter.lowest;
+            const double range = parameter.maximum - parameter.minimum;
             EXPECT_NEAR(now.*parameter.value, end + left * (start.*parameter.value - end),
                         1e-6 * range) // the final step
                 << parameter.name;
@@ -129,7 +129,7 @@ TEST(BumplessTransfer, MovesTheCancelledVoltageNoFasterThanAChangeMay) {
                          (now_Ohm - before_Ohm) * device.motor[0].peak_current_A / period_s);
             before_Ohm = now_Ohm;
         }
-        EXPECT_NEAR(fastest_V_per_s, kGreatestChange_V_per_s, 1e-6);
+        EXPECT_NEAR(fastest_V_per_s, kMaxChange_V_per_s, 1e-6);
     }
 }
 

@@ -27,8 +27,8 @@ struct Case {
 };
 
 double coldest_limit_Ohm(const device::MotorParameters &motor) {
-    return (1.0 - device::kLeastResidualShare) *
-           device::least_resistance_Ohm(motor, device::kColdestAir_C);
+    return (1.0 - device::kMinResidualShare) *
+           device::min_resistance_Ohm(motor, device::kColdestAir_C);
 }
 
 control::Configuration at(const device::DeviceDescription &device, const Vector3 &q_rad) {
@@ -41,8 +41,8 @@ control::Configuration at(const device::DeviceDescription &device, const Vector3
 
 class CommandLimiter : public ::testing::Test {
 protected:
-    double any(double lowest, double highest) {
-        return std::uniform_real_distribution<double>(lowest, highest)(random);
+    double any(double minimum, double maximum) {
+        return std::uniform_real_distribution<double>(minimum, maximum)(random);
     }
 
     Case any_case(const device::DeviceDescription &device) {
@@ -71,7 +71,7 @@ Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_h
     for (Eigen::Index j = 0; j < 3; ++j) {
         const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
         dR_Ohm[j] = std::max(motor.resistance_Ohm * (1.0 - motor.commutation_ripple) - R_hat_Ohm[j],
-                             device::kLeastResidualShare * motor.resistance_Ohm);
+                             device::kMinResidualShare * motor.resistance_Ohm);
     }
     return dR_Ohm;
 }
@@ -97,10 +97,10 @@ TEST_F(CommandLimiter, SettlingForceAndCurrentsKeepWithinTheirLimits) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
         const Vector3 current_A = settling_A(c, result.command);
-        const double least_A = std::min(c.inputs.limits.current_A, 5.5);
+        const double min_A = std::min(c.inputs.limits.current_A, 5.5);
         ASSERT_LE(force_N(c, current_A), kLimiterShare * c.inputs.limits.tip_force_N * (1 + 1e-9))
             << run;
-        ASSERT_LE(current_A.cwiseAbs().maxCoeff(), kLimiterShare * least_A * (1 + 1e-9)) << run;
+        ASSERT_LE(current_A.cwiseAbs().maxCoeff(), kLimiterShare * min_A * (1 + 1e-9)) << run;
         ASSERT_LE(result.command.e_W_V.cwiseAbs().maxCoeff(),
                   std::min(12.0, c.inputs.limits.voltage_V));
         ASSERT_EQ(result.held_back.force, result.force_share < 1.0);
@@ -146,15 +146,15 @@ TEST_F(CommandLimiter, WindingsOfUnequalWarmthPassTheShareButByLittle) {
         const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
         const Vector3 dR_Ohm = residual_Ohm(c.device, command.cancelled_resistance_Ohm);
         const Vector3 end_A = settling_A(c, command);
-        double most = 0.0;
+        double maximum = 0.0;
         for (int step = 0; step < 28; ++step) {
             const double time_s = 1e-5 * std::pow(1.4, step); // to 0.1 s
             const Vector3 left = (-time_s / c.device.motor[0].inductance_H * dR_Ohm).array().exp();
-            most = std::max(most, force_N(c, end_A - end_A.cwiseProduct(left)) /
-                                      c.inputs.limits.tip_force_N);
+            maximum = std::max(maximum, force_N(c, end_A - end_A.cwiseProduct(left)) /
+                                            c.inputs.limits.tip_force_N);
         }
-        worst = std::max(worst, most);
-        ways_beyond += most > 1.0 ? 1 : 0;
+        worst = std::max(worst, maximum);
+        ways_beyond += maximum > 1.0 ? 1 : 0;
     }
     EXPECT_GT(worst, kLimiterShare + 1e-6); // not vacuous
     EXPECT_LT(worst, 1.1);
@@ -175,10 +175,10 @@ TEST_F(CommandLimiter, WhatNeedsNoLimitingPassesBitForBit) {
         const Vector3 q_rad = device::joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
         device::JointLimits within = c.device.joint_limits;
         const double margin_rad = c.device.edge.margin_rad;
-        within.lowest_rad.array() += margin_rad;
-        within.highest_rad.array() -= margin_rad;
-        within.least_q3_minus_q2_rad += margin_rad;
-        within.greatest_q3_minus_q2_rad -= margin_rad;
+        within.min_rad.array() += margin_rad;
+        within.max_rad.array() -= margin_rad;
+        within.min_q3_minus_q2_rad += margin_rad;
+        within.max_q3_minus_q2_rad -= margin_rad;
         const double share = std::max(
             {force_N(c, current_A) / (kLimiterShare * c.inputs.limits.tip_force_N),
              current_A.cwiseAbs().maxCoeff() /
@@ -253,7 +253,7 @@ TEST_F(CommandLimiter, TheEdgePushesThroughWhateverTheTuningIs) {
     // The soft wall's torque acts at the joint: k_T e_W/dR N equals that of its spring.
     const device::DeviceDescription &device = devices[0];
     const double beyond_rad = 0.01;
-    const double q1_rad = device.joint_limits.highest_rad[0] - device.edge.margin_rad + beyond_rad;
+    const double q1_rad = device.joint_limits.max_rad[0] - device.edge.margin_rad + beyond_rad;
     for (const double R_hat_Ohm : {0.0, 1.0, 2.0}) {
         Case c = any_case(device);
         c.inputs.now = at(device, Vector3(q1_rad, 0.2, 0.1));

@@ -166,16 +166,16 @@ TEST(EnergyObserver, AModelThatHoldsTooMuchAccusesNobody) {
     EnergyObserver observer(kForgetsNothing_s);
     const Spring force{1000.0};
     const Spring model{2000.0};
-    double greatest_J = 0.0;
+    double max_J = 0.0;
     for (int turn = 0; turn < 20; ++turn) {
         for (int step = 0; step <= 100; ++step) {
             const double share = std::sin(std::numbers::pi * step / 100);
             const Vector3 tip_m(0.0, -5e-3 * share, 0.0);
             observer.update(tip_m, force.force_N(tip_m), model.stored_J(tip_m), 0.0, kLimit_J);
-            greatest_J = std::max(greatest_J, observer.generated_J());
+            max_J = std::max(max_J, observer.generated_J());
         }
     }
-    EXPECT_LT(greatest_J, 1e-13);
+    EXPECT_LT(max_J, 1e-13);
 }
 
 TEST(EnergyObserver, StartsAnewAfterAReset) {

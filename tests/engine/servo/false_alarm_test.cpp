@@ -64,7 +64,7 @@ void run(testing::FaultTrial &rig, double until_s, Extremes &seen) {
         seen.energy_J = std::max(seen.energy_J, sample.generated_energy_J);
     }
     EXPECT_FALSE(rig.has_tripped()) << description(rig.last.safety);
-    seen.force_N = std::max(seen.force_N, rig.greatest_force_N());
+    seen.force_N = std::max(seen.force_N, rig.max_force_N());
     seen.touched += touched ? 1 : 0;
     ++seen.runs;
 }

@@ -99,7 +99,7 @@ TEST(FaultInjection, WhicheverCauseIsFirst) {
     std::mt19937 random(43);
     int tripped = 0;
     std::array<int, testing::kTripCauses> by_cause{};
-    double greatest_N = 0.0;
+    double max_N = 0.0;
     for (int i = 0; i < kAny && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
@@ -114,14 +114,14 @@ TEST(FaultInjection, WhicheverCauseIsFirst) {
             ++by_cause[static_cast<std::size_t>(rig.last.safety.cause)];
             rig.expect_latched();
         }
-        greatest_N = std::max(greatest_N, rig.greatest_force_N());
+        max_N = std::max(max_N, rig.max_force_N());
     }
     EXPECT_GT(tripped, kAny / 4);
     RecordProperty("tripped", tripped);
     for (std::size_t cause = 0; cause < by_cause.size(); ++cause) {
         RecordProperty(std::string(kTripCauseNames[cause]), by_cause[cause]);
     }
-    RecordProperty("greatest_force_N", std::to_string(greatest_N));
+    RecordProperty("greatest_force_N", std::to_string(max_N));
 }
 
 } // namespace

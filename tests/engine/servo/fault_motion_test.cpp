@@ -83,22 +83,22 @@ Vector3 angles_near(std::mt19937 &random, const device::JointLimits &stops, int 
         Vector3 q(testing::uniform(random, -0.7, 0.7), testing::uniform(random, -0.5, 1.9), 0.0);
         q[2] = q[1] + testing::uniform(random, -0.8, 0.7);
         if (stop < 2) {
-            q[0] = stop == 0 ? stops.highest_rad[0] - near_rad : stops.lowest_rad[0] + near_rad;
+            q[0] = stop == 0 ? stops.max_rad[0] - near_rad : stops.min_rad[0] + near_rad;
         } else if (stop == 2) {
-            q[1] = stops.highest_rad[1] - near_rad;
+            q[1] = stops.max_rad[1] - near_rad;
         } else if (stop == 3) {
-            q[2] = stops.lowest_rad[2] + near_rad;
+            q[2] = stops.min_rad[2] + near_rad;
         } else {
-            q[2] = q[1] + (stop == 4 ? stops.greatest_q3_minus_q2_rad - near_rad
-                                     : stops.least_q3_minus_q2_rad + near_rad);
+            q[2] = q[1] + (stop == 4 ? stops.max_q3_minus_q2_rad - near_rad
+                                     : stops.min_q3_minus_q2_rad + near_rad);
         }
-        const std::array<double, 7> off{stops.highest_rad[0] - q[0],
-                                        q[0] - stops.lowest_rad[0],
-                                        stops.highest_rad[1] - q[1],
-                                        q[2] - stops.lowest_rad[2],
-                                        stops.greatest_q3_minus_q2_rad - (q[2] - q[1]),
-                                        q[2] - q[1] - stops.least_q3_minus_q2_rad,
-                                        stops.highest_rad[2] - q[2]};
+        const std::array<double, 7> off{stops.max_rad[0] - q[0],
+                                        q[0] - stops.min_rad[0],
+                                        stops.max_rad[1] - q[1],
+                                        q[2] - stops.min_rad[2],
+                                        stops.max_q3_minus_q2_rad - (q[2] - q[1]),
+                                        q[2] - q[1] - stops.min_q3_minus_q2_rad,
+                                        stops.max_rad[2] - q[2]};
         bool alone = std::cos(q[1]) + std::sin(q[2]) > 0.4; // the base is not near its axis
         for (std::size_t other = 0; other < off.size(); ++other) {
             alone = alone && (static_cast<int>(other) == stop || off[other] > kOff_rad);

@@ -37,11 +37,11 @@ TEST(FaultInjection, MissedDeadlines) {
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.force_is_bounded = false; // the servo is not running to bound it
-        const double most = testing::log_uniform(random, 1.0, 70.0);
+        const double maximum = testing::log_uniform(random, 1.0, 70.0);
         std::uint32_t in_a_row = 0;
         rig.timing = [&] {
             const auto missed =
-                static_cast<std::uint32_t>(testing::uniform(random, 1.0, most + 1.0));
+                static_cast<std::uint32_t>(testing::uniform(random, 1.0, maximum + 1.0));
             rig.device().pass_by(static_cast<int>(missed));
             in_a_row += missed;
             return TickTiming{missed, in_a_row};

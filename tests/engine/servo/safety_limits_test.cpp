@@ -39,7 +39,7 @@ TEST(SafetyLimits, OfMotorsThatDifferTheOneThatBearsMostCounts) {
     device::DeviceDescription device = testing::phantom_1_0();
     device.motor[1].supply_V = 24.0;
     device.motor[2].peak_current_A = 9.0;
-    device.motor[0].thermal.greatest_winding_C = 155.0;
+    device.motor[0].thermal.max_winding_C = 155.0;
     const SafetyLimits limits = limits_of(device);
     EXPECT_EQ(limits.voltage_V, 24.0);
     EXPECT_EQ(limits.current_A, 9.0);

@@ -156,10 +156,10 @@ TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
     start_up();
     Observation loaded = calm();
     loaded.current_A = Vector3(0.0, 3.5, 0.0);
-    const double limit_C = device.motor[1].thermal.greatest_winding_C;
+    const double limit_C = device.motor[1].thermal.max_winding_C;
     int ticks = 0;
     while (monitor.status().state != SafetyState::tripped && ticks < 60000) {
-        EXPECT_LE(monitor.windings()[1].greatest_C, limit_C);
+        EXPECT_LE(monitor.windings()[1].max_C, limit_C);
         pass(loaded);
         ++ticks;
     }
@@ -181,8 +181,8 @@ TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
 
 TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
     start_up();
-    const double limit_Ohm = (1.0 - device::kLeastResidualShare) *
-                             device::least_resistance_Ohm(device.motor[0], device::kColdestAir_C);
+    const double limit_Ohm = (1.0 - device::kMinResidualShare) *
+                             device::min_resistance_Ohm(device.motor[0], device::kColdestAir_C);
     device::DeviceCommand wanted = little();
     wanted.cancelled_resistance_Ohm =
         Vector3(0.999 * limit_Ohm, 1.001 * limit_Ohm, device.motor[2].resistance_Ohm);
@@ -211,7 +211,7 @@ TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
     for (int i = 0; i < 60000; ++i) {
         const double R_hat_Ohm = pass(calm(), {}, wanted).cancelled_resistance_Ohm[0];
         ASSERT_LT(R_hat_Ohm,
-                  device::least_resistance_Ohm(device.motor[0], monitor.windings()[0].least_C));
+                  device::min_resistance_Ohm(device.motor[0], monitor.windings()[0].min_C));
     }
     EXPECT_TRUE(monitor.windings()[0].is_limited);
 }

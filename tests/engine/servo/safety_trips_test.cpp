@@ -252,14 +252,14 @@ TEST_F(SafetyTrips, AnglesBeyondTheStops) {
         return tick;
     };
     for (const double sign : {-1.0, 1.0}) {
-        Vector3 q_rad(sign > 0.0 ? limits.highest_rad[0] : limits.lowest_rad[0], 0.2, 0.1);
+        Vector3 q_rad(sign > 0.0 ? limits.max_rad[0] : limits.min_rad[0], 0.2, 0.1);
         const Vector3 out_rad(sign * give_rad, 0.0, 0.0);
         monitor = SafetyMonitor(device, kPeriod_s);
         expect_line(at_q(q_rad + 0.999 * out_rad), at_q(q_rad + 1.001 * out_rad),
                     TripCause::beyond_stops);
         expect_numbers(at_q(q_rad + 1.001 * out_rad), 1.001 * give_rad, give_rad);
         const double fold_rad =
-            sign > 0.0 ? limits.greatest_q3_minus_q2_rad : limits.least_q3_minus_q2_rad;
+            sign > 0.0 ? limits.max_q3_minus_q2_rad : limits.min_q3_minus_q2_rad;
         q_rad = Vector3(0.0, 0.9, 0.9 + fold_rad);
         const Vector3 folded_rad(0.0, 0.0, sign * give_rad);
         expect_line(at_q(q_rad + 0.999 * folded_rad), at_q(q_rad + 1.001 * folded_rad),

@@ -75,7 +75,7 @@ ServoInputs any_inputs(std::mt19937_64 &random) {
     ServoInputs inputs;
     for (const control::Parameter &parameter : control::kParameters) {
         inputs.tuning.*parameter.value =
-            parameter.lowest + share(random) * (parameter.highest - parameter.lowest);
+            parameter.minimum + share(random) * (parameter.maximum - parameter.minimum);
     }
     inputs.tuning.map = static_cast<control::MotionMap>(random() % 2);
     inputs.tuning.alpha_mode = static_cast<control::AlphaMode>(random() % 3);

@@ -30,7 +30,7 @@ using testing::kStartUp_s;
 using testing::plate;
 using testing::Rig;
 
-constexpr double kBound_V = kGreatestChange_V_per_s * kPeriod_s;
+constexpr double kBound_V = kMaxChange_V_per_s * kPeriod_s;
 
 /// A firm hand presses on the plate where the maps differ, and slides along it slowly.
 simulated::SimulationOptions firm_contact() {
@@ -70,7 +70,7 @@ Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
 struct Change {
     std::string name;
     std::function<void(ServoInputs &)> make;
-    double least_V = 0.0; ///< minimum step of e_W without bumpless transfer
+    double min_V = 0.0; ///< minimum step of e_W without bumpless transfer
 };
 
 /// The largest step of e_W due to a change alone, and the largest offset.
@@ -121,8 +121,8 @@ TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
     };
     for (const control::Parameter &parameter : control::kParameters) {
         const double now = firm_tuning().*parameter.value;
-        for (const double value : {parameter.lowest, 0.5 * (parameter.lowest + now),
-                                   std::min(1.5 * now + 0.3, parameter.highest)}) {
+        for (const double value : {parameter.minimum, 0.5 * (parameter.minimum + now),
+                                   std::min(1.5 * now + 0.3, parameter.maximum)}) {
             const Change change{
                 std::string(parameter.name) + " to " + std::to_string(value),
                 [&](ServoInputs &inputs) { inputs.tuning.*parameter.value = value; }};
@@ -166,7 +166,7 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWByNoMoreThanTheyMay) 
     for (const auto &[change, first] : changes) {
         const Felt felt = feel(change, first);
         EXPECT_LE(felt.step_V, kBound_V + 1e-9) << change.name;
-        EXPECT_GT(felt.carried_V, change.least_V) << change.name; // not vacuous
+        EXPECT_GT(felt.carried_V, change.min_V) << change.name; // not vacuous
         EXPECT_GT(felt.ticks, 100) << change.name;
     }
 }
@@ -177,7 +177,7 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
     rig.run(kStartUp_s + 0.8);
     const control::HapticLaw law(rig.device().description());
     ServoSample before = rig.tick();
-    double most_V = 0.0;
+    double max_V = 0.0;
     for (int tick = 0; tick < 600; ++tick) {
         if (tick % 7 == 0) {
             control::Tuning &tuning = rig.inputs.tuning;
@@ -192,10 +192,10 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
         ASSERT_FALSE(now.held_back.force || now.held_back.voltage) << tick;
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
         ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
-        most_V = std::max(most_V, now.carried_V.cwiseAbs().maxCoeff());
+        max_V = std::max(max_V, now.carried_V.cwiseAbs().maxCoeff());
         before = now;
     }
-    EXPECT_GT(most_V, 0.3);
+    EXPECT_GT(max_V, 0.3);
 }
 
 TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
@@ -277,7 +277,7 @@ TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
     ASSERT_EQ(from, firm_tuning());
     control::Tuning to = from;
     for (const control::Parameter &parameter : control::kParameters) {
-        to.*parameter.value += 0.1 * (parameter.highest - to.*parameter.value);
+        to.*parameter.value += 0.1 * (parameter.maximum - to.*parameter.value);
     }
     to.dR_Ohm = from.dR_Ohm;
     rig.inputs.tuning = to;
@@ -313,7 +313,7 @@ TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
             before_Ohm += moved_Ohm;
         }
         // A step of 1 Ω or more exceeds the limit at either rate.
-        EXPECT_NEAR(fastest_V_per_s, kGreatestChange_V_per_s, 1e-6) << servo_hz;
+        EXPECT_NEAR(fastest_V_per_s, kMaxChange_V_per_s, 1e-6) << servo_hz;
         dR_Ohm = 0.3;
     }
 }

@@ -151,25 +151,25 @@ TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
 }
 
 /// The maximum force on a hand that moves at a constant 30 mm/s along an axis, in newtons.
-double greatest_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
+double max_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
     Rig rig(following({{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * axis}}));
     rig.inputs.tuning =
         control::read_tuning_file(testing::assets() / "tunings" / (std::string(tuning) + ".toml"));
     rig.run(kStartUp_s + 1.2);
-    double greatest_N = 0.0;
+    double max_N = 0.0;
     for (int i = 0; i < 1400; ++i) {
         rig.tick();
-        greatest_N = std::max(greatest_N, rig.truth().hand_force_N.norm());
+        max_N = std::max(max_N, rig.truth().hand_force_N.norm());
     }
     EXPECT_GT(rig.truth().tip_velocity_m_per_s.dot(axis), 0.02); // not vacuous
-    return greatest_N;
+    return max_N;
 }
 
 TEST(ServoLoop, FreeSpaceIsFree) {
     // The remainder is mostly the ripple of single encoder counts, proportional to 1/dR and λ.
     for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
-        EXPECT_LT(greatest_force_on_a_slow_hand_N("soft", axis), 0.05) << axis.transpose();
-        EXPECT_LT(greatest_force_on_a_slow_hand_N("firm", axis), 0.05) << axis.transpose();
+        EXPECT_LT(max_force_on_a_slow_hand_N("soft", axis), 0.05) << axis.transpose();
+        EXPECT_LT(max_force_on_a_slow_hand_N("firm", axis), 0.05) << axis.transpose();
         // The tuning "stiffest" trades transparency for stiffness: the force of a count is up to
         // that of the inductive spring (4), K_L count N/l, largest at the base motor.
         const device::DeviceDescription device = testing::phantom_1_0();
@@ -177,8 +177,7 @@ TEST(ServoLoop, FreeSpaceIsFree) {
                                    std::numbers::pi / device.encoder_counts_per_turn *
                                    device.geometry.transmission_ratio[0] /
                                    device.geometry.upper_arm_m;
-        EXPECT_LT(greatest_force_on_a_slow_hand_N("stiffest", axis), one_count_N)
-            << axis.transpose();
+        EXPECT_LT(max_force_on_a_slow_hand_N("stiffest", axis), one_count_N) << axis.transpose();
     }
 }
 
@@ -341,13 +340,13 @@ TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
         rig.run(kStartUp_s + 2.0);
         const double before_N = rig.tick().tip_force_N.norm();
         rig.inputs.tuning = tuning(to);
-        double greatest_N = 0.0;
+        double max_N = 0.0;
         for (int i = 0; i < 1000; ++i) {
-            greatest_N = std::max(greatest_N, rig.tick().tip_force_N.norm());
+            max_N = std::max(max_N, rig.tick().tip_force_N.norm());
         }
         const double after_N = rig.tick().tip_force_N.norm();
         EXPECT_GT(before_N, 1.0);
-        EXPECT_LT(greatest_N, std::max(before_N, after_N) + 1.0) << from << " to " << to;
+        EXPECT_LT(max_N, std::max(before_N, after_N) + 1.0) << from << " to " << to;
     }
 }
 

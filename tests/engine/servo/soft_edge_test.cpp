@@ -84,7 +84,7 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
     EXPECT_TRUE(met);
     EXPECT_GT(before_stop_Nm, 0.2);
     EXPECT_GT(share, 0.5); // of a spring alone; the rest is ripple, friction and lag
-    EXPECT_LT(rig.greatest_force_N(), device.limits.tip_force_N);
+    EXPECT_LT(rig.max_force_N(), device.limits.tip_force_N);
 }
 
 TEST(SoftEdge, IsMetBeforeEveryStopInEveryMap) {

@@ -32,8 +32,8 @@ constexpr std::chrono::milliseconds kStop{2000}; ///< longer than any limit of t
 struct Account {
     std::atomic<std::uint64_t> ticks{0};
     SafetyStatus last_safety;
-    double greatest_e_W_after_V = 0.0; ///< since the first tick after the stop
-    double longest_step_s = 0.0;       ///< of the device's time between two ticks
+    double max_e_W_after_V = 0.0; ///< since the first tick after the stop
+    double longest_step_s = 0.0;  ///< of the device's time between two ticks
     std::uint64_t missed_deadlines = 0;
 };
 
@@ -49,8 +49,8 @@ void run(device::HapticDevice &device, Account &account) {
         account.last_safety = sample.safety;
         if (account.missed_deadlines >= kMissed) {
             ++later;
-            account.greatest_e_W_after_V =
-                std::max(account.greatest_e_W_after_V, sample.command.e_W_V.cwiseAbs().maxCoeff());
+            account.max_e_W_after_V =
+                std::max(account.max_e_W_after_V, sample.command.e_W_V.cwiseAbs().maxCoeff());
         }
         account.ticks = sample.tick + 1;
     };
@@ -122,7 +122,7 @@ TEST(StoppedProcess, ADeviceOfItsOwnClockTripsForTheDeadlinesAndGetsNothing) {
     const Account &account = process.account();
     EXPECT_EQ(account.last_safety.state, SafetyState::tripped);
     EXPECT_EQ(account.last_safety.cause, TripCause::missed_deadlines);
-    EXPECT_EQ(account.greatest_e_W_after_V, 0.0);
+    EXPECT_EQ(account.max_e_W_after_V, 0.0);
 }
 
 } // namespace

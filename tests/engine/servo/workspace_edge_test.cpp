@@ -14,8 +14,8 @@ namespace springdrive::servo {
 namespace {
 
 /// How far `value` is outside [lowest, highest], without a sign.
-double outside(double value, double lowest, double highest) {
-    return std::max({0.0, lowest - value, value - highest});
+double outside(double value, double minimum, double maximum) {
+    return std::max({0.0, minimum - value, value - maximum});
 }
 
 /// ½ K for each of the three joints and the fold, squared.
@@ -24,12 +24,12 @@ double potential_J(const device::DeviceDescription &device, const Vector3 &q_rad
     const double margin_rad = device.edge.margin_rad;
     double sum = 0.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const double over_rad = outside(q_rad[j], limits.lowest_rad[j] + margin_rad,
-                                        limits.highest_rad[j] - margin_rad);
+        const double over_rad =
+            outside(q_rad[j], limits.min_rad[j] + margin_rad, limits.max_rad[j] - margin_rad);
         sum += over_rad * over_rad;
     }
-    const double over_rad = outside(q_rad[2] - q_rad[1], limits.least_q3_minus_q2_rad + margin_rad,
-                                    limits.greatest_q3_minus_q2_rad - margin_rad);
+    const double over_rad = outside(q_rad[2] - q_rad[1], limits.min_q3_minus_q2_rad + margin_rad,
+                                    limits.max_q3_minus_q2_rad - margin_rad);
     return 0.5 * device.edge.stiffness_Nm_per_rad * (sum + over_rad * over_rad);
 }
 
@@ -72,17 +72,17 @@ TEST_F(WorkspaceEdgeTest, AtRestItIsTheGradientOfAPotential) {
 TEST_F(WorkspaceEdgeTest, IsNothingWithinWhateverTheSpeed) {
     device::JointLimits within = device.joint_limits;
     const double margin_rad = device.edge.margin_rad;
-    within.lowest_rad.array() += margin_rad;
-    within.highest_rad.array() -= margin_rad;
-    within.least_q3_minus_q2_rad += margin_rad;
-    within.greatest_q3_minus_q2_rad -= margin_rad;
+    within.min_rad.array() += margin_rad;
+    within.max_rad.array() -= margin_rad;
+    within.min_q3_minus_q2_rad += margin_rad;
+    within.max_q3_minus_q2_rad -= margin_rad;
     int tried = 0;
     for (int run = 0; run < 20'000; ++run) {
         const Vector3 q_rad = any_angles(random);
         if (within.allow(q_rad)) {
             ++tried;
             ASSERT_TRUE(torque_Nm(q_rad, testing::random_vector(random, 50.0)).isZero(0.0));
-            ASSERT_EQ(beyond_limits(device.joint_limits, q_rad, margin_rad).greatest_rad(), 0.0);
+            ASSERT_EQ(beyond_limits(device.joint_limits, q_rad, margin_rad).max_excess_rad(), 0.0);
         }
     }
     EXPECT_GT(tried, 500);
@@ -114,8 +114,8 @@ TEST_F(WorkspaceEdgeTest, OnlyPushesBack) {
         for (const double sign : {-1.0, 1.0}) {
             Vector3 q_rad = middle_rad;
             const double margin_rad = device.edge.margin_rad;
-            const double edge_rad = sign > 0.0 ? device.joint_limits.highest_rad[j] - margin_rad
-                                               : device.joint_limits.lowest_rad[j] + margin_rad;
+            const double edge_rad = sign > 0.0 ? device.joint_limits.max_rad[j] - margin_rad
+                                               : device.joint_limits.min_rad[j] + margin_rad;
             q_rad[j] = edge_rad + sign * 0.02;
             if (j == 1) {
                 q_rad[2] = q_rad[1]; // not folded
@@ -142,8 +142,8 @@ TEST_F(WorkspaceEdgeTest, OnlyPushesBack) {
 TEST_F(WorkspaceEdgeTest, TheFoldPushesBothLinksAlike) {
     for (const double sign : {-1.0, 1.0}) {
         const double edge_rad =
-            sign > 0.0 ? device.joint_limits.greatest_q3_minus_q2_rad - device.edge.margin_rad
-                       : device.joint_limits.least_q3_minus_q2_rad + device.edge.margin_rad;
+            sign > 0.0 ? device.joint_limits.max_q3_minus_q2_rad - device.edge.margin_rad
+                       : device.joint_limits.min_q3_minus_q2_rad + device.edge.margin_rad;
         const Vector3 q_rad(0.0, 1.0, 1.0 + edge_rad + sign * 0.01);
         const Vector3 found_Nm = torque_Nm(q_rad);
         EXPECT_EQ(found_Nm[0], 0.0);
@@ -177,14 +177,13 @@ TEST_F(WorkspaceEdgeTest, NeverGivesEnergyToWhoeverMoves) {
 
 TEST_F(WorkspaceEdgeTest, BeyondLimitsNamesEachByItsSign) {
     const device::JointLimits &limits = device.joint_limits;
-    const BeyondLimits low = beyond_limits(limits, limits.lowest_rad - Vector3(0.1, 0.2, 0.3), 0.0);
+    const BeyondLimits low = beyond_limits(limits, limits.min_rad - Vector3(0.1, 0.2, 0.3), 0.0);
     EXPECT_LT((low.joint_rad + Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
-    const BeyondLimits high =
-        beyond_limits(limits, limits.highest_rad + Vector3(0.1, 0.2, 0.3), 0.0);
+    const BeyondLimits high = beyond_limits(limits, limits.max_rad + Vector3(0.1, 0.2, 0.3), 0.0);
     EXPECT_LT((high.joint_rad - Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
-    const Vector3 folded(0.0, 0.8, 0.8 + limits.least_q3_minus_q2_rad - 0.05);
+    const Vector3 folded(0.0, 0.8, 0.8 + limits.min_q3_minus_q2_rad - 0.05);
     EXPECT_NEAR(beyond_limits(limits, folded, 0.0).fold_rad, -0.05, 1e-12);
-    EXPECT_NEAR(beyond_limits(limits, folded, 0.0).greatest_rad(), 0.05, 1e-12);
+    EXPECT_NEAR(beyond_limits(limits, folded, 0.0).max_excess_rad(), 0.05, 1e-12);
 }
 
 } // namespace

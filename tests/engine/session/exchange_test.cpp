@@ -90,9 +90,9 @@ struct Sum {
         worst.felt += part.felt;
         worst.scenes += part.scenes;
         worst.rates += part.rates;
-        worst.greatest_share = std::max(worst.greatest_share, part.greatest_share);
-        worst.greatest_step_V = std::max(worst.greatest_step_V, part.greatest_step_V);
-        worst.greatest_carried_V = std::max(worst.greatest_carried_V, part.greatest_carried_V);
+        worst.max_share = std::max(worst.max_share, part.max_share);
+        worst.max_step_V = std::max(worst.max_step_V, part.max_step_V);
+        worst.max_carried_V = std::max(worst.max_carried_V, part.max_carried_V);
     }
 };
 
@@ -151,9 +151,9 @@ void note(const Sum &all) {
     ::testing::Test::RecordProperty("scenes", std::to_string(all.worst.scenes));
     ::testing::Test::RecordProperty("rates", std::to_string(all.worst.rates));
     ::testing::Test::RecordProperty("parts", std::to_string(all.parts));
-    ::testing::Test::RecordProperty("step_V", std::to_string(all.worst.greatest_step_V));
-    ::testing::Test::RecordProperty("share", std::to_string(all.worst.greatest_share));
-    ::testing::Test::RecordProperty("carried_V", std::to_string(all.worst.greatest_carried_V));
+    ::testing::Test::RecordProperty("step_V", std::to_string(all.worst.max_step_V));
+    ::testing::Test::RecordProperty("share", std::to_string(all.worst.max_share));
+    ::testing::Test::RecordProperty("carried_V", std::to_string(all.worst.max_carried_V));
 }
 
 void exchange_in_every_order(bool apart) {
@@ -168,7 +168,7 @@ void exchange_in_every_order(bool apart) {
     EXPECT_GT(all.worst.felt, 10'000U); // not vacuous
     EXPECT_GE(all.worst.scenes, 9U);
     EXPECT_GE(all.worst.rates, 9U);
-    EXPECT_GT(all.worst.greatest_carried_V, 0.2);
+    EXPECT_GT(all.worst.max_carried_V, 0.2);
 }
 
 TEST(Exchange, InContactOneAfterTheOtherInEveryOrderJoltsNothing) { exchange_in_every_order(true); }

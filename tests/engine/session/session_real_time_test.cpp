@@ -137,7 +137,7 @@ void turn_every_knob(Touch &touch) {
         }
     }
     for (const control::Parameter &parameter : control::kParameters) {
-        for (const double value : {parameter.lowest, parameter.highest}) {
+        for (const double value : {parameter.minimum, parameter.maximum}) {
             control::Tuning tuning;
             tuning.*parameter.value = value;
             touch.session().servo().tune(tuning);

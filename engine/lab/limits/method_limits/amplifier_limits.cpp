@@ -29,12 +29,12 @@ bool settles(const device::MotorParameters &motor, double e_W_V, double rate_rad
 /// K_P (θ_Sd − θ)/dR reaches the peak current, or what the supply drives through R at standstill.
 LimitTrial at_standstill(const device::MotorParameters &motor) {
     const control::Tuning tuning;
-    const double greatest_A = std::min(motor.peak_current_A, motor.supply_V / motor.resistance_Ohm);
+    const double max_A = std::min(motor.peak_current_A, motor.supply_V / motor.resistance_Ohm);
     return {{kMotorMethod,
              "θ_Sd − θ above",
              "°",
-             "tuning firm, rotor held: the amplifier is limited to " + with_unit(greatest_A, "A"),
-             kDegreesPerRadian * greatest_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
+             "tuning firm, rotor held: the amplifier is limited to " + with_unit(max_A, "A"),
+             kDegreesPerRadian * max_A * tuning.dR_Ohm / tuning.K_P_V_per_rad,
              {},
              {}},
             1e-2,

@@ -114,15 +114,14 @@ LimitTrial guarded(const device::DeviceDescription &device) {
     const double coldest = 1.0 + rise_per_K * (device::kColdestAir_C -
                                                device::kReferenceTemperature_C); // of R at 25 °C
     const double R_hat_Ohm =
-        device::WindingGuard(motor, device.amplifier.greatest_cancelled_Ohm, 1.0)
-            .greatest_cancelled_Ohm();
+        device::WindingGuard(motor, device.amplifier.max_cancelled_Ohm, 1.0).max_cancelled_Ohm();
     return {{fmt::format("{}, guarded", kCancellationMethod),
              "winding cooler than",
              "°C",
              fmt::format("dR 0 requested, worst angle; the guard assumes air of {} or more",
                          with_unit(device::kColdestAir_C, "°C")),
              device::kReferenceTemperature_C +
-                 ((1.0 - device::kLeastResidualShare) * coldest - 1.0) / rise_per_K,
+                 ((1.0 - device::kMinResidualShare) * coldest - 1.0) / rise_per_K,
              {},
              {}},
             device::kReferenceTemperature_C,

@@ -23,8 +23,8 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kLowest_hz = 1.0;
-constexpr double kHighest_hz = 200.0;
+constexpr double kMin_hz = 1.0;
+constexpr double kMax_hz = 200.0;
 
 double rate_rad_per_s(double frequency_hz) { return 2.0 * std::numbers::pi * frequency_hz; }
 
@@ -154,7 +154,7 @@ double measured_deg(const loops::StabilityCase &which, double frequency_hz) {
 LimitTrial direction_trial(const loops::StabilityCase &which) {
     const loops::PlanarContact contact = planar_contact(which);
     const double predicted_hz =
-        last_that_holds({kLowest_hz, kHighest_hz}, kLimitResolution, [&](double frequency_hz) {
+        last_that_holds({kMin_hz, kMax_hz}, kLimitResolution, [&](double frequency_hz) {
             return predicted_deg(contact, frequency_hz) < control::kNoticeable_deg;
         });
     return {
@@ -169,8 +169,8 @@ LimitTrial direction_trial(const loops::StabilityCase &which) {
          predicted_hz,
          {},
          {}},
-        kLowest_hz,
-        kHighest_hz,
+        kMin_hz,
+        kMax_hz,
         false,
         [=](double frequency_hz) {
             return measured_deg(which, frequency_hz) < control::kNoticeable_deg;

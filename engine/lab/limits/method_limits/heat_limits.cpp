@@ -79,11 +79,11 @@ LimitTrial hot_after(const device::DeviceDescription &device) {
                   "held for longer than",
                   "s",
                   with_unit(kCurrent_A, "A") + ": winding at " +
-                      with_unit(motor.thermal.greatest_winding_C, "°C") + " by the upper estimate",
+                      with_unit(motor.thermal.max_winding_C, "°C") + " by the upper estimate",
                   last_that_holds({0.0, kLongest_s}, kLimitResolution,
                                   [&](double time_s) {
                                       return warming.winding_C(time_s) <
-                                             motor.thermal.greatest_winding_C;
+                                             motor.thermal.max_winding_C;
                                   }),
                   {},
                   {}};
@@ -97,15 +97,15 @@ LimitTrial hot_in_the_end(const device::DeviceDescription &device) {
     constexpr double kLongest_s = 20'000.0;
     const device::MotorParameters &motor = device.motor[1];
     const device::ThermalParameters &t = motor.thermal;
-    const double rise_K = t.greatest_winding_C - device::kWarmestAir_C;
-    const double hot_Ohm = motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
-                           (1.0 + motor.resistance_rise_per_K *
-                                      (t.greatest_winding_C - device::kReferenceTemperature_C));
+    const double rise_K = t.max_winding_C - device::kWarmestAir_C;
+    const double hot_Ohm =
+        motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
+        (1.0 + motor.resistance_rise_per_K * (t.max_winding_C - device::kReferenceTemperature_C));
     return {
         {kMotorMethod,
          "continuous current above",
          "A",
-         "winding at " + with_unit(t.greatest_winding_C, "°C") + " by the upper estimate",
+         "winding at " + with_unit(t.max_winding_C, "°C") + " by the upper estimate",
          std::sqrt(rise_K / ((t.winding_housing_K_per_W + t.housing_ambient_K_per_W) * hot_Ohm)),
          {},
          {}},

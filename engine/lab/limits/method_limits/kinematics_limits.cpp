@@ -37,17 +37,17 @@ double set_point_reach(const device::DeviceDescription &device, double fold_deg,
     constexpr int kDirections = 720;
     const control::Configuration now =
         at_rest(device, Vector3(0.0, 0.0, fold_deg / kDegreesPerRadian));
-    double greatest = 0.0;
+    double maximum = 0.0;
     for (int i = 0; i < kDirections; ++i) {
         const double angle = 2.0 * std::numbers::pi * i / kDirections;
         const control::TipSetPoint target{
             now.tip_m + way_m * Vector3(0.0, std::cos(angle), std::sin(angle)), Vector3::Zero()};
         const std::optional<control::MotorSetPoint> found =
             control::inverse_map(device.geometry, now, target);
-        greatest = std::max(greatest, found ? (found->theta_Sd_rad - now.theta_rad).norm() / way_m
-                                            : HUGE_VAL);
+        maximum = std::max(maximum,
+                           found ? (found->theta_Sd_rad - now.theta_rad).norm() / way_m : HUGE_VAL);
     }
-    return greatest;
+    return maximum;
 }
 
 /// Near q₃ − q₂ = 90° J⁻¹ grows without bound: the smallest singular value of J is l √(1 − |sin(q₃

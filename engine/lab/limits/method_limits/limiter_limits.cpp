@@ -46,9 +46,8 @@ private:
         servo::LimiterInputs inputs{now, servo::limits_of(device_), 1.0, Vector3::Zero()};
         for (std::size_t j = 0; j < 3; ++j) {
             inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
-                device::WindingGuard(device_.motor[j], device_.amplifier.greatest_cancelled_Ohm,
-                                     1.0)
-                    .greatest_cancelled_Ohm();
+                device::WindingGuard(device_.motor[j], device_.amplifier.max_cancelled_Ohm, 1.0)
+                    .max_cancelled_Ohm();
         }
         return servo::limited(device_, law_(now, contact, control::Tuning{}, 0.0).command, inputs)
             .held_back;

@@ -46,15 +46,15 @@ double speed_per_force(const loops::StabilityCase &which) {
     of(loops::StateBlock::theta) = J.inverse() * pressed_m;
     const Matrix3 per_position = law.per_position;
     of(loops::StateBlock::current) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
-    double greatest = 0.0;
+    double maximum = 0.0;
     for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
         state = map * state;
-        greatest = std::max(greatest, Vector3(J * of(loops::StateBlock::rate)).norm());
+        maximum = std::max(maximum, Vector3(J * of(loops::StateBlock::rate)).norm());
         if (Vector3(J * of(loops::StateBlock::theta)).minCoeff() > 0.0) {
             break;
         }
     }
-    return greatest;
+    return maximum;
 }
 
 bool keeps_running(const loops::StabilityCase &which, double force_N, double limit_m_per_s) {
@@ -76,18 +76,18 @@ bool keeps_running(const loops::StabilityCase &which, double force_N, double lim
 
 LimitTrial line_at(const loops::StabilityCase &which, double limit_m_per_s,
                    const std::string &setting) {
-    constexpr double kMost_N = 7.0; // less than the limiter's maximum
+    constexpr double kMax_N = 7.0; // less than the limiter's maximum
     constexpr double kResolution = 1e-4;
     const double predicted_N = limit_m_per_s / speed_per_force(which);
     LimitTrial trial{{"servo",
                       "hand released while pressing with more than",
                       "N",
                       setting,
-                      predicted_N < kMost_N ? std::optional(predicted_N) : std::nullopt,
+                      predicted_N < kMax_N ? std::optional(predicted_N) : std::nullopt,
                       {},
                       {}},
                      0.5,
-                     kMost_N,
+                     kMax_N,
                      false,
                      [=](double force_N) { return keeps_running(which, force_N, limit_m_per_s); }};
     trial.resolution = kResolution;

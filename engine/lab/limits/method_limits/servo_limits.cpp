@@ -82,9 +82,9 @@ bool motion_decays(const loops::StabilityCase &which, int missed) {
 
 /// Worst-case jitter: on time, late, on time, late.
 LimitTrial every_other_tick_late(const loops::StabilityCase &which) {
-    const int most = missed_limit(which);
+    const int maximum = missed_limit(which);
     int predicted = 0;
-    while (predicted < most &&
+    while (predicted < maximum &&
            late_ticks_eigenvalue(which, loops::members(which).front(), predicted + 1) < 1.0) {
         ++predicted;
     }
@@ -96,7 +96,7 @@ LimitTrial every_other_tick_late(const loops::StabilityCase &which) {
              {},
              {}},
             0.0,
-            static_cast<double>(most),
+            static_cast<double>(maximum),
             true,
             [=](double missed) { return motion_decays(which, static_cast<int>(missed)); }};
 }

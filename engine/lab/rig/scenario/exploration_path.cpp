@@ -32,8 +32,8 @@ public:
     [[nodiscard]] double after(double phase, double way_m) const {
         const double slope_m = std::hypot(2.0 * half_m_.x() * std::cos(2.0 * phase),
                                           3.0 * half_m_.z() * std::cos(3.0 * phase));
-        const double least_m = 0.2 * std::max(half_m_.x(), half_m_.z()); // it reverses quickly
-        return phase + way_m / std::max({slope_m, least_m, 1e-4});
+        const double min_m = 0.2 * std::max(half_m_.x(), half_m_.z()); // it reverses quickly
+        return phase + way_m / std::max({slope_m, min_m, 1e-4});
     }
 
 private:
@@ -53,8 +53,8 @@ double height_m(const SurfaceProbe &probe, const Vector3 &point_m) {
 
 /// Below the surface: down and up again, beginning with the touch.
 double depth_m(const Exploration &how, double time_s) {
-    const double middle_m = 0.5 * (how.least_depth_m + how.greatest_depth_m);
-    const double half_m = 0.5 * (how.greatest_depth_m - how.least_depth_m);
+    const double middle_m = 0.5 * (how.min_depth_m + how.max_depth_m);
+    const double half_m = 0.5 * (how.max_depth_m - how.min_depth_m);
     return middle_m + half_m * std::sin(2.0 * kPi * how.press_hz * time_s);
 }
 
@@ -70,8 +70,8 @@ std::vector<simulated::HandPath::Point> points_of(const SurfaceProbe &probe, con
         stop_if_given_up();
         const double since_s = static_cast<double>(i) * kTick_s;
         Vector3 point_m = figure.at(phase);
-        const double most_m = how.climb_m_per_s * kTick_s;
-        y_m = std::clamp(height_m(probe, point_m), y_m - most_m, y_m + most_m);
+        const double max_m = how.climb_m_per_s * kTick_s;
+        y_m = std::clamp(height_m(probe, point_m), y_m - max_m, y_m + max_m);
         point_m.y() = y_m - depth_m(how, since_s);
         points.push_back({begin_s + since_s, point_m});
         phase = figure.after(phase, how.speed_m_per_s * kTick_s);

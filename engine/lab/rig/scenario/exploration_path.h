@@ -12,13 +12,13 @@ namespace springdrive::rig {
 
 /// How it moves.
 struct Exploration {
-    double rest_s = 0.05;            ///< at the start
-    double approach_s = 0.25;        ///< from the start into the surface
-    double duration_s = 2.0;         ///< in all
-    double speed_m_per_s = 0.08;     ///< along the path seen from above
-    double least_depth_m = -0.001;   ///< below the surface, straight down: it leaves contact,
-    double greatest_depth_m = 0.007; ///< returns and presses in, repeatedly,
-    double press_hz = 3.0;           ///< at this frequency
+    double rest_s = 0.05;        ///< at the start
+    double approach_s = 0.25;    ///< from the start into the surface
+    double duration_s = 2.0;     ///< in all
+    double speed_m_per_s = 0.08; ///< along the path seen from above
+    double min_depth_m = -0.001; ///< below the surface, straight down: it leaves contact,
+    double max_depth_m = 0.007;  ///< returns and presses in, repeatedly,
+    double press_hz = 3.0;       ///< at this frequency
     double climb_m_per_s = 0.15; ///< maximum vertical speed: it runs into a wall before it rises
                                  ///< over it
     bool planar = false;         ///< stays in the plane of its start, x = const

@@ -10,8 +10,8 @@ namespace springdrive::rig {
 
 namespace {
 
-constexpr double kLeastDepth_m = 1e-3;
-constexpr double kGreatestDepth_m = 2e-3;
+constexpr double kMinDepth_m = 1e-3;
+constexpr double kMaxDepth_m = 2e-3;
 
 /// Of longitude for each tip [rad]: about 0.1 m/s in the mean on the test sphere at 1 kHz.
 constexpr double kPhaseStep = 2e-3;
@@ -26,9 +26,9 @@ Vector3 direction_of(std::size_t tip) {
 }
 
 /// Swings from one depth to another and back, slowly and out of step with the figure.
-double swing_m(std::size_t tip, double least_m, double greatest_m) {
+double swing_m(std::size_t tip, double min_m, double max_m) {
     const double share = 0.5 + 0.5 * std::sin(2.7e-3 * static_cast<double>(tip));
-    return least_m + share * (greatest_m - least_m);
+    return min_m + share * (max_m - min_m);
 }
 
 PressedTip pressed(const Vector3 &surface_m, const Vector3 &normal, double depth_m) {
@@ -42,7 +42,7 @@ std::vector<PressedTip> tips_in_sphere(std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         const Vector3 direction = direction_of(i).normalized();
         tips.push_back(pressed(kTestSphereRadius_m * direction, direction,
-                               swing_m(i, kLeastDepth_m, kGreatestDepth_m)));
+                               swing_m(i, kMinDepth_m, kMaxDepth_m)));
     }
     return tips;
 }
@@ -54,7 +54,7 @@ std::vector<PressedTip> tips_in_organic_shape(std::size_t count) {
         const Vector3 direction = direction_of(i).normalized();
         const Vector3 point = shape.distance(direction) * direction;
         tips.push_back(pressed(kTestOrganicScale_m * point, shape.outward_normal(point),
-                               swing_m(i, kLeastDepth_m, kGreatestDepth_m)));
+                               swing_m(i, kMinDepth_m, kMaxDepth_m)));
     }
     return tips;
 }

@@ -192,7 +192,7 @@ Scenario press_scenario(const ScenarioSetting &setting, const PressOptions &opti
 
 PressOptions pen_press() {
     PressOptions press;
-    press.hand.greatest_force_N = kNoLimit_N;
+    press.hand.max_force_N = kNoLimit_N;
     return press;
 }
 
@@ -253,7 +253,7 @@ Scenario stroke_scenario(const ScenarioSetting &setting, const StrokeOptions &op
 Scenario tied_scenario(const ScenarioSetting &setting, const TiedOptions &options) {
     constexpr double kWatched_s = 3.0;
     Scenario made = plain(setting);
-    made.device.amplifier.greatest_cancelled_Ohm = HUGE_VAL;
+    made.device.amplifier.max_cancelled_Ohm = HUGE_VAL;
     made.constraint = tied_to(made.start_m + options.aside_m * Vector3(0.6, 0.64, 0.48));
     made.duration_s = kWatched_s;
     made.simulation.quantised_encoders = options.quantisation;

@@ -26,8 +26,8 @@ constexpr std::string_view kSphere = "sphere:";
 constexpr std::string_view kBumpy = "bumpy:";
 constexpr std::string_view kOrganic = "organic:";
 
-constexpr int kFewestDivisions = 3;
-constexpr int kMostDivisions = 8;
+constexpr int kMinDivisions = 3;
+constexpr int kMaxDivisions = 8;
 
 std::size_t triangles_after(int divisions) { return std::size_t{20} << (2 * divisions); }
 
@@ -103,13 +103,13 @@ int divisions_of(std::string_view name, std::string_view count) {
     const char *end = count.data() + count.size();
     const auto [stop, error] = std::from_chars(count.data(), end, triangles);
     std::string choices;
-    for (int divisions = kFewestDivisions; divisions <= kMostDivisions; ++divisions) {
+    for (int divisions = kMinDivisions; divisions <= kMaxDivisions; ++divisions) {
         if (error == std::errc{} && stop == end && triangles == triangles_after(divisions)) {
             return divisions;
         }
-        choices += (choices.empty()               ? ""
-                    : divisions == kMostDivisions ? " or "
-                                                  : ", ") +
+        choices += (choices.empty()              ? ""
+                    : divisions == kMaxDivisions ? " or "
+                                                 : ", ") +
                    std::to_string(triangles_after(divisions));
     }
     throw InputError(std::string(name) + ": triangles must be " + choices);

@@ -210,11 +210,11 @@ TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
 
 TEST(SpringDriveAtOnce, KeepsAResidualWhereTheWindingIsOverCancelled) {
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
-    const double least_Ohm = kLeastResidualShare * R_Ohm;
-    for (const double cancelled_Ohm : {R_Ohm - least_Ohm, R_Ohm, R_Ohm + 0.1}) {
+    const double min_Ohm = kMinResidualShare * R_Ohm;
+    for (const double cancelled_Ohm : {R_Ohm - min_Ohm, R_Ohm, R_Ohm + 0.1}) {
         const CurrentStep step = spring_drive_at_once(
             testing::phantom_motor(), {R_Ohm, 0.0, 0.0, false}, 1e-3, cancelled_Ohm);
-        expect_current(step, 0.0, {1e-3 / least_Ohm, 1e-3 / least_Ohm});
+        expect_current(step, 0.0, {1e-3 / min_Ohm, 1e-3 / min_Ohm});
     }
 }
 
@@ -224,13 +224,13 @@ TEST(SpringDriveAtOnce, MeetsTheRailWhereItExceedsTheSupply) {
     m.peak_current_A = 100.0;
     const double R_Ohm = m.resistance_Ohm;
     const double dR_Ohm = 0.5;
-    const double greatest_V = m.supply_V * dR_Ohm / R_Ohm;
+    const double max_V = m.supply_V * dR_Ohm / R_Ohm;
     const auto current_A = [&](double e_W_V) {
         return spring_drive_at_once(m, {R_Ohm, 0.0, 0.0, true}, e_W_V, R_Ohm - dR_Ohm).end_at(0.0);
     };
-    EXPECT_NEAR(current_A(0.999 * greatest_V), 0.999 * m.supply_V / R_Ohm, kRoundOff_A);
-    EXPECT_NEAR(current_A(1.001 * greatest_V), m.supply_V / R_Ohm, kRoundOff_A);
-    EXPECT_NEAR(current_A(-3.0 * greatest_V), -m.supply_V / R_Ohm, kRoundOff_A);
+    EXPECT_NEAR(current_A(0.999 * max_V), 0.999 * m.supply_V / R_Ohm, kRoundOff_A);
+    EXPECT_NEAR(current_A(1.001 * max_V), m.supply_V / R_Ohm, kRoundOff_A);
+    EXPECT_NEAR(current_A(-3.0 * max_V), -m.supply_V / R_Ohm, kRoundOff_A);
 }
 
 TEST(SpringDriveAtOnce, HoldsItsCurrentLimit) {

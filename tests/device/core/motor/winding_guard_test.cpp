@@ -62,8 +62,8 @@ TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
             }
             winding.run_to(tick % 1000 < 100 ? 0.5 * share(random) : target_A);
             bounds.update(winding.current_A);
-            ASSERT_LE(bounds.least_C(), winding.temperature.winding_C());
-            ASSERT_GE(bounds.greatest_C(), winding.temperature.winding_C());
+            ASSERT_LE(bounds.min_C(), winding.temperature.winding_C());
+            ASSERT_GE(bounds.max_C(), winding.temperature.winding_C());
         }
     }
 }
@@ -81,7 +81,7 @@ TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
     EXPECT_GT(winding.temperature.winding_C(), 25.0); // not vacuous
     // The first tick, during which the current rises, adds no heat: 1.5² · 2.1 W · 1 ms into 3.9
     // J/K is 1.2 mK.
-    EXPECT_NEAR(bounds.least_C(), winding.temperature.winding_C(), 2e-3);
+    EXPECT_NEAR(bounds.min_C(), winding.temperature.winding_C(), 2e-3);
 }
 
 TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
@@ -94,42 +94,41 @@ TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
         for (int tick = 0; tick < 60000; ++tick) {
             winding.run_to(tick < 20000 ? current_A : 0.0);
             bounds.update(winding.current_A);
-            const double least_Ohm = least_resistance_Ohm(m, winding.temperature.winding_C());
-            ASSERT_LT(bounds.greatest_cancelled_Ohm(), least_Ohm);
+            const double min_Ohm = min_resistance_Ohm(m, winding.temperature.winding_C());
+            ASSERT_LT(bounds.max_cancelled_Ohm(), min_Ohm);
         }
     }
-    const double coldest_Ohm = least_resistance_Ohm(m, kColdestAir_C);
-    EXPECT_DOUBLE_EQ(guard(m).greatest_cancelled_Ohm(), (1.0 - kLeastResidualShare) * coldest_Ohm);
+    const double coldest_Ohm = min_resistance_Ohm(m, kColdestAir_C);
+    EXPECT_DOUBLE_EQ(guard(m).max_cancelled_Ohm(), (1.0 - kMinResidualShare) * coldest_Ohm);
 }
 
 TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
     const MotorParameters m = testing::phantom_motor();
     WindingGuard bounds = guard(m);
-    const double cold_Ohm = bounds.greatest_cancelled_Ohm();
+    const double cold_Ohm = bounds.max_cancelled_Ohm();
     for (int tick = 0; tick < 30000; ++tick) {
         bounds.update(2.0);
     }
-    const double hot_Ohm = bounds.greatest_cancelled_Ohm();
+    const double hot_Ohm = bounds.max_cancelled_Ohm();
     // 0.39 %/K of the certain temperature rise.
-    const double warmed_K = bounds.least_C() - kColdestAir_C;
+    const double warmed_K = bounds.min_C() - kColdestAir_C;
     EXPECT_GT(warmed_K, 20.0);
-    EXPECT_NEAR(hot_Ohm - cold_Ohm, (1.0 - kLeastResidualShare) * 0.98 * 2.18 * 0.0039 * warmed_K,
+    EXPECT_NEAR(hot_Ohm - cold_Ohm, (1.0 - kMinResidualShare) * 0.98 * 2.18 * 0.0039 * warmed_K,
                 1e-12);
     double before_Ohm = hot_Ohm;
     bounds.update(0.0);
     for (int tick = 0; tick < 60000; ++tick) {
         bounds.update(0.0);
-        ASSERT_LT(bounds.greatest_cancelled_Ohm(), before_Ohm);
-        before_Ohm = bounds.greatest_cancelled_Ohm();
+        ASSERT_LT(bounds.max_cancelled_Ohm(), before_Ohm);
+        before_Ohm = bounds.max_cancelled_Ohm();
     }
 }
 
 TEST(WindingGuard, NeverPassesWhatTheAmplifierCanBeSetTo) {
     const MotorParameters m = testing::phantom_motor();
-    const double cold_Ohm = guard(m).greatest_cancelled_Ohm();
-    EXPECT_DOUBLE_EQ(WindingGuard(m, 1.001 * cold_Ohm, kPeriod_s).greatest_cancelled_Ohm(),
-                     cold_Ohm);
-    EXPECT_DOUBLE_EQ(WindingGuard(m, 0.999 * cold_Ohm, kPeriod_s).greatest_cancelled_Ohm(),
+    const double cold_Ohm = guard(m).max_cancelled_Ohm();
+    EXPECT_DOUBLE_EQ(WindingGuard(m, 1.001 * cold_Ohm, kPeriod_s).max_cancelled_Ohm(), cold_Ohm);
+    EXPECT_DOUBLE_EQ(WindingGuard(m, 0.999 * cold_Ohm, kPeriod_s).max_cancelled_Ohm(),
                      0.999 * cold_Ohm);
 }
 
@@ -170,10 +169,10 @@ TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
         full.update(m.peak_current_A);
         idle.update(0.0);
         blind.update(1.0);
-        EXPECT_EQ(blind.least_C(), idle.least_C());
-        EXPECT_EQ(blind.greatest_C(), full.greatest_C());
+        EXPECT_EQ(blind.min_C(), idle.min_C());
+        EXPECT_EQ(blind.max_C(), full.max_C());
         blind.update(1.0);
-        EXPECT_GT(blind.least_C(), kColdestAir_C);
+        EXPECT_GT(blind.min_C(), kColdestAir_C);
     }
 }
 
@@ -181,7 +180,7 @@ TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
     // Over each gap the upper bound assumes the current in every period, the lower bound in none.
     const DeviceDescription device = testing::phantom_1_0();
     const MotorParameters &motor = device.motor[0];
-    const double amplifier_Ohm = device.amplifier.greatest_cancelled_Ohm;
+    const double amplifier_Ohm = device.amplifier.max_cancelled_Ohm;
     for (const std::uint32_t missed : {1U, 7U, 100U, 101U, 1000U}) {
         WindingGuard guard(motor, amplifier_Ohm, 1e-3);
         WindingGuard every(motor, amplifier_Ohm, 1e-3);
@@ -192,16 +191,16 @@ TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
         WindingGuard on_time = guard;
         on_time.update(3.0);
         guard.update(3.0, missed);
-        EXPECT_LT(guard.least_C(), on_time.least_C()) << missed;
-        EXPECT_GE(guard.least_C(), kColdestAir_C) << missed;
-        EXPECT_EQ(guard.least_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
+        EXPECT_LT(guard.min_C(), on_time.min_C()) << missed;
+        EXPECT_GE(guard.min_C(), kColdestAir_C) << missed;
+        EXPECT_EQ(guard.min_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
         for (int i = 0; i < 20; ++i) { // a long gap is processed over several ticks
             guard.update(3.0);
         }
         for (std::uint32_t i = 0; i < missed + 21; ++i) {
             every.update(3.0);
         }
-        EXPECT_NEAR(guard.greatest_C(), every.greatest_C(), 1e-9) << missed;
+        EXPECT_NEAR(guard.max_C(), every.max_C(), 1e-9) << missed;
     }
 }
 

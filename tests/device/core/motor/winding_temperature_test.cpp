@@ -160,17 +160,17 @@ TEST(WindingResistance, RisesAsCopperAndRipplesWithTheCommutator) {
 TEST(WindingResistance, BoundsAreThoseOfAWholeTurn) {
     const MotorParameters m = testing::phantom_motor();
     for (const double winding_C : {15.0, 25.0, 60.0, 100.0}) {
-        double least_Ohm = INFINITY;
-        double greatest_Ohm = 0.0;
+        double min_Ohm = INFINITY;
+        double max_Ohm = 0.0;
         constexpr int kAngles = 11 * 200;
         for (int i = 0; i < kAngles; ++i) {
             const double R_Ohm =
                 winding_resistance_Ohm(m, winding_C, 2.0 * std::numbers::pi * i / kAngles);
-            least_Ohm = std::min(least_Ohm, R_Ohm);
-            greatest_Ohm = std::max(greatest_Ohm, R_Ohm);
+            min_Ohm = std::min(min_Ohm, R_Ohm);
+            max_Ohm = std::max(max_Ohm, R_Ohm);
         }
-        EXPECT_NEAR(least_resistance_Ohm(m, winding_C), least_Ohm, 1e-14);
-        EXPECT_NEAR(greatest_resistance_Ohm(m, winding_C), greatest_Ohm, 1e-14);
+        EXPECT_NEAR(min_resistance_Ohm(m, winding_C), min_Ohm, 1e-14);
+        EXPECT_NEAR(max_resistance_Ohm(m, winding_C), max_Ohm, 1e-14);
     }
 }
 

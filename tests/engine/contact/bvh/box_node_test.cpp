@@ -34,17 +34,17 @@ TEST(Float4, SmallerAndLargerTakeTheSecondWhereOneIsNotANumber) {
     const Float4 largest = larger(a, b);
     const Float4 smallest_portably = smaller_portably(a, b);
     const Float4 largest_portably = larger_portably(a, b);
-    for (const Float4 &least : {smallest, smallest_portably}) {
-        EXPECT_EQ(least[0], 1.0F);
-        EXPECT_EQ(least[1], -kInfinity);
-        EXPECT_EQ(least[2], 3.0F);
-        EXPECT_TRUE(std::isnan(least[3]));
+    for (const Float4 &minimum : {smallest, smallest_portably}) {
+        EXPECT_EQ(minimum[0], 1.0F);
+        EXPECT_EQ(minimum[1], -kInfinity);
+        EXPECT_EQ(minimum[2], 3.0F);
+        EXPECT_TRUE(std::isnan(minimum[3]));
     }
-    for (const Float4 &most : {largest, largest_portably}) {
-        EXPECT_EQ(most[0], 2.0F);
-        EXPECT_EQ(most[1], -2.0F);
-        EXPECT_EQ(most[2], 3.0F);
-        EXPECT_TRUE(std::isnan(most[3]));
+    for (const Float4 &maximum : {largest, largest_portably}) {
+        EXPECT_EQ(maximum[0], 2.0F);
+        EXPECT_EQ(maximum[1], -2.0F);
+        EXPECT_EQ(maximum[2], 3.0F);
+        EXPECT_TRUE(std::isnan(maximum[3]));
     }
 }
 

@@ -126,14 +126,15 @@ TEST(Facet, LetsPassWhatSlidesOverItsEdgeOnANeighboursPlane) {
 }
 
 /// The smallest distance of a motion from a triangle between two fractions, by brute force.
-double least_distance(const Corners &triangle, const Vector3 &from, const Vector3 &to, double first,
-                      double last) {
-    double least = INFINITY;
+double min_distance(const Corners &triangle, const Vector3 &from, const Vector3 &to, double first,
+                    double last) {
+    double minimum = INFINITY;
     for (int i = 0; i <= 400; ++i) {
         const double s = first + (last - first) * i / 400.0;
-        least = std::min(least, testing::distance_to_triangle(triangle, from + s * (to - from)));
+        minimum =
+            std::min(minimum, testing::distance_to_triangle(triangle, from + s * (to - from)));
     }
-    return least;
+    return minimum;
 }
 
 TEST(Facet, StopsEveryMotionWhereItFirstComesWithinReach) {
@@ -154,7 +155,7 @@ TEST(Facet, StopsEveryMotionWhereItFirstComesWithinReach) {
         // than 25² µm² / 2 reach.
         const double unsure_m = 25e-6 * 25e-6 / reach_m;
         const double last = stop ? stop->fraction : 1.0;
-        ASSERT_GT(least_distance(triangle, from, to, 0.0, last), reach_m - 1e-11);
+        ASSERT_GT(min_distance(triangle, from, to, 0.0, last), reach_m - 1e-11);
         if (!stop) {
             continue;
         }
@@ -162,7 +163,7 @@ TEST(Facet, StopsEveryMotionWhereItFirstComesWithinReach) {
         const Vector3 at = from + stop->fraction * (to - from);
         ASSERT_NEAR(testing::distance_to_triangle(triangle, at), reach_m, 1e-11);
         // From there on it would come nearer, and the plane has the triangle behind it.
-        ASSERT_LT(least_distance(triangle, at, to, 0.0, 1.0), reach_m + unsure_m);
+        ASSERT_LT(min_distance(triangle, at, to, 0.0, 1.0), reach_m + unsure_m);
         ASSERT_NEAR(stop->normal.norm(), 1.0, 1e-14);
         ASSERT_NEAR(stop->normal.dot(at), stop->offset_m, 1e-11);
         ASSERT_LT(stop->normal.dot(to), stop->offset_m);
@@ -189,9 +190,9 @@ TEST(Facet, TouchesWhatIsAtItsReach) {
 }
 
 TEST(Facet, ReportsHeightsAboveItsPlane) {
-    EXPECT_DOUBLE_EQ(smallest_height_m(kTriangle), 0.0002 / std::hypot(0.02, 0.01));
-    EXPECT_EQ(smallest_height_m({Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}), 0.0);
-    EXPECT_EQ(smallest_height_m({Vector3::Zero(), Vector3::UnitX(), 2 * Vector3::UnitX()}), 0.0);
+    EXPECT_DOUBLE_EQ(min_height_m(kTriangle), 0.0002 / std::hypot(0.02, 0.01));
+    EXPECT_EQ(min_height_m({Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}), 0.0);
+    EXPECT_EQ(min_height_m({Vector3::Zero(), Vector3::UnitX(), 2 * Vector3::UnitX()}), 0.0);
 }
 
 } // namespace

@@ -406,7 +406,7 @@ TEST(MeshPreparation, SurvivesMalformedSoups) {
     for (const double size_m : {1e300, 1e160, 1e20, 1e-300}) {
         const PreparedMesh mesh = prepare_mesh(testing::random_soup(random, 2000, size_m, size_m));
         for (const FacetSource &facet : mesh.facets) {
-            EXPECT_GE(smallest_height_m(facet.corners_m), 1e-9);
+            EXPECT_GE(min_height_m(facet.corners_m), 1e-9);
         }
     }
 }

@@ -53,17 +53,17 @@ TEST(SegmentDistance, IsTheMinimumOverAllPairsOfPoints) {
         const Vector3 d = i % 5 == 0    ? Vector3(c + 0.7 * (b - a))
                           : i % 11 == 0 ? c
                                         : Vector3(c + random_vector(random, 1.0));
-        double least = INFINITY;
+        double minimum = INFINITY;
         constexpr int kSamples = 40;
         for (int u = 0; u <= kSamples; ++u) {
             const Vector3 p = a + u * (b - a) / kSamples;
-            least = std::min(least, (d - c).norm() > 0.0 ? testing::distance_to_segment(p, c, d)
-                                                         : (p - c).norm());
+            minimum = std::min(minimum, (d - c).norm() > 0.0 ? testing::distance_to_segment(p, c, d)
+                                                             : (p - c).norm());
         }
         const double distance = segment_distance_m(a, b, c, d);
-        ASSERT_LE(distance, least + 1e-12);
+        ASSERT_LE(distance, minimum + 1e-12);
         // Half a sample's step along a–b, at most.
-        ASSERT_GE(distance, least - 0.5 * (b - a).norm() / kSamples - 1e-12);
+        ASSERT_GE(distance, minimum - 0.5 * (b - a).norm() / kSamples - 1e-12);
     }
 }
 

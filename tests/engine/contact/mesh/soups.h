@@ -255,11 +255,11 @@ inline double distance_to_triangle(const Corners &triangle, const Vector3 &point
 }
 
 inline double distance_to_soup(const contact::TriangleSoup &soup, const Vector3 &point_m) {
-    double least = INFINITY;
+    double minimum = INFINITY;
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
-        least = std::min(least, distance_to_triangle(corners(soup, i), point_m));
+        minimum = std::min(minimum, distance_to_triangle(corners(soup, i), point_m));
     }
-    return least;
+    return minimum;
 }
 
 } // namespace springdrive::testing

@@ -42,13 +42,13 @@ TriangleSoup rows(const std::vector<double> &heights_m) {
 }
 
 TEST(SurfaceFacets, LeavesOutWhatIsLowerThanTheLeastHeight) {
-    EXPECT_TRUE(slivers(rows({0.01, 1.01 * kLeastHeight_m, 0.01})).empty());
+    EXPECT_TRUE(slivers(rows({0.01, 1.01 * kMinHeight_m, 0.01})).empty());
     // Of the two in the row, which share their diagonal, one.
-    EXPECT_EQ(slivers(rows({0.01, 0.99 * kLeastHeight_m, 0.01})).size(), 1U);
+    EXPECT_EQ(slivers(rows({0.01, 0.99 * kMinHeight_m, 0.01})).size(), 1U);
 }
 
 TEST(SurfaceFacets, KeepsOneOfTwoSliversSideBySide) {
-    const std::vector<double> heights_m(20, 0.9 * kLeastHeight_m);
+    const std::vector<double> heights_m(20, 0.9 * kMinHeight_m);
     const TriangleSoup soup = rows(heights_m);
     const std::vector<std::uint32_t> left_out = slivers(soup);
     EXPECT_EQ(left_out.size(), soup.triangles.size() / 2);

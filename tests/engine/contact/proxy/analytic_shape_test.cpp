@@ -251,10 +251,10 @@ TEST_P(AnalyticShapes, BoundsTouchTheFarthestPointsAlongTheAxes) {
         const Eigen::AlignedBox3d bounds = c.shape.bounds();
         for (int axis = 0; axis < 3; ++axis) {
             const Vector3 u = c.placement.linear().row(axis).transpose(); // the axis, turned back
-            const Vector3 highest_m = c.placement * std::visit(Farthest{u}, c.size);
-            const Vector3 lowest_m = c.placement * std::visit(Farthest{-u}, c.size);
-            EXPECT_NEAR(bounds.max()[axis], highest_m[axis], kRounding_m);
-            EXPECT_NEAR(bounds.min()[axis], lowest_m[axis], kRounding_m);
+            const Vector3 max_m = c.placement * std::visit(Farthest{u}, c.size);
+            const Vector3 min_m = c.placement * std::visit(Farthest{-u}, c.size);
+            EXPECT_NEAR(bounds.max()[axis], max_m[axis], kRounding_m);
+            EXPECT_NEAR(bounds.min()[axis], min_m[axis], kRounding_m);
         }
     }
 }

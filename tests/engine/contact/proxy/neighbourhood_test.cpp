@@ -71,15 +71,15 @@ TEST(Neighbourhood, ReportsWhetherATipIsLessDeepBehindAnyOfItsFacets) {
         const HapticSurface surface(soup);
         const Neighbourhood near = around(surface, Vector3::Zero(), 0.1);
         const Vector3 tip = random_vector(random, 0.02);
-        double least_m = 1.0;
+        double min_m = 1.0;
         for (std::uint32_t index = 0; index < soup.triangles.size(); ++index) {
             const Facet &facet = surface.facet(index);
             const double height_m = facet.height_m(tip);
             const bool is_behind = facet.sides() == FacetSides::two || height_m <= 0.0;
-            least_m = is_behind ? std::min(least_m, std::abs(height_m)) : least_m;
+            min_m = is_behind ? std::min(min_m, std::abs(height_m)) : min_m;
         }
-        EXPECT_TRUE(near.has_shallower(tip, least_m + 1e-9));
-        EXPECT_FALSE(near.has_shallower(tip, least_m - 1e-9));
+        EXPECT_TRUE(near.has_shallower(tip, min_m + 1e-9));
+        EXPECT_FALSE(near.has_shallower(tip, min_m - 1e-9));
         EXPECT_FALSE(near.has_only(0));
         shallower += near.size() > 0 ? 1 : 0;
     }

@@ -44,18 +44,18 @@ inline std::vector<Vector3> pushes(const contact::TriangleSoup &soup, const Vect
 /// How much of `gap_m`, from the tip to the proxy, is not a positive sum of the pushes: the
 /// remainder with the best three of them [m]. Zero at an optimum (Karush, Kuhn, Tucker).
 inline double unexplained_m(const Vector3 &gap_m, const std::vector<Vector3> &normals) {
-    double least = gap_m.norm();
+    double minimum = gap_m.norm();
     const std::size_t n = normals.size();
     const auto consider = [&](const Eigen::Matrix<double, 3, Eigen::Dynamic> &active) {
         const Eigen::VectorXd lambda = active.fullPivLu().solve(gap_m);
         if (lambda.minCoeff() >= 0.0) {
-            least = std::min(least, (active * lambda - gap_m).norm());
+            minimum = std::min(minimum, (active * lambda - gap_m).norm());
         }
     };
     for (std::size_t i = 0; i < n; ++i) {
         // The part along one normal is its projection; along two, that on the plane they span.
         const double along = normals[i].dot(gap_m);
-        least = along > 0.0 ? std::min(least, (gap_m - along * normals[i]).norm()) : least;
+        minimum = along > 0.0 ? std::min(minimum, (gap_m - along * normals[i]).norm()) : minimum;
         for (std::size_t j = i + 1; j < n; ++j) {
             Eigen::Matrix<double, 3, 2> two;
             two << normals[i], normals[j];
@@ -63,7 +63,7 @@ inline double unexplained_m(const Vector3 &gap_m, const std::vector<Vector3> &no
             if (gram.determinant() > 1e-18) {
                 const Eigen::Vector2d lambda = gram.inverse() * (two.transpose() * gap_m);
                 if (lambda.minCoeff() >= 0.0) {
-                    least = std::min(least, (two * lambda - gap_m).norm());
+                    minimum = std::min(minimum, (two * lambda - gap_m).norm());
                 }
             }
             for (std::size_t k = j + 1; k < n; ++k) {
@@ -75,7 +75,7 @@ inline double unexplained_m(const Vector3 &gap_m, const std::vector<Vector3> &no
             }
         }
     }
-    return least;
+    return minimum;
 }
 
 /// Whether a straight motion goes through a triangle, by the signs of the volumes it spans with

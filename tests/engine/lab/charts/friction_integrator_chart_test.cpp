@@ -35,22 +35,22 @@ double turned_in_hold_rad(const NewPlant &new_plant) {
     const int until = period_at(rig::sticking_press().release_s);
     const std::unique_ptr<PressedPlant> plant = new_plant();
     rig::LawRig loop = press_loop(press, *plant);
-    Vector3 least = Vector3::Zero();
-    Vector3 greatest = Vector3::Zero();
+    Vector3 minimum = Vector3::Zero();
+    Vector3 maximum = Vector3::Zero();
     for (int period = 0; period < until; ++period) {
         const Vector3 theta_rad = plant->theta_rad();
-        least = period <= from ? theta_rad : Vector3(least.cwiseMin(theta_rad));
-        greatest = period <= from ? theta_rad : Vector3(greatest.cwiseMax(theta_rad));
+        minimum = period <= from ? theta_rad : Vector3(minimum.cwiseMin(theta_rad));
+        maximum = period <= from ? theta_rad : Vector3(maximum.cwiseMax(theta_rad));
         loop.tick();
     }
-    return (greatest - least).maxCoeff();
+    return (maximum - minimum).maxCoeff();
 }
 
 TEST(StickingPress, PressesHoldsAndReleases) {
     const PressRecord &reference = trial().reference();
     const rig::Scenario &press = trial().press();
-    EXPECT_GT(reference.greatest_force_N(), 2.0);
-    EXPECT_LT(reference.greatest_force_N(), press.device.limits.tip_force_N);
+    EXPECT_GT(reference.max_force_N(), 2.0);
+    EXPECT_LT(reference.max_force_N(), press.device.limits.tip_force_N);
     const auto released = static_cast<std::size_t>(
         std::lround(rig::sticking_press().release_s / press.simulation.servo_period_s));
     EXPECT_GT(reference.force_N[released - 1].dot(press.normal), 2.0);
@@ -111,8 +111,8 @@ TEST(FrictionIntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
         EXPECT_FALSE(point.setting.empty());
         EXPECT_EQ(point.stable, std::isfinite(point.error));
         if (point.stable) {
-            EXPECT_GT(point.cost.least_ns, 0.0);
-            EXPECT_LE(point.cost.least_ns, point.cost.greatest_ns);
+            EXPECT_GT(point.cost.min_ns, 0.0);
+            EXPECT_LE(point.cost.min_ns, point.cost.max_ns);
         }
     }
     EXPECT_EQ(methods.size(), kIntegrators.size() + 2); // two of CVODE

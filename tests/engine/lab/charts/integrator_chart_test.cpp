@@ -33,8 +33,8 @@ TEST(ContactPress, PressesHardAndStaysInTheSurface) {
         for (const Vector3 &force_N : reference.force_N) {
             EXPECT_GT(force_N.dot(trial->press().normal), 0.0); // the plate pushes out
         }
-        EXPECT_GT(reference.greatest_force_N(), 2.0);
-        EXPECT_LT(reference.greatest_force_N(), trial->press().device.limits.tip_force_N);
+        EXPECT_GT(reference.max_force_N(), 2.0);
+        EXPECT_LT(reference.max_force_N(), trial->press().device.limits.tip_force_N);
     }
 }
 
@@ -102,9 +102,8 @@ TEST(Integrators, DivergeWhereTheirStepIsTooLong) {
     EXPECT_FALSE(std::isfinite(trial.error_N(Integrator::runge_kutta, 3)));
     EXPECT_TRUE(std::isfinite(trial.error_N(Integrator::runge_kutta, 4)));
     // The others do not diverge at any step.
-    EXPECT_LT(trial.error_N(Integrator::simulator, 1), trial.reference().greatest_force_N());
-    EXPECT_LT(trial.error_N(Integrator::implicit_midpoint, 1),
-              trial.reference().greatest_force_N());
+    EXPECT_LT(trial.error_N(Integrator::simulator, 1), trial.reference().max_force_N());
+    EXPECT_LT(trial.error_N(Integrator::implicit_midpoint, 1), trial.reference().max_force_N());
 }
 
 TEST(IntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
@@ -117,9 +116,9 @@ TEST(IntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
     for (const rig::ChartPoint &point : chart.points) {
         methods.insert(point.method);
         EXPECT_FALSE(point.setting.empty());
-        EXPECT_GT(point.cost.least_ns, 0.0);
-        EXPECT_LE(point.cost.least_ns, point.cost.median_ns);
-        EXPECT_LE(point.cost.median_ns, point.cost.greatest_ns);
+        EXPECT_GT(point.cost.min_ns, 0.0);
+        EXPECT_LE(point.cost.min_ns, point.cost.median_ns);
+        EXPECT_LE(point.cost.median_ns, point.cost.max_ns);
         EXPECT_EQ(point.stable, std::isfinite(point.error));
         crosses += point.stable ? 0 : 1;
     }

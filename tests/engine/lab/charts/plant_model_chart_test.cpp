@@ -36,7 +36,7 @@ TEST(PlantModelChart, HasEveryModelInFullAndInThePlane) {
         EXPECT_GE(points.size(), 5U) << name;
         for (const rig::ChartPoint &point : points) {
             EXPECT_TRUE(point.stable) << name << " " << point.setting;
-            EXPECT_GT(point.cost.least_ns, 0.0);
+            EXPECT_GT(point.cost.min_ns, 0.0);
         }
     }
 }

@@ -25,8 +25,8 @@ TEST(ProxyChart, OnAThinPlateThePenaltyAlwaysFailsAndTheProxyIsExact) {
         if (!is_penalty) {
             EXPECT_LT(point.error, 1e-15) << point.method; // round-off of 50 mm
         }
-        EXPECT_GT(point.cost.least_ns, 0.0);
-        EXPECT_LE(point.cost.least_ns, point.cost.greatest_ns);
+        EXPECT_GT(point.cost.min_ns, 0.0);
+        EXPECT_LE(point.cost.min_ns, point.cost.max_ns);
     }
 }
 

@@ -22,8 +22,8 @@ loops::SpringDrive drive_at(double rate_Hz, double delay) {
 double predicted_error(const loops::SpringDrive &drive, int points) {
     double sum = 0.0;
     for (int i = 0; i < points; ++i) {
-        const double omega = 2.0 * std::numbers::pi * kLowestJudged_Hz *
-                             std::pow(kHighestJudged_Hz / kLowestJudged_Hz, i / (points - 1.0));
+        const double omega = 2.0 * std::numbers::pi * kMinJudged_Hz *
+                             std::pow(kMaxJudged_Hz / kMinJudged_Hz, i / (points - 1.0));
         const std::complex<double> truth = loops::analytic_stiffness(drive, omega);
         sum += std::norm((loops::sampled_stiffness(drive, omega) - truth) / truth);
     }
@@ -74,7 +74,7 @@ TEST(ServoRateTrial, TimesAServoThatRuns) {
     ChartSetting setting;
     setting.device = testing::phantom_1_0();
     setting.repeats = 1;
-    EXPECT_GT(cost_of_servo_tick(setting).least_ns, 0.0);
+    EXPECT_GT(cost_of_servo_tick(setting).min_ns, 0.0);
     setting.device.limits.tip_speed_m_per_s = 1e-4; // the hand is faster
     EXPECT_THROW(static_cast<void>(cost_of_servo_tick(setting)), InputError);
 }

@@ -48,10 +48,11 @@ TEST(StickSlipModes, FollowTheLeastConstraintFromRest) {
         const StickSlipModes modes =
             stick_slip_modes(mechanics, coulomb_Nm, Vector3::Zero(), kNoneReleased);
         const Vector3 a = stick_slip_motion(mechanics, coulomb_Nm, modes).acceleration_rad_per_s2;
-        const double least = constraint(mechanics, coulomb_Nm, a);
+        const double minimum = constraint(mechanics, coulomb_Nm, a);
         for (int trial = 0; trial < 20; ++trial) {
             const Vector3 other = a + testing::random_vector(random, trial < 10 ? 1e-3 : 1.0);
-            ASSERT_GE(constraint(mechanics, coulomb_Nm, other), least - 1e-14); // round-off of 1 J
+            ASSERT_GE(constraint(mechanics, coulomb_Nm, other),
+                      minimum - 1e-14); // round-off of 1 J
         }
         for (std::size_t j = 0; j < 3; ++j) {
             ASSERT_EQ(modes[j] == 0, a[static_cast<Eigen::Index>(j)] == 0.0);

@@ -84,9 +84,9 @@ TEST_F(FoundTuning, HasTheReportedDelayMargin) {
 
 TEST_F(FoundTuning, HasTheReportedResistanceMargin) {
     loops::StabilityCase which = tuned(request, found.tuning);
-    which.net_resistance_Ohm = found.margins.least_dR_Ohm;
+    which.net_resistance_Ohm = found.margins.min_dR_Ohm;
     EXPECT_TRUE(holds(which, 1.0));
-    which.net_resistance_Ohm = found.margins.least_dR_Ohm - 0.011 * 0.5;
+    which.net_resistance_Ohm = found.margins.min_dR_Ohm - 0.011 * 0.5;
     EXPECT_FALSE(holds(which, 1.0));
 }
 

@@ -29,7 +29,7 @@ TEST(Impact, OfAPlainSpringIsItsStiffness) {
     which.wall = {500.0, 0.0};
     const Impact found = impact(which);
     EXPECT_NEAR(found.rate_hardness_N_per_m, 500.0, 0.05 * 500.0);
-    EXPECT_NEAR(found.greatest_force_N, 500.0 * 0.1 * 0.01, 0.1 * 0.5); // 10 ms at 0.1 m/s
+    EXPECT_NEAR(found.max_force_N, 500.0 * 0.1 * 0.01, 0.1 * 0.5); // 10 ms at 0.1 m/s
 }
 
 TEST(Impact, GrowsWithTheWall) {

@@ -91,7 +91,7 @@ TEST(StabilityLimits, NamesTheMemberThatFailsFirst) {
         predicted_limits(testing::firm(), kp, whole_range(kp));
     ASSERT_EQ(limits.size(), 1U);
     // Each motor and hand alone: the smallest of their limits is that of all.
-    double least = 1e9;
+    double minimum = 1e9;
     loops::LoopMember who;
     for (const loops::LoopMember &member : loops::members(testing::firm())) {
         double stable = 0.1;
@@ -102,12 +102,12 @@ TEST(StabilityLimits, NamesTheMemberThatFailsFirst) {
                  ? stable
                  : unstable) = middle;
         }
-        if (stable < least) {
-            least = stable;
+        if (stable < minimum) {
+            minimum = stable;
             who = member;
         }
     }
-    EXPECT_NEAR(limits.front().predicted, least, 2e-6 * least);
+    EXPECT_NEAR(limits.front().predicted, minimum, 2e-6 * minimum);
     EXPECT_EQ(limits.front().worst.motor, who.motor);
     EXPECT_EQ(limits.front().worst.hand.name, who.hand.name);
     EXPECT_TRUE(limits.front().stable_below);

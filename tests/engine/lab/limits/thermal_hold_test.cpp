@@ -187,19 +187,18 @@ TEST(ThermalHold, TunedHotAndCooledOnlyTheLimitKeepsANetResistance) {
         const ThermalRow cold = last_of(rows, ThermalPhase::cool);
         EXPECT_LT(cold.dR_unlimited_Ohm[1], -0.02);
         EXPECT_NEAR(cold.growth_time_s,
-                    d.motor[0].inductance_H / -cold.least_dR_unlimited_Ohm.minCoeff(), 1e-15);
+                    d.motor[0].inductance_H / -cold.min_dR_unlimited_Ohm.minCoeff(), 1e-15);
         const Vector3 theta = theta_rad(d, options);
         for (const ThermalRow &row : rows) {
-            EXPECT_EQ(std::isnan(row.growth_time_s), row.least_dR_unlimited_Ohm.minCoeff() >= 0.0);
+            EXPECT_EQ(std::isnan(row.growth_time_s), row.min_dR_unlimited_Ohm.minCoeff() >= 0.0);
             for (std::size_t j = 0; j < 3; ++j) {
                 const auto axis = static_cast<Eigen::Index>(j);
                 const double R_Ohm =
                     device::winding_resistance_Ohm(d.motor[j], row.winding_C[axis], theta[axis]);
-                const double least_Ohm =
-                    device::least_resistance_Ohm(d.motor[j], row.winding_C[axis]);
+                const double min_Ohm = device::min_resistance_Ohm(d.motor[j], row.winding_C[axis]);
                 EXPECT_NEAR(row.dR_Ohm[axis], R_Ohm - row.R_hat_allowed_Ohm[axis], 1e-13);
-                EXPECT_GT(row.least_dR_Ohm[axis], device::kLeastResidualShare * least_Ohm);
-                EXPECT_NEAR(row.least_dR_Ohm[axis], least_Ohm - row.R_hat_allowed_Ohm[axis], 1e-13);
+                EXPECT_GT(row.min_dR_Ohm[axis], device::kMinResidualShare * min_Ohm);
+                EXPECT_NEAR(row.min_dR_Ohm[axis], min_Ohm - row.R_hat_allowed_Ohm[axis], 1e-13);
             }
         }
     }
@@ -295,10 +294,10 @@ TEST(ThermalHold, RefusesAForceBeyondTheMotors) {
     const Vector3 ampere_per_N = currents_A(d, options).cwiseAbs();
     const double R3_Ohm =
         device::winding_resistance_Ohm(d.motor[2], 25.0, theta_rad(d, options)[2]);
-    const double greatest_N = std::min(1.0 / ampere_per_N[1], 1.0 / (R3_Ohm * ampere_per_N[2]));
-    options.force_N = 0.999 * greatest_N;
+    const double max_N = std::min(1.0 / ampere_per_N[1], 1.0 / (R3_Ohm * ampere_per_N[2]));
+    options.force_N = 0.999 * max_N;
     EXPECT_NO_THROW(static_cast<void>(thermal_hold(d, options)));
-    options.force_N = 1.001 * greatest_N;
+    options.force_N = 1.001 * max_N;
     EXPECT_THROW(static_cast<void>(thermal_hold(d, options)), InputError);
 }
 

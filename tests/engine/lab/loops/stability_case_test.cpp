@@ -223,7 +223,7 @@ TEST(StabilityCase, ANetResistanceReplacesTheTunings) {
     const device::MotorParameters &motor = which.device.motor[0];
     EXPECT_EQ(which.dR_Ohm(motor), 0.5);
     which.tuning.dR_Ohm = 0.0;
-    EXPECT_EQ(which.dR_Ohm(motor), device::kLeastResidualShare * motor.resistance_Ohm);
+    EXPECT_EQ(which.dR_Ohm(motor), device::kMinResidualShare * motor.resistance_Ohm);
     which.net_resistance_Ohm = -0.3;
     EXPECT_EQ(which.dR_Ohm(motor), -0.3);
     const DrivenLoad load = driven_load(which, {0, no_hand()});

@@ -61,11 +61,11 @@ TEST(StabilityParameters, SearchWithinTheirRange) {
 TEST(StabilityParameters, RefuseInvalidValuesWithTheirRange) {
     const double infinity = std::numeric_limits<double>::infinity();
     for (const StabilityParameter &parameter : stability_parameters()) {
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.lowest), "") << parameter.name;
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.highest), "") << parameter.name;
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.minimum), "") << parameter.name;
+        EXPECT_EQ(what_is_wrong_with(parameter, parameter.maximum), "") << parameter.name;
         for (const double bad :
-             {std::nextafter(parameter.lowest, -infinity),
-              std::nextafter(parameter.highest, infinity), std::nan(""), infinity, -infinity}) {
+             {std::nextafter(parameter.minimum, -infinity),
+              std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
             const std::string wrong = what_is_wrong_with(parameter, bad);
             EXPECT_EQ(wrong.find(parameter.name), 0U) << parameter.name << ": " << wrong;
             EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;

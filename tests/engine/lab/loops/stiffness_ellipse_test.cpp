@@ -63,14 +63,14 @@ TEST(StiffnessEllipse, TheCircleIsInscribed) {
         for (int i = 0; i < 5; ++i) {
             const PlanarStiffness stiffness =
                 planar_stiffness(device, control::Tuning{}, random.next());
-            double least = INFINITY;
+            double minimum = INFINITY;
             for (const EllipsePoint &point : stiffness_ellipses(stiffness, kPoints)) {
                 EXPECT_NEAR(point.transpose_N_per_m.norm(), stiffness.transpose(0, 0),
                             kRoundOff * stiffness.transpose(0, 0));
-                least = std::min(least, point.inverse_N_per_m.norm());
+                minimum = std::min(minimum, point.inverse_N_per_m.norm());
             }
             const double eccentric = stiffness.inverse.norm() / stiffness.transpose(0, 0);
-            EXPECT_NEAR(least / stiffness.transpose(0, 0), 1.0,
+            EXPECT_NEAR(minimum / stiffness.transpose(0, 0), 1.0,
                         eccentric * eccentric * missed + kRoundOff);
         }
     }

@@ -30,7 +30,7 @@ ModelError summed(const std::vector<ModelAxis> &axes, const Picks &picks) {
 }
 
 double cost_of(const ModelAxis &axis, std::size_t index) {
-    return axis.candidates[index].cost.least_ns;
+    return axis.candidates[index].cost.min_ns;
 }
 
 std::optional<std::size_t> costliest_below(const ModelAxis &axis, double cost_ns) {

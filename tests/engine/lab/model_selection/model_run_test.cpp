@@ -170,10 +170,10 @@ TEST(ModelCost, IsReportedForEachCandidateInOrder) {
     EXPECT_EQ(all[2].size(), kMotionControllers.size());
     for (const std::vector<rig::Cost> &costs : all) {
         for (const rig::Cost &cost : costs) {
-            EXPECT_GT(cost.least_ns, 0.0);
-            EXPECT_LE(cost.least_ns, cost.median_ns); // each piece's minimum, compared with a whole
-                                                      // repeat
-            EXPECT_LE(cost.median_ns, cost.greatest_ns);
+            EXPECT_GT(cost.min_ns, 0.0);
+            EXPECT_LE(cost.min_ns, cost.median_ns); // each piece's minimum, compared with a whole
+                                                    // repeat
+            EXPECT_LE(cost.median_ns, cost.max_ns);
         }
     }
 }

@@ -53,8 +53,8 @@ TEST_P(OwnScenesModel, IsWithinTheToleranceAndTheNextCheaperIsNot) {
     for (std::size_t axis = 0; axis < choice.axes.size(); ++axis) {
         for (const CheaperTrial &cheaper : choice.axes[axis].cheaper) {
             const auto &candidates = choice.axes[axis].candidates;
-            EXPECT_LT(candidates[cheaper.candidate].cost.least_ns,
-                      candidates[choice.axes[axis].chosen].cost.least_ns);
+            EXPECT_LT(candidates[cheaper.candidate].cost.min_ns,
+                      candidates[choice.axes[axis].chosen].cost.min_ns);
             ModelSelection instead = choice;
             instead.axes[axis].chosen = cheaper.candidate;
             EXPECT_FALSE(meets(trial.error_of(instead), scene.tolerance))

@@ -25,7 +25,7 @@ TEST(SceneModel, ReportsCostAndErrorOfEachCandidate) {
     ASSERT_EQ(choice.axes.size(), kModelAspects);
     for (const ModelAxis &axis : choice.axes) {
         for (const Candidate &candidate : axis.candidates) {
-            EXPECT_GT(candidate.cost.least_ns, 0.0) << axis.name << ' ' << candidate.name;
+            EXPECT_GT(candidate.cost.min_ns, 0.0) << axis.name << ' ' << candidate.name;
             EXPECT_GE(candidate.error.force_N, 0.0) << axis.name << ' ' << candidate.name;
         }
         EXPECT_EQ(axis.candidates.back().error.force_N, 0.0) << axis.name;

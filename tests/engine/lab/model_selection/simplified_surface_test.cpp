@@ -15,14 +15,14 @@ namespace {
 constexpr double kRadius_m = 0.05;
 
 /// The largest distance of a triangle's middle from the sphere on which the vertices lie.
-double greatest_sagitta_m(const contact::TriangleSoup &soup) {
-    double greatest_m = 0.0;
+double max_sagitta_m(const contact::TriangleSoup &soup) {
+    double max_m = 0.0;
     for (const auto &[a, b, c] : soup.triangles) {
         const Vector3 middle_m =
             (soup.vertices_m[a] + soup.vertices_m[b] + soup.vertices_m[c]) / 3.0;
-        greatest_m = std::max(greatest_m, kRadius_m - middle_m.norm());
+        max_m = std::max(max_m, kRadius_m - middle_m.norm());
     }
-    return greatest_m;
+    return max_m;
 }
 
 TEST(SimplifiedSurface, LeavesASphereClosedAndItsVerticesWhereTheyWere) {
@@ -47,9 +47,9 @@ TEST(SimplifiedSurface, LeavesASphereClosedAndItsVerticesWhereTheyWere) {
 
 TEST(SimplifiedSurface, IsFartherFromTheShapeTheFewerItsTriangles) {
     const contact::TriangleSoup sphere = rig::icosphere(5, kRadius_m);
-    double last_m = greatest_sagitta_m(sphere);
+    double last_m = max_sagitta_m(sphere);
     for (const int divisor : {4, 16, 64, 256}) {
-        const double sagitta_m = greatest_sagitta_m(simplified(sphere, divisor));
+        const double sagitta_m = max_sagitta_m(simplified(sphere, divisor));
         EXPECT_GT(sagitta_m, 1.5 * last_m) << divisor; // about 4 for regular triangles
         last_m = sagitta_m;
     }

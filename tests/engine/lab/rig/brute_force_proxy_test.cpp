@@ -173,7 +173,7 @@ TEST(BruteForceProxy, IsHeldByRidgesHigherThanTheSlack) {
     // A thin rib across a sheet: a triangle that stands up out of it by `height_m`. Rounded by the
     // reach, its slope is 0.014 or more, and the tip pulls across it at 0.005.
     for (const double height_m : {1e-12, 1e-11, 1e-10, 1e-7}) {
-        for (const double slack_m : {kLeastSlack_m, 3e-11, 1e-9}) {
+        for (const double slack_m : {kMinSlack_m, 3e-11, 1e-9}) {
             contact::TriangleSoup soup = testing::sheet(4, 0.02);
             testing::add_triangle(soup,
                                   {Vector3(0.003, height_m, -0.01), Vector3(0.003, height_m, 0.01),

@@ -14,13 +14,13 @@ namespace springdrive::rig {
 namespace {
 
 double brute_force_m(const contact::TriangleSoup &soup, const Vector3 &to_m) {
-    double least_m = std::numeric_limits<double>::infinity();
+    double min_m = std::numeric_limits<double>::infinity();
     for (const auto &[a, b, c] : soup.triangles) {
         const contact::TrianglePoint found = contact::nearest_on_triangle(
             {soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]}, to_m);
-        least_m = std::min(least_m, (found.point_m - to_m).norm());
+        min_m = std::min(min_m, (found.point_m - to_m).norm());
     }
-    return least_m;
+    return min_m;
 }
 
 TEST(ClosestPoint, IsThatOfTryingEveryTriangle) {

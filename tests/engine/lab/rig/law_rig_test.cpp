@@ -176,7 +176,7 @@ TEST(LawRig, CancelsWhatItIsToldToLeave) {
 
 TEST(LawRig, BrakesWhatRanAway) {
     LawOptions options = law_options();
-    options.greatest_turn_rad = 100.0;
+    options.max_turn_rad = 100.0;
     StandingPlant plant;
     LawRig rig(plant, options, tied_to(Vector3(0.0, -0.01, 0.0)), FirstCommand::answers);
     const auto brakes_at = [&](double angle_rad) {

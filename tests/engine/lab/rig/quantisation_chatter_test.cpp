@@ -12,9 +12,9 @@ namespace {
 constexpr double kChatterPeriod_s = 1e-3;
 
 /// When it is known to be all flicker [s]; infinite where not within 10 s.
-double known_after_s(const std::function<Vector3(double)> &motion, double most_rad,
+double known_after_s(const std::function<Vector3(double)> &motion, double max_range_rad,
                      double lasting_s = 0.4) {
-    QuantisationChatter chatter(most_rad, lasting_s, kChatterPeriod_s);
+    QuantisationChatter chatter(max_range_rad, lasting_s, kChatterPeriod_s);
     for (int k = 0; k < 10000; ++k) {
         if (chatter.is_all()) {
             return k * kChatterPeriod_s;

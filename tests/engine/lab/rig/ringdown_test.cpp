@@ -97,7 +97,7 @@ TEST(Ringdown, SeesWhatExplodesWithinTheFirstWindow) {
 
 TEST(Ringdown, WhatComesToMoreThanAllowedHasRunAway) {
     RingdownOptions options;
-    options.greatest = 100.0;
+    options.maximum = 100.0;
     for (const double peak : {99.0, 101.0}) {
         // Up within a sample, then slowly down: in the end it decays.
         const Ringdown ringdown =
@@ -116,7 +116,7 @@ TEST(Ringdown, ABurstThatComesToRestDiesOut) {
 
 TEST(Ringdown, WantsALeastDecayOfMotionsThatCountsKeepUp) {
     RingdownOptions options;
-    options.least_decay_per_s = 0.5;
+    options.min_decay_per_s = 0.5;
     const auto dies_out = [&options](double rate_per_s) {
         return watched([&](double t) { return std::exp(rate_per_s * t); }, options).dies_out();
     };
@@ -164,7 +164,7 @@ TEST(Ringdown, IsPatientOnlyWhereItIsUnclear) {
     EXPECT_NEAR(watched_s(0.1), 14.0, 0.3);
     EXPECT_NEAR(watched_s(-0.1), 24.0, 0.3);
     // With a least decay it is unclear while the motion falls.
-    options.least_decay_per_s = 0.2;
+    options.min_decay_per_s = 0.2;
     EXPECT_NEAR(watched_s(-0.1), 3.0, 1e-9);
     EXPECT_NEAR(watched_s(-0.4), 30.0, 1e-9);
 }
@@ -182,7 +182,7 @@ TEST(Ringdown, WhatStaysIsNeitherSlowNorClear) {
         EXPECT_FALSE(stays(sign * 0.11 / 15.0));
         EXPECT_FALSE(stays(sign * 10.0));
     }
-    options.least_decay_per_s = 0.2;
+    options.min_decay_per_s = 0.2;
     EXPECT_FALSE(stays(0.0)); // that is clear: not at rest
 }
 
@@ -199,7 +199,7 @@ TEST(Ringdown, EndsWithWhatGoesRoundForEver) {
         return k + 1;
     };
     EXPECT_EQ(samples(), 3000); // it might yet grow or fall
-    options.least_decay_per_s = 0.2;
+    options.min_decay_per_s = 0.2;
     // Within 2 % from 0.76 s on, which ten windows must be.
     EXPECT_NEAR(samples(), 1750, 150);
 }

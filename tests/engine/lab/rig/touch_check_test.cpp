@@ -213,7 +213,7 @@ TEST(TouchCheck, SaysHowManySuspectsItLeftOut) {
         go_on(run, on_sheet(0.0, 1e-4 * i));
     }
     TouchCheckOptions how = options(0);
-    how.most_suspicious = 5;
+    how.max_suspicious = 5;
     const TouchFindings found = check_touch(run, sheet(), how);
     EXPECT_EQ(found.suspicious, 20U);
     EXPECT_EQ(found.checked, 5U);

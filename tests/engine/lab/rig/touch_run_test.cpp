@@ -35,8 +35,8 @@ TEST(TouchRun, IsWhatTheProxyDid) {
         EXPECT_FALSE(step.has_friction);
         ASSERT_EQ(run.way(i).size(), proxy.path().size());
         EXPECT_TRUE(std::ranges::equal(run.way(i), proxy.path()));
-        EXPECT_LE(step.least_ns, step.first_ns);
-        EXPECT_GE(step.least_ns, 0.0);
+        EXPECT_LE(step.min_ns, step.first_ns);
+        EXPECT_GE(step.min_ns, 0.0);
         touching += contact.touching ? 1 : 0;
     }
     EXPECT_GT(touching, 100);
@@ -60,7 +60,7 @@ TEST(UpdateTimes, AreRanks) {
         TouchStep step;
         step.constraints = 1;
         step.first_ns = 1001 - i;
-        step.least_ns = 7.0;
+        step.min_ns = 7.0;
         run.steps.push_back(step);
     }
     const UpdateTimes times = update_times(run, true, &TouchStep::first_ns).value();
@@ -68,7 +68,7 @@ TEST(UpdateTimes, AreRanks) {
     EXPECT_EQ(times.p99_ns, 990.0);
     EXPECT_EQ(times.p99_9_ns, 999.0);
     EXPECT_EQ(times.max_ns, 1000.0);
-    EXPECT_EQ(update_times(run, true, &TouchStep::least_ns).value().max_ns, 7.0);
+    EXPECT_EQ(update_times(run, true, &TouchStep::min_ns).value().max_ns, 7.0);
     EXPECT_FALSE(update_times(run, false, &TouchStep::first_ns).has_value());
     run.steps.resize(1);
     EXPECT_EQ(update_times(run, true, &TouchStep::first_ns).value().median_ns, 1000.0);

@@ -30,7 +30,7 @@ TEST(LateTicks, WithoutLatenessAreTwoTicksOfThePlainLoop) {
 }
 
 TEST(LateTicks, LoseStabilityLaterWithSofterGains) {
-    const auto most_missed = [](double K_P) {
+    const auto max_missed = [](double K_P) {
         loops::StabilityCase which = three_motors_in_a_hand();
         which.tuning.K_P_V_per_rad = K_P;
         int missed = 0;
@@ -40,9 +40,9 @@ TEST(LateTicks, LoseStabilityLaterWithSofterGains) {
         }
         return missed;
     };
-    const int soft = most_missed(3.0);
-    const int firm = most_missed(6.0);
-    const int hard = most_missed(12.0);
+    const int soft = max_missed(3.0);
+    const int firm = max_missed(6.0);
+    const int hard = max_missed(12.0);
     EXPECT_GT(soft, firm);
     EXPECT_GT(firm, hard);
     EXPECT_GT(hard, 0);

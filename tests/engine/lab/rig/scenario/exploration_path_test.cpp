@@ -32,17 +32,17 @@ TEST(ExplorationPath, LetsGoAndPressesInAgain) {
         testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene));
     const Exploration how;
     double deepest_m = 0.0;
-    double highest_m = -1.0;
+    double max_m = -1.0;
     for (const simulated::HandPath::Point &point : setting.scenario.simulation.path->points()) {
         if (point.time_s > how.rest_s + how.approach_s) {
             const double depth_m = scene.upper_m.y() - point.position_m.y();
             deepest_m = std::max(deepest_m, depth_m);
-            highest_m = std::max(highest_m, -depth_m);
+            max_m = std::max(max_m, -depth_m);
         }
     }
     // The path's points, 5 ms apart, miss the turning points of 3 Hz by (ωΔt/2)²/2 = 0.1 % at most.
-    EXPECT_NEAR(deepest_m, how.greatest_depth_m, 1e-5);
-    EXPECT_NEAR(highest_m, -how.least_depth_m, 1e-5);
+    EXPECT_NEAR(deepest_m, how.max_depth_m, 1e-5);
+    EXPECT_NEAR(max_m, -how.min_depth_m, 1e-5);
 }
 
 TEST(ExplorationPath, NeitherJumpsNorLeavesItsPlane) {
@@ -53,7 +53,7 @@ TEST(ExplorationPath, NeitherJumpsNorLeavesItsPlane) {
         testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene), how);
     const auto &points = setting.scenario.simulation.path->points();
     const double pressing_m_per_s =
-        2.0 * M_PI * how.press_hz * 0.5 * (how.greatest_depth_m - how.least_depth_m);
+        2.0 * M_PI * how.press_hz * 0.5 * (how.max_depth_m - how.min_depth_m);
     for (std::size_t i = 1; i < points.size(); ++i) {
         EXPECT_EQ(points[i].position_m.x(), points.front().position_m.x());
         if (points[i - 1].time_s > how.rest_s + how.approach_s - 1e-9) {

@@ -36,12 +36,12 @@ TEST(PressedTips, OfTheOrganicShapeKnowTheNearestPointOfAll) {
     const std::vector<PressedTip> tips = tips_in_organic_shape(20'000);
     for (std::size_t i = 0; i < tips.size(); i += 97) {
         const PressedTip &tip = tips[i];
-        double least_m = std::numeric_limits<double>::infinity();
+        double min_m = std::numeric_limits<double>::infinity();
         for (const Vector3 &point_m : points_m) {
-            least_m = std::min(least_m, (point_m - tip.tip_m).norm());
+            min_m = std::min(min_m, (point_m - tip.tip_m).norm());
         }
-        ASSERT_GE(least_m, tip.depth_m() - 1e-15) << i;  // no point of the true surface is nearer
-        ASSERT_LE(least_m, tip.depth_m() + 0.3e-3) << i; // and some of these are about as near
+        ASSERT_GE(min_m, tip.depth_m() - 1e-15) << i;  // no point of the true surface is nearer
+        ASSERT_LE(min_m, tip.depth_m() + 0.3e-3) << i; // and some of these are about as near
         ASSERT_NEAR(organic_shape().field(tip.surface_m / kTestOrganicScale_m),
                     organic_shape().level, 1e-12);
     }
@@ -61,13 +61,13 @@ TEST(PressedTips, MoveOnAsAHandDoes) {
 
 TEST(PressedTips, GoBeyondTheMiddleOfThePlateButNotThrough) {
     const Vector3 half_m = thin_plate_half_size_m();
-    double lowest_m = half_m.y();
+    double min_m = half_m.y();
     for (const PressedTip &tip : tips_in_thin_plate(20'000)) {
         ASSERT_EQ(tip.surface_m.y(), half_m.y());
         ASSERT_LT(tip.tip_m.cwiseAbs().maxCoeff(), 0.8 * half_m.x());
-        lowest_m = std::min(lowest_m, tip.tip_m.y());
+        min_m = std::min(min_m, tip.tip_m.y());
     }
-    EXPECT_NEAR(lowest_m, -0.5 * half_m.y(), 1e-6);
+    EXPECT_NEAR(min_m, -0.5 * half_m.y(), 1e-6);
 }
 
 } // namespace

@@ -78,16 +78,16 @@ TEST(TestSurfaces, VolumeNearsThatOfTheBall) {
 TEST(TestSurfaces, BumpsAreAsHighAndLongAsSaid) {
     const contact::TriangleSoup soup = bumpy_sphere(6, 0.05, 0.5e-3, 6e-3);
     EXPECT_TRUE(is_closed(soup));
-    double highest_m = 0.0;
-    double lowest_m = 0.0;
+    double max_m = 0.0;
+    double min_m = 0.0;
     for (const Vector3 &vertex : soup.vertices_m) {
-        highest_m = std::max(highest_m, vertex.norm() - 0.05);
-        lowest_m = std::min(lowest_m, vertex.norm() - 0.05);
+        max_m = std::max(max_m, vertex.norm() - 0.05);
+        min_m = std::min(min_m, vertex.norm() - 0.05);
     }
-    EXPECT_LE(highest_m, 0.5e-3);
-    EXPECT_GE(lowest_m, -0.5e-3);
-    EXPECT_GT(highest_m, 0.45e-3);
-    EXPECT_LT(lowest_m, -0.45e-3);
+    EXPECT_LE(max_m, 0.5e-3);
+    EXPECT_GE(min_m, -0.5e-3);
+    EXPECT_GT(max_m, 0.45e-3);
+    EXPECT_LT(min_m, -0.45e-3);
     // One wavelength along x changes nothing, half of one turns bumps into dents.
     const auto height_near = [&](const Vector3 &place) {
         const auto nearest = std::ranges::min_element(soup.vertices_m, {}, [&](const Vector3 &v) {

@@ -104,18 +104,18 @@ TEST(TouchPath, SlideStaysAtItsDepthAndSpeed) {
 
 TEST(TouchPath, LissajousChangesItsDepthByAThird) {
     const std::vector<Vector3> tips = path(TouchPathKind::lissajous, 20000);
-    double least_m = 1.0;
-    double greatest_m = 0.0;
+    double min_m = 1.0;
+    double max_m = 0.0;
     for (std::size_t i = 100; i < tips.size(); ++i) {
         const double depth_m = kRadius_m - tips[i].norm();
-        least_m = std::min(least_m, depth_m);
-        greatest_m = std::max(greatest_m, depth_m);
+        min_m = std::min(min_m, depth_m);
+        max_m = std::max(max_m, depth_m);
         ASSERT_NEAR((tips[i] - tips[i - 1]).norm(), 1e-4, 2e-5);
     }
-    EXPECT_GT(least_m, 1.0e-3 - 1e-5);
-    EXPECT_LT(least_m, 1.1e-3 + kSag_m);
-    EXPECT_GT(greatest_m, 1.9e-3);
-    EXPECT_LT(greatest_m, 2.0e-3 + kSag_m);
+    EXPECT_GT(min_m, 1.0e-3 - 1e-5);
+    EXPECT_LT(min_m, 1.1e-3 + kSag_m);
+    EXPECT_GT(max_m, 1.9e-3);
+    EXPECT_LT(max_m, 2.0e-3 + kSag_m);
 }
 
 TEST(TouchPath, RainFallsFreely) {
