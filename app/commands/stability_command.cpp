@@ -64,7 +64,7 @@ StabilityReport report_of(const TypedStability &typed) {
     return report;
 }
 
-void write_report(const TypedStability &typed) {
+void write_stability(const TypedStability &typed) {
     const StabilityReport report = report_of(typed);
     write_report([&](std::ostream &out) { write_stability_table(out, report); },
                  {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}});
@@ -180,7 +180,7 @@ void run(const TypedStability &typed) {
     if (typed.table) {
         write_table(typed);
     } else if (typed.map.empty()) {
-        write_report(typed);
+        write_stability(typed);
     } else {
         draw_map(typed);
     }

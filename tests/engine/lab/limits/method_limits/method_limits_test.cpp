@@ -1,4 +1,4 @@
-// Covers engine/lab/limits/failure_lines: each limit found by trials is crossed from both sides of
+// Covers engine/lab/limits/method_limits: each limit found by trials is crossed from both sides of
 // its prediction, and where none is predicted, none is found. The limits of sampled loops are in
 // loop_limits_test.cpp.
 #include "engine/lab/limits/method_limits/method_limits.h"
