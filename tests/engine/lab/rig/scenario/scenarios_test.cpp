@@ -107,7 +107,8 @@ TEST(Scenarios, RunUnderALawAloneAndStayFinite) {
 
 /// docs/design.md has the same list.
 TEST(Scenarios, AreInTheDesign) {
-    const std::string design = testing::contents_of(testing::assets().parent_path() / "docs/design.md");
+    const std::string design =
+        testing::contents_of(testing::assets().parent_path() / "docs/design.md");
     for (const ListedScenario &listed : kScenarios) {
         const std::string row = "| " + std::string(listed.name) + " | " + std::string(listed.what) +
                                 " | " + std::string(listed.measured) + " |";
