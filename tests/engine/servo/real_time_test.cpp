@@ -53,13 +53,13 @@ public:
         return touching;
     }
 
-private:
     [[nodiscard]] rig::Scenario scenario() const {
         return rig::scripted_touch_scenario(
             {description_, {}},
             rig::placed(scene_->surface, scene_->scene.lower_m, scene_->scene.upper_m));
     }
 
+private:
     device::DeviceDescription description_ = testing::phantom_1_0();
     std::unique_ptr<session::LoadedScene> scene_;
 
@@ -107,7 +107,7 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
 TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
     TouchedScene touched("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
-        simulated::SimulationOptions options = touched.options();
+        simulated::SimulationOptions options = touched.scenario().simulation;
         options.dynamics = model.dynamics;
         options.effects = model.effects;
         touched.closed_loop.phantom().simulate_as(options);

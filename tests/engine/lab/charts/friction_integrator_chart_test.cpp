@@ -84,7 +84,7 @@ TEST(FrictionIntegrators, ConvergeWithShorterSteps) {
     for (const NamedIntegrator &named : kIntegrators) {
         const bool is_smoothed = named.integrator == Integrator::implicit_midpoint;
         const auto error_of = [&](int sub_steps) {
-            const double step_s = trial().press().period_s / sub_steps;
+            const double step_s = trial().press().simulation.servo_period_s / sub_steps;
             return error_N(
                 trial().plant(named.integrator, sub_steps,
                               is_smoothed ? trial().friction_width_rad_per_s(step_s) : 0.0));

@@ -24,16 +24,6 @@ Corners corners(const contact::TriangleSoup &soup, std::size_t triangle) {
     return {soup.vertices_m[a], soup.vertices_m[b], soup.vertices_m[c]};
 }
 
-TEST(FailingShapes, ABoxHasItsVolumeByTheDivergenceTheorem) {
-    const contact::TriangleSoup box = solid_box({-1.0, -2.0, 0.5}, {2.0, 1.0, 1.0});
-    double volume_m3 = 0.0;
-    for (std::size_t i = 0; i < box.triangles.size(); ++i) {
-        const Corners t = corners(box, i);
-        volume_m3 += t.a.dot(t.b.cross(t.c)) / 6.0;
-    }
-    EXPECT_NEAR(volume_m3, 3.0 * 3.0 * 0.5, 1e-12);
-}
-
 TEST(FailingShapes, FacesOfAPitStandAtItsAngle) {
     for (const int faces : {2, 3, 5}) {
         for (const double opening_deg : {1.0, 60.0, 120.0, 179.0}) {

@@ -113,6 +113,10 @@ TEST(TestSurfaces, OrganicOnesAreClosedWithCornersOnTheShape) {
     }
 }
 
+TEST(TestSurfaces, ABoxHasItsVolumeByTheDivergenceTheorem) {
+    EXPECT_NEAR(volume_m3(solid_box({-1.0, -2.0, 0.5}, {2.0, 1.0, 1.0})), 3.0 * 3.0 * 0.5, 1e-12);
+}
+
 TEST(TestSurfaces, AreFoundByName) {
     EXPECT_EQ(test_surface_named("sphere:1280")->triangles.size(), 1280U);
     EXPECT_EQ(test_surface_named("bumpy:5120")->triangles.size(), 5120U);
