@@ -41,7 +41,7 @@ TEST(SelectedColumns, NameTheNearestOfOneThatIsNotThere) {
     };
     EXPECT_EQ(said("tip_x").find("the record has no column tip_x; the closest are tip_x_m"), 0U)
         << said("tip_x");
-    EXPECT_NE(said("curent2_A").find("nearest are current2_A, "), std::string::npos);
+    EXPECT_NE(said("curent2_A").find("closest are current2_A, "), std::string::npos);
     EXPECT_NE(said("nothing*").find("no column of the record matches nothing*"), std::string::npos);
     EXPECT_NE(said(""), "");
     EXPECT_NE(said(std::string(100'000, 'x')), "");

@@ -165,8 +165,8 @@ TEST(RecordReader, RefusesWhatIsNoRecord) {
     const std::string good = header_bytes(to_json(record_header(testing::kServo_hz)));
     write_file(file, good);
     EXPECT_NO_THROW(RecordReader{file});
-    EXPECT_NE(said("").find("is no record"), std::string::npos);
-    EXPECT_NE(said("tick,time_s\n0,0\n").find("is no record"), std::string::npos);
+    EXPECT_NE(said("").find("is not a springdrive record"), std::string::npos);
+    EXPECT_NE(said("tick,time_s\n0,0\n").find("is not a springdrive record"), std::string::npos);
     std::string later = good;
     later[7] = '2';
     EXPECT_NE(said(later).find("layout that this version does not know"), std::string::npos);
@@ -222,7 +222,7 @@ TEST(RecordReader, AsksForLittleMemoryWhateverLengthsAFileClaims) {
         std::filesystem::resize_file(file, std::uintmax_t{8} << 30U);
         RecordReader reader(file);
         EXPECT_FALSE(reader.next());
-        EXPECT_NE(reader.ending().why.find("larger than any"), std::string::npos);
+        EXPECT_NE(reader.ending().why.find("exceeds the maximum"), std::string::npos);
     }
     header.replace(8, 4, testing::bytes_of_number(0xFFFFFFFFU, 4));
     write_file(file, header);

@@ -76,8 +76,8 @@ TEST(MeshRemarks, DoesNotPromiseSidesThatANodeMaySet) {
     soup.material_of_triangle.pop_back();
     soup.materials.front().sides = TouchSides::one;
     EXPECT_EQ(remarks(soup).front(),
-              "1 of 1 surfaces are open: touched from both sides, but where their nodes say "
-              "otherwise");
+              "1 of 1 surfaces are open: touched from both sides, unless their nodes "
+              "specify otherwise");
 }
 
 } // namespace
