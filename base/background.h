@@ -104,7 +104,7 @@ public:
 private:
     struct Thread {
         std::shared_ptr<std::atomic<bool>> has_ended;
-        std::jthread thread; ///< joins when it goes
+        std::jthread thread; ///< joins on destruction
     };
 
     void join_ended() {

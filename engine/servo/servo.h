@@ -8,7 +8,7 @@
 // device is the safe state.
 //
 // A device on the servo's clock, i.e. a simulated one, waits for the servo: while the host does not
-// run the servo, or the window's heartbeat stops, device time stands still, and no device period is
+// run the servo, or the window's heartbeat stops, device time is paused, and no device period is
 // missed. Missed deadlines are counted nevertheless.
 //
 // An assertion that fails in a tick does not end the program: the device is first commanded to the

@@ -37,7 +37,7 @@ void need_pair(std::pair<int, int> pair) { SPRINGDRIVE_ASSERT(pair == std::pair<
 
 using AssertionsDeathTest = ::testing::Test;
 
-TEST(Assertions, OneThatHoldsDoesNothingButLookOnce) {
+TEST(Assertions, EvaluatesAHoldingConditionOnce) {
     int asked = 0;
     SPRINGDRIVE_ASSERT(++asked == 1);
     EXPECT_EQ(asked, 1);
@@ -46,7 +46,7 @@ TEST(Assertions, OneThatHoldsDoesNothingButLookOnce) {
     EXPECT_EQ(half(4), 2);
 }
 
-TEST_F(AssertionsDeathTest, OneThatFailsSaysWhichAndWhereAndAborts) {
+TEST_F(AssertionsDeathTest, FailureReportsConditionAndLocationAndAborts) {
     EXPECT_EXIT(need_positive(0), ::testing::KilledBySignal(SIGABRT),
                 "^springdrive: assertion failed: value > 0, tests/base/assertions_test\\.cpp:" +
                     std::to_string(kLineOfNeed) + "\n$");
@@ -54,7 +54,7 @@ TEST_F(AssertionsDeathTest, OneThatFailsSaysWhichAndWhereAndAborts) {
     EXPECT_DEATH(static_cast<void>(half(3)), "failed: value % 2 == 0, ");
 }
 
-TEST_F(AssertionsDeathTest, TheDearTierLooksWhereItIsOnAndNowhereElse) {
+TEST_F(AssertionsDeathTest, AuditTierIsEvaluatedOnlyWhereEnabled) {
     int asked = 0;
     audit(asked, 1);
     EXPECT_EQ(asked, 1);
@@ -64,7 +64,7 @@ TEST_F(AssertionsDeathTest, TheDearTierLooksWhereItIsOnAndNowhereElse) {
     EXPECT_EQ(asked, 1);
 }
 
-TEST(Assertions, NameFilesFromTheTopOfTheProject) {
+TEST(Assertions, NameFilesRelativeToTheProjectsRoot) {
     using assertions::path_in_project;
     static_assert(std::string_view(path_in_project("engine/servo/servo.cpp")) ==
                   "engine/servo/servo.cpp");
@@ -77,7 +77,7 @@ TEST(Assertions, NameFilesFromTheTopOfTheProject) {
                   "base/a.h");
 }
 
-TEST(RunGuarded, LeavesTheWorkThatFailsAndTellsAtOnce) {
+TEST(RunGuarded, AbandonsFailingWorkAndReportsImmediately) {
     std::vector<std::string> told;
     told.reserve(4);
     AssertionFailure failure;
@@ -119,7 +119,7 @@ TEST(RunGuarded, CanBeNestedAndUsedAgain) {
     EXPECT_EQ(outer, 500);
 }
 
-TEST_F(AssertionsDeathTest, AGuardEndsWithItsWorkAndIsOfOneThread) {
+TEST_F(AssertionsDeathTest, AGuardCoversOnlyItsWorkAndThread) {
     const auto ignore_failure = [](const AssertionFailure & /*failure*/) {};
     ASSERT_FALSE(run_guarded([] { need_positive(0); }, ignore_failure));
     EXPECT_DEATH(need_positive(0), "value > 0");
@@ -132,7 +132,7 @@ TEST_F(AssertionsDeathTest, AGuardEndsWithItsWorkAndIsOfOneThread) {
     EXPECT_DEATH(on_another(), "value > 0");
 }
 
-TEST_F(AssertionsDeathTest, OneThatFailsWhileTheFirstIsToldEndsTheProgram) {
+TEST_F(AssertionsDeathTest, AFailureInsideTheHandlerEndsTheProgram) {
     const auto work = [] {
         static_cast<void>(run_guarded([] { need_positive(0); },
                                       [](const AssertionFailure &failure) {

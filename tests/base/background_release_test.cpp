@@ -21,7 +21,7 @@ struct Heavy {
     Heavy &operator=(const Heavy &) = delete;
 };
 
-TEST(BackgroundRelease, ReleasesAllWithoutMakingAnybodyWait) {
+TEST(BackgroundRelease, ReleasesAllWithoutBlockingTheCaller) {
     {
         BackgroundRelease<Heavy> release;
         for (int i = 0; i < 20; ++i) {
@@ -34,7 +34,7 @@ TEST(BackgroundRelease, ReleasesAllWithoutMakingAnybodyWait) {
     EXPECT_EQ(alive, 0); // joined
 }
 
-TEST(BackgroundRelease, WithNothingToReleaseEndsAtOnce) {
+TEST(BackgroundRelease, EndsImmediatelyWithNothingToRelease) {
     const BackgroundRelease<Heavy> release;
     EXPECT_EQ(alive, 0);
 }

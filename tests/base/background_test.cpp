@@ -32,14 +32,14 @@ TEST(Background, GivesItsResultOnce) {
     EXPECT_EQ(background.share(), 0.5);
 }
 
-TEST(Background, PassesOnWhatWasThrown) {
+TEST(Background, RethrowsTheWorksException) {
     Background<int> background;
     background.start([](BackgroundTalk &) -> int { throw std::runtime_error("no"); });
     EXPECT_THROW(waited_for(background), std::runtime_error);
     EXPECT_FALSE(background.is_busy());
 }
 
-TEST(Background, TellsWorkThatNobodyWaits) {
+TEST(Background, TellsTheWorkThatItIsCancelled) {
     const auto ended = std::make_shared<std::promise<bool>>();
     std::future<bool> was_wanted = ended->get_future();
     {
@@ -55,7 +55,7 @@ TEST(Background, TellsWorkThatNobodyWaits) {
     EXPECT_FALSE(was_wanted.get());
 }
 
-TEST(Background, TellsWhatTheWorkIsAt) {
+TEST(Background, ReportsTheWorksProgress) {
     Background<int> background;
     EXPECT_EQ(background.what(), "");
     background.start([](BackgroundTalk &talk) {
@@ -67,7 +67,7 @@ TEST(Background, TellsWhatTheWorkIsAt) {
     EXPECT_EQ(background.share(), 0.5);
 }
 
-TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
+TEST(Background, WorkAskedToEndEndsAtItsNextReport) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) -> int {
         for (;;) {
@@ -81,7 +81,7 @@ TEST(Background, WorkThatIsAskedToEndEndsWhereItTells) {
     EXPECT_FALSE(background.is_busy());
 }
 
-TEST(Background, ANewPieceReplacesTheOld) {
+TEST(Background, NewWorkReplacesTheOld) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) {
         while (talk.is_wanted()) {
@@ -93,7 +93,7 @@ TEST(Background, ANewPieceReplacesTheOld) {
     EXPECT_EQ(waited_for(background), 2);
 }
 
-TEST(Background, GivingUpDoesNotWaitButGoingAwayDoes) {
+TEST(Background, CancellingDoesNotWaitButTheDestructorDoes) {
     std::atomic<int> ended{0};
     std::atomic<bool> may_end{false};
     {

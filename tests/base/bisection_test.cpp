@@ -30,14 +30,14 @@ TEST(LastThatHolds, IsFoundFromEitherSide) {
     }
 }
 
-TEST(LastThatHolds, EndsWithABracketThatIsNone) {
+TEST(LastThatHolds, EndsWithAnEmptyBracket) {
     const auto never = [](double) { return false; };
     const double none = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(last_that_holds({1.0, none}, 1e-6, never), 1.0);
     EXPECT_EQ(last_that_holds({1.0, 1.0}, 1e-6, never), 1.0);
 }
 
-TEST(Bisection, HalvesAsOftenAsItIsTold) {
+TEST(Bisection, HalvesTheGivenNumberOfTimes) {
     int tried = 0;
     const auto holds = [&](double value) {
         ++tried;

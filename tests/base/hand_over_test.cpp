@@ -58,7 +58,7 @@ TEST(LatestValue, ArrivesWholeAndNeverGoesBack) {
     writer.join();
 }
 
-TEST(SampleRing, HandsOverEverySampleInOrder) {
+TEST(SampleRing, PassesEverySampleInOrder) {
     constexpr std::uint64_t kSamples = 200'000;
     SampleRing<Wide> ring(64);
     std::thread writer([&ring] {
@@ -89,7 +89,7 @@ TEST(SampleRing, DropsTheNewestWhenFullAndCountsIt) {
     EXPECT_EQ(expected, 4);
 }
 
-TEST(SampleRing, RefusesACapacityThatIsNoPowerOfTwo) {
+TEST(SampleRing, RejectsACapacityThatIsNotAPowerOfTwo) {
     EXPECT_THROW(SampleRing<int>(0), std::invalid_argument);
     EXPECT_THROW(SampleRing<int>(6), std::invalid_argument);
     EXPECT_NO_THROW(SampleRing<int>(1));

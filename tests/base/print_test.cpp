@@ -21,7 +21,7 @@ TEST(Print, WritesColumns) {
     EXPECT_EQ(out.str(), "K_P   |100.50| -7|\n");
 }
 
-TEST(Print, CountsLettersOfAColumnNotBytes) {
+TEST(Print, CountsCharactersOfAColumnNotBytes) {
     std::ostringstream out;
     print(out, "{:<4}|{:>4}|", "Ω", "µm");
     EXPECT_EQ(out.str(), "Ω   |  µm|");
@@ -51,14 +51,14 @@ TEST(Print, IntoABufferEndsWithTheBuffer) {
     EXPECT_STREQ(text.data(), "1234567");
 }
 
-TEST(CsvCell, IsQuotedWhereItNeedsTo) {
+TEST(CsvCell, IsQuotedIfNeeded) {
     EXPECT_EQ(csv_cell("100 µs"), "100 µs");
     EXPECT_EQ(csv_cell("a, \"b\""), "\"a, \"\"b\"\"\"");
     EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
     EXPECT_EQ(csv_cell(""), "");
 }
 
-TEST(CsvCell, OfANumberGivesTheSameNumberAgain) {
+TEST(CsvCell, OfANumberReadsBackAsTheSameNumber) {
     std::mt19937_64 random(1);
     for (int trial = 0; trial < 1000; ++trial) {
         const auto number = std::bit_cast<double>(random());

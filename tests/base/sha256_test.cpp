@@ -12,7 +12,7 @@ namespace springdrive {
 namespace {
 
 // The examples of FIPS 180.
-TEST(Sha256, OfFilesIsThatOfTheStandard) {
+TEST(Sha256, MatchesTheStandardForFiles) {
     const auto folder = testing::fresh_folder("sha256");
     testing::write_file(folder / "abc", "abc");
     testing::write_file(folder / "empty", "");
@@ -32,14 +32,14 @@ std::string of_texts(std::string_view first, std::string_view second) {
     return sha256.hex();
 }
 
-TEST(Sha256, OfBytesGoesOnFromCallToCall) {
+TEST(Sha256, ContinuesOverSeveralCalls) {
     Sha256 sha256;
     sha256.add("a", 1);
     sha256.add("bc", 2);
     EXPECT_EQ(sha256.hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
-TEST(Sha256, KnowsWhereATextEnds) { EXPECT_NE(of_texts("ab", "c"), of_texts("a", "bc")); }
+TEST(Sha256, SeparatesTexts) { EXPECT_NE(of_texts("ab", "c"), of_texts("a", "bc")); }
 
 TEST(Sha256, NamesAFileThatCannotBeRead) {
     const auto folder = testing::fresh_folder("sha256_none");

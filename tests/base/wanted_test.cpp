@@ -10,9 +10,9 @@
 namespace springdrive {
 namespace {
 
-TEST(Wanted, WorkThatNobodyCanGiveUpGoesOn) { EXPECT_NO_THROW(stop_if_given_up()); }
+TEST(Wanted, WorkWithoutAFlagContinues) { EXPECT_NO_THROW(stop_if_given_up()); }
 
-TEST(Wanted, WorkEndsWhereItLooksOnceItIsGivenUp) {
+TEST(Wanted, CancelledWorkEndsAtTheNextCheck) {
     std::atomic<bool> is_given_up{false};
     const GivenUpBy by(&is_given_up);
     EXPECT_NO_THROW(stop_if_given_up());
@@ -25,7 +25,7 @@ TEST(Wanted, WorkEndsWhereItLooksOnceItIsGivenUp) {
     EXPECT_THROW(stop_if_given_up(), NotWanted);
 }
 
-TEST(Wanted, HelpingThreadsGoByTheSameWish) {
+TEST(Wanted, HelperThreadsShareTheFlag) {
     std::atomic<bool> is_given_up{false};
     const GivenUpBy by(&is_given_up);
     std::atomic<std::size_t> done{0};

@@ -50,16 +50,16 @@ void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
 /// With the maximum possible heat; a long gap is processed over several ticks.
 void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noexcept {
     if (missed_periods > 0) {
-        pending_ += std::min(missed_periods, kMaxPending - pending_);
+        pending_periods_ += std::min(missed_periods, kMaxPending - pending_periods_);
         pending_max_A_ = std::max(pending_max_A_, max_A);
     }
-    const std::uint32_t now = std::min(pending_, kMaxAtOnce);
+    const std::uint32_t now = std::min(pending_periods_, kMaxAtOnce);
     for (std::uint32_t i = 0; i < now; ++i) {
         maximum_.update(pending_max_A_ * pending_max_A_ *
                         max_resistance_Ohm(motor_, maximum_.winding_C()));
     }
-    pending_ -= now;
-    pending_max_A_ = pending_ > 0 ? pending_max_A_ : 0.0;
+    pending_periods_ -= now;
+    pending_max_A_ = pending_periods_ > 0 ? pending_max_A_ : 0.0;
 }
 
 double WindingGuard::max_cancelled_Ohm() const noexcept {

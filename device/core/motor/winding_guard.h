@@ -76,8 +76,8 @@ private:
     WindingTemperature coldest_; ///< initial state of `minimum_`
     WindingTemperature minimum_;
     WindingTemperature maximum_;
-    double current_A_ = 0.0;    ///< at the last update
-    std::uint32_t pending_ = 0; ///< missed periods not yet processed for the upper bound
+    double current_A_ = 0.0;            ///< at the last update
+    std::uint32_t pending_periods_ = 0; ///< missed periods not yet processed for the upper bound
     double pending_max_A_ = 0.0;
 };
 

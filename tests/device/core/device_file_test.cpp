@@ -71,7 +71,7 @@ TEST(DeviceFile, ThreeMotorsMayDiffer) {
     EXPECT_EQ(device.motor[2].resistance_Ohm, 2.18);
 }
 
-TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
+TEST(DeviceFile, RejectsInvalidValuesByNameLineAndRange) {
     expect_all(complaint("0.238e-3", "-1e-3"), {":56:", "motor.inductance_H", "-0.001", "from"});
     expect_all(complaint("0.238e-3", "nan"), {"motor.inductance_H", "from"});
     expect_all(complaint("0.238e-3", "inf"), {"motor.inductance_H", "from"});
@@ -110,7 +110,7 @@ TEST(DeviceFile, RefusesWhatCannotBeByNameLineAndRange) {
     expect_all(complaint("0.1397 ", "139.7 "), {"linkage.upper_arm_m", "139.7"}); // millimetres
 }
 
-TEST(DeviceFile, RefusesAnAmplifierThatCancelsMoreThanItMay) {
+TEST(DeviceFile, RejectsAnAmplifierThatCancelsTooMuch) {
     // 2.18 Ω and an excess of 0.63 Ω make 2.81 Ω.
     EXPECT_EQ(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.809 "), "");
     expect_all(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.811 "),
@@ -164,14 +164,14 @@ TEST(DeviceFile, HoldsTheEdgeAndTheLimits) {
     EXPECT_EQ(device.limits.window_silence_s, 2.0);
 }
 
-TEST(DeviceFile, RefusesAnEdgeThatCannotBe) {
+TEST(DeviceFile, RejectsAnInvalidEdge) {
     expect_range("edge", {"margin_deg", "5.0", {"0.0", "30.0"}, {"-0.1", "30.1"}});
     expect_range("edge", {"stiffness_Nm_per_rad", "4.0", {"0.0", "100.0"}, {"-0.1", "100.1"}});
     expect_range("edge", {"damping_Nms_per_rad", "0.08", {"0.0", "10.0"}, {"-0.01", "10.1"}});
     expect_all(complaint("[edge]", "[edges]"), {"edge", "missing"});
 }
 
-TEST(DeviceFile, RefusesLimitsThatCannotBe) {
+TEST(DeviceFile, RejectsInvalidLimits) {
     expect_range("limits", {"tip_force_N", "8.5", {"0.1", "100.0"}, {"0.09", "100.1", "-8.5"}});
     expect_range("limits", {"tip_speed_m_per_s", "2.0", {"0.01", "20.0"}, {"0.0", "20.1"}});
     expect_range("limits", {"beyond_stops_deg", "3.0", {"0.1", "45.0"}, {"0.09", "45.1"}});
@@ -196,7 +196,7 @@ TEST(DeviceFile, ReadsTheLimitsOfOlderFiles) {
     EXPECT_THROW(static_cast<void>(read_device_text(text, "both.toml")), InputError);
 }
 
-TEST(DeviceFile, RefusesAFileThatIsNotThere) {
+TEST(DeviceFile, RejectsAMissingFile) {
     EXPECT_THROW(static_cast<void>(read_device_file("no such file.toml")), InputError);
     EXPECT_THROW(static_cast<void>(read_device_file(testing::assets())), InputError);
 }

@@ -9,7 +9,7 @@
 namespace springdrive::device {
 namespace {
 
-TEST(SplitDelay, AddsUpToTheLastBit) {
+TEST(SplitDelay, AddsUpExactly) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> delays(0.0, 16.0);
     for (int i = 0; i < 1000; ++i) {

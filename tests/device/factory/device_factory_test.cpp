@@ -53,7 +53,7 @@ TEST(DeviceFactory, OpensWhatIsPresentByKindAndSerial) {
     EXPECT_EQ(open.device().read().health, device::DeviceHealth::ok);
 }
 
-TEST(DeviceFactory, SaysInOneLineWhatIsNotThere) {
+TEST(DeviceFactory, ReportsAMissingDeviceInOneLine) {
     DeviceRequest asked = request();
     asked.serial = "4711";
     EXPECT_NE(complaint_about(asked).find("4711"), std::string::npos);
@@ -71,7 +71,7 @@ TEST(DeviceFactory, SaysInOneLineWhatIsNotThere) {
     EXPECT_FALSE(device_kind_named("serial"));
 }
 
-TEST(DeviceFactory, TheSimulatedOneKnowsWhereItStands) {
+TEST(DeviceFactory, TheSimulatedDeviceStartsZeroed) {
     OpenDevice open = open_device(request());
     const device::PhantomGeometry &geometry = open.device().description().geometry;
     const Vector3 theta = theta_rad(open, open.device().read());
@@ -105,7 +105,7 @@ void make(Call call, OpenDevice &open, DeviceState &expected) {
     }
 }
 
-TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
+TEST(DeviceFactory, StateIsCorrectAfterEveryOrderOfFourCalls) {
     constexpr std::array kCalls{Call::zero, Call::close, Call::reconnect};
     for (int order = 0; order < 81; ++order) {
         OpenDevice open = open_device(request());
@@ -131,7 +131,7 @@ TEST(DeviceFactory, EveryOrderOfFourCallsLeavesItAsTheLastOnesSay) {
     }
 }
 
-TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
+TEST(DeviceFactory, AClosedDeviceBrakesForAnyCommand) {
     OpenDevice open = open_device(request());
     device::DeviceCommand command;
     command.e_W_V = Vector3(2.0, 2.0, 2.0);
@@ -152,7 +152,7 @@ TEST(DeviceFactory, AClosedOneBrakesWhateverItIsTold) {
     EXPECT_GT(max_current_A(), 0.5);
 }
 
-TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {
+TEST(DeviceFactory, TimeAndNumbersContinueWhileClosed) {
     OpenDevice open = open_device(request());
     const device::Measurement before = open.device().read();
     open.close();
@@ -163,7 +163,7 @@ TEST(DeviceFactory, ItsTimeAndNumbersGoOnWhileItIsClosed) {
     EXPECT_GT(after.time_s, before.time_s);
 }
 
-TEST(DeviceFactory, AssignmentClosesAndTakesOver) {
+TEST(DeviceFactory, AssignmentClosesThePreviousDevice) {
     OpenDevice open = open_device(request());
     OpenDevice other = open_device(request());
     const device::HapticDevice *const taken = &other.device();

@@ -105,7 +105,7 @@ constexpr double kTolerance = 1e-12;
 
 class FrictionSolver : public ::testing::TestWithParam<double> {};
 
-TEST_P(FrictionSolver, FindsTheOneAnswerFromAnyStart) {
+TEST_P(FrictionSolver, FindsTheUniqueSolutionFromAnyStart) {
     std::mt19937_64 random(21);
     std::uniform_int_distribution<std::size_t> any(0, 2);
     int stopped = 0;
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Systems, FrictionSolver, ::testing::Values(0.0, 1.0),
                              return instance.param == 0.0 ? "Symmetric" : "WithASkewPart";
                          });
 
-TEST(FrictionRange, OnlyOpposesTheMotionThatThereWas) {
+TEST(FrictionRange, OnlyOpposesThePreviousMotion) {
     const FrictionRange range =
         FrictionRange::after(Vector3(1e-300, 0.0, -1e-300), Vector3(1.0, 2.0, 3.0));
     EXPECT_EQ(range.minimum, Vector3(-1.0, -2.0, 0.0));
@@ -153,7 +153,7 @@ TEST(FrictionSolver, WithoutFrictionIsAPlainSolution) {
     }
 }
 
-TEST(FrictionSolver, TwoJointsAreThreeWithOneByItself) {
+TEST(FrictionSolver, TwoJointsEqualThreeWithOneDecoupled) {
     std::mt19937_64 random(23);
     for (int i = 0; i < 1000; ++i) {
         Problem problem = random_problem(random, 1.0);

@@ -28,7 +28,7 @@ std::string complaint(const std::string &text) {
     return "";
 }
 
-TEST(HandPath, RunsStraightBetweenItsPointsAndRestsOutside) {
+TEST(HandPath, IsLinearBetweenPointsAndAtRestOutside) {
     HandPath path({{1.0, Vector3(0, 0, 0)}, {2.0, Vector3(2, 0, -4)}, {4.0, Vector3(2, 1, -4)}});
     EXPECT_EQ(path.at(0.0).position_m, Vector3(0, 0, 0));
     EXPECT_EQ(path.at(0.0).velocity_m_per_s, Vector3::Zero());

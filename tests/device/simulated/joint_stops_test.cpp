@@ -32,7 +32,7 @@ bool is_inside(const Vector3 &q) {
            fold >= limits().min_q3_minus_q2_rad;
 }
 
-TEST(JointStops, DoExactlyTheWorkThatTheirEnergyTells) {
+TEST(JointStops, DoWorkEqualToTheirEnergyChange) {
     std::mt19937_64 random(31);
     int pressed = 0;
     for (int i = 0; i < 10'000; ++i) {
@@ -56,7 +56,7 @@ TEST(JointStops, DoExactlyTheWorkThatTheirEnergyTells) {
     EXPECT_LT(pressed, 9900);
 }
 
-TEST(JointStops, AreNotFeltInside) {
+TEST(JointStops, AreInactiveInside) {
     std::mt19937_64 random(32);
     int inside = 0;
     while (inside < 1000) {
@@ -73,7 +73,7 @@ TEST(JointStops, AreNotFeltInside) {
     }
 }
 
-TEST(JointStops, PressBackBeyondEachOfTheirEightLines) {
+TEST(JointStops, PressBackBeyondEachOfTheEightLimits) {
     const double fold_rad = 0.5;
     const device::JointLimits box{Vector3::Constant(-1.0), Vector3::Constant(1.0), -fold_rad,
                                   fold_rad};

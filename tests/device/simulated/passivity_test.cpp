@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Windings, FreeRunning,
                                         : "Shorted";
                          });
 
-TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
+TEST(Lossless, MotionsTooFastForTheStepAreSubdivided) {
     // 300 rad/s with half a kilogramme, ten times the default step: the iteration does not converge
     // for a single step.
     device::DeviceDescription description = testing::phantom_premium_1_5();
@@ -107,7 +107,7 @@ TEST(Lossless, MotionsTooFastForTheStepAreTakenInSmallerOnes) {
     EXPECT_NEAR(device.stored_energy_J(), initial_J, 1e-9 * initial_J);
 }
 
-TEST(LinkageStep, SaysTheWayOfJointsAndTipInOneStepAndInSmallerOnes) {
+TEST(LinkageStep, ReportsTheMotionOfJointsAndTipAlsoWhenSubdivided) {
     // This motion drives a tip behind a compliant structure. The faster motion is divided into
     // smaller steps, as above.
     device::DeviceDescription description = testing::phantom_premium_1_5();
@@ -130,7 +130,7 @@ TEST(LinkageStep, SaysTheWayOfJointsAndTipInOneStepAndInSmallerOnes) {
     }
 }
 
-TEST(Lossless, FreeRunningKeepsItsEnergy) {
+TEST(Lossless, FreeMotionConservesEnergy) {
     std::mt19937_64 random(12);
     SimulationOptions options = free_running(0.0);
     options.amplifier = device::AmplifierKind::current_drive; // zero current command: open windings
@@ -166,7 +166,7 @@ double load_share(const device::DeviceDescription &device, const Vector3 &force_
     return torque_Nm.cwiseAbs().cwiseQuotient(device.friction.coulomb_Nm).maxCoeff();
 }
 
-TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
+TEST(Friction, HoldsLoadsBelowBreakawayExactlyForAMinute) {
     const device::DeviceDescription description = testing::phantom_1_0();
     std::mt19937_64 random(3);
     std::normal_distribution<double> one;
@@ -186,7 +186,7 @@ TEST(Friction, HoldsWhatIsBelowBreakawayForAMinuteToTheLastBit) {
     }
 }
 
-TEST(Friction, GivesWayAboveBreakaway) {
+TEST(Friction, SlipsAboveBreakaway) {
     const device::DeviceDescription description = testing::phantom_1_0();
     for (const double share : {0.999, 1.001}) {
         Vector3 force_N(0.3, 1.0, -0.2);
@@ -200,7 +200,7 @@ TEST(Friction, GivesWayAboveBreakaway) {
     }
 }
 
-TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
+TEST(Friction, AnOscillationStopsAndStaysExactlyAtRest) {
     // With weight, held by a hand: after the oscillation has decayed, friction balances hand and
     // gravity without chatter.
     SimulationOptions options;
@@ -218,7 +218,7 @@ TEST(Friction, ASwingComesToRestAndStaysThereToTheLastBit) {
     }
 }
 
-TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
+TEST(Friction, CoastingJointsDissipateTorqueTimesAngle) {
     // Coulomb friction alone dissipates τ_c |Δq| at every joint that turns.
     SimulationOptions options = free_running(0.0);
     options.amplifier = device::AmplifierKind::current_drive;
@@ -242,7 +242,7 @@ TEST(Friction, CoastingJointsLoseTheTorqueTimesTheWay) {
     EXPECT_NEAR(lost_J / initial_J, 1.0, 1e-3);
 }
 
-TEST(JointStops, HoldALinkageThatFallsIntoThem) {
+TEST(JointStops, StopAFallingLinkage) {
     SimulationOptions options = free_running(0.2);
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     const double at_rest_J = device.stored_energy_J();

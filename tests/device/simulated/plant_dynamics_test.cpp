@@ -72,7 +72,7 @@ struct BaseJoint {
     }
 };
 
-TEST(RigidBody, RunsUpAsARotorBehindADamper) {
+TEST(RigidBody, AcceleratesLikeARotorBehindADamper) {
     // (11) without L: M q̈ = N k_T (e_W − k_T N q̇)/dR, so q̇ = e_W/(N k_T) (1 − e^(−t/τ)).
     const BaseJoint base;
     SimulationOptions options = bare(PlantDynamics::rigid_body);
@@ -113,7 +113,7 @@ TEST(Coupling, RelaxesExponentiallyTowardsTheHand) {
     }
 }
 
-TEST(Coupling, WithACurrentDriveTheHandAloneHoldsTheTip) {
+TEST(Coupling, WithACurrentDriveOnlyTheHandHoldsTheTip) {
     SimulationOptions options = bare(PlantDynamics::coupling);
     options.amplifier = device::AmplifierKind::current_drive;
     const BaseJoint base;
@@ -233,7 +233,7 @@ private:
 
 class ReducedPlant : public ::testing::TestWithParam<Case> {};
 
-TEST_P(ReducedPlant, IsMetAtSecondOrder) {
+TEST_P(ReducedPlant, ConvergesAtSecondOrder) {
     const device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random(81);
     for (int run = 0; run < 6; ++run) {
@@ -326,7 +326,7 @@ TEST(Coupling, IsTheLimitOfSmallMasses) {
 
 // The plane.
 
-TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
+TEST(Planar, EqualsTheWholeDeviceWithoutLateralForces) {
     const device::DeviceDescription device = testing::phantom_1_0();
     std::mt19937_64 random(82);
     for (const PlantModel &model : kPlantModels) {
@@ -364,7 +364,7 @@ TEST(Planar, IsTheWholeDeviceWhereNothingPushesSideways) {
     }
 }
 
-TEST(Planar, TheBaseStandsStillWhateverPushes) {
+TEST(Planar, TheBaseStaysAtRestUnderAnyForce) {
     for (const PlantModel &model : kPlantModels) {
         SimulationOptions options;
         options.dynamics = model.dynamics;
@@ -416,7 +416,7 @@ TEST(ReducedPlants, NeverGainEnergyUnderShortedWindings) {
     }
 }
 
-TEST(ReducedPlants, StandWhateverStepAndHand) {
+TEST(ReducedPlants, AreStableForAnyStepAndHand) {
     // Steps as long as the servo's period, and hands from none to a very stiff one.
     for (const PlantModel &model : kPlantModels) {
         for (const device::HandParameters &hand :
@@ -438,7 +438,7 @@ TEST(ReducedPlants, StandWhateverStepAndHand) {
     }
 }
 
-TEST(ReducedPlants, RefuseWhatMakesNoSense) {
+TEST(ReducedPlants, RejectIncompatibleOptions) {
     const device::DeviceDescription device = testing::phantom_1_0();
     SimulationOptions options = bare(PlantDynamics::coupling);
     EXPECT_NO_THROW(SimulatedPhantom(device, options, testing::kOffCentre_m));

@@ -35,7 +35,7 @@ device::Measurement run(SimulatedPhantom &device, int ticks,
 
 double sideways_m(const SimulatedPhantom &device) { return device.truth().tip_m.x(); }
 
-TEST(PlantExchange, ABaseThatWasHeldIsLetGoOf) {
+TEST(PlantExchange, ALockedBaseIsReleased) {
     for (const PlantModel &model : kPlantModels) {
         SimulatedPhantom device(testing::phantom_1_0(), simulating(model, true),
                                 testing::kOffCentre_m);
@@ -51,7 +51,7 @@ TEST(PlantExchange, ABaseThatWasHeldIsLetGoOf) {
     }
 }
 
-TEST(PlantExchange, ABaseThatMovesIsNotSeized) {
+TEST(PlantExchange, AMovingBaseIsNotLocked) {
     SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()),
                             testing::kOffCentre_m);
     device.simulate_as(simulating(kPlantModels.back(), true));
@@ -60,7 +60,7 @@ TEST(PlantExchange, ABaseThatMovesIsNotSeized) {
     EXPECT_NEAR(sideways_m(device), (testing::kOffCentre_m + kSideways_m).x(), 2e-3);
 }
 
-TEST(PlantExchange, AHeldBaseStaysHeldByAnotherModel) {
+TEST(PlantExchange, ALockedBaseStaysLockedInAnotherModel) {
     SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.front(), true),
                             testing::kOffCentre_m);
     device.set_hand_target(testing::kOffCentre_m + kSideways_m);
@@ -71,7 +71,7 @@ TEST(PlantExchange, AHeldBaseStaysHeldByAnotherModel) {
     EXPECT_EQ(device.truth().theta_rad[0], held_rad);
 }
 
-TEST(PlantExchange, TheSameAgainChangesNothing) {
+TEST(PlantExchange, TheSameModelAgainChangesNothing) {
     for (const PlantModel &model : kPlantModels) {
         SimulatedPhantom once(testing::phantom_1_0(), simulating(model), testing::kOffCentre_m);
         SimulatedPhantom again(testing::phantom_1_0(), simulating(model), testing::kOffCentre_m);
@@ -110,7 +110,7 @@ TEST(PlantExchange, NoEncoderJumpsFromOneModelToAnyOther) {
     }
 }
 
-TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
+TEST(PlantExchange, RestsWhereTheNewModelWouldRest) {
     // Without dry friction the rest position does not depend on history.
     const device::DeviceCommand push{Vector3(0.05, -0.04, 0.03), Vector3::Constant(1.5)};
     for (const PlantModel &from : kPlantModels) {
@@ -134,7 +134,7 @@ TEST(PlantExchange, RestsWhereTheNewModelRestsFromTheStart) {
     }
 }
 
-TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
+TEST(PlantExchange, StopsDoNotEjectALinkageBeyondThem) {
     const device::DeviceDescription description = testing::phantom_1_0();
     const Vector3 within_rad(0.0, 0.7, 0.7 - 60.0 * std::numbers::pi / 180);
     const Vector3 beyond_rad(0.0, 0.7, 0.7 - 70.0 * std::numbers::pi / 180); // the fold limit is
@@ -161,7 +161,7 @@ TEST(PlantExchange, StopsDoNotThrowWhatIsBeyondThem) {
     EXPECT_GT(q_rad[2] - q_rad[1], description.joint_limits.min_q3_minus_q2_rad - 0.02);
 }
 
-TEST(PlantExchange, WhatCannotBeSimulatedIsRefusedAndChangesNothing) {
+TEST(PlantExchange, InvalidOptionsAreRejectedAndChangeNothing) {
     SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()),
                             testing::kOffCentre_m);
     SimulationOptions impossible = simulating(kPlantModels.back());

@@ -193,7 +193,7 @@ Trial random_trial(const Plant &plant, std::mt19937_64 &random) {
 
 class PlantReference : public ::testing::TestWithParam<Plant> {};
 
-TEST_P(PlantReference, IsMetAtSecondOrderAndFarBelowAnEncoderCount) {
+TEST_P(PlantReference, ConvergesAtSecondOrderFarBelowAnEncoderCount) {
     std::mt19937_64 random(71);
     for (int run = 0; run < 6; ++run) {
         const Trial trial = random_trial(GetParam(), random);

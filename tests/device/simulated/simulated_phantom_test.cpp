@@ -60,7 +60,7 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
     }
 }
 
-TEST(SimulatedPhantom, AnOverCancelledWindingGrowsAsItShould) {
+TEST(SimulatedPhantom, AnOverCancelledWindingGrowsExponentially) {
     // dR < 0 (docs/design.md, "Where methods fail"): the current grows as e^(|dR| t/L) until the
     // rail.
     SimulationOptions options = held();
@@ -175,7 +175,7 @@ TEST(SimulatedPhantom, NumbersAndTimesItsMeasurementsWhateverItsPeriod) {
     EXPECT_THROW(device.set_period(NAN), InputError);
 }
 
-TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
+TEST(SimulatedPhantom, TheLastCommandIsHeldUntilTheNext) {
     SimulatedPhantom written(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     SimulatedPhantom held_on(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     const device::DeviceCommand command = voltage(Vector3(0.3, -0.2, 0.1), 1.0);
@@ -186,7 +186,7 @@ TEST(SimulatedPhantom, WhatWasWrittenLastHoldsUntilTheNext) {
     EXPECT_EQ(written.truth().tip_m, held_on.truth().tip_m);
 }
 
-TEST(SimulatedPhantom, OpenWindingsCarryNothingAndBrakingOnesBrake) {
+TEST(SimulatedPhantom, OpenWindingsCarryNoCurrentAndBrakingOnesBrake) {
     SimulationOptions options = bare();
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
     device::DeviceCommand open = voltage(Vector3(1.0, 1.0, 1.0), 1.0); // ignores the values
@@ -224,7 +224,7 @@ TEST(SimulatedPhantom, CountsFromWhereItIsZeroed) {
     }
 }
 
-TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
+TEST(SimulatedPhantom, IsLostAndBrakesWhileClosedAndCountsFromZeroAfterReconnecting) {
     SimulatedPhantom device(testing::phantom_1_0(), {}, testing::kOffCentre_m);
     const device::DeviceCommand command = voltage(Vector3(0.3, 0.0, 0.0), 1.0);
     for (int i = 0; i < 20; ++i) {
@@ -244,7 +244,7 @@ TEST(SimulatedPhantom, IsLostWhileClosedBrakesAndCountsAnewOnceItIsBack) {
     EXPECT_FALSE(device.identity().kind.empty());
 }
 
-TEST(SimulatedPhantom, AHandPushesNoHarderThanItCan) {
+TEST(SimulatedPhantom, TheHandsForceIsLimited) {
     SimulationOptions options;
     SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
     // Shorted windings brake while the target moves away at its maximum speed.
@@ -264,7 +264,7 @@ TEST(SimulatedPhantom, ACommandThatIsNotFiniteBrakes) {
     EXPECT_TRUE(device.truth().tip_m.allFinite());
 }
 
-TEST(SimulatedPhantom, RefusesAStartOutOfReachAndADelayThatIsNone) {
+TEST(SimulatedPhantom, RejectsAStartOutOfReachAndAnInvalidDelay) {
     const device::DeviceDescription description = testing::phantom_1_0();
     EXPECT_THROW(SimulatedPhantom(description, {}, Vector3(1.0, 0.0, 0.0)), InputError);
     // Within reach, but the links fold further than their stops allow: 70° instead of 65°.

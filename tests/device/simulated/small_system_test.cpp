@@ -27,12 +27,12 @@ template <int size> void expect_solutions() {
     }
 }
 
-TEST(SmallSystem, OfTwoAndOfThreeIsSolved) {
+TEST(SmallSystem, SolvesTwoAndThreeEquations) {
     expect_solutions<2>();
     expect_solutions<3>();
 }
 
-TEST(SmallSystem, ThatIsSingularHasNoFiniteAnswer) {
+TEST(SmallSystem, HasNoFiniteSolutionIfSingular) {
     Eigen::Matrix2d A;
     A << 1.0, 2.0, 2.0, 4.0;
     EXPECT_FALSE(solve_definite<2>(A, Eigen::Vector2d(1.0, 1.0)).allFinite());

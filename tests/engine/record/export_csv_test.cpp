@@ -50,7 +50,7 @@ void expect_cell(const std::string &cell, ColumnType type, const char *from) {
     }
 }
 
-TEST(ExportCsv, HoldsEveryNumberAsItWas) {
+TEST(ExportCsv, PreservesEveryNumber) {
     const auto file = fresh_folder("csv") / "a.rec";
     const auto samples = testing::random_samples(57, 1000.0, 5);
     testing::write_record(file, 1000.0, samples);
@@ -95,7 +95,7 @@ TEST(ExportCsv, UsesTheFewestDigits) {
                          "18446744073709551615,0.1,-7,1e-05,,-inf,1\n");
 }
 
-TEST(ExportCsv, SaysWhenTheOutputTakesNoMore) {
+TEST(ExportCsv, ReportsAFullOutput) {
     const auto file = fresh_folder("csv_full") / "a.rec";
     testing::write_record(file, 1000.0, testing::random_samples(300, 1000.0, 6));
     RecordReader reader(file);

@@ -40,7 +40,7 @@ std::map<std::string, MatVariable> read_mat(const std::filesystem::path &file) {
     return variables;
 }
 
-TEST(ExportMat, HoldsEveryBitOfAllColumns) {
+TEST(ExportMat, PreservesEveryBitOfAllColumns) {
     const auto folder = fresh_folder("mat");
     // 1 to 4 rows of a byte are stored differently from 5.
     for (const std::size_t rows : {1U, 2U, 4U, 5U, 57U}) {
@@ -71,7 +71,7 @@ TEST(ExportMat, HoldsEveryBitOfAllColumns) {
 }
 
 // MATLAB's "Level 5 MAT-File Format": a variable of two ticks, element by element.
-TEST(ExportMat, IsTheFileThatTheFormatDescribes) {
+TEST(ExportMat, FollowsTheFormatDescription) {
     const auto folder = fresh_folder("mat_by_hand");
     auto samples = testing::random_samples(2, 1000.0, 1);
     samples[0].tick = 0x0102030405060708U;
@@ -101,7 +101,7 @@ TEST(ExportMat, IsTheFileThatTheFormatDescribes) {
     EXPECT_EQ(bytes.size(), 200U);
 }
 
-TEST(ExportMat, TakesARangeOfTimeEvenAnEmptyOne) {
+TEST(ExportMat, ExportsATimeRangeEvenAnEmptyOne) {
     const auto folder = fresh_folder("mat_range");
     testing::write_record(folder / "a.rec", 250.0, testing::random_samples(30, 250.0, 2));
     RecordReader reader(folder / "a.rec");
@@ -122,7 +122,7 @@ TEST(ExportMat, NamesAFileThatCannotBeWritten) {
     EXPECT_EQ(said.find(file.string() + ": cannot be written"), 0U) << said;
 }
 
-TEST(ExportMat, LeavesNoFileOnADiskThatIsTooSmall) {
+TEST(ExportMat, LeavesNoFileOnAFullDisk) {
     const auto folder = fresh_folder("mat_full");
     testing::write_record(folder / "a.rec", 1000.0, testing::random_samples(900, 1000.0, 3));
     std::filesystem::create_directory(folder / "disk");

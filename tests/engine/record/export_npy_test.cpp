@@ -60,7 +60,7 @@ std::string npy_of(const std::filesystem::path &file, const ExportSelection &sel
     return out.str();
 }
 
-TEST(ExportNpy, HoldsEveryBitOfAllColumns) {
+TEST(ExportNpy, PreservesEveryBitOfAllColumns) {
     const auto file = fresh_folder("npy") / "a.rec";
     const auto samples = testing::random_samples(57, 1000.0, 7);
     testing::write_record(file, 1000.0, samples);
@@ -87,7 +87,7 @@ TEST(ExportNpy, HasAHeaderBelowTenThousandCharacters) {
     EXPECT_LT(npy_of(file, {}).size(), 10'000U);
 }
 
-TEST(ExportNpy, HoldsASelectionPacked) {
+TEST(ExportNpy, PacksASelection) {
     const auto file = fresh_folder("npy_selection") / "a.rec";
     auto samples = testing::random_samples(30, 250.0, 8);
     testing::write_record(file, 250.0, samples);
@@ -117,7 +117,7 @@ std::filesystem::path wide_record(std::size_t count) {
     return file;
 }
 
-TEST(ExportNpy, TakesTheSecondVersionWhereTheHeaderIsLong) {
+TEST(ExportNpy, UsesVersionTwoForALongHeader) {
     for (const std::size_t count : {2000U, 2800U}) {
         const Npy npy = parse_npy(npy_of(wide_record(count), {}));
         EXPECT_EQ(npy.version, count == 2000 ? 1 : 2);
@@ -172,7 +172,7 @@ assert wide.shape == (0,) and len(wide.dtype.names) == 2800
         succeeds(python + " '" + (folder / "check.py").string() + "' '" + folder.string() + "'"));
 }
 
-TEST(ExportNpy, SaysWhenTheOutputTakesNoMore) {
+TEST(ExportNpy, ReportsAFullOutput) {
     const auto file = fresh_folder("npy_full") / "a.rec";
     testing::write_record(file, 1000.0, testing::random_samples(300, 1000.0, 6));
     RecordReader reader(file);

@@ -29,13 +29,13 @@ TEST(SelectedColumns, AreAllWithoutASelection) {
     EXPECT_EQ(selected_columns(record_header(1000.0), {"*"}), sample_columns());
 }
 
-TEST(SelectedColumns, ComeInTheOrderAskedForAndOnce) {
+TEST(SelectedColumns, FollowTheRequestedOrderWithoutDuplicates) {
     EXPECT_EQ(names_of({"tip_y_m", "tick", "tip_*", "tick"}), "tip_y_m tick tip_x_m tip_z_m ");
     EXPECT_EQ(names_of({"theta1*"}), "theta1_rad ");
     EXPECT_EQ(names_of({"eta"}), "eta ");
 }
 
-TEST(SelectedColumns, NameTheNearestOfOneThatIsNotThere) {
+TEST(SelectedColumns, SuggestTheClosestNamesForAMissingColumn) {
     const auto said = [](const std::string &name) {
         return complaint_of([&] { (void)names_of({"tick", name}); });
     };
@@ -59,7 +59,7 @@ std::string ticks_of(const std::filesystem::path &file, double from_s, double to
     return text.substr(5); // after "tick"
 }
 
-TEST(SelectedRows, AreThoseOfTheRangeWithBothItsEnds) {
+TEST(SelectedRows, IncludeBothEndsOfTheRange) {
     const auto file = fresh_folder("selected_rows") / "a.rec";
     testing::write_record(file, 250.0, testing::random_samples(12, 250.0, 1));
     EXPECT_EQ(ticks_of(file, -HUGE_VAL, HUGE_VAL), "0 1 2 3 4 5 6 7 8 9 10 11 ");
@@ -70,7 +70,7 @@ TEST(SelectedRows, AreThoseOfTheRangeWithBothItsEnds) {
     EXPECT_EQ(ticks_of(file, 1.0, 2.0), "");
 }
 
-TEST(SelectedRows, RefuseARangeThatEndsBeforeItBegins) {
+TEST(SelectedRows, RejectARangeThatEndsBeforeItBegins) {
     const auto file = fresh_folder("selected_rows_refused") / "a.rec";
     testing::write_record(file, 250.0, {});
     EXPECT_EQ(ticks_of(file, 1.0, 1.0), "");
@@ -91,13 +91,13 @@ std::filesystem::path tiny_record(const std::string &name, const char *column, c
     return file;
 }
 
-TEST(SelectedRows, TakeTheirTimeFromTheTickWhereThereIsNoOther) {
+TEST(SelectedRows, UseTheTickIfThereIsNoTime) {
     const auto file = tiny_record("tick", "tick", "<u8");
     EXPECT_EQ(ticks_of(file, 2.0, 2.4), "4 ");
     EXPECT_EQ(ticks_of(file, 2.1, 2.5), "5 ");
 }
 
-TEST(SelectedRows, SayWhenThereIsNoTimeAtAll) {
+TEST(SelectedRows, ReportIfThereIsNoTimeAtAll) {
     RecordReader reader(tiny_record("no_time", "a", "<u8"));
     std::ostringstream out;
     EXPECT_EQ(export_csv(reader, {}, out).rows, 2U);

@@ -20,13 +20,13 @@ TEST(RecordFormat, UsesTheCommonCrc32) {
     EXPECT_EQ(crc32_of({}), 0U);
 }
 
-TEST(RecordFormat, TakesACrcInPieces) {
+TEST(RecordFormat, ComputesACrcInPieces) {
     const std::uint32_t first = crc32_of(bytes_of("1234"));
     EXPECT_EQ(crc32_of(bytes_of("56789"), first), 0xCBF43926U);
     EXPECT_EQ(crc32_of({}, first), first);
 }
 
-TEST(RecordFormat, LaysAChunksHeadOutAsDocumented) {
+TEST(RecordFormat, WritesAChunksHeadAsDocumented) {
     std::array<std::byte, kChunkHeadBytes + 9> chunk{};
     std::memcpy(chunk.data() + kChunkHeadBytes, "123456789", 9);
     seal_chunk(chunk, ChunkKind::note, 0x0102030405060708U, 0x0A0B0C0DU);

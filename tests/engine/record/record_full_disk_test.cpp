@@ -68,7 +68,7 @@ std::string write_until_full(const std::filesystem::path &file) {
     return said + again + (writer.is_open() ? " still open" : "");
 }
 
-TEST(FullDisk, EndsTheFileAtItsLastWholeChunkAndSaysSoOnce) {
+TEST(FullDisk, EndsTheFileAtItsLastCompleteChunkAndReportsOnce) {
     const RecordHeader header = record_header(testing::kServo_hz);
     // After two chunks, zero bytes, one byte, and all but one byte of a chunk fit.
     for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1},
@@ -84,7 +84,7 @@ TEST(FullDisk, EndsTheFileAtItsLastWholeChunkAndSaysSoOnce) {
     }
 }
 
-TEST(FullDisk, LeavesNoFileWhereNotEvenTheHeaderFits) {
+TEST(FullDisk, LeavesNoFileIfTheHeaderDoesNotFit) {
     const auto folder = fresh_folder("full_disk_header");
     const auto file = folder / "a.rec";
     const std::string said = with_files_up_to(1000, folder, [&] {
@@ -94,7 +94,7 @@ TEST(FullDisk, LeavesNoFileWhereNotEvenTheHeaderFits) {
     EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(FullDisk, IsNotTriedOnADeviceThatExists) {
+TEST(FullDisk, RefusesAnExistingDeviceFile) {
     const std::string said =
         complaint_of([] { RecordWriter("/dev/full", record_header(testing::kServo_hz)); });
     EXPECT_EQ(said, "/dev/full: exists already; give another name");
@@ -143,7 +143,7 @@ TEST(FullDisk, EndsTheRecordingButNotTheDraining) {
     EXPECT_EQ(rows_in(file), 25U);
 }
 
-TEST(FullDisk, KeepsWhatFitsOnARealOne) {
+TEST(FullDisk, KeepsWhatFitsOnARealFileSystem) {
     const auto folder = fresh_folder("full_disk_real");
     if (mount("none", folder.c_str(), "tmpfs", 0, "size=1m") != 0) {
         GTEST_SKIP() << "mounting a small disk takes root";

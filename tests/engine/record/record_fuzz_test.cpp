@@ -120,7 +120,7 @@ TEST_F(RecordFuzz, FindsEveryFlippedBit) {
 }
 
 // Malicious damage has a valid CRC.
-TEST_F(RecordFuzz, SurvivesDamageWhoseCrcFits) {
+TEST_F(RecordFuzz, SurvivesDamageWithAValidCrc) {
     for (int i = 0; i < 1500; ++i) {
         std::string json = parts.json;
         const std::size_t changes = 1 + below(3);
@@ -141,7 +141,7 @@ TEST_F(RecordFuzz, SurvivesDamageWhoseCrcFits) {
     }
 }
 
-TEST_F(RecordFuzz, SurvivesLengthsThatLie) {
+TEST_F(RecordFuzz, SurvivesFalseLengths) {
     const std::vector<std::uint64_t> lies{0,          1,          27,         0x7FFFFFFF,
                                           0x80000000, 0xFFFFFFFF, 0xFFFFFFE4, good.size()};
     for (const std::uint64_t lie : lies) {
@@ -157,7 +157,7 @@ TEST_F(RecordFuzz, SurvivesLengthsThatLie) {
     }
 }
 
-TEST_F(RecordFuzz, SurvivesWhatIsNoRecordAtAll) {
+TEST_F(RecordFuzz, SurvivesFilesThatAreNotRecords) {
     for (int i = 0; i < 500; ++i) {
         std::string noise(below(200), '\0');
         for (char &byte : noise) {

@@ -36,7 +36,7 @@ RecordHeader full_header() {
     return header;
 }
 
-TEST(RecordHeader, ComesBackFromJson) {
+TEST(RecordHeader, RoundTripsThroughJson) {
     const RecordHeader wrote = full_header();
     const RecordHeader read = from_json(to_json(wrote));
     EXPECT_EQ(to_json(read), to_json(wrote));
@@ -71,7 +71,7 @@ TEST(RecordHeader, HasTheKeysThatTheFormatNames) {
     EXPECT_EQ(document["scene"]["triangles"], 5'000'000'000U);
 }
 
-TEST(RecordHeader, BeginsNowAndHoldsTwentyMillisecondsAChunk) {
+TEST(RecordHeader, HasThePresentTimeAndChunksOfTwentyMilliseconds) {
     std::string date = record_header(1000.0).started_utc;
     std::replace_if(
         date.begin(), date.end(), [](unsigned char c) { return std::isdigit(c) != 0; }, '0');
@@ -83,13 +83,13 @@ TEST(RecordHeader, BeginsNowAndHoldsTwentyMillisecondsAChunk) {
     EXPECT_LE(std::uint64_t{fast.chunk_rows} * fast.row_bytes, kMaxPayloadBytes);
 }
 
-TEST(RecordHeader, RefusesARateThatCannotBe) {
+TEST(RecordHeader, RejectsAnInvalidRate) {
     for (const double rate : {0.0, -1.0, 1.1e6, std::nan(""), HUGE_VAL}) {
         EXPECT_NE(complaint_of([rate] { (void)record_header(rate); }), "") << rate;
     }
 }
 
-TEST(RecordHeader, WritesAsJsonWhatIsNotFiniteOrNoUtf8) {
+TEST(RecordHeader, WritesNonFiniteNumbersAndInvalidUtf8AsJson) {
     RecordHeader header = full_header();
     header.global_alpha_rad2_per_m2 = std::numeric_limits<double>::infinity();
     header.scene_file = "caf\xE9.gltf";
@@ -98,7 +98,7 @@ TEST(RecordHeader, WritesAsJsonWhatIsNotFiniteOrNoUtf8) {
     EXPECT_EQ(read.scene_file, "caf\xEF\xBF\xBD.gltf");
 }
 
-TEST(RecordHeader, ReadsThatOfAnotherVersion) {
+TEST(RecordHeader, ReadsHeadersOfOtherVersions) {
     const RecordHeader read = from_json(R"({"format": "springdrive record 1", "servo_hz": 500,
         "period_s": 0.002, "row_bytes": 3, "chunk_rows": 10, "of_tomorrow": [1, {}],
         "columns": [{"name": "a", "unit": "m", "type": "<u2", "offset": 0, "more": 1},
@@ -128,7 +128,7 @@ TEST(RecordHeader, ReadsADelayInSamplesToo) {
               std::string::npos);
 }
 
-TEST(RecordHeader, RefusesRowsThatCannotBe) {
+TEST(RecordHeader, RejectsInvalidRows) {
     const std::vector<std::function<void(json &)>> changes{
         [](json &d) { d["format"] = "springdrive record 2"; },
         [](json &d) { d.erase("format"); },

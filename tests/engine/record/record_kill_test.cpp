@@ -64,7 +64,7 @@ std::uint64_t contiguous_rows(const std::filesystem::path &file) {
     return rows;
 }
 
-TEST(RecordKill, LosesATenthOfASecondAtTheMost) {
+TEST(RecordKill, LosesAtMostATenthOfASecond) {
     const auto folder = testing::fresh_folder("record_kill");
     std::mt19937_64 random(1);
     std::uniform_int_distribution<int> some_ms(50, 300);

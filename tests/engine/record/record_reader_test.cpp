@@ -30,7 +30,7 @@ std::vector<std::string> rows_of(RecordReader &reader) {
     return rows;
 }
 
-TEST(RecordReader, GivesBackEverySample) {
+TEST(RecordReader, ReturnsEverySample) {
     const auto file = fresh_folder("reader_all") / "a.rec";
     const auto samples = random_samples(103, testing::kServo_hz, 1);
     testing::write_record(file, testing::kServo_hz, samples);
@@ -48,7 +48,7 @@ TEST(RecordReader, GivesBackEverySample) {
     }
 }
 
-TEST(RecordReader, GivesNotesBetweenTheRows) {
+TEST(RecordReader, ReturnsNotesBetweenTheRows) {
     const auto file = fresh_folder("reader_notes") / "a.rec";
     {
         RecordWriter writer(file, record_header(testing::kServo_hz));
@@ -72,7 +72,7 @@ TEST(RecordReader, GivesNotesBetweenTheRows) {
     EXPECT_EQ(reader.ending().text(), "1 row, 2 notes");
 }
 
-TEST(RecordReader, CountsTicksThatAreMissing) {
+TEST(RecordReader, CountsMissingTicks) {
     const auto file = fresh_folder("reader_missing") / "a.rec";
     auto samples = random_samples(10, testing::kServo_hz, 3);
     const std::vector<std::uint64_t> ticks{100, 101, 103, 104, 105, 110, 111, 112, 5, 7};
@@ -107,7 +107,7 @@ protected:
     std::vector<testing::ChunkBytes> chunks;
 };
 
-TEST_F(DamagedRecord, IsReadUpToAChunkThatIsCutOff) {
+TEST_F(DamagedRecord, IsReadUpToATruncatedChunk) {
     const std::size_t last = chunks[2].at;
     EXPECT_EQ(ending_of(file, bytes.substr(0, last)), "10 rows");
     for (const std::size_t left : {std::size_t{1}, std::size_t{27}, std::size_t{28},
@@ -118,7 +118,7 @@ TEST_F(DamagedRecord, IsReadUpToAChunkThatIsCutOff) {
     }
 }
 
-TEST_F(DamagedRecord, IsReadUpToAChunkThatIsNotWhole) {
+TEST_F(DamagedRecord, IsReadUpToADamagedChunk) {
     const std::string left = std::to_string(bytes.size() - chunks[1].at);
     const auto after_change_at = [&](std::size_t offset) {
         std::string changed = bytes;
@@ -135,13 +135,13 @@ TEST_F(DamagedRecord, IsReadUpToAChunkThatIsNotWhole) {
     EXPECT_EQ(after_change_at(chunks[2].at - chunks[1].at - 1), start + "a chunk is damaged (CRC)");
 }
 
-TEST_F(DamagedRecord, SkipsChunksOfKindsThatAreUnknown) {
+TEST_F(DamagedRecord, SkipsChunksOfUnknownKinds) {
     const std::string with = bytes.substr(0, chunks[1].at) + chunk_bytes(7, 1, 2, "what is this") +
                              bytes.substr(chunks[1].at);
     EXPECT_EQ(ending_of(file, with), "15 rows");
 }
 
-TEST_F(DamagedRecord, HasChunksOfTheRightSizeOnly) {
+TEST_F(DamagedRecord, EndsAtAChunkOfTheWrongSize) {
     const std::string header = bytes.substr(0, chunks[0].at);
     const std::string &rows = chunks[0].payload;
     EXPECT_EQ(ending_of(file, header + chunk_bytes(0, 0, 5, rows)), "5 rows");
@@ -153,7 +153,7 @@ TEST_F(DamagedRecord, HasChunksOfTheRightSizeOnly) {
     }
 }
 
-TEST(RecordReader, RefusesWhatIsNoRecord) {
+TEST(RecordReader, RejectsFilesThatAreNotRecords) {
     const auto folder = fresh_folder("reader_refused");
     const auto file = folder / "a.rec";
     const auto said = [&](const std::string &bytes) {
@@ -182,7 +182,7 @@ TEST(RecordReader, RefusesWhatIsNoRecord) {
               std::string::npos);
 }
 
-TEST(RecordReader, RefusesAHeaderThatIsNestedWithoutEnd) {
+TEST(RecordReader, RejectsAnEndlesslyNestedHeader) {
     const auto file = fresh_folder("reader_nested") / "a.rec";
     for (const std::size_t depth : {std::size_t{500'000}, std::size_t{1} << 20U}) {
         write_file(file, header_bytes(std::string(depth, '[') +
@@ -211,7 +211,7 @@ std::int64_t max_memory_kB() {
 }
 
 // The file says that it is 8 GB large, and its heads that all of it is one note or chunk.
-TEST(RecordReader, AsksForLittleMemoryWhateverLengthsAFileClaims) {
+TEST(RecordReader, AllocatesLittleMemoryForAnyClaimedLength) {
     const auto file = fresh_folder("reader_memory") / "a.rec";
     const std::int64_t before_kB = max_memory_kB();
     std::string header = header_bytes(to_json(record_header(testing::kServo_hz)));

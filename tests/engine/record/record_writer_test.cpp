@@ -16,7 +16,7 @@ using testing::random_samples;
 using testing::row_of;
 using testing::take_apart;
 
-TEST(RecordWriter, WritesTheFileThatIsDocumented) {
+TEST(RecordWriter, WritesTheDocumentedFormat) {
     const auto file = fresh_folder("writer_layout") / "a.rec";
     const auto samples = random_samples(13, testing::kServo_hz, 1);
     testing::write_record(file, testing::kServo_hz, samples);
@@ -61,7 +61,7 @@ TEST(RecordWriter, WritesAChunkAsSoonAsItIsFullAndNoSooner) {
     EXPECT_EQ(std::filesystem::file_size(file), size);
 }
 
-TEST(RecordWriter, KnowsTheSizeBeforehand) {
+TEST(RecordWriter, PredictsTheSize) {
     const auto folder = fresh_folder("writer_size");
     for (const double rate : {1.0, 250.0, 1000.0, 4321.0}) {
         const RecordHeader header = record_header(rate);
@@ -77,7 +77,7 @@ TEST(RecordWriter, KnowsTheSizeBeforehand) {
     }
 }
 
-TEST(RecordWriter, PutsNotesBetweenTheRowsWhereTheyCame) {
+TEST(RecordWriter, WritesNotesBetweenTheRowsInOrder) {
     const auto file = fresh_folder("writer_notes") / "a.rec";
     {
         RecordWriter writer(file, record_header(testing::kServo_hz));
@@ -100,7 +100,7 @@ TEST(RecordWriter, PutsNotesBetweenTheRowsWhereTheyCame) {
     EXPECT_EQ(record.chunks[4].first_tick, 6U);
 }
 
-TEST(RecordWriter, RefusesANoteThatIsTooLongAndGoesOn) {
+TEST(RecordWriter, RejectsATooLongNoteAndContinues) {
     const auto file = fresh_folder("writer_long_note") / "a.rec";
     RecordWriter writer(file, record_header(testing::kServo_hz));
     writer.note(std::string(RecordWriter::kLongestNote, ' '));
@@ -121,7 +121,7 @@ TEST(RecordWriter, NeverReplacesAFile) {
     EXPECT_EQ(contents_of(file), "precious");
 }
 
-TEST(RecordWriter, NamesAFolderThatIsNotThere) {
+TEST(RecordWriter, ReportsAMissingFolder) {
     const auto file = fresh_folder("writer_folder") / "none" / "a.rec";
     const std::string said =
         complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
@@ -137,7 +137,7 @@ TEST(RecordWriter, RefusesTheHeaderOfAnotherVersion) {
     EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(RecordWriter, RefusesAHeaderThatNoReaderWouldTake) {
+TEST(RecordWriter, RejectsAHeaderThatReadersWouldReject) {
     const auto file = fresh_folder("writer_header") / "a.rec";
     RecordHeader header = record_header(testing::kServo_hz);
     header.device_toml = std::string(std::size_t{2} << 20U, 'x');

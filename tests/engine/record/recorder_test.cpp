@@ -43,7 +43,7 @@ void push(SampleRing<servo::ServoSample> &ring, std::uint64_t from, std::uint64_
     }
 }
 
-TEST(Recorder, KeepsWhatIsPumpedBetweenStartAndStop) {
+TEST(Recorder, RecordsWhatIsPumpedBetweenStartAndStop) {
     const auto file = fresh_folder("recorder_pumped") / "a.rec";
     SampleRing<servo::ServoSample> ring(16);
     Recorder recorder(ring);
@@ -67,7 +67,7 @@ TEST(Recorder, KeepsWhatIsPumpedBetweenStartAndStop) {
     EXPECT_EQ(status.error, "");
 }
 
-TEST(Recorder, WritesAFileAsLargeAsWasToldBeforehand) {
+TEST(Recorder, WritesAFileOfThePredictedSize) {
     const auto file = fresh_folder("recorder_size") / "a.rec";
     SampleRing<servo::ServoSample> ring(16);
     Recorder recorder(ring);
@@ -84,7 +84,7 @@ TEST(Recorder, WritesAFileAsLargeAsWasToldBeforehand) {
     EXPECT_EQ(std::filesystem::file_size(file), expected_bytes(1234, header));
 }
 
-TEST(Recorder, CountsWhatTheRingLostOnce) {
+TEST(Recorder, CountsSamplesLostByTheRingOnce) {
     const auto file = fresh_folder("recorder_lost") / "a.rec";
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
@@ -107,7 +107,7 @@ TEST(Recorder, CountsWhatTheRingLostOnce) {
     EXPECT_EQ(reader.ending().missing_ticks, 5U);
 }
 
-TEST(Recorder, StartsAnewWithACleanSlate) {
+TEST(Recorder, RestartsWithFreshStatus) {
     const auto folder = fresh_folder("recorder_anew");
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
@@ -126,7 +126,7 @@ TEST(Recorder, StartsAnewWithACleanSlate) {
     EXPECT_EQ(log_of(folder / "b.rec"), "50 51 ");
 }
 
-TEST(Recorder, LeavesTheOldFileAloneWhereItCannotStart) {
+TEST(Recorder, LeavesAnExistingFileUnchangedIfItCannotStart) {
     const auto file = fresh_folder("recorder_exists") / "a.rec";
     testing::write_file(file, "precious");
     SampleRing<servo::ServoSample> ring(8);
@@ -139,7 +139,7 @@ TEST(Recorder, LeavesTheOldFileAloneWhereItCannotStart) {
     EXPECT_EQ(testing::contents_of(file), "precious");
 }
 
-TEST(Recorder, RefusesANoteThatIsTooLong) {
+TEST(Recorder, RejectsATooLongNote) {
     const auto file = fresh_folder("recorder_note") / "a.rec";
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
@@ -176,7 +176,7 @@ TEST(Recorder, WritesOnItsOwnThreadEvenWhenTheServoPauses) {
 }
 
 // For the thread sanitizer: calls everything that may run concurrently.
-TEST(Recorder, MayBeAskedByAnyThread) {
+TEST(Recorder, MayBeQueriedByAnyThread) {
     const auto file = fresh_folder("recorder_threads") / "a.rec";
     SampleRing<servo::ServoSample> ring(1U << 12U);
     Recorder recorder(ring);

@@ -63,7 +63,7 @@ Replay replay_of(const std::vector<servo::ServoSample> &samples) {
     return replay;
 }
 
-TEST(Replay, GivesTheServosOwnBitsAgain) {
+TEST(Replay, ReproducesTheServosBits) {
     for (const unsigned seed : {1U, 2U, 3U, 4U}) {
         const double period_s = seed % 2 == 0 ? 1e-3 : 0.25e-3;
         const std::vector<servo::ServoSample> samples = eventful_run(seed, period_s);
@@ -92,7 +92,7 @@ TEST(Replay, StartsAnywhereAndAcrossGaps) {
     EXPECT_TRUE(replay.is_identical());
 }
 
-TEST(Replay, FindsASingleBit) {
+TEST(Replay, DetectsASingleBit) {
     const std::vector<servo::ServoSample> samples = eventful_run(6, 1e-3);
     constexpr std::size_t kTick = 1700;
     std::vector<servo::ServoSample> changed = samples;
@@ -112,7 +112,7 @@ TEST(Replay, AnotherCountIsAnotherMotion) {
     EXPECT_FALSE(replay_of(samples).is_identical());
 }
 
-TEST(Replay, AnotherTuningAsksForOtherVoltages) {
+TEST(Replay, AnotherTuningGivesOtherVoltages) {
     const std::vector<servo::ServoSample> samples = eventful_run(8, 1e-3);
     control::Tuning stiffer;
     stiffer.K_P_V_per_rad = 15.0;

@@ -19,7 +19,7 @@ std::span<const std::byte> bytes_of_text(const std::string &text) {
     return {reinterpret_cast<const std::byte *>(text.data()), text.size()};
 }
 
-TEST(RowCodec, PacksColumnsOneAfterTheOther) {
+TEST(RowCodec, PacksColumnsInSequence) {
     std::uint32_t offset = 0;
     for (const RecordColumn &column : sample_columns()) {
         EXPECT_EQ(column.offset, offset) << column.name;
@@ -28,7 +28,7 @@ TEST(RowCodec, PacksColumnsOneAfterTheOther) {
     EXPECT_EQ(record_header(1000.0).row_bytes, offset);
 }
 
-TEST(RowCodec, PutsNumbersWhereTheColumnsSay) {
+TEST(RowCodec, WritesNumbersAtTheColumnsOffsets) {
     servo::ServoSample sample;
     sample.tick = 0x1122334455667788U;
     sample.counts = {0, 0, -5};
@@ -49,7 +49,7 @@ TEST(RowCodec, PutsNumbersWhereTheColumnsSay) {
     EXPECT_EQ(load<double>(at("force_y_N")), -2.5);
 }
 
-TEST(RowCodec, GivesBackEveryBit) {
+TEST(RowCodec, RoundTripsEveryBit) {
     std::mt19937_64 random(1);
     const RowDecoder decoder(record_header(1000.0));
     for (int i = 0; i < 300; ++i) {
@@ -87,7 +87,7 @@ TEST(RowCodec, NamesAColumnThatIsMissingOrOfAnotherType) {
     EXPECT_NE(said.find("tick is of type <f8, not <u8"), std::string::npos) << said;
 }
 
-TEST(RowCodec, RefusesAnEnumsNumberThatItDoesNotKnow) {
+TEST(RowCodec, RejectsAnUnknownEnumValue) {
     const RecordHeader header = record_header(1000.0);
     const RowDecoder decoder(header);
     for (const auto &[column, names] : header.enum_names) {

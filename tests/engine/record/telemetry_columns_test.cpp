@@ -16,12 +16,12 @@ std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
     std::map<const char *, std::size_t> found;
     for_each_column(sample, [&](std::string_view name, std::string_view, const auto &value) {
         const auto *const address = reinterpret_cast<const char *>(&value);
-        EXPECT_TRUE(found.emplace(address, sizeof value).second) << name << " stands there twice";
+        EXPECT_TRUE(found.emplace(address, sizeof value).second) << name << " is listed twice";
     });
     return found;
 }
 
-TEST(TelemetryColumns, LeaveNoByteOfASampleOutButPaddingAndWhatIsToldOtherwise) {
+TEST(TelemetryColumns, CoverEveryByteOfASampleExceptPaddingAndDocumentedExceptions) {
     // The command's number equals the measurement's; a failed assertion is stored as a note.
     const servo::ServoSample sample;
     auto found = places(sample);
@@ -58,7 +58,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
 
-TEST(TelemetryColumns, HaveNamesThatFitEverywhereAndUnits) {
+TEST(TelemetryColumns, HaveValidNamesAndUnits) {
     std::set<std::string_view> names;
     const servo::ServoSample sample;
     for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
@@ -95,7 +95,7 @@ std::string ending_for(std::string_view unit) {
     return found == spelled.end() ? "unknown unit " + std::string(unit) : found->second;
 }
 
-TEST(TelemetryColumns, SayTheSameUnitInTheNameAsByItself) {
+TEST(TelemetryColumns, HaveTheSameUnitInTheNameAsInUnit) {
     const servo::ServoSample sample;
     for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
         EXPECT_TRUE(name.ends_with(ending_for(unit))) << name << " [" << unit << "]";
@@ -112,7 +112,7 @@ double value_of(const servo::ServoSample &sample, std::string_view wanted) {
     return found;
 }
 
-TEST(TelemetryColumns, StandForTheMemberOfTheirName) {
+TEST(TelemetryColumns, MapToTheMemberOfTheirName) {
     servo::ServoSample sample;
     sample.counts = {-1, -2, -3};
     sample.tip_m = {1.0, 2.0, 3.0};
@@ -143,7 +143,7 @@ TEST(TelemetryColumns, StandForTheMemberOfTheirName) {
 }
 
 /// Members that could be swapped unnoticed: adjacent, of the same type and unit.
-TEST(TelemetryColumns, OfOneUnitStandForTheMemberOfTheirNameToo) {
+TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
     servo::ServoSample sample;
     const std::map<std::string, double *> members{
         {"time_s", &sample.time_s},
@@ -185,7 +185,7 @@ TEST(TelemetryColumns, OfOneUnitStandForTheMemberOfTheirNameToo) {
     EXPECT_EQ(value_of(sample, "missed_periods"), 103.0);
 }
 
-TEST(TelemetryColumns, CanBeWrittenThrough) {
+TEST(TelemetryColumns, CanBeWritten) {
     servo::ServoSample sample;
     for_each_column(sample, [](std::string_view name, std::string_view, auto &value) {
         if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, double>) {

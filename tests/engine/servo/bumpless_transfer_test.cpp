@@ -48,7 +48,7 @@ TEST(BumplessTransfer, NoChangeMovesTheVoltageByMoreThanItsBound) {
     }
 }
 
-TEST(BumplessTransfer, LetsGoOfAllOfItInTheTimeItTakes) {
+TEST(BumplessTransfer, DecaysToExactlyZeroInTheExpectedTime) {
     BumplessTransfer transfer = transfer_at(1e-3);
     const Vector3 before_V(2.0, -1.0, 0.02);
     for (int tick = 1; tick <= 41; ++tick) {
@@ -61,7 +61,7 @@ TEST(BumplessTransfer, LetsGoOfAllOfItInTheTimeItTakes) {
     EXPECT_EQ(transfer.carried_V(), Vector3::Zero()); // exactly
 }
 
-TEST(BumplessTransfer, CarriesNoMoreThanTheSupplyWouldHaveGiven) {
+TEST(BumplessTransfer, LimitsTheOffsetToTheSupply) {
     const double supply_V = testing::phantom_1_0().motor[0].supply_V;
     BumplessTransfer transfer = transfer_at(1e-3);
     const Vector3 far_V = Vector3::Constant(10.0 * supply_V);
@@ -69,14 +69,14 @@ TEST(BumplessTransfer, CarriesNoMoreThanTheSupplyWouldHaveGiven) {
     EXPECT_NEAR(now_V[0], supply_V - 0.05, 1e-12);
 }
 
-TEST(BumplessTransfer, OfANewSceneStartsWithWhatWasLastAskedFor) {
+TEST(BumplessTransfer, StartsANewSceneWithTheLastVoltage) {
     BumplessTransfer transfer = transfer_at(1e-3);
     static_cast<void>(transfer.transferred_V(Vector3(1.0, 0.0, 0.0), std::nullopt, false, true));
     const Vector3 now_V = transfer.transferred_V(Vector3(0.0, 0.3, 0.01), std::nullopt, true, true);
     EXPECT_LT((now_V - Vector3(0.95, 0.05, 0.01)).norm(), 1e-12);
 }
 
-TEST(BumplessTransfer, CarriesNothingThatNobodyFeels) {
+TEST(BumplessTransfer, HasNoOffsetWhileMotorsAreOff) {
     BumplessTransfer transfer = transfer_at(1e-3);
     static_cast<void>(transfer.transferred_V(Vector3::Zero(), Vector3::Ones(), false, true));
     EXPECT_NE(transfer.carried_V(), Vector3::Zero());
@@ -85,7 +85,7 @@ TEST(BumplessTransfer, CarriesNothingThatNobodyFeels) {
     EXPECT_EQ(transfer.carried_V(), Vector3::Zero());
 }
 
-TEST(BumplessTransfer, LetsParametersGlideToWhatIsWanted) {
+TEST(BumplessTransfer, MovesParametersSmoothlyToTheirTargets) {
     constexpr double kPeriod_s = 1e-3;
     constexpr double kGlide_s = 0.05;
     LawSettings wanted;
@@ -113,7 +113,7 @@ TEST(BumplessTransfer, LetsParametersGlideToWhatIsWanted) {
     EXPECT_FALSE(transfer.has_changed());
 }
 
-TEST(BumplessTransfer, MovesTheCancelledVoltageNoFasterThanAChangeMay) {
+TEST(BumplessTransfer, LimitsTheRateOfTheCancelledVoltage) {
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double period_s : {1e-3, 1e-4}) {
         LawSettings wanted;
@@ -133,7 +133,7 @@ TEST(BumplessTransfer, MovesTheCancelledVoltageNoFasterThanAChangeMay) {
     }
 }
 
-TEST(BumplessTransfer, IsThereAtOnceWhereNobodyFeelsIt) {
+TEST(BumplessTransfer, ChangesImmediatelyWhileMotorsAreOff) {
     LawSettings wanted;
     wanted.tuning.K_P_V_per_rad = 25.0;
     wanted.tuning.dR_Ohm = 3.0;

@@ -90,7 +90,7 @@ double force_N(const Case &c, const Vector3 &current_A) {
     return J_transposed.partialPivLu().solve(k_T * current_A).norm();
 }
 
-TEST_F(CommandLimiter, SettlingForceAndCurrentsKeepWithinTheirLimits) {
+TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
     int drawn_back = 0;
     int let_be = 0;
     for (int run = 0; run < 40'000; ++run) {
@@ -111,7 +111,7 @@ TEST_F(CommandLimiter, SettlingForceAndCurrentsKeepWithinTheirLimits) {
     EXPECT_GT(let_be, 1000);
 }
 
-TEST_F(CommandLimiter, WindingsThatAreAlikeStayWithinTheLimitAllTheWay) {
+TEST_F(CommandLimiter, EqualWindingsStayWithinTheLimitThroughoutTheTransient) {
     // i(t) = i_s + (i₀ − i_s) e^(−t dR/L) from any currents within the limit.
     for (int run = 0; run < 5000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
@@ -130,7 +130,7 @@ TEST_F(CommandLimiter, WindingsThatAreAlikeStayWithinTheLimitAllTheWay) {
     }
 }
 
-TEST_F(CommandLimiter, WindingsOfUnequalWarmthPassTheShareButByLittle) {
+TEST_F(CommandLimiter, WindingsOfUnequalTemperatureExceedTheShareOnlySlightly) {
     // The guard allows a warm winding a larger R̂ than a cold one, so time constants differ and the
     // path from rest is curved. The margin of kLimiterShare covers this: the limit itself is
     // exceeded by at most a tenth, and very rarely.
@@ -163,7 +163,7 @@ TEST_F(CommandLimiter, WindingsOfUnequalWarmthPassTheShareButByLittle) {
     RecordProperty("ways_beyond", ways_beyond);
 }
 
-TEST_F(CommandLimiter, WhatNeedsNoLimitingPassesBitForBit) {
+TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
     int passed = 0;
     int held_back = 0;
     for (int run = 0; run < 20'000; ++run) {
@@ -203,7 +203,7 @@ TEST_F(CommandLimiter, WhatNeedsNoLimitingPassesBitForBit) {
     EXPECT_GT(passed, 1000);
 }
 
-TEST_F(CommandLimiter, TheForceKeepsItsDirectionWhenItIsHeldBack) {
+TEST_F(CommandLimiter, ALimitedForceKeepsItsDirection) {
     Case c = any_case(devices[0]);
     c.inputs.now = at(c.device, Vector3(0.1, 0.2, 0.1));
     c.inputs.limits = limits_of(c.device);
@@ -218,7 +218,7 @@ TEST_F(CommandLimiter, TheForceKeepsItsDirectionWhenItIsHeldBack) {
     EXPECT_NEAR(force_N(c, given_A), kLimiterShare, 1e-12);
 }
 
-TEST_F(CommandLimiter, RHatIsNeverAboveItsLimitNorBelowNothing) {
+TEST_F(CommandLimiter, RHatStaysBetweenZeroAndItsLimit) {
     for (int run = 0; run < 5000; ++run) {
         Case c = any_case(devices[0]);
         c.inputs.R_hat_limit_Ohm = testing::random_vector(random, 2.5).cwiseAbs();
@@ -236,7 +236,7 @@ TEST_F(CommandLimiter, RHatIsNeverAboveItsLimitNorBelowNothing) {
     }
 }
 
-TEST_F(CommandLimiter, AtNoRampNothingPassesAndAtHalfOfItHalfDoes) {
+TEST_F(CommandLimiter, TheRampScalesTheCommand) {
     Case c = any_case(devices[0]);
     c.inputs.now = at(c.device, Vector3(0.1, 0.2, 0.1));
     c.inputs.limits = limits_of(c.device);
@@ -249,7 +249,7 @@ TEST_F(CommandLimiter, AtNoRampNothingPassesAndAtHalfOfItHalfDoes) {
     EXPECT_EQ(half.cancelled_resistance_Ohm, 0.5 * c.wanted.cancelled_resistance_Ohm);
 }
 
-TEST_F(CommandLimiter, TheEdgePushesThroughWhateverTheTuningIs) {
+TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
     // The soft wall's torque acts at the joint: k_T e_W/dR N equals that of its spring.
     const device::DeviceDescription &device = devices[0];
     const double beyond_rad = 0.01;
@@ -270,7 +270,7 @@ TEST_F(CommandLimiter, TheEdgePushesThroughWhateverTheTuningIs) {
     }
 }
 
-TEST_F(CommandLimiter, WhereTheLinkageIsSingularItGivesNoForce) {
+TEST_F(CommandLimiter, ASingularLinkageGetsNoForce) {
     Case c = any_case(devices[0]);
     c.inputs.now = at(c.device, Vector3(0.0, 0.0, 0.0));
     c.inputs.now.J.col(1).setZero();

@@ -76,7 +76,7 @@ Nanoseconds any_delay(std::mt19937_64 &random, double period_ns, double often) {
     return static_cast<Nanoseconds>(period_ns * 5.0 * one(random) * one(random));
 }
 
-TEST(Deadlines, AreThoseOfAPlainReference) {
+TEST(Deadlines, MatchASimpleReference) {
     std::mt19937_64 random(6);
     for (const std::int64_t rate_hz : {250, 300, 1000, 3000, 7000, 10'000}) {
         for (const double often : {0.0, 0.02, 0.5}) {
@@ -121,7 +121,7 @@ TEST(Deadlines, DoNotDriftOverAHundredMillionTicks) {
     }
 }
 
-TEST(Deadlines, InTimeTickAfterTickNoneIsMissedHoweverLong) {
+TEST(Deadlines, NoneIsMissedWhileTicksAreInTime) {
     // Woken exactly on time, for as many ticks as a test can run.
     Deadlines deadlines(3000.0);
     for (std::int64_t n = 1; n <= 3'000'000; ++n) {
@@ -133,7 +133,7 @@ TEST(Deadlines, InTimeTickAfterTickNoneIsMissedHoweverLong) {
     }
 }
 
-TEST(Deadlines, ATickIsAllowedItsWholePeriodAndNoMore) {
+TEST(Deadlines, ATickMayTakeAtMostItsWholePeriod) {
     const auto missed_after = [](Nanoseconds duration_ns) {
         Deadlines deadlines(1000.0);
         deadlines.begin(1'000'000);
@@ -147,7 +147,7 @@ TEST(Deadlines, ATickIsAllowedItsWholePeriodAndNoMore) {
     EXPECT_EQ(missed_after(2'000'002), 2U);
 }
 
-TEST(Deadlines, InARowEndsWithATickThatMissedNone) {
+TEST(Deadlines, ARowEndsWithATickThatMissedNone) {
     Deadlines deadlines(1000.0);
     const auto tick = [&](Nanoseconds delay_ns, Nanoseconds duration_ns) {
         const Nanoseconds start_ns = deadlines.next_ns() + delay_ns;

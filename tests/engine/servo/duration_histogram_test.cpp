@@ -30,7 +30,7 @@ TEST(DurationHistogram, QuantilesAreWithinABinOfTheTrueOnes) {
     EXPECT_EQ(histogram.count(), 20'000U);
 }
 
-TEST(DurationHistogram, TakesNothingZeroAndForever) {
+TEST(DurationHistogram, HandlesEmptyZeroAndInfinite) {
     DurationHistogram histogram;
     EXPECT_EQ(histogram.quantile_s(0.99), 0.0);
     EXPECT_EQ(histogram.mean_s(), 0.0);

@@ -31,7 +31,7 @@ void go(EnergyObserver &observer, const Spring &spring, const Vector3 &tip_m) {
     observer.update(tip_m, spring.force_N(tip_m), spring.stored_J(tip_m), 0.0, kLimit_J);
 }
 
-TEST(EnergyObserver, AnExactSpringMakesNothing) {
+TEST(EnergyObserver, AnExactSpringGeneratesNothing) {
     // The trapezoidal rule is exact for a force that is linear in the displacement, for any step.
     std::mt19937_64 random(1);
     for (int run = 0; run < 100; ++run) {
@@ -48,7 +48,7 @@ TEST(EnergyObserver, AnExactSpringMakesNothing) {
     }
 }
 
-TEST(EnergyObserver, ASpringThatIsStifferOnTheWayOutGivesItsSurplus) {
+TEST(EnergyObserver, ASpringThatIsStifferOnTheWayOutGeneratesTheSurplus) {
     // In against K, out against K + ΔK: the hand receives ½ ΔK d² of generated energy, counted once
     // all that it put in is returned. No decay meanwhile.
     const double depth_m = 5e-3;
@@ -71,7 +71,7 @@ TEST(EnergyObserver, ASpringThatIsStifferOnTheWayOutGivesItsSurplus) {
     EXPECT_NEAR(observer.generated_J(), surplus_J, 1e-13);
 }
 
-TEST(EnergyObserver, WhatTheForceGivesBeyondTheSpringIsTheSurplus) {
+TEST(EnergyObserver, ForceBeyondTheSpringGeneratesTheSurplus) {
     // The law's spring is K throughout; the rendered force is that of K on the way in, and stiffer
     // on the way out, as caused by a lag. Over a closed path ½ ΔK d² is generated.
     const double depth_m = 5e-3;
@@ -91,7 +91,7 @@ TEST(EnergyObserver, WhatTheForceGivesBeyondTheSpringIsTheSurplus) {
     }
 }
 
-TEST(EnergyObserver, ADamperOnlyTakes) {
+TEST(EnergyObserver, ADamperOnlyDissipates) {
     // F = −b v: G decreases by the dissipated energy, −Σ F Δx, down to its lower bound.
     EnergyObserver observer(kForgetsNothing_s);
     double taken_J = 0.0;
@@ -104,7 +104,7 @@ TEST(EnergyObserver, ADamperOnlyTakes) {
     }
 }
 
-TEST(EnergyObserver, ForgetsWithItsTimeConstantAtAnyRate) {
+TEST(EnergyObserver, DecaysWithItsTimeConstantAtAnyRate) {
     for (const double period_s : {1.0 / 250, 1e-3, 1e-4}) {
         EnergyObserver observer(period_s);
         const Vector3 push_N(1.0, 0, 0);
@@ -140,7 +140,7 @@ TEST(EnergyObserver, CreditIsBounded) {
     EXPECT_GT(observer.generated_J(), kLimit_J);
 }
 
-TEST(EnergyObserver, AChangedSpringIsNoStretchedOne) {
+TEST(EnergyObserver, AChangeOfTheSpringIsNotCounted) {
     // Stiffened at 5 mm and then released: 25 mJ more come out than went in, supplied by the
     // operator's change of tuning; any further energy is counted.
     const double depth_m = 5e-3;
@@ -161,7 +161,7 @@ TEST(EnergyObserver, AChangedSpringIsNoStretchedOne) {
     }
 }
 
-TEST(EnergyObserver, AModelThatHoldsTooMuchAccusesNobody) {
+TEST(EnergyObserver, AnOverestimatedSpringCausesNoFalseAlarm) {
     // The model has twice the stiffness of the force, in and out: nothing is generated.
     EnergyObserver observer(kForgetsNothing_s);
     const Spring force{1000.0};
@@ -178,7 +178,7 @@ TEST(EnergyObserver, AModelThatHoldsTooMuchAccusesNobody) {
     EXPECT_LT(max_J, 1e-13);
 }
 
-TEST(EnergyObserver, StartsAnewAfterAReset) {
+TEST(EnergyObserver, RestartsAfterAReset) {
     EnergyObserver observer(kObserverPeriod_s);
     const Vector3 push_N(1.0, 0, 0);
     observer.update(Vector3::Zero(), push_N, 0.0, 0.0, kLimit_J);
@@ -190,7 +190,7 @@ TEST(EnergyObserver, StartsAnewAfterAReset) {
     EXPECT_EQ(observer.generated_J(), 0.0);
 }
 
-TEST(EnergyObserver, ALimitedSpringHoldsWhatItTakesToStretchIt) {
+TEST(EnergyObserver, ALimitedSpringStoresTheWorkOfStretchingIt) {
     // Compared with the integral of min(K x, share K d) over the displacement, in fine steps.
     const double K_N_per_m = 1500.0;
     const double depth_m = 4e-3;

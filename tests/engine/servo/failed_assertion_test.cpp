@@ -83,7 +83,7 @@ void expect_said(const SafetyStatus &status, const testing::PlantedLimit &line) 
 
 class FailedAssertion : public ::testing::TestWithParam<Plant> {};
 
-TEST_P(FailedAssertion, TheNextThingThatTheDeviceHearsIsToBrakeAndItHearsNothingElse) {
+TEST_P(FailedAssertion, TheDeviceReceivesOnlyBrakingCommandsFromThenOn) {
     Pressed rig(GetParam());
     rig.servo.advance(kPressing);
     rig.device.arm();
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Servo, FailedAssertion,
                          ::testing::Values(Plant::in_read, Plant::in_update, Plant::in_write),
                          [](const auto &of) { return testing::name_of(of.param); });
 
-TEST(ServoAssertion, NothingButANewStartLeavesIt) {
+TEST(ServoAssertion, OnlyARestartClearsIt) {
     Pressed rig(Plant::in_update);
     rig.servo.advance(kPressing);
     rig.device.arm();
@@ -159,7 +159,7 @@ TEST(ServoAssertion, NothingButANewStartLeavesIt) {
     expect_said(rig.samples.back().safety, rig.device.line());
 }
 
-TEST(ServoAssertion, OneThatFailsAgainWhileBrakingEndsTheTicksNotTheProgram) {
+TEST(ServoAssertion, ASecondFailureWhileBrakingEndsTheTicksNotTheProgram) {
     for (const bool on_a_thread : {false, true}) {
         Pressed rig(Plant::in_read);
         rig.servo.advance(kPressing);
@@ -180,7 +180,7 @@ TEST(ServoAssertion, OneThatFailsAgainWhileBrakingEndsTheTicksNotTheProgram) {
     }
 }
 
-TEST(ServoAssertion, WindingsThatAreOpenStayOpen) {
+TEST(ServoAssertion, OpenWindingsStayOpen) {
     Pressed rig(Plant::in_update);
     rig.servo.advance(kPressing);
     rig.device.report(device::BoardFaults::kAmplifier);
@@ -205,7 +205,7 @@ TEST(ServoAssertionDeathTest, IfTheSafeCommandFailsTooTheProgramEnds) {
     EXPECT_DEATH(go_on(), "^told to brake\nspringdrive: assertion failed: !refuses_");
 }
 
-TEST(ServoAssertionDeathTest, ALoopThatNobodyGuardsEndsTheProgram) {
+TEST(ServoAssertionDeathTest, AnUnguardedLoopEndsTheProgram) {
     PlantedDevice device(Plant::in_update, Pressed::hand());
     ServoLoop loop(device, 1e-3);
     static_cast<void>(loop.tick({}));

@@ -72,7 +72,7 @@ void run(testing::FaultTrial &rig, double until_s, Extremes &seen) {
 class FalseAlarm : public ::testing::TestWithParam<double> {};
 
 /// The servo's rate is the parameter; everything else cycles.
-TEST_P(FalseAlarm, NoneWhereHandsPressAndTap) {
+TEST_P(FalseAlarm, NoneWhenHandsPressAndTap) {
     std::mt19937 random(51);
     Extremes all;
     for (int tuning = 0; tuning < 3; ++tuning) {

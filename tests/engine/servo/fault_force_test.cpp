@@ -93,7 +93,7 @@ rig::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
     }
 }
 
-TEST(FaultInjection, WhicheverCauseIsFirst) {
+TEST(FaultInjection, AnyCauseFirst) {
     constexpr int kAny = 2 * testing::kFaultsOfACause;
     RecordProperty("faults", kAny);
     std::mt19937 random(43);

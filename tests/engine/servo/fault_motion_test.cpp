@@ -109,7 +109,7 @@ Vector3 angles_near(std::mt19937 &random, const device::JointLimits &stops, int 
     }
 }
 
-TEST(FaultInjection, BeyondStopsByCountsThatDrift) {
+TEST(FaultInjection, BeyondStopsByDriftingCounts) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(32);
     // Towards each stop: the joint that drifts, and its sign.
@@ -167,7 +167,7 @@ TEST(FaultInjection, WindingTemperature) {
     }
 }
 
-TEST(FaultInjection, VoltageThatLasts) {
+TEST(FaultInjection, SustainedVoltage) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(34);
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {

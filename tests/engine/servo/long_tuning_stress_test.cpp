@@ -7,7 +7,7 @@
 namespace springdrive::servo {
 namespace {
 
-TEST(LongTuningStress, NeitherTearsNorJolts) {
+TEST(LongTuningStress, CausesNeitherTornInputsNorSteps) {
     const auto seconds = static_cast<unsigned>(testing::cases(4, 600));
     testing::TuningStress stress(1000.0);
     const testing::StressFigures figures = stress.run(seconds);

@@ -104,7 +104,7 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
     });
 }
 
-TEST(RealTime, ATickThatTakesOverAnotherPlantAllocatesAndLocksNothing) {
+TEST(RealTime, ATickThatSwitchesThePlantAllocatesAndLocksNothing) {
     TouchedScene touched("plate", control::MotionMap::transpose, control::AlphaMode::on_the_fly);
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         simulated::SimulationOptions options = touched.scenario().simulation;

@@ -24,7 +24,7 @@ template <typename Path> int ticks_to_rest(RestDetector &watch, Path tip_m, doub
     return -1;
 }
 
-TEST(RestDetector, TakesATenthOfASecondInOnePlaceAtAnyRate) {
+TEST(RestDetector, NeedsATenthOfASecondInOnePlaceAtAnyRate) {
     for (const double rate_hz : {250.0, 1000.0, 3000.0, 10'000.0}) {
         RestDetector watch(1.0 / rate_hz);
         const int ticks = ticks_to_rest(
@@ -36,7 +36,7 @@ TEST(RestDetector, TakesATenthOfASecondInOnePlaceAtAnyRate) {
     }
 }
 
-TEST(RestDetector, AMillimetreToAndFroIsRestMoreIsNot) {
+TEST(RestDetector, OscillationUpToAMillimetreIsRest) {
     const auto oscillation = [](double reach_m) {
         return [reach_m](int tick) {
             return Vector3(kPlace_m + Vector3(0.0, tick % 2 == 0 ? reach_m : 0.0, 0.0));
@@ -48,7 +48,7 @@ TEST(RestDetector, AMillimetreToAndFroIsRestMoreIsNot) {
     EXPECT_EQ(ticks_to_rest(moving, oscillation(1.001e-3), kWatchPeriod_s), -1);
 }
 
-TEST(RestDetector, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {
+TEST(RestDetector, ADriftUpToOneCentimetrePerSecondIsRest) {
     const auto drift = [](double speed_m_per_s) {
         return [speed_m_per_s](int tick) {
             return Vector3(kPlace_m + Vector3(speed_m_per_s * kWatchPeriod_s * tick, 0.0, 0.0));
@@ -60,7 +60,7 @@ TEST(RestDetector, ASteadyDriftOfAHundredthOfAMetrePerSecondIsTheLine) {
     EXPECT_EQ(ticks_to_rest(fast, drift(0.0105), kWatchPeriod_s), -1);
 }
 
-TEST(RestDetector, WhoTouchesNeverRests) {
+TEST(RestDetector, ATouchingTipIsNeverAtRest) {
     RestDetector watch(kWatchPeriod_s);
     for (int tick = 0; tick < 1000; ++tick) {
         watch.update(kPlace_m, true);
@@ -76,7 +76,7 @@ TEST(RestDetector, WhoTouchesNeverRests) {
     }
 }
 
-TEST(RestDetector, ATipThatIsNowhereDoesNotRest) {
+TEST(RestDetector, ANonFiniteTipIsNotAtRest) {
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         RestDetector watch(kWatchPeriod_s);
@@ -90,7 +90,7 @@ TEST(RestDetector, ATipThatIsNowhereDoesNotRest) {
     }
 }
 
-TEST(RestDetector, AResetStartsTheTimeAnew) {
+TEST(RestDetector, AResetRestartsTheTime) {
     RestDetector watch(kWatchPeriod_s);
     ASSERT_GT(ticks_to_rest(
                   watch, [](int) { return kPlace_m; }, kWatchPeriod_s),

@@ -67,7 +67,7 @@ std::string said_elsewhere(const std::function<std::string()> &says) {
     return said;
 }
 
-TEST(Rights, EachThatIsRefusedIsNamedWithItsRemedy) {
+TEST(Rights, EachRefusalIsReportedWithItsRemedy) {
     const std::string said = said_elsewhere([] {
         std::string all;
         if (!give_up_rights()) {
@@ -87,7 +87,7 @@ TEST(Rights, EachThatIsRefusedIsNamedWithItsRemedy) {
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
 }
 
-TEST(Rights, AThreadStaysOnTheProcessorThatIsNamed) {
+TEST(Rights, AThreadStaysOnTheGivenProcessor) {
     for (const int cpu : allowed_processors()) {
         EXPECT_NO_THROW(check_cpu(cpu));
         const std::string said = said_elsewhere([cpu] {
@@ -102,7 +102,7 @@ TEST(Rights, AThreadStaysOnTheProcessorThatIsNamed) {
     }
 }
 
-TEST(Rights, AProcessorThatIsNotThereIsRefusedByNumber) {
+TEST(Rights, AMissingProcessorIsRejectedByNumber) {
     for (const int cpu : {-1, 1023, 1024, 1'000'000}) {
         const std::string said = testing::complaint_of([cpu] { check_cpu(cpu); });
         EXPECT_EQ(said.find("--cpu " + std::to_string(cpu) + ": this process may run on "), 0U)

@@ -35,7 +35,7 @@ TEST(SafetyLimits, AreThoseOfTheDeviceFile) {
     EXPECT_EQ(limits.window_silence_s, 2.0);
 }
 
-TEST(SafetyLimits, OfMotorsThatDifferTheOneThatBearsMostCounts) {
+TEST(SafetyLimits, TheLargestLimitCountsForUnequalMotors) {
     device::DeviceDescription device = testing::phantom_1_0();
     device.motor[1].supply_V = 24.0;
     device.motor[2].peak_current_A = 9.0;
@@ -63,7 +63,7 @@ TEST(SafetyLimits, TheListNamesEveryFieldOnce) {
     }
 }
 
-TEST(SafetyLimits, ALoweredOneIsLoweredAndNoOther) {
+TEST(SafetyLimits, LoweringOneLimitChangesNoOther) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     for (const SafetyLimit &changed : kSafetyLimits) {
         for (const double share : {1e-3, 0.5, 0.999}) {
@@ -76,7 +76,7 @@ TEST(SafetyLimits, ALoweredOneIsLoweredAndNoOther) {
     }
 }
 
-TEST(SafetyLimits, NoneIsRaised) {
+TEST(SafetyLimits, NoneCanBeRaised) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     for (const SafetyLimit &changed : kSafetyLimits) {
         for (const double share : {1.0, 1.001, 1e6}) {
@@ -87,7 +87,7 @@ TEST(SafetyLimits, NoneIsRaised) {
     }
 }
 
-TEST(SafetyLimits, NonsenseChangesNothing) {
+TEST(SafetyLimits, InvalidRequestsChangeNothing) {
     const SafetyLimits device = limits_of(testing::phantom_1_0());
     expect_equal(lowered(device, unlowered()), device);
     for (const SafetyLimit &changed : kSafetyLimits) {

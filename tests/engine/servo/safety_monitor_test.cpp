@@ -80,7 +80,7 @@ TEST_F(SafetyMonitorTest, NeverStartsWhileTheTipMoves) {
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
 }
 
-TEST_F(SafetyMonitorTest, OnceStartingItMayMoveAndTouch) {
+TEST_F(SafetyMonitorTest, MayMoveAndTouchOnceStarting) {
     for (int i = 0; i < 110; ++i) {
         pass(calm());
     }
@@ -94,7 +94,7 @@ TEST_F(SafetyMonitorTest, OnceStartingItMayMoveAndTouch) {
     EXPECT_EQ(monitor.status().state, SafetyState::running);
 }
 
-TEST_F(SafetyMonitorTest, AResetStartsTheWaitAndTheRampAnew) {
+TEST_F(SafetyMonitorTest, AResetRestartsWaitAndRamp) {
     start_up();
     pass(calm(), {unlowered(), true, 0, true});
     for (int i = 0; i < 1000; ++i) { // at rest for long, but tripped
@@ -110,14 +110,14 @@ TEST_F(SafetyMonitorTest, AResetStartsTheWaitAndTheRampAnew) {
     start_up();
 }
 
-TEST_F(SafetyMonitorTest, AResetOfWhatDidNotTripDoesNothing) {
+TEST_F(SafetyMonitorTest, AResetWithoutATripDoesNothing) {
     start_up();
     monitor.reset();
     EXPECT_EQ(monitor.status().state, SafetyState::running);
     EXPECT_EQ(pass(calm()).e_W_V, little().e_W_V);
 }
 
-TEST_F(SafetyMonitorTest, HoldsCommandsToSupplyForceAndResistance) {
+TEST_F(SafetyMonitorTest, LimitsCommandsToSupplyForceAndResistance) {
     start_up();
     const device::DeviceCommand absurd{Vector3(1e3, -1e3, 0.0), Vector3(10.0, -1.0, 2.0)};
     const device::DeviceCommand command = pass(calm(), {}, absurd);
@@ -193,7 +193,7 @@ TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
     EXPECT_TRUE(monitor.windings()[2].is_limited);
 }
 
-TEST_F(SafetyMonitorTest, TunedHotThenCooledARHatFollowsTheWinding) {
+TEST_F(SafetyMonitorTest, RHatFollowsACoolingWinding) {
     start_up();
     // On a winding that is certainly warm, R̂ may exceed what 25 °C of the data sheet allows...
     device::DeviceCommand wanted = little();

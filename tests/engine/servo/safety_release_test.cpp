@@ -16,7 +16,7 @@ SafetyOrders to_release() {
     return orders;
 }
 
-TEST_F(SafetyMonitorTest, LetsGoForASecondAsItCameUpAndThenBrakes) {
+TEST_F(SafetyMonitorTest, RampsDownForASecondOnReleaseAndThenBrakes) {
     start_up();
     double before_V = pass(calm()).e_W_V.cwiseAbs().maxCoeff();
     int ticks = 0;
@@ -35,7 +35,7 @@ TEST_F(SafetyMonitorTest, LetsGoForASecondAsItCameUpAndThenBrakes) {
     expect_braking(pass(calm(), to_release()));
 }
 
-TEST_F(SafetyMonitorTest, DoesNotStartAgainBeforeItMay) {
+TEST_F(SafetyMonitorTest, DoesNotStartAgainWhileReleaseIsRequested) {
     for (int tick = 0; tick < 3000; ++tick) {
         pass(calm(), to_release());
         ASSERT_EQ(monitor.status().state, SafetyState::waiting);
@@ -44,7 +44,7 @@ TEST_F(SafetyMonitorTest, DoesNotStartAgainBeforeItMay) {
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
 }
 
-TEST_F(SafetyMonitorTest, LetsGoFromWhereTheRampIsAndComesUpFromThereAgain) {
+TEST_F(SafetyMonitorTest, ReleasesFromThePresentRampAndReturnsFromThere) {
     for (int tick = 0; tick < 600; ++tick) { // half-way up
         pass(calm());
     }
@@ -61,7 +61,7 @@ TEST_F(SafetyMonitorTest, LetsGoFromWhereTheRampIsAndComesUpFromThereAgain) {
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
 }
 
-TEST_F(SafetyMonitorTest, StillTripsWhileItLetsGoAndATripStays) {
+TEST_F(SafetyMonitorTest, StillTripsDuringReleaseAndATripStays) {
     start_up();
     pass(calm(), to_release());
     SafetyOrders stop = to_release();

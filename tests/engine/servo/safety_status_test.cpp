@@ -15,7 +15,7 @@ std::string told(TripCause cause, double measured = 0.0, double limit = 0.0) {
     return description({SafetyState::tripped, cause, measured, limit, 0.0, {}});
 }
 
-TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
+TEST(SafetyStatus, DescribesTheExceededLimitInDisplayUnits) {
     EXPECT_EQ(told(TripCause::current, 5.568, 5.5), "winding current 5.57 A, limit 5.50 A");
     EXPECT_EQ(told(TripCause::tip_force, 9.0, 8.5), "tip force 9.00 N, limit 8.50 N");
     EXPECT_EQ(told(TripCause::tip_speed, 2.5, 2.0), "tip speed 2.50 m/s, limit 2.00 m/s");
@@ -34,7 +34,7 @@ TEST(SafetyStatus, TellsWhatCrossedItsLimitInUnitsOfPeople) {
     EXPECT_EQ(told(TripCause::voltage, 13.5, 12.0), "sustained e_W 13.5 V, limit 12.0 V");
 }
 
-TEST(SafetyStatus, EveryCauseHasANameAndWordsOfItsOwn) {
+TEST(SafetyStatus, EveryCauseHasItsOwnNameAndText) {
     ASSERT_EQ(kTripCauseNames.size(), static_cast<std::size_t>(TripCause::assertion) + 1);
     std::set<std::string> names;
     std::set<std::string> words;
@@ -50,7 +50,7 @@ TEST(SafetyStatus, EveryCauseHasANameAndWordsOfItsOwn) {
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::voltage)], "voltage");
 }
 
-TEST(SafetyStatus, ANumberThatIsNoneOrHugeIsToldToo) {
+TEST(SafetyStatus, DescribesNaNAndHugeNumbers) {
     EXPECT_EQ(told(TripCause::tip_force, 1e300, 8.5).find("tip force 1000000"), 0U);
     EXPECT_NE(told(TripCause::tip_force, std::numeric_limits<double>::quiet_NaN(), 8.5).find("nan"),
               std::string::npos);

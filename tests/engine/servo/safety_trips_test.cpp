@@ -160,7 +160,7 @@ TEST_F(SafetyTrips, MissedDeadlines) {
     expect_numbers(beyond, 0.051, 0.05);
 }
 
-TEST_F(SafetyTrips, AWindowThatGivesNoSignOfLife) {
+TEST_F(SafetyTrips, AWindowWithoutHeartbeat) {
     Tick tick = fine();
     for (std::uint32_t i = 1; i <= 5000; ++i) { // a heartbeat every 0.1 s
         tick.orders.heartbeat = 1 + i / 100;
@@ -206,7 +206,7 @@ TEST_F(SafetyTrips, MissedTicksCountAsSilenceToo) {
     EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
 }
 
-TEST_F(SafetyTrips, AHeartbeatOfZeroMeansThatNobodyWatches) {
+TEST_F(SafetyTrips, AHeartbeatOfZeroDisablesTheCheck) {
     start_up();
     for (int i = 0; i < 10'000; ++i) {
         pass(calm());
@@ -214,7 +214,7 @@ TEST_F(SafetyTrips, AHeartbeatOfZeroMeansThatNobodyWatches) {
     EXPECT_EQ(monitor.status().state, SafetyState::running);
 }
 
-TEST_F(SafetyTrips, EncodersThatJump) {
+TEST_F(SafetyTrips, EncoderJumps) {
     // 1.5 times the displacement at the maximum speed, plus three counts of each motor.
     const double counts_m = 3.0 * 2.0 * std::numbers::pi / 4096 * calm().now.J.norm();
     for (const std::uint32_t missed : {0U, 4U}) {
@@ -267,7 +267,7 @@ TEST_F(SafetyTrips, AnglesBeyondTheStops) {
     }
 }
 
-TEST_F(SafetyTrips, EnergyFromNothing) {
+TEST_F(SafetyTrips, GeneratedEnergy) {
     // Work in one direction by a force along the motion: 5 N over 6 mm are the 30 mJ.
     for (const double share : {0.99, 1.01}) {
         monitor = SafetyMonitor(device, kPeriod_s);
@@ -292,7 +292,7 @@ TEST_F(SafetyTrips, EnergyFromNothing) {
     }
 }
 
-TEST_F(SafetyTrips, VoltageThatLasts) {
+TEST_F(SafetyTrips, SustainedVoltage) {
     const double limit = 0.35; // below what force and current limits allow
     device.motor[1].supply_V = limit;
     monitor = SafetyMonitor(device, kPeriod_s);
@@ -342,7 +342,7 @@ TEST_F(SafetyTrips, WindingTemperatureByALoweredLimit) {
     expect_numbers(beyond, device::kWarmestAir_C, device::kWarmestAir_C - 0.01);
 }
 
-TEST_F(SafetyTrips, LoweredLimitsHoldAndRaisedOnesDoNot) {
+TEST_F(SafetyTrips, LoweredLimitsApplyAndRaisedOnesDoNot) {
     const SafetyLimits of_device = limits_of(device);
     Tick tick = with_speed(0.8 * of_device.tip_speed_m_per_s);
     tick.seen.tip_force_N = Vector3(0.8 * of_device.tip_force_N, 0.0, 0.0);
@@ -402,7 +402,7 @@ TEST_F(SafetyTrips, NamesTheFirstCauseAndKeepsIt) {
     EXPECT_DOUBLE_EQ(monitor.status().limit, device.limits.tip_speed_m_per_s);
 }
 
-TEST_F(SafetyTrips, OfSeveralAtOnceTheEarlierInTheListIsNamed) {
+TEST_F(SafetyTrips, ReportsTheFirstInTheListOfSimultaneousCauses) {
     // All causes from one to the last, in one tick.
     const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
         {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},

@@ -157,7 +157,7 @@ std::vector<Bit> every_bit() {
     return bits;
 }
 
-TEST(SealedInputs, NoticeAnySingleBitThatIsFlipped) {
+TEST(SealedInputs, DetectAnyFlippedBit) {
     std::mt19937_64 random(9);
     const std::vector<Bit> bits = every_bit();
     EXPECT_EQ(bits.size(), 64U * (6 + 10 + 2) + 32U * 4 + 8U * 2 + 2);
@@ -172,7 +172,7 @@ TEST(SealedInputs, NoticeAnySingleBitThatIsFlipped) {
     }
 }
 
-TEST(ServoInputs, ArriveWholeHoweverQuicklyTheyAreHandedOver) {
+TEST(ServoInputs, ArriveIntactAtAnyRate) {
     constexpr std::uint32_t kPublished = 20'000;
     constexpr std::size_t kSets = 64;
     std::mt19937_64 random(10);

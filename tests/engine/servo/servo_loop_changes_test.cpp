@@ -109,13 +109,13 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
 
 void nothing(ServoInputs & /*inputs*/) {}
 
-TEST(ServoLoopChanges, WithoutOneTheLawIsReproducedFromTheSamples) {
+TEST(ServoLoopChanges, WithoutAChangeTheLawIsReproducedFromTheSamples) {
     const Felt felt = feel({"nothing", nothing}, nothing);
     EXPECT_LT(felt.step_V, 1e-12);
     EXPECT_EQ(felt.carried_V, 0.0);
 }
 
-TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
+TEST(ServoLoopChanges, OfAnyParameterMoveEWWithinTheBound) {
     const auto by_hand = [](ServoInputs &inputs) { // so that α has an effect, too
         inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
     };
@@ -133,7 +133,7 @@ TEST(ServoLoopChanges, OfAnyOneParameterMovesEWByNoMoreThanItMay) {
     }
 }
 
-TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWByNoMoreThanTheyMay) {
+TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWWithinTheBound) {
     const auto start = [](ServoInputs &inputs) {
         inputs.global_alpha_rad2_per_m2 = 3000.0;
         inputs.tuning.alpha_rad2_per_m2 = 2000.0;
@@ -171,7 +171,7 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWByNoMoreThanTheyMay) 
     }
 }
 
-TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
+TEST(ServoLoopChanges, OfAllParametersRepeatedDuringATransferMoveEWWithinTheBound) {
     FirmRig rig;
     rig.inputs.global_alpha_rad2_per_m2 = 2500.0;
     rig.run(kStartUp_s + 0.8);
@@ -198,7 +198,7 @@ TEST(ServoLoopChanges, OfAllAtOnceAndAgainWhileTheLastIsCarriedStillDoNot) {
     EXPECT_GT(max_V, 0.3);
 }
 
-TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
+TEST(ServoLoopChanges, ToALawBeyondTheSupplyMoveEWWithinTheBound) {
     // Manual α far above the bound: without bumpless transfer e_W would step from 5 V to 17 V.
     FirmRig rig;
     rig.inputs.tuning.dR_Ohm = 2.0;
@@ -219,7 +219,7 @@ TEST(ServoLoopChanges, WhereTheNewLawAsksForMoreThanTheSupplyItComesSlowlyToo) {
     EXPECT_GT(law_V.maxCoeff(), 12.0); // not vacuous
 }
 
-TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
+TEST(ServoLoopChanges, OfSceneReleaseTheOldVoltageSlowly) {
     // In the new scene the proxy starts free at the tip: e_W decays gradually to zero.
     const contact::HapticSurface elsewhere(
         testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
@@ -251,7 +251,7 @@ TEST(ServoLoopChanges, OfSceneLetGoSlowlyOfWhatTheOldOneAskedFor) {
     }
 }
 
-TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
+TEST(ServoLoopChanges, OfResidualLimitTheRateOfTheCancelledVoltage) {
     // R̂ i is a voltage: at the peak current no tick changes it by more than the limit.
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
@@ -268,7 +268,7 @@ TEST(ServoLoopChanges, ADevicesCurrentsMoveNoFasterForAChangeOfResidual) {
     }
 }
 
-TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
+TEST(ServoLoopChanges, OfEachParameterHaveATimeConstantOf50Milliseconds) {
     // The remaining share after a time t: e^(−t/50 ms), except for dR, which may change R̂ i no
     // faster than the limit.
     FirmRig rig;
@@ -295,7 +295,7 @@ TEST(ServoLoopChanges, OfEachParameterGlideThereIn50Milliseconds) {
     EXPECT_EQ(rig.tick().tuning, to); // it is reached exactly
 }
 
-TEST(ServoLoopChanges, OfTheRateLetResidualsMoveAsMuchAsBeforeInASecond) {
+TEST(ServoLoopChanges, OfTheRateKeepTheResidualsRateOfChange) {
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
     const double peak_A = rig.device().description().motor[0].peak_current_A;
@@ -356,7 +356,7 @@ TEST(ServoLoopChanges, MissedDeadlinesOfADeviceThatDoesNotWaitReachSampleAndMoni
     EXPECT_EQ(tick(1, 51).safety.cause, TripCause::missed_deadlines);
 }
 
-TEST(ServoLoopChanges, ADeviceThatWaitsHasMissedNothing) {
+TEST(ServoLoopChanges, ADeviceThatWaitsMissesNothing) {
     FirmRig rig;
     rig.run(kStartUp_s + 0.8);
     FirmRig on_time;
@@ -381,7 +381,7 @@ struct FailingRig : Rig {
     }
 };
 
-TEST(ServoLoopChanges, TheLastCommandStandsWhileNothingNewIsMeasuredWithinTheBudget) {
+TEST(ServoLoopChanges, TheLastCommandIsHeldWithoutNewMeasurementsWithinTheLimit) {
     using rig::FaultKind;
     const std::array<std::pair<FaultKind, device::Arrival>, 3> silences{
         {{FaultKind::repeated, device::Arrival::repeated},
@@ -433,7 +433,7 @@ TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
     EXPECT_EQ(rig.tick().safety.cause, TripCause::stale_measurement);
 }
 
-TEST(ServoLoopChanges, FaultsOfTheBoardStopAndOnlyAnAmplifiersOpensTheWindings) {
+TEST(ServoLoopChanges, BoardFaultsTripAndOnlyAmplifierFaultsOpenTheWindings) {
     for (int bit = 0; bit < 6; ++bit) {
         FailingRig rig;
         const auto bits = static_cast<std::uint16_t>(1U << static_cast<unsigned>(bit));

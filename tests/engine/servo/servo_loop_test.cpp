@@ -57,7 +57,7 @@ Strike strike(double longest_step_s) {
     return strike;
 }
 
-TEST(ServoLoop, ThePlantsDefaultStepIsFineEnoughForHardContact) {
+TEST(ServoLoop, ThePlantsDefaultStepSufficesForHardContact) {
     // What SimulationOptions::longest_step_s promises; friction makes the step first order here.
     const double step_s = simulated::SimulationOptions{}.longest_step_s;
     const Strike usual = strike(step_s);
@@ -165,7 +165,7 @@ double max_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
     return max_N;
 }
 
-TEST(ServoLoop, FreeSpaceIsFree) {
+TEST(ServoLoop, ForceInFreeSpaceIsSmall) {
     // The remainder is mostly the ripple of single encoder counts, proportional to 1/dR and λ.
     for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
         EXPECT_LT(max_force_on_a_slow_hand_N("soft", axis), 0.05) << axis.transpose();
@@ -251,7 +251,7 @@ TEST(ServoLoop, AddedInertiaIsThatOfTheLoopsLag) {
     }
 }
 
-TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
+TEST(ServoLoop, SlidingOnThePlateIsFrictionless) {
     // The tangential force while sliding at 30 mm/s is that of free space, not of a brake.
     Rig rig(following({{0.0, kStart_m},
                        {0.8, Vector3(-0.03, -0.01, 0.0)},
@@ -269,7 +269,7 @@ TEST(ServoLoop, SlidingOnThePlateIsNotHeldBack) {
     EXPECT_LT(std::abs(mean.x()), 0.02);
 }
 
-TEST(ServoLoop, TheOtherMapIsJudgedOnTheSameState) {
+TEST(ServoLoop, TheOtherMapIsEvaluatedInTheSameState) {
     Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.03, -0.01, 0.02)}}), plate());
     rig.run(kStartUp_s + 2.0);
     const ServoSample transpose = rig.tick();
@@ -312,7 +312,7 @@ TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
     }
 }
 
-TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
+TEST(ServoLoop, KeepsItsTuningForAnInvalidOne) {
     Rig rig({}, plate());
     rig.run(kStartUp_s);
     const Vector3 before = rig.tick().command.cancelled_resistance_Ohm;
@@ -325,7 +325,7 @@ TEST(ServoLoop, KeepsItsTuningWhenOfferedNonsense) {
     EXPECT_DOUBLE_EQ(rig.tick().command.cancelled_resistance_Ohm[0], 1.18);
 }
 
-TEST(ServoLoop, AChangeOfTuningInContactIsNoBlow) {
+TEST(ServoLoop, AChangeOfTuningInContactCausesNoForceStep) {
     // A switch from one tuning to another while the hand presses: the rendered force stays between
     // the two steady forces, except for the overshoot of the hand's own spring, here well below a
     // newton.

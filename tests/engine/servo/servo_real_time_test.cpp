@@ -70,12 +70,12 @@ class RealTimeServo : public ::testing::Test {
 protected:
     void SetUp() override {
         if (!testing::can_filter_system_calls()) {
-            GTEST_SKIP() << "this kernel lets nobody filter system calls (seccomp)";
+            GTEST_SKIP() << "this kernel does not support filtering system calls (seccomp)";
         }
     }
 };
 
-TEST_F(RealTimeServo, AMillionTrianglesMakeItNeitherAllocateNorLockNorCall) {
+TEST_F(RealTimeServo, NeitherAllocatesNorLocksNorCallsWithAMillionTriangles) {
     const contact::HapticSurface surface(*rig::test_surface_named("sphere:1310720"));
     const bool holds = testing::holds_in_a_child([&] {
         const Vector3 upper_m = Vector3::Constant(rig::kTestSphereRadius_m);
@@ -139,12 +139,12 @@ template <typename Check> bool holds_for(const DriverAction &action, Check &&che
     });
 }
 
-TEST_F(RealTimeServo, TheWatchSeesNothingWhereNothingIsDone) {
+TEST_F(RealTimeServo, TheWatchHasNoFalseAlarms) {
     const bool holds = holds_for({"nothing", [] {}}, [] { expect_nothing_seen(); });
     EXPECT_TRUE(holds);
 }
 
-TEST_F(RealTimeServo, AFailedAssertionMakesItNeitherAllocateNorLockNorCall) {
+TEST_F(RealTimeServo, NeitherAllocatesNorLocksNorCallsAfterAFailedAssertion) {
     const bool holds = testing::holds_in_a_child([] {
         Driver driver([] { SPRINGDRIVE_ASSERT(watched().locks < 0); });
         Servo servo(driver, 1000.0);
@@ -161,7 +161,7 @@ TEST_F(RealTimeServo, AFailedAssertionMakesItNeitherAllocateNorLockNorCall) {
     EXPECT_TRUE(holds);
 }
 
-TEST_F(RealTimeServo, TheWatchSeesAllocations) {
+TEST_F(RealTimeServo, TheWatchDetectsAllocations) {
     static std::atomic<void *> kept = nullptr; // otherwise the compiler may omit the allocation
     static std::atomic<void *> none = nullptr;
     static auto *old = new std::vector<char>(100);
@@ -181,7 +181,7 @@ TEST_F(RealTimeServo, TheWatchSeesAllocations) {
     }
 }
 
-TEST_F(RealTimeServo, TheWatchSeesLocks) {
+TEST_F(RealTimeServo, TheWatchDetectsLocks) {
     static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     static pthread_rwlock_t lock = PTHREAD_RWLOCK_INITIALIZER;
     static std::mutex standard;
@@ -198,7 +198,7 @@ TEST_F(RealTimeServo, TheWatchSeesLocks) {
     }
 }
 
-TEST_F(RealTimeServo, TheWatchSeesSystemCalls) {
+TEST_F(RealTimeServo, TheWatchDetectsSystemCalls) {
     static int word = 0;
     const std::array actions{
         DriverAction{"write", [] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); },

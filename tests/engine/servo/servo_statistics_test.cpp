@@ -11,7 +11,7 @@
 namespace springdrive::servo {
 namespace {
 
-TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
+TEST(ServoStatistics, AccumulatesTheSamples) {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> duration_s(1e-6, 1e-3);
     ServoStatistics statistics;
@@ -50,7 +50,7 @@ TEST(ServoStatistics, AddsUpWhatTheSamplesSay) {
                 1.0 / 64.0);
 }
 
-TEST(ServoStatistics, InLockstepThereIsNoTimeToAddUp) {
+TEST(ServoStatistics, HaveNoTimesInLockstep) {
     ServoStatistics statistics;
     for (int tick = 0; tick < 10; ++tick) {
         statistics.add(ServoSample{});

@@ -89,7 +89,7 @@ TEST(Servo, SendsTheSafeStateLastFromItsThreadToo) {
     EXPECT_EQ(device.last_command.cancelled_resistance_Ohm, Vector3::Zero());
 }
 
-TEST(Servo, LockstepRepeatsToTheLastBit) {
+TEST(Servo, LockstepIsReproducibleBitForBit) {
     const auto run = [] {
         simulated::SimulationOptions options;
         options.path.emplace(std::vector<simulated::HandPath::Point>{
@@ -125,7 +125,7 @@ TEST(Servo, EveryTickGivesOneSampleInOrder) {
     EXPECT_EQ(servo.lost_samples(), 0U);
 }
 
-TEST(Servo, CountsTheSamplesThatNobodyFetched) {
+TEST(Servo, CountsLostSamples) {
     RecordingDevice device;
     Servo servo(device, 1000.0);
     servo.advance(16'384 + 50);
@@ -133,7 +133,7 @@ TEST(Servo, CountsTheSamplesThatNobodyFetched) {
     EXPECT_EQ(rows_of(servo).size(), 16'384U);
 }
 
-TEST(Servo, TuningFromAnotherThreadArrivesWhole) {
+TEST(Servo, TuningFromAnotherThreadArrivesIntact) {
     RecordingDevice device;
     Servo servo(device, 5000.0);
     servo.start();
@@ -194,7 +194,7 @@ std::vector<ServoSample> through_a_stall(device::HapticDevice &device) {
     return samples;
 }
 
-TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
+TEST(Servo, ASimulatedDeviceWaitsForAStalledHost) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     const std::vector<ServoSample> samples = through_a_stall(device);
     std::uint64_t missed = 0;
@@ -209,7 +209,7 @@ TEST(Servo, ASimulatedWorldWaitsForAHostThatStalls) {
     EXPECT_EQ(samples.back().safety.state, SafetyState::running);
 }
 
-TEST(Servo, ADeviceWithAClockOfItsOwnDoesNotWait) {
+TEST(Servo, ADeviceWithItsOwnClockDoesNotWait) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     testing::OwnClockDevice hardware(device, 1e-3);
     const std::vector<ServoSample> samples = through_a_stall(hardware);
@@ -251,7 +251,7 @@ std::vector<ServoSample> through_a_silence(device::HapticDevice &device) {
     return samples;
 }
 
-TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
+TEST(Servo, ASimulatedDeviceWaitsForASilentWindow) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     const std::vector<ServoSample> samples = through_a_silence(device);
     std::uint64_t missed = 0;
@@ -262,7 +262,7 @@ TEST(Servo, ASimulatedWorldWaitsForAWindowThatIsSilent) {
     EXPECT_GE(missed, 300U); // the half second of silence minus 0.1 s, plus those of a busy host
 }
 
-TEST(Servo, ALimitThatIsNoneHaltsNoWorld) {
+TEST(Servo, AnInvalidLimitPausesNoDevice) {
     for (const double silence_s : {-1.0, 0.0, static_cast<double>(NAN)}) {
         simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
         Servo servo(device, 1000.0);
@@ -291,7 +291,7 @@ TEST(Servo, AnotherDeviceStopsWhenTheWindowIsSilent) {
                 samples.back().safety.cause == TripCause::missed_deadlines);
 }
 
-TEST(Servo, AnotherRateGoesOnWhereTheOldOneWas) {
+TEST(Servo, AnotherRateContinuesInTheSameState) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     Servo servo(device, 1000.0);
     servo.publish({});
@@ -315,7 +315,7 @@ TEST(Servo, AnotherRateGoesOnWhereTheOldOneWas) {
     EXPECT_EQ(samples.back().safety.state, SafetyState::running);
 }
 
-TEST(Servo, AnotherRateOnItsThreadLosesNoSampleAndNoMemory) {
+TEST(Servo, AnotherRateOnItsThreadKeepsSamplesAndState) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     Servo servo(device, 1000.0);
     servo.publish({});
@@ -341,7 +341,7 @@ TEST(Servo, AnotherRateOnItsThreadLosesNoSampleAndNoMemory) {
     servo.stop();
 }
 
-TEST(Servo, RefusesRatesThatItCannotKeep) {
+TEST(Servo, RejectsUnsupportedRates) {
     RecordingDevice device;
     for (const double good : {250.0, 10'000.0}) {
         EXPECT_NO_THROW(Servo(device, good));

@@ -87,7 +87,7 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
     EXPECT_LT(rig.max_force_N(), device.limits.tip_force_N);
 }
 
-TEST(SoftEdge, IsMetBeforeEveryStopInEveryMap) {
+TEST(SoftEdge, ActsBeforeEveryStopInEveryMap) {
     for (const Way &way : kWays) {
         for (const double eta : {0.0, 1.0}) {
             for (const control::MotionMap map :

@@ -107,7 +107,7 @@ private:
     bool was_stopped_ = false;
 };
 
-TEST(StoppedProcess, ASimulatedWorldGoesOnAsIfNothingHadBeen) {
+TEST(StoppedProcess, ASimulatedDeviceContinuesUnchanged) {
     const StoppedProcess process(false);
     ASSERT_TRUE(process.ended_well());
     const Account &account = process.account();
@@ -116,7 +116,7 @@ TEST(StoppedProcess, ASimulatedWorldGoesOnAsIfNothingHadBeen) {
     EXPECT_GE(account.missed_deadlines, kMissed); // counted nevertheless
 }
 
-TEST(StoppedProcess, ADeviceOfItsOwnClockTripsForTheDeadlinesAndGetsNothing) {
+TEST(StoppedProcess, ADeviceWithItsOwnClockTripsOnDeadlinesAndIsNotDriven) {
     const StoppedProcess process(true);
     ASSERT_TRUE(process.ended_well());
     const Account &account = process.account();

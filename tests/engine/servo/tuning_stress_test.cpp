@@ -8,7 +8,7 @@
 namespace springdrive::servo {
 namespace {
 
-TEST(TuningStress, NeitherTearsNorJolts) {
+TEST(TuningStress, CausesNeitherTornInputsNorSteps) {
     testing::TuningStress stress(1000.0);
     const testing::StressFigures figures = stress.run(2.0);
     EXPECT_EQ(figures.faults, 0U);

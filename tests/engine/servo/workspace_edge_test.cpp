@@ -69,7 +69,7 @@ TEST_F(WorkspaceEdgeTest, AtRestItIsTheGradientOfAPotential) {
     EXPECT_LT(at_edge, 4900);
 }
 
-TEST_F(WorkspaceEdgeTest, IsNothingWithinWhateverTheSpeed) {
+TEST_F(WorkspaceEdgeTest, IsZeroWithinAtAnySpeed) {
     device::JointLimits within = device.joint_limits;
     const double margin_rad = device.edge.margin_rad;
     within.min_rad.array() += margin_rad;
@@ -139,7 +139,7 @@ TEST_F(WorkspaceEdgeTest, OnlyPushesBack) {
     }
 }
 
-TEST_F(WorkspaceEdgeTest, TheFoldPushesBothLinksAlike) {
+TEST_F(WorkspaceEdgeTest, TheFoldPushesBothLinksEqually) {
     for (const double sign : {-1.0, 1.0}) {
         const double edge_rad =
             sign > 0.0 ? device.joint_limits.max_q3_minus_q2_rad - device.edge.margin_rad
@@ -155,7 +155,7 @@ TEST_F(WorkspaceEdgeTest, TheFoldPushesBothLinksAlike) {
     }
 }
 
-TEST_F(WorkspaceEdgeTest, NeverGivesEnergyToWhoeverMoves) {
+TEST_F(WorkspaceEdgeTest, IsPassive) {
     // On a closed path through the wall at any speed the wall absorbs energy: −∮ τ·dq ≥ 0.
     for (int run = 0; run < 50; ++run) {
         const Vector3 centre_rad = any_angles(random);
@@ -175,7 +175,7 @@ TEST_F(WorkspaceEdgeTest, NeverGivesEnergyToWhoeverMoves) {
     }
 }
 
-TEST_F(WorkspaceEdgeTest, BeyondLimitsNamesEachByItsSign) {
+TEST_F(WorkspaceEdgeTest, BeyondLimitsHasTheSignOfTheSide) {
     const device::JointLimits &limits = device.joint_limits;
     const BeyondLimits low = beyond_limits(limits, limits.min_rad - Vector3(0.1, 0.2, 0.3), 0.0);
     EXPECT_LT((low.joint_rad + Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);

@@ -171,9 +171,9 @@ void exchange_in_every_order(bool apart) {
     EXPECT_GT(all.worst.max_carried_V, 0.2);
 }
 
-TEST(Exchange, InContactOneAfterTheOtherInEveryOrderJoltsNothing) { exchange_in_every_order(true); }
+TEST(Exchange, InContactOneByOneInEveryOrderCausesNoSteps) { exchange_in_every_order(true); }
 
-TEST(Exchange, InContactAllAtOnceInEveryOrderJoltsNothing) { exchange_in_every_order(false); }
+TEST(Exchange, InContactSimultaneouslyInEveryOrderCausesNoSteps) { exchange_in_every_order(false); }
 
 TEST(Exchange, OnTheRealThreadTheSameHolds) {
     SessionOptions options = testing::scripted();

@@ -82,7 +82,7 @@ protected:
 /// thread to check for cancellation, with a large margin for a busy computer.
 constexpr double kSoon_s = 3.0;
 
-TEST_F(Quitting, WhileASceneLoadsEndsSoonInEveryStage) {
+TEST_F(Quitting, WhileASceneLoadsEndsQuicklyInEveryStage) {
     const std::filesystem::path large = write_square(folder / "large.glb", 500);
     double longest_s = 0.0;
     for (const char *stage : {"reading", "gathering", "placing", "preparing"}) {
@@ -149,7 +149,7 @@ void poke(Session &session, unsigned which, const std::filesystem::path &folder)
     }
 }
 
-TEST_F(Quitting, AtAnyMomentEndsWhole) {
+TEST_F(Quitting, AtAnyMomentEndsCleanly) {
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     std::mt19937 random(11);
     double longest_s = 0.0;

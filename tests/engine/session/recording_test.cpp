@@ -1,4 +1,4 @@
-// Covers engine/session/recording.cpp, by itself.
+// Covers engine/session/recording.cpp alone.
 #include "engine/session/recording.h"
 
 #include "base/input_error.h"
@@ -68,14 +68,14 @@ TEST_F(RecordingTest, CountsAllPartsTogether) {
     EXPECT_EQ(recording.parts().size(), 1U);
 }
 
-TEST_F(RecordingTest, WithoutOneAnotherDeviceBeginsNone) {
+TEST_F(RecordingTest, ANewDeviceDoesNotStartARecording) {
     take_another_device();
     EXPECT_TRUE(recording.begin_part(record::record_header(1000.0)).empty());
     EXPECT_TRUE(recording.parts().empty());
     EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST_F(RecordingTest, APartThatCannotBeMadeIsSaidAndEndsIt) {
+TEST_F(RecordingTest, APartThatCannotBeCreatedIsReportedAndEndsTheRecording) {
     recording.start(folder / "touch.rec", record::record_header(1000.0));
     tick(10);
     take_another_device();

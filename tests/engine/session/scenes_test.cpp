@@ -1,4 +1,4 @@
-// Covers engine/session/scenes.cpp, scene_loader.cpp and simulated_hand.cpp, by themselves.
+// Covers engine/session/scenes.cpp, scene_loader.cpp and simulated_hand.cpp alone.
 #include "engine/session/scenes.h"
 
 #include "engine/session/simulated_hand.h"
@@ -32,7 +32,7 @@ const LoadedScene *wait_for(Scenes &scenes) {
     return before;
 }
 
-TEST(Scenes, TheOneBeforeStaysUntilTheServoHasLetGo) {
+TEST(Scenes, ThePreviousSceneStaysUntilTheServoReleasesIt) {
     Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
     const LoadedScene *const plate = &scenes.now();
     scenes.request(file_of("sphere"));
@@ -46,7 +46,7 @@ TEST(Scenes, TheOneBeforeStaysUntilTheServoHasLetGo) {
     EXPECT_EQ(scenes.retired(), 0U);
 }
 
-TEST(Scenes, OfSeveralAskedForTheLastWins) {
+TEST(Scenes, TheLastOfSeveralRequestsCounts) {
     Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
     for (const char *name : {"sphere", "compliance", "organic", "profile"}) {
         scenes.request(file_of(name));
@@ -57,7 +57,7 @@ TEST(Scenes, OfSeveralAskedForTheLastWins) {
     EXPECT_EQ(scenes.error(), "");
 }
 
-TEST(Scenes, OneThatFailsLeavesThePresentOne) {
+TEST(Scenes, AFailedSceneLeavesTheCurrentOne) {
     const std::filesystem::path folder = testing::fresh_folder("scenes");
     std::ofstream(folder / "broken.glb") << "no glTF";
     Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
@@ -68,7 +68,7 @@ TEST(Scenes, OneThatFailsLeavesThePresentOne) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Scenes, OneThatNobodyWantsAnyMoreIsNotLoadedToItsEnd) {
+TEST(Scenes, LoadingOfACancelledSceneStops) {
     scene::LoadProgress progress;
     progress.give_up();
     EXPECT_THROW(static_cast<void>(

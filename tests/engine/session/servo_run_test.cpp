@@ -1,4 +1,4 @@
-// Covers engine/session/servo_run.cpp and history.cpp, by themselves.
+// Covers engine/session/servo_run.cpp and history.cpp alone.
 #include "engine/session/servo_run.h"
 
 #include "base/input_error.h"
@@ -21,7 +21,7 @@ struct Rig {
     ServoRun run{device, {1000.0, true, std::nullopt}};
 };
 
-TEST(ServoRun, InLockstepOwesNoTickWhateverTheFrames) {
+TEST(ServoRun, InLockstepRunsEveryTickForAnyFrames) {
     Rig rig;
     for (int frame = 0; frame < 600; ++frame) {
         rig.run.advance(1.0 / 60.0);
@@ -35,7 +35,7 @@ TEST(ServoRun, InLockstepOwesNoTickWhateverTheFrames) {
     EXPECT_NEAR(rig.run.latest().time_s, 11.0, 1e-3);
 }
 
-TEST(ServoRun, AnotherRateTellsItsFirstTick) {
+TEST(ServoRun, AnotherRateReturnsItsFirstTick) {
     Rig rig;
     EXPECT_EQ(rig.run.set_rate(500.0), 0U);
     rig.run.advance(0.1);
@@ -44,7 +44,7 @@ TEST(ServoRun, AnotherRateTellsItsFirstTick) {
     EXPECT_EQ(rig.run.rate_hz(), 1000.0);
 }
 
-TEST(ServoRun, StopsOnlyWhatHasLetGo) {
+TEST(ServoRun, StopsOnlyWhenReleased) {
     Rig rig;
     rig.run.advance(1.5);
     ASSERT_EQ(rig.run.latest().safety.state, servo::SafetyState::running);
@@ -53,7 +53,7 @@ TEST(ServoRun, StopsOnlyWhatHasLetGo) {
     rig.run.advance(0.9);
     EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::releasing);
     EXPECT_FALSE(rig.run.stop_if_released());
-    rig.run.release(false); // and goes on as if nothing had been
+    rig.run.release(false); // and continues normally
     rig.run.advance(1.1);
     EXPECT_EQ(rig.run.latest().safety.state, servo::SafetyState::running);
     rig.run.release(true);
@@ -64,7 +64,7 @@ TEST(ServoRun, StopsOnlyWhatHasLetGo) {
     EXPECT_TRUE(rig.run.stop_if_released());
 }
 
-TEST(ServoRun, BeginsAnewOnAnotherDevice) {
+TEST(ServoRun, RestartsOnAnotherDevice) {
     simulated::SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
     Rig rig; // whose end is the last that the other device hears of
     rig.run.emergency_stop();
@@ -78,7 +78,7 @@ TEST(ServoRun, BeginsAnewOnAnotherDevice) {
     EXPECT_EQ(rig.run.statistics().ticks(), 50U);
 }
 
-TEST(ServoRun, GoesOnAfterAPauseWhateverWasThrown) {
+TEST(ServoRun, ContinuesAfterAPauseDespiteAnException) {
     simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
     ServoRun run(device, {1000.0, false, std::nullopt});
     static_cast<void>(run.start());

@@ -72,7 +72,7 @@ void expect_still_braking(const MistakenSession &mistaken) {
     EXPECT_EQ(mistaken.device->failures(), 1);
 }
 
-TEST(SessionAssertion, TheWindowGoesOnAndTheRecordTellsWhatFailed) {
+TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
     const std::filesystem::path folder = testing::fresh_folder("failed_assertion");
     const std::filesystem::path file = folder / "touch.rec";
     MistakenSession mistaken(false);
@@ -146,7 +146,7 @@ std::string notes_in(const std::filesystem::path &file) {
     return notes;
 }
 
-TEST(SessionAssertion, ARecordTellsThatIsBegunAfterItOrEndedBeforeAnyFrame) {
+TEST(SessionAssertion, RecordsStartedLaterOrEndedEarlyNameTheFailure) {
     const std::filesystem::path folder = testing::fresh_folder("late_assertion");
     MistakenSession mistaken(true);
     Session &session = mistaken.session;
@@ -164,7 +164,7 @@ TEST(SessionAssertion, ARecordTellsThatIsBegunAfterItOrEndedBeforeAnyFrame) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(SessionAssertion, NoOtherDeviceIsBegunOn) {
+TEST(SessionAssertion, AnotherDeviceIsNotStarted) {
     MistakenSession mistaken(true);
     mistaken.session.start();
     ASSERT_TRUE(mistaken.run_until_it_drives());
@@ -183,7 +183,7 @@ TEST(SessionAssertion, NoOtherDeviceIsBegunOn) {
     expect_still_braking(mistaken);
 }
 
-TEST(SessionAssertion, AnExchangeThatWasUnderWayIsGivenUp) {
+TEST(SessionAssertion, AnExchangeInProgressIsCancelled) {
     for (const double after_s : {0.0, 0.5, 0.9}) { // the force ramps down for a second
         MistakenSession mistaken(true);
         mistaken.session.start();

@@ -35,7 +35,7 @@ bool exchange_to_the_end(Session &session, const DeviceChoice &choice) {
         session, [&] { return !session.is_exchanging(); }, 5.0);
 }
 
-TEST(SessionDevice, AnotherOneBeginsAsAtAStart) {
+TEST(SessionDevice, AnotherDeviceStartsAsUsual) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
@@ -57,7 +57,7 @@ TEST(SessionDevice, AnotherOneBeginsAsAtAStart) {
     EXPECT_EQ(session.servo().statistics().ticks(), session.latest().tick + 1);
 }
 
-TEST(SessionDevice, OneThatCannotBeOpenedLeavesTheOldOneAtWork) {
+TEST(SessionDevice, AFailedExchangeKeepsTheOldDevice) {
     const std::filesystem::path folder = testing::fresh_folder("no_device");
     std::ofstream(folder / "broken.toml") << "name = 7\n";
     Session session(scripted());
@@ -79,7 +79,7 @@ TEST(SessionDevice, OneThatCannotBeOpenedLeavesTheOldOneAtWork) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(SessionDevice, AnEmergencyStopThatWasGivenStaysGiven) {
+TEST(SessionDevice, AnEmergencyStopPersistsThroughAnExchange) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
@@ -92,7 +92,7 @@ TEST(SessionDevice, AnEmergencyStopThatWasGivenStaysGiven) {
     EXPECT_TRUE(run_into_contact(session));
 }
 
-TEST(SessionDevice, AStopThatWasResetBeforeDoesNotStopTheNextDevice) {
+TEST(SessionDevice, AClearedStopDoesNotStopTheNextDevice) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
@@ -104,7 +104,7 @@ TEST(SessionDevice, AStopThatWasResetBeforeDoesNotStopTheNextDevice) {
     EXPECT_TRUE(run_into_contact(session));
 }
 
-TEST(SessionDevice, TheRecordGoesOnInAFurtherFileOfTheOtherDevice) {
+TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
     const std::filesystem::path folder = testing::fresh_folder("record_parts");
     std::ofstream(folder / "touch-2.rec") << "of somebody else";
     SessionOptions options = scripted();
@@ -135,7 +135,7 @@ TEST(SessionDevice, TheRecordGoesOnInAFurtherFileOfTheOtherDevice) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
+TEST(SessionDevice, AReconnectedDeviceStaysTrippedUntilAReset) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
@@ -159,7 +159,7 @@ TEST(SessionDevice, ALostOneIsReconnectedAndStaysTrippedUntilAReset) {
     EXPECT_LT((session.latest().theta_rad - Vector3(0.1, 0.2, 0.3)).norm(), 0.05);
 }
 
-TEST(SessionDevice, AnotherRateGoesOnInTheSameFileAndSaysFromWhere) {
+TEST(SessionDevice, AnotherRateContinuesInTheSameFileWithANote) {
     const std::filesystem::path folder = testing::fresh_folder("record_rates");
     SessionOptions options = scripted();
     options.record = folder / "touch.rec";
@@ -184,7 +184,7 @@ TEST(SessionDevice, AnotherRateGoesOnInTheSameFileAndSaysFromWhere) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(SessionDevice, AnotherRateDoesNotMendWhatTripped) {
+TEST(SessionDevice, AnotherRateDoesNotClearATrip) {
     Session session(scripted());
     session.start();
     ASSERT_TRUE(run_into_contact(session));
@@ -199,7 +199,7 @@ TEST(SessionDevice, AnotherRateDoesNotMendWhatTripped) {
     }
 }
 
-TEST(SessionDevice, TheReportTellsWhichDeviceAndWhatStoodStill) {
+TEST(SessionDevice, TheReportNamesTheDeviceAndThePauses) {
     Session session(scripted());
     session.start();
     run(session, 0.1);

@@ -56,7 +56,7 @@ int frames_in_contact(Session &session) {
     return touching;
 }
 
-TEST_F(SessionModel, ByDefaultIsTheFullestAndNothingIsMeasured) {
+TEST_F(SessionModel, ByDefaultIsTheMostDetailedAndNothingIsMeasured) {
     const Session session(headless("sphere.gltf"));
     EXPECT_FALSE(session.models().choice());
     EXPECT_FALSE(session.scenes().now().choice);
@@ -64,7 +64,7 @@ TEST_F(SessionModel, ByDefaultIsTheFullestAndNothingIsMeasured) {
     EXPECT_TRUE(is_empty());
 }
 
-TEST_F(SessionModel, AutomaticOnesTouchAndDoNotTrip) {
+TEST_F(SessionModel, AutomaticModelsTouchAndDoNotTrip) {
     for (const char *name : {"plate.gltf", "profile.gltf"}) {
         SessionOptions options = headless(name);
         options.model.automatic = true;
@@ -81,7 +81,7 @@ TEST_F(SessionModel, AutomaticOnesTouchAndDoNotTrip) {
     EXPECT_FALSE(is_empty());
 }
 
-TEST_F(SessionModel, WhatWasMeasuredOnceIsNotMeasuredAgain) {
+TEST_F(SessionModel, ACachedChoiceIsNotMeasuredAgain) {
     SessionOptions options = headless("plate.gltf");
     options.model.automatic = true;
     const Session once(options);
@@ -98,7 +98,7 @@ TEST_F(SessionModel, ATunedControllerStays) {
     EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
 }
 
-TEST_F(SessionModel, EachPartCanBeSetByItself) {
+TEST_F(SessionModel, EachPartCanBeSetIndividually) {
     SessionOptions options = headless("sphere.gltf");
     options.model.surface =
         model_selection::ContactShape{model_selection::ContactShape::Kind::simplified, 16};
@@ -118,7 +118,7 @@ TEST_F(SessionModel, EachPartCanBeSetByItself) {
     EXPECT_THROW(Session{impossible}, InputError);
 }
 
-TEST_F(SessionModel, IsMeasuredInTheBackgroundWhenAskedFor) {
+TEST_F(SessionModel, IsMeasuredInTheBackgroundOnRequest) {
     Session session(headless("plate.gltf"));
     session.start();
     session.measure_model();
@@ -191,7 +191,7 @@ double behind_m(const Session &session) {
 /// Deflection of a hand of 300 N/m under the arm's weight of about 0.5 N.
 constexpr double kNearTheHand_m = 2e-3;
 
-TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
+TEST_F(SessionModel, ANonPlanarSceneReleasesTheBase) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
     testing::run(session, 2.5); // wait and ramp
@@ -219,7 +219,7 @@ TEST_F(SessionModel, ASceneThatIsNotPlanarLetsTheHandOutOfThePlane) {
     EXPECT_LT(behind_m(session), kNearTheHand_m);
 }
 
-TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
+TEST_F(SessionModel, AFoundModelCanBeRun) {
     SessionOptions options = by_hand(headless("plate.gltf"));
     remember(options, "plate.gltf", "rigid_tip", "3", "transpose_global");
     options.model.automatic = false;
@@ -242,7 +242,7 @@ TEST_F(SessionModel, AModelThatWasFoundCanBeRun) {
     EXPECT_TRUE(session.scenes().now().choice);
 }
 
-TEST_F(SessionModel, IsThatForTheGainsInForce) {
+TEST_F(SessionModel, IsThatForTheActiveGains) {
     const SessionOptions options = headless("plate.gltf");
     SessionOptions tuned = options;
     tuned.tuning.K_P_V_per_rad = 3.0;
@@ -255,7 +255,7 @@ TEST_F(SessionModel, IsThatForTheGainsInForce) {
     EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant), "rigid_tip");
 }
 
-TEST_F(SessionModel, AControllerThatWasChosenByHandStaysWithTheNextScene) {
+TEST_F(SessionModel, AControllerChosenByTheUserIsKeptForTheNextScene) {
     Session session(by_hand(headless("profile.gltf")));
     session.start();
     control::Tuning tuning = session.servo().inputs().tuning;
@@ -281,7 +281,7 @@ TEST_F(SessionModel, AnotherSceneIsMeasuredInTheBackgroundBeforeItIsShown) {
     EXPECT_EQ(session.scenes().error(), "");
 }
 
-TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
+TEST_F(SessionModel, ASurfaceSetByOptionAppliesToEveryScene) {
     SessionOptions options = headless("sphere.gltf");
     options.model.surface =
         model_selection::ContactShape{model_selection::ContactShape::Kind::simplified, 16};
@@ -292,7 +292,7 @@ TEST_F(SessionModel, ASurfaceSetByOptionIsThatOfEveryScene) {
     EXPECT_LE(shown.surface.report().triangles_given, shown.scene.surface.triangles.size() / 16);
 }
 
-TEST_F(SessionModel, AnotherSceneIsNotBlamedForTheFailureOfTheLast) {
+TEST_F(SessionModel, AnotherSceneClearsTheErrorOfTheLast) {
     const Session session(headless("plate.gltf"));
     model_selection::ModelQuestion impossible;
     impossible.scene = &session.scenes().now().scene;

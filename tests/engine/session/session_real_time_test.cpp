@@ -182,12 +182,12 @@ class RealTimeSession : public ::testing::Test {
 protected:
     void SetUp() override {
         if (!testing::can_filter_system_calls()) {
-            GTEST_SKIP() << "this kernel lets nobody filter system calls (seccomp)";
+            GTEST_SKIP() << "this kernel does not support filtering system calls (seccomp)";
         }
     }
 };
 
-TEST_F(RealTimeSession, NothingThatIsDoneToItMakesTheServoAllocateLockOrCall) {
+TEST_F(RealTimeSession, NoActionMakesTheServoAllocateLockOrCall) {
     const std::filesystem::path folder = testing::fresh_folder("real_time_session");
     const bool holds = testing::holds_in_a_child([&] {
         Touch touch(options("plate"));
@@ -210,7 +210,7 @@ TEST_F(RealTimeSession, NothingThatIsDoneToItMakesTheServoAllocateLockOrCall) {
     std::filesystem::remove_all(folder);
 }
 
-TEST_F(RealTimeSession, AHandOnAPathAtTheFastestRateMakesItNeither) {
+TEST_F(RealTimeSession, NeitherDoesAHandOnAPathAtTheMaximumRate) {
     const std::filesystem::path folder = testing::fresh_folder("real_time_path");
     const bool holds = testing::holds_in_a_child([&] {
         SessionOptions chosen = options("organic");

@@ -64,7 +64,7 @@ TEST(Session, TheScriptedTouchTouchesEverySceneOfTheProject) {
     }
 }
 
-TEST(Session, TheScriptedTouchTouchesFilesThatNobodyHereMade) {
+TEST(Session, TheScriptedTouchTouchesThirdPartyFiles) {
     const std::filesystem::path models = SPRINGDRIVE_MODELS_DIR;
     if (!std::filesystem::exists(models)) {
         GTEST_SKIP() << "no models beside the project";
@@ -76,7 +76,7 @@ TEST(Session, TheScriptedTouchTouchesFilesThatNobodyHereMade) {
     }
 }
 
-TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
+TEST(Session, AFailedSceneKeepsTheOldOneAndReportsWhy) {
     const std::filesystem::path folder = testing::fresh_folder("session");
     std::ofstream(folder / "broken.glb") << "no glTF";
     Session session(headless());
@@ -95,7 +95,7 @@ TEST(Session, AFailedSceneLeavesTheOldOneAndSaysWhy) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Session, SwitchingScenesInContactNeitherTripsNorJolts) {
+TEST(Session, SwitchingScenesInContactCausesNeitherTripsNorSteps) {
     Session session(headless());
     session.start();
     testing::run(session, 2.7);
@@ -177,7 +177,7 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Session, ARecordHoldsTheDeviceThatRanWhateverBecameOfItsFile) {
+TEST(Session, ARecordHoldsTheDeviceIndependentlyOfItsFile) {
     const std::filesystem::path folder = testing::fresh_folder("session_device");
     SessionOptions options = headless();
     const std::string text = testing::contents_of(options.device.file);
@@ -193,7 +193,7 @@ TEST(Session, ARecordHoldsTheDeviceThatRanWhateverBecameOfItsFile) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Session, ARecordThatCannotBeMadeIsSaid) {
+TEST(Session, ARecordThatCannotBeCreatedIsReported) {
     const std::filesystem::path folder = testing::fresh_folder("session_no_record");
     SessionOptions options = headless();
     options.record = folder / "no" / "such.rec";
@@ -213,7 +213,7 @@ TEST(Session, ARecordThatCannotBeMadeIsSaid) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Session, WhileTheWindowIsSilentTheSimulatedWorldWaits) {
+TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
     SessionOptions options = headless();
     options.lockstep = false; // the servo runs by itself
     Session session(options);

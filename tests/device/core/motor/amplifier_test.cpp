@@ -55,7 +55,7 @@ TEST(SpringDrive, IsAWindingOfTheResidualResistanceWithinItsLimits) {
     }
 }
 
-TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
+TEST(SpringDrive, IsLimitedToTheSupplyVoltage) {
     // e_A = R̂ i + e_W on either side of 12 V, and of −12 V.
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double R_hat_Ohm = 1.7;
@@ -76,7 +76,7 @@ TEST(SpringDrive, MeetsTheRailWhereItsVoltageWouldExceedTheSupply) {
     }
 }
 
-TEST(SpringDrive, MeetsTheRailInTheMiddleOfAStep) {
+TEST(SpringDrive, ReachesTheSupplyVoltageWithinAStep) {
     // The current grows until R̂ i + e_W reaches the supply; that time has a closed form.
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double R_hat_Ohm = 1.7;
@@ -99,7 +99,7 @@ TEST(SpringDrive, MeetsTheRailInTheMiddleOfAStep) {
     }
 }
 
-TEST(SpringDrive, DrivesACurrentAtItsLimitNoFurther) {
+TEST(SpringDrive, DoesNotIncreaseACurrentAtItsLimit) {
     const MotorParameters m = testing::phantom_motor();
     const double supply_V = m.supply_V;
     const double sustaining_V = m.peak_current_A * m.resistance_Ohm; // 11.99 V, just below supply
@@ -123,7 +123,7 @@ TEST(SpringDrive, DrivesACurrentAtItsLimitNoFurther) {
     }
 }
 
-TEST(SpringDrive, HasNoLimitsWhereTheyAreOff) {
+TEST(SpringDrive, HasNoLimitsWhenTheyAreOff) {
     const DriveState now{testing::phantom_motor().resistance_Ohm, 20.0, 0.0, false};
     expect_current(spring_drive_step(testing::phantom_motor(), now, 50.0, 0.0, kStep_s), 0.0,
                    closed_form(50.0, testing::phantom_motor().resistance_Ohm, 20.0));
@@ -151,7 +151,7 @@ TEST(CurrentDrive, FollowsAtItsBandwidth) {
               0.0); // independent of the rotor's velocity
 }
 
-TEST(CurrentDrive, MeetsTheRailWhereTheSupplyDoesNotSuffice) {
+TEST(CurrentDrive, IsLimitedToTheSupplyVoltage) {
     // At a constant 2 A the supply is exhausted at k_T θ̇ = 12 V − R · 2 A, a rotor at 327 rad/s.
     const MotorParameters m = testing::phantom_motor();
     const double spent_rad_per_s =
@@ -183,7 +183,7 @@ TEST(CurrentDrive, HoldsItsCurrentLimitUnlessLimitsAreOff) {
                    {20.0, 20.0});
 }
 
-TEST(SpringDriveAtOnce, IsOhmsLawOnWhatRemainsOfTheResistance) {
+TEST(SpringDriveAtOnce, IsOhmsLawOnTheResidualResistance) {
     // (11) with L = 0: i = (e_W − k_T θ̇)/dR.
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     for (const double dR_Ohm : {R_Ohm, 0.5, 0.02}) {
@@ -197,7 +197,7 @@ TEST(SpringDriveAtOnce, IsOhmsLawOnWhatRemainsOfTheResistance) {
     }
 }
 
-TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
+TEST(SpringDriveAtOnce, IsTheLimitOfSmallInductance) {
     MotorParameters m = testing::phantom_motor();
     m.inductance_H *= 1e-9;
     const DriveState now{m.resistance_Ohm, 0.3, 5.0, false};
@@ -208,7 +208,7 @@ TEST(SpringDriveAtOnce, IsTheWindingOfLittleInductance) {
     EXPECT_NEAR(slow.mean_at(5.0), at_once.mean_at(5.0), 1e-7);
 }
 
-TEST(SpringDriveAtOnce, KeepsAResidualWhereTheWindingIsOverCancelled) {
+TEST(SpringDriveAtOnce, KeepsAResidualForAnOverCancelledWinding) {
     const double R_Ohm = testing::phantom_motor().resistance_Ohm;
     const double min_Ohm = kMinResidualShare * R_Ohm;
     for (const double cancelled_Ohm : {R_Ohm - min_Ohm, R_Ohm, R_Ohm + 0.1}) {
@@ -218,7 +218,7 @@ TEST(SpringDriveAtOnce, KeepsAResidualWhereTheWindingIsOverCancelled) {
     }
 }
 
-TEST(SpringDriveAtOnce, MeetsTheRailWhereItExceedsTheSupply) {
+TEST(SpringDriveAtOnce, IsLimitedToTheSupplyVoltage) {
     // At standstill e_A = R̂ i + e_W = e_W R/dR. Nothing limits the current here.
     MotorParameters m = testing::phantom_motor();
     m.peak_current_A = 100.0;

@@ -46,7 +46,7 @@ struct TrueWinding {
     double rate_rad_per_s = 0.0;
 };
 
-TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
+TEST(WindingGuard, BoundsTheTrueTemperature) {
     const MotorParameters m = testing::phantom_motor();
     std::mt19937 random(3);
     std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -68,7 +68,7 @@ TEST(WindingGuard, HoldsTheTrueTemperatureBetweenItsBounds) {
     }
 }
 
-TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
+TEST(WindingGuard, BoundsAreTightExceptForAirAndRipple) {
     // Without ripple, in the coldest air and with a constant current, the lower bound is exact.
     MotorParameters m = testing::phantom_motor();
     m.commutation_ripple = 0.0;
@@ -84,7 +84,7 @@ TEST(WindingGuard, BoundsAreTightUpToTheAirAndTheRipple) {
     EXPECT_NEAR(bounds.min_C(), winding.temperature.winding_C(), 2e-3);
 }
 
-TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
+TEST(WindingGuard, LeavesANetResistanceAtEveryAngleAfterAnyHistory) {
     // Warmed in the coldest air by a long or short current, then cooled: the allowed R̂ never
     // exceeds R at any angle, and the remaining share is the promised one.
     const MotorParameters m = testing::phantom_motor();
@@ -102,7 +102,7 @@ TEST(WindingGuard, LeavesANetResistanceAtEveryAngleWhicheverWayItCame) {
     EXPECT_DOUBLE_EQ(guard(m).max_cancelled_Ohm(), (1.0 - kMinResidualShare) * coldest_Ohm);
 }
 
-TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
+TEST(WindingGuard, AllowsWarmMotorsMoreUntilTheyCool) {
     const MotorParameters m = testing::phantom_motor();
     WindingGuard bounds = guard(m);
     const double cold_Ohm = bounds.max_cancelled_Ohm();
@@ -124,7 +124,7 @@ TEST(WindingGuard, GivesWarmMotorsMoreAndTakesItBackAsTheyCool) {
     }
 }
 
-TEST(WindingGuard, NeverPassesWhatTheAmplifierCanBeSetTo) {
+TEST(WindingGuard, NeverExceedsTheAmplifiersLimit) {
     const MotorParameters m = testing::phantom_motor();
     const double cold_Ohm = guard(m).max_cancelled_Ohm();
     EXPECT_DOUBLE_EQ(WindingGuard(m, 1.001 * cold_Ohm, kPeriod_s).max_cancelled_Ohm(), cold_Ohm);
@@ -132,7 +132,7 @@ TEST(WindingGuard, NeverPassesWhatTheAmplifierCanBeSetTo) {
                      0.999 * cold_Ohm);
 }
 
-TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
+TEST(WindingGuard, KeepsAColdDeviceWithTooSmallAResidualStable) {
     // The whole servo on the simulated device in the coldest air: dR = 0.02 Ω at 25 °C is negative
     // at 15 °C. The hand moves, so that the commutators turn.
     simulated::SimulationOptions options;
@@ -156,7 +156,7 @@ TEST(WindingGuard, KeepsAColdDeviceThatIsTunedTooLowFromRunningAway) {
     EXPECT_GT(over_cancelled_without, 900);
 }
 
-TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
+TEST(WindingGuard, AnUnknownCurrentWidensTheBounds) {
     const MotorParameters m = testing::phantom_motor();
     for (const double unknown : {static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
         WindingGuard idle = guard(m);
@@ -176,7 +176,7 @@ TEST(WindingGuard, AnUnknownCurrentHeatsNothingOrAll) {
     }
 }
 
-TEST(WindingGuard, MissedPeriodsWarmAndCoolAsOthersDo) {
+TEST(WindingGuard, MissedPeriodsWarmAndCoolToo) {
     // Over each gap the upper bound assumes the current in every period, the lower bound in none.
     const DeviceDescription device = testing::phantom_1_0();
     const MotorParameters &motor = device.motor[0];

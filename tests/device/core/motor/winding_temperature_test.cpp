@@ -64,7 +64,7 @@ TEST(WindingTemperature, AgreesWithAnIntegration) {
     }
 }
 
-TEST(WindingTemperature, EndsWhereItsThermalResistancesSay) {
+TEST(WindingTemperature, SettlesAtTheTemperatureOfItsThermalResistances) {
     const ThermalParameters t = thermal();
     constexpr double kHeat_W = 3.0;
     WindingTemperature winding(t, 22.0, 10.0);
@@ -76,7 +76,7 @@ TEST(WindingTemperature, EndsWhereItsThermalResistancesSay) {
                 22.0 + kHeat_W * (t.winding_housing_K_per_W + t.housing_ambient_K_per_W), 1e-10);
 }
 
-TEST(WindingTemperature, KeepsEveryJoule) {
+TEST(WindingTemperature, ConservesEnergy) {
     // The supplied heat is in winding and housing, or went to the air: ∫ (T_h − T_a)/R_ha dt, which
     // Simpson's rule computes from three values per pair of periods to (T/t_w)⁴/180.
     const ThermalParameters t = thermal();
@@ -99,7 +99,7 @@ TEST(WindingTemperature, KeepsEveryJoule) {
     EXPECT_NEAR(held_J + to_the_air_J, 2000 * kPeriod_s * kHeat_W, 1e-9 * held_J);
 }
 
-TEST(WindingTemperature, WarmsAgainstALockedHousingInItsTimeConstant) {
+TEST(WindingTemperature, WarmsWithItsTimeConstantAtAFixedHousingTemperature) {
     // The housing's temperature is fixed by a very large heat capacity, as in the definition of t_w
     // in data sheets.
     ThermalParameters t = thermal();
@@ -112,7 +112,7 @@ TEST(WindingTemperature, WarmsAgainstALockedHousingInItsTimeConstant) {
                 25.0 + kHeat_W * t.winding_housing_K_per_W * (1.0 - 1.0 / std::numbers::e), 1e-7);
 }
 
-TEST(WindingTemperature, DoesNotMindHowAPeriodIsSplit) {
+TEST(WindingTemperature, IsIndependentOfTheSubdivisionOfAPeriod) {
     WindingTemperature whole(thermal(), 25.0, 30.0);
     WindingTemperature split(thermal(), 25.0, 30.0 / 4096);
     whole.update(12.0);
@@ -157,7 +157,7 @@ TEST(WindingResistance, RisesAsCopperAndRipplesWithTheCommutator) {
                 winding_resistance_Ohm(m, 60.0, 0.3 + a_segment_rad), 1e-14);
 }
 
-TEST(WindingResistance, BoundsAreThoseOfAWholeTurn) {
+TEST(WindingResistance, BoundsAreTheExtremesOverATurn) {
     const MotorParameters m = testing::phantom_motor();
     for (const double winding_C : {15.0, 25.0, 60.0, 100.0}) {
         double min_Ohm = INFINITY;

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-TEST(Cvode, IsAFitJudge) {
+TEST(Cvode, IsAccurateEnoughAsAReference) {
     // A pendulum's closed form would need elliptic functions; ẏ = −y² has y = 1/(1 + t), and an
     // oscillator of 100 rad/s its sine. A hundred radians of steps at 1e-12 each.
     const VectorXd end = testing::integrate(

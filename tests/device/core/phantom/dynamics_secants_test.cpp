@@ -40,7 +40,7 @@ protected:
     LinkageMoments moments = linkage_moments(GetParam().geometry, GetParam().inertia, 0.05);
 };
 
-TEST_P(Secants, SayExactlyWhatChangesFromOneEndToTheOther) {
+TEST_P(Secants, GiveTheExactChangeBetweenTheEnds) {
     for (int i = 0; i < 1000; ++i) {
         const Pair q = any_pair(std::pow(10.0, -(i % 15)));
         const Vector3 u = any_vector();
@@ -59,7 +59,7 @@ TEST_P(Secants, SayExactlyWhatChangesFromOneEndToTheOther) {
     }
 }
 
-TEST_P(Secants, AreTheDerivativesWhereTheEndsMeet) {
+TEST_P(Secants, EqualTheDerivativesForCoincidingEnds) {
     for (int i = 0; i < 1000; ++i) {
         const Pair q = any_pair(0.0);
         ASSERT_LT((tip_secant(geometry(), q.a, q.a) - joint_jacobian(geometry(), q.a)).norm(),
@@ -80,7 +80,7 @@ TEST_P(Secants, AreTheDerivativesWhereTheEndsMeet) {
     }
 }
 
-TEST_P(Secants, AreOfSecondOrderAboutTheMiddleHoweverCloseTheEnds) {
+TEST_P(Secants, AreSecondOrderAboutTheMiddleForAnyDistance) {
     // Difference quotients would lose all digits at small distances; these lose none.
     for (int i = 0; i < 1000; ++i) {
         const double way_rad = std::pow(10.0, -(i % 15));
@@ -100,7 +100,7 @@ TEST_P(Secants, AreOfSecondOrderAboutTheMiddleHoweverCloseTheEnds) {
     }
 }
 
-TEST_P(Secants, OfTwoJointsAreThoseOfThreeWhereTheBaseStandsStill) {
+TEST_P(Secants, OfTwoJointsEqualThoseOfThreeWithTheBaseAtRest) {
     for (int i = 0; i < 1000; ++i) {
         Pair q = any_pair(std::pow(10.0, -(i % 15)));
         q.b[0] = q.a[0];

@@ -160,7 +160,7 @@ TEST_P(Dynamics, GravityIsTheWeightOfTheBodiesInSpace) {
     }
 }
 
-TEST_P(Dynamics, CoriolisTorquesAreLagranges) {
+TEST_P(Dynamics, CoriolisTorquesFollowFromLagrangesEquations) {
     // C q̇ = Ṁ q̇ − ½ ∂(q̇ᵀ M q̇)/∂q, with every derivative by differences of M.
     for (int i = 0; i < 1000; ++i) {
         const Vector3 q = any_angles();
@@ -179,7 +179,7 @@ TEST_P(Dynamics, CoriolisTorquesAreLagranges) {
     }
 }
 
-TEST_P(Dynamics, CoriolisTorquesHaveNoPowerBesideTheInertias) {
+TEST_P(Dynamics, CoriolisTorquesDoNoWork) {
     // q̇ᵀ(½ Ṁ − C) q̇ = 0; ½ Ṁ, exactly, from the secant with coinciding ends.
     for (int i = 0; i < 1000; ++i) {
         const Vector3 q = any_angles();

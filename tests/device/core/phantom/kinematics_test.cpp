@@ -103,7 +103,7 @@ TEST_P(Kinematics, InverseUndoesForward) {
     EXPECT_GT(tried, 500);
 }
 
-TEST_P(Kinematics, WhatIsOutOfReachHasNoAngles) {
+TEST_P(Kinematics, PointsOutOfReachHaveNoAngles) {
     const double reach = geometry().upper_arm_m + geometry().forearm_m;
     const Vector3 shoulder(0.0, geometry().forearm_m, -geometry().upper_arm_m);
     const Vector3 forward = Vector3::UnitZ();
