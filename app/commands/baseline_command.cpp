@@ -3,10 +3,13 @@
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -88,8 +91,10 @@ void add_baseline_command(CLI::App &app) {
                     "factor by which all gains may still grow, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     add_output_option(baseline, "--csv", typed->csv, "CSV");
-    baseline.footer("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those along the "
-                    "vertical at (0°, 20°, -15°).");
+    baseline.footer(
+        fmt::format("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those "
+                    "along the vertical at ({:g}°).",
+                    fmt::join(device::kDefaultPose_deg, "°, ")));
     baseline.callback([typed] { run(*typed); });
 }
 

@@ -5,12 +5,14 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/motor/winding_guard.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,8 +44,15 @@ control::Tuning tuning_of(const std::filesystem::path &file) {
     return file.empty() ? control::Tuning{} : control::read_tuning_file(file);
 }
 
+std::vector<double> default_joint_angles_deg() {
+    return {device::kDefaultPose_deg.begin(), device::kDefaultPose_deg.end()};
+}
+
 void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg) {
-    command.add_option("--q", q_deg, "the three joint angles in degrees [0,20,-15]")
+    command
+        .add_option("--q", q_deg,
+                    fmt::format("the three joint angles in degrees [{:g}]",
+                                fmt::join(device::kDefaultPose_deg, ",")))
         ->type_name("A,B,C")
         ->delimiter(',')
         ->expected(3);

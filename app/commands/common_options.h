@@ -31,7 +31,10 @@ void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);
 /// What the file holds; of none the default tuning. @throw InputError for a file without one.
 [[nodiscard]] control::Tuning tuning_of(const std::filesystem::path &file);
 
-/// `--q`, in degrees; `q_deg` stays as it is where nothing is typed.
+/// `kDefaultPose_deg`, for `--q`.
+[[nodiscard]] std::vector<double> default_joint_angles_deg();
+
+/// `--q`, in degrees; `q_deg` keeps its value unless the option is given.
 void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg);
 
 /// @throw InputError for an angle that is not finite.

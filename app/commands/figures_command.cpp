@@ -29,7 +29,7 @@ struct TypedFigures {
     std::filesystem::path out;
     std::filesystem::path device_file;
     std::filesystem::path tuning_file; ///< empty: the default tuning
-    std::vector<double> q_deg{0.0, 20.0, -15.0};
+    std::vector<double> q_deg = default_joint_angles_deg();
     double resistance_spread = FigureSetting{}.resistance_spread;
 };
 

@@ -1,6 +1,7 @@
 // Options that define a loop, for the commands about stability.
 #pragma once
 
+#include "app/commands/common_options.h"
 #include "engine/lab/loops/stability_parameters.h"
 
 #include <filesystem>
@@ -22,7 +23,7 @@ struct StabilityOptions {
     std::string kinematics; ///< empty: as in the tuning
     std::string drive = "spring";
     int motors = 1;
-    std::vector<double> q_deg{0.0, 20.0, -15.0};
+    std::vector<double> q_deg = default_joint_angles_deg();
     bool no_hand = false;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
