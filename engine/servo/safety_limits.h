@@ -44,7 +44,7 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
     {"beyond_stops_rad", "beyond the stops", "°", &SafetyLimits::beyond_stops_rad,
      57.29577951308232},
     {"generated_energy_J", "generated energy", "mJ", &SafetyLimits::generated_energy_J, 1e3},
-    {"late_s", "consecutive missed deadlines", "ms", &SafetyLimits::late_s, 1e3},
+    {"late_s", "deadlines missed for", "ms", &SafetyLimits::late_s, 1e3},
     {"stale_s", "no fresh measurement for", "ms", &SafetyLimits::stale_s, 1e3},
     {"window_silence_s", "no window heartbeat for", "s", &SafetyLimits::window_silence_s, 1.0},
 }};
