@@ -28,7 +28,8 @@ void add_device_file_option(CLI::App &command, std::filesystem::path &file);
 /// `--tuning-file`, which may stay empty.
 void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);
 
-/// What the file holds; of none the default tuning. @throw InputError for a file without one.
+/// The tuning in the file, or the default tuning if `file` is empty.
+/// @throw InputError for a file without a tuning.
 [[nodiscard]] control::Tuning tuning_of(const std::filesystem::path &file);
 
 /// `kDefaultPose_deg`, for `--q`.

@@ -163,9 +163,9 @@ void SimulatedPhantom::reconnect() {
 
 /// Runs the plant with a constant command; returns the hand's impulse on the tip [N·s].
 Vector3 SimulatedPhantom::run(const PlantCommand &command, double duration_s) noexcept {
-    const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / parts_.longest_step_s -
-                                                             1e-9))); // no extra step due to
-                                                                      // round-off
+    constexpr double kRoundOff = 1e-9; // no extra step due to it
+    const int steps =
+        std::max(1, static_cast<int>(std::ceil(duration_s / parts_.longest_step_s - kRoundOff)));
     const double h = duration_s / steps;
     Vector3 impulse = Vector3::Zero();
     for (int i = 0; i < steps; ++i) {

@@ -1,4 +1,4 @@
-// How far the loading of a scene has come, and whether anybody still wants it.
+// The progress of loading a scene, and its cancellation.
 #pragma once
 
 #include <atomic>
@@ -7,14 +7,14 @@
 
 namespace springdrive::scene {
 
-/// Whoever loads writes it, any thread may read it meanwhile.
+/// Written by the thread that loads; any thread may read it.
 class LoadProgress {
 public:
     enum class Stage : std::uint8_t {
         reading,   ///< the file's bytes and structure
         gathering, ///< its triangles
         bending,   ///< smooth nodes
-        placing,   ///< in the device's frame, for hand and eye
+        placing,   ///< in the device's frame
         preparing, ///< the surface for the touch
         measuring, ///< which model the scene gets
     };
@@ -33,10 +33,10 @@ public:
     /// For people: "gathering triangles, 40 %".
     [[nodiscard]] std::string text() const;
 
-    /// Any thread: nobody waits for the scene any more. Loading ends with NotWanted where it next
-    /// looks, which it does many times a second.
+    /// Cancels loading, from any thread. It ends with NotWanted at its next check, of which there
+    /// are many in a second.
     void give_up() noexcept { is_given_up_ = true; }
-    /// For whoever loads, see GivenUpBy.
+    /// For the thread that loads, see GivenUpBy.
     [[nodiscard]] const std::atomic<bool> &is_given_up() const noexcept { return is_given_up_; }
 
 private:

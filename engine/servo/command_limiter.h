@@ -3,12 +3,13 @@
 //
 //   e_W ──► ramp ──► + soft wall at the edge ──► force and current ──► supply ──► device
 //
-// *Force and current.* With constant e_W and speed each winding's current approaches i = (e_W − k_T
-// θ̇)/dR as e^(−t dR/L), so the tip force J⁻ᵀ k_T i moves on a straight line from its present to
-// its steady value. e_W is moved towards k_T θ̇_f, where the steady force is zero, until the steady
-// force is within kLimiterShare of its limit. As a ball is convex, the whole line is then within
-// the limit, if all windings have the same dR. The monitor can still trip on what this neglects: it
-// assumes R at 25 °C and the worst commutator angle, a common dR and the filtered speed.
+// *Force and current.* With constant e_W and speed each winding's current approaches
+// i = (e_W − k_T θ̇)/dR as e^(−t dR/L), so the tip force J⁻ᵀ k_T i moves on a straight line from its
+// present to its steady value. e_W is moved towards k_T θ̇_f, where the steady force is zero, until
+// the steady force is within kLimiterShare of its limit. As a ball is convex, the whole line is
+// then within the limit, if all windings have the same dR. The monitor can still trip on what this
+// neglects: it assumes R at 25 °C and the worst commutator angle, a common dR and the filtered
+// speed.
 #pragma once
 
 #include "device/core/haptic_device.h"

@@ -28,8 +28,8 @@ public:
     [[nodiscard]] double quantile_s(double fraction) const noexcept {
         const double wanted = fraction * static_cast<double>(count_);
         double before = 0.0;
-        for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) { // the last bin has no upper
-                                                                   // bound
+        // The last bin has no upper bound.
+        for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) {
             const auto within = static_cast<double>(bins_[bin]);
             if (within > 0.0 && before + within >= wanted) {
                 const double lower_s = lower_bound_s(bin);

@@ -47,14 +47,14 @@ void ServoLoop::stop() noexcept {
 void ServoLoop::fail(const AssertionFailure &failure) noexcept {
     command_ = safety_.fail(failure);
     device_.write(command_);
-    tick_ = tick_begun_; // its sample was not published: the next tick, which brakes, reuses the
-                         // number
+    // Its sample was not published: the next tick, which brakes, reuses the number.
+    tick_ = tick_begun_;
 }
 
 void ServoLoop::set_period(double period_s) {
     device_.set_period(period_s);
-    const std::uint64_t last_tick = tick_ > 0 ? tick_ - 1 : 0; // the next tick is one new period
-                                                               // later
+    // The next tick is one new period later.
+    const std::uint64_t last_tick = tick_ > 0 ? tick_ - 1 : 0;
     time_base_s_ += static_cast<double>(last_tick - time_base_tick_) * period_s_;
     time_base_tick_ = last_tick;
     period_s_ = period_s;

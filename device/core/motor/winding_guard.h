@@ -4,10 +4,10 @@
 // temperatures of the thermal network in winding_temperature.h never fall when heat or air
 // temperature rise:
 //
-//   least     starts in the coldest air, heated over each tick by the minimum of |i|² times the
-//             smallest R(T, θ) at this estimate
-//   greatest  starts in the warmest air, heated over each tick by the maximum of |i|² times the
-//             largest R(T, θ) at this estimate
+//   minimum  starts in the coldest air, heated over each tick by the minimum of |i|² times the
+//            smallest R(T, θ) at this estimate
+//   maximum  starts in the warmest air, heated over each tick by the maximum of |i|² times the
+//            largest R(T, θ) at this estimate
 //
 // If R sags below R̂ (7), the current grows as e^(|dR|t/L). So R̂ is limited to below the smallest
 // R of any commutator angle at the lowest possible temperature. On a hot motor R̂ may be larger by
@@ -40,7 +40,7 @@ inline constexpr double kWarmestAir_C = 35.0;
 class WindingGuard {
 public:
     /// @param max_cancelled_Ohm  the largest R̂ that the amplifier can be set to
-    /// @param period_s                T, the duration of each `update`
+    /// @param period_s           T, the duration of each `update`
     WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s);
 
     /// Keeps the estimates. RT-safe.

@@ -49,8 +49,8 @@ struct TipPlace {
                                           const Vector3 &q_rate_rad_per_s);
 
 /// q = invkin(x) of (18) on the branch of the zero pose: r ≥ 0 and |q₂ − q₃| ≤ 90° [rad].
-/// Empty if `tip_m` is out of reach or not finite. On the base axis (r = 0), where q₁ is free, q₁ =
-/// 0.
+/// Empty if `tip_m` is out of reach or not finite. On the base axis, r = 0, where q₁ is free,
+/// it is 0.
 [[nodiscard]] std::optional<Vector3> joint_angles_rad(const PhantomGeometry &geometry,
                                                       const Vector3 &tip_m);
 

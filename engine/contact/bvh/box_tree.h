@@ -87,8 +87,8 @@ double BoxTree::along(const Vector3 &from_m, const Vector3 &to_m, double reach_m
     TraversalStack pending(storage);
     PendingBox next(0.0F, BoxChild::node(0));
     double last_fraction = 1.0;
-    float limit = 1.0F; // the same as a float, changed only on a branch, so that the node tests do
-                        // not depend on it
+    // The same as a float, changed only on a branch, so that the node tests do not depend on it.
+    float limit = 1.0F;
     do {
         while (!next.child().is_item()) {
             if (budget.nodes_left <= 0) {

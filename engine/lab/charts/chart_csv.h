@@ -1,4 +1,4 @@
-// A work-precision chart as a CSV file.
+// A speed-accuracy chart as a CSV file.
 #pragma once
 
 #include "engine/lab/rig/chart_point.h"

@@ -1,4 +1,4 @@
-// The settings of the work-precision charts, and the progress reports of their makers.
+// The settings of the speed-accuracy charts, and the progress reports of their makers.
 #pragma once
 
 #include "device/core/device_file.h"

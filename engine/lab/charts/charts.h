@@ -1,4 +1,4 @@
-// The one list of work-precision charts.
+// The one list of speed-accuracy charts.
 #pragma once
 
 #include "engine/lab/charts/chart_setting.h"

@@ -163,8 +163,8 @@ private:
 double limit_within(const Bracket &bracket, Members &members) {
     Bracket left = bracket;
     for (;;) {
-        std::optional<double> line; // a value at which the motion persists: no need to search more
-                                    // closely
+        // A value at which the motion persists: no need to search more closely.
+        std::optional<double> line;
         const auto holds = [&](double value) {
             if (!line) {
                 const Trial trial = members.critical(value);

@@ -24,7 +24,7 @@ struct Hand {
     double stiffness_N_per_m = 0.0;
 };
 
-/// Nobody holds the device.
+/// The device is not held.
 [[nodiscard]] inline Hand no_hand() { return {"no hand", 0.0, 0.0, 0.0}; }
 
 /// A hand of the family.

@@ -43,8 +43,8 @@ struct DrivenLoad {
 [[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s);
 
 /// The load over one period of a servo whose commands are d periods late. For whole d the same as
-/// above. Otherwise [θ, θ̇, i] after it from [θ, θ̇, i, u_old, u_new] before, d = n + f, with u_old
-/// = u[k−n−1] active for the first f T and u_new = u[k−n] after that: exact over both parts.
+/// above. Otherwise [θ, θ̇, i] after it from [θ, θ̇, i, u_old, u_new] before, d = n + f, with
+/// u_old = u[k−n−1] active for the first f T and u_new = u[k−n] after that: exact over both parts.
 [[nodiscard]] Eigen::MatrixXd sampled_load(const DrivenLoad &load, double period_s,
                                            double delay_periods);
 

@@ -41,8 +41,8 @@ struct WeldedVertices {
 
 std::vector<unsigned> fewer(const std::vector<unsigned> &indices, const WeldedVertices &vertices,
                             int divisor) {
-    constexpr float kAnyError = 1.0F; // relative to the extent: unlimited, as the error is measured
-                                      // by touch
+    // Relative to the extent: unlimited, as the error is measured by touch.
+    constexpr float kAnyError = 1.0F;
     const std::size_t target = indices.size() / 3 / static_cast<std::size_t>(divisor) * 3;
     std::vector<unsigned> left(indices.size());
     left.resize(meshopt_simplify(left.data(), indices.data(), indices.size(),

@@ -6,7 +6,7 @@
 
 namespace springdrive::rig {
 
-/// A time measured repeatedly: its least, median and greatest value.
+/// A time measured repeatedly: its minimum, median and maximum.
 struct Cost {
     double min_ns = 0.0;
     double median_ns = 0.0;

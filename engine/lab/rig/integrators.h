@@ -18,8 +18,8 @@ template <typename Rates, typename State>
     return y + h * f(time_s, y);
 }
 
-/// First order: momenta by the old positions, then positions by the new momenta. f = first +
-/// second, the two parts.
+/// First order: momenta by the old positions, then positions by the new momenta. The two
+/// parts of f are `first` and `second`.
 template <typename First, typename Second, typename State>
 [[nodiscard]] State semi_implicit_euler_step(const First &first, const Second &second,
                                              double time_s, const State &y, double h) {

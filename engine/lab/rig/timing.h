@@ -12,13 +12,12 @@
 
 namespace springdrive::rig {
 
-/// Keeps the compiler from leaving out work whose result nobody reads.
+/// Keeps the compiler from removing work whose result is not used.
 template <typename Value> inline void keep(const Value &value) noexcept {
     asm volatile("" : : "g"(&value) : "memory");
 }
 
-/// The least, the middle and the greatest of some times [ns]; of an even number the mean of the
-/// two in the middle.
+/// The minimum, median and maximum of times [ns].
 /// @pre there is at least one
 [[nodiscard]] inline Cost cost_of_times(std::vector<double> times_ns) {
     SPRINGDRIVE_ASSERT(!times_ns.empty());

@@ -3,8 +3,8 @@
 //   tick                        tick, late by k T      tick
 //    A ─────── A's, (1 + k) T ───── B ── B's, T ──────── A
 //
-// The amplifiers hold a tick's command until the next one, which takes the time since then as (1 +
-// k) T.
+// The amplifiers hold a tick's command until the next one, which takes the time since then
+// as (1 + k) T.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"

@@ -63,8 +63,8 @@ double radius_m(const device::PhantomGeometry &geometry, const Vector3 &q_rad) {
     return geometry.upper_arm_m * std::cos(q_rad[1]) + geometry.forearm_m * std::sin(q_rad[2]);
 }
 
-/// (29) where l₁ = l₂ = l and N₂ = N₃ = N: the largest singular values of J are r/N₁ and l √(1 +
-/// |sin(q₃ − q₂)|)/N.
+/// (29) where l₁ = l₂ = l and N₂ = N₃ = N: the largest singular values of J are r/N₁ and
+/// l √(1 + |sin(q₃ − q₂)|)/N.
 std::optional<double> bound_of_even_links(const device::PhantomGeometry &geometry,
                                           const Vector3 &q_rad) {
     const double N = geometry.transmission_ratio[1];

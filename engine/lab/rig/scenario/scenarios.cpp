@@ -294,7 +294,7 @@ const std::array<ListedScenario, 11> kScenarios{{
      "force against a reference; integrators' chart under friction",
      [](const ScenarioSetting &setting) { return press_scenario(setting, sticking_press()); }},
     {"impact", "a hand that runs onto a level wall at 0.1 m/s",
-     "rate-hardness and greatest force; comparison of drives",
+     "rate-hardness and maximum force; comparison of drives",
      [](const ScenarioSetting &setting) { return impact_scenario(setting); }},
     {"stroke", "a firm hand that moves up and down in free space at 5 Hz",
      "apparent mass; comparison of drives",
