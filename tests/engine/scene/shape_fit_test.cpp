@@ -256,7 +256,7 @@ contact::TriangleSoup soup_of(const scenes::Part &part, const Eigen::Isometry3d 
 }
 
 /// A prism of `sides` about y, with flat ends: the tessellation of a cylinder.
-contact::TriangleSoup prism(int sides, double radius_m, double half_height_m) {
+contact::TriangleSoup prism_soup(int sides, double radius_m, double half_height_m) {
     contact::TriangleSoup soup;
     soup.materials.push_back({"test", 0.0});
     const auto ring = [&](int i, double y_m) {
@@ -306,33 +306,33 @@ TEST(ShapeRecognition, ABoxIsABoxHoweverItLies) {
 }
 
 TEST(ShapeRecognition, ASphereIsOffByTheSagittaOfItsFacets) {
-    constexpr double kRadius_m = 0.05;
+    constexpr double kTrueRadius_m = 0.05;
     for (const int divisions : {3, 4, 5}) {
-        const contact::TriangleSoup soup = rig::icosphere(divisions, kRadius_m);
+        const contact::TriangleSoup soup = rig::icosphere(divisions, kTrueRadius_m);
         double sagitta_m = 0.0;
         for (const auto &[a, b, c] : soup.triangles) {
             const Vector3 middle_m =
                 (soup.vertices_m[a] + soup.vertices_m[b] + soup.vertices_m[c]) / 3.0;
-            sagitta_m = std::max(sagitta_m, kRadius_m - middle_m.norm());
+            sagitta_m = std::max(sagitta_m, kTrueRadius_m - middle_m.norm());
         }
         const auto fit = recognise_shape(soup, 0);
         ASSERT_TRUE(fit);
         ASSERT_TRUE(std::holds_alternative<contact::Sphere>(fit->shape.size()));
-        EXPECT_NEAR(std::get<contact::Sphere>(fit->shape.size()).radius_m, kRadius_m, 1e-12);
+        EXPECT_NEAR(std::get<contact::Sphere>(fit->shape.size()).radius_m, kTrueRadius_m, 1e-12);
         EXPECT_NEAR(fit->deviation_m, sagitta_m, 1e-9);
     }
 }
 
 TEST(ShapeRecognition, ACylinderIsOffByTheSagittaOfItsSides) {
     constexpr int kSides = 48;
-    constexpr double kRadius_m = 0.02;
-    const auto fit = recognise_shape(prism(kSides, kRadius_m, 0.035), 0);
+    constexpr double kTrueRadius_m = 0.02;
+    const auto fit = recognise_shape(prism_soup(kSides, kTrueRadius_m, 0.035), 0);
     ASSERT_TRUE(fit);
     ASSERT_TRUE(std::holds_alternative<contact::Cylinder>(fit->shape.size()));
     const auto &cylinder = std::get<contact::Cylinder>(fit->shape.size());
-    EXPECT_NEAR(cylinder.radius_m, kRadius_m, 1e-4 * kRadius_m);
+    EXPECT_NEAR(cylinder.radius_m, kTrueRadius_m, 1e-4 * kTrueRadius_m);
     EXPECT_NEAR(cylinder.half_height_m, 0.035, 1e-12);
-    const double sagitta_m = kRadius_m * (1.0 - std::cos(std::numbers::pi / kSides));
+    const double sagitta_m = kTrueRadius_m * (1.0 - std::cos(std::numbers::pi / kSides));
     EXPECT_NEAR(fit->deviation_m, sagitta_m, 0.01 * sagitta_m);
 }
 
