@@ -5,7 +5,6 @@
 #include "engine/control/force_direction.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/rig/law_rig.h"
-#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <Eigen/LU>
 
@@ -16,10 +15,6 @@
 namespace springdrive::limits {
 
 namespace {
-
-rig::ScenarioSetting setting_of(const loops::StabilityCase &which) {
-    return {which.device, which.tuning, which.q_rad, which.period_s, which.delay_periods};
-}
 
 /// Force of the motors along the vertical.
 double motors_push_N(const loops::StabilityCase &which,
@@ -39,11 +34,7 @@ Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double
     const loops::Hand hand =
         which.hands.empty() ? loops::hand_of_firmness(0.5) : which.hands.front();
     const rig::Scenario scenario = rig::impact_scenario(
-        setting_of(which),
-        {{hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m, HUGE_VAL, 1.0},
-         speed_m_per_s,
-         lower_m,
-         which.drive});
+        setting_of(which), {simulated_hand(hand), speed_m_per_s, lower_m, which.drive});
     const double height_m = scenario.contact_m.y();
     simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
     rig::PhantomPlant plant(phantom);
@@ -103,7 +94,8 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
     while (phantom.truth().time_s < scenario.duration_s - 0.5 * which.period_s) {
         loop.tick();
         const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
-        if (truth.time_s > 2.0 / kFrequency_Hz + 0.5 * which.period_s) {
+        if (truth.time_s >
+            rig::StrokeOptions::kPeriodsBefore / kFrequency_Hz + 0.5 * which.period_s) {
             // The force is a mean over the last period, so it belongs to the period's middle.
             const double middle = omega * (truth.time_s - 0.5 * which.period_s);
             force_in += truth.hand_force_N.y() * std::sin(middle);

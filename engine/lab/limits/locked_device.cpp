@@ -88,13 +88,13 @@ double breakaway_force_N(const device::DeviceDescription &device, const Vector3 
 double harmless_penetration_m(const device::DeviceDescription &device,
                               const control::Tuning &tuning, const Vector3 &q_rad,
                               control::MotionMap map) {
-    constexpr double kMaxStep_m = 4e-3;
+    constexpr double kMaxPenetration_m = 4e-3;
     constexpr double kShare = 0.5;
     const loops::PlanarStiffness stiffness = loops::planar_stiffness(device, tuning, q_rad);
     const loops::Matrix2 &K = stiffness_under(stiffness, map);
     const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(K, Eigen::EigenvaluesOnly);
-    double penetration_m =
-        std::min(kMaxStep_m, kShare * device.limits.tip_force_N / axes.eigenvalues().maxCoeff());
+    double penetration_m = std::min(kMaxPenetration_m, kShare * device.limits.tip_force_N /
+                                                           axes.eigenvalues().maxCoeff());
     const loops::Matrix2 torque_per_metre =
         loops::planar_jacobian(device.geometry, q_rad).transpose() * K;
     for (Eigen::Index j = 0; j < 2; ++j) {

@@ -4,7 +4,6 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/quantisation_chatter.h"
 #include "engine/lab/rig/rotor_simulation.h"
-#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -142,15 +141,13 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
                         const TrialOptions &options) {
     const device::PhantomGeometry &geometry = which.device.geometry;
     rig::TiedOptions tied;
-    tied.hand = {member.hand.mass_kg, member.hand.damping_Ns_per_m, member.hand.stiffness_N_per_m,
-                 HUGE_VAL, 1.0};
+    tied.hand = simulated_hand(member.hand);
     tied.aside_m = options.start_m;
     tied.quantisation = options.effects.quantisation;
     tied.coulomb_friction = options.effects.friction;
     tied.amplifier_limits = options.effects.saturation;
     tied.drive = which.drive;
-    const rig::Scenario scenario = rig::tied_scenario(
-        {which.device, which.tuning, which.q_rad, which.period_s, which.delay_periods}, tied);
+    const rig::Scenario scenario = rig::tied_scenario(setting_of(which), tied);
     simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
     rig::PhantomPlant plant(phantom);
     rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::answers);
@@ -175,6 +172,16 @@ rig::LawOptions law_of(const loops::StabilityCase &which) {
     options.drive = which.drive;
     options.wall = which.wall;
     return options;
+}
+
+rig::ScenarioSetting setting_of(const loops::StabilityCase &which) {
+    return {which.device, which.tuning, which.q_rad, which.period_s, which.delay_periods};
+}
+
+device::HandParameters simulated_hand(const loops::Hand &hand, double max_force_N) {
+    constexpr double kMaxSpeed_m_per_s = 1.0;
+    return {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m, max_force_N,
+            kMaxSpeed_m_per_s};
 }
 
 Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,

@@ -4,6 +4,9 @@
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/ringdown.h"
+#include "engine/lab/rig/scenario/scenarios.h"
+
+#include <cmath>
 
 namespace springdrive::limits {
 
@@ -41,6 +44,13 @@ struct TrialOptions {
 
 /// The law of a case, or the wall of its current drive, for a rig.
 [[nodiscard]] rig::LawOptions law_of(const loops::StabilityCase &which);
+
+/// Device, tuning, configuration, period and delay of a case, to make a scenario of.
+[[nodiscard]] rig::ScenarioSetting setting_of(const loops::StabilityCase &which);
+
+/// A hand of a case, for simulation. @param max_force_N  of its spring; unlimited by default
+[[nodiscard]] device::HandParameters simulated_hand(const loops::Hand &hand,
+                                                    double max_force_N = HUGE_VAL);
 
 /// The result of a trial.
 struct Trial {

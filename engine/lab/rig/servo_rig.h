@@ -23,6 +23,7 @@ public:
     ServoRig(const device::DeviceDescription &device,
              const simulated::SimulationOptions &simulation, const Vector3 &start_tip_m,
              const contact::HapticSurface *surface = nullptr);
+    /// Global α stays to be set in `inputs`, if the tuning uses it.
     /// @throw InputError as `SimulatedPhantom` does
     explicit ServoRig(const Scenario &scenario);
     ServoRig(const ServoRig &) = delete;

@@ -1,7 +1,7 @@
 #include "engine/lab/limits/method_limits/pressed_corner.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/lab/limits/stability_simulation.h"
 
 #include <cmath>
 
@@ -10,10 +10,8 @@ namespace springdrive::limits {
 namespace {
 
 rig::Scenario corner(const loops::StabilityCase &which, double hand_force_N) {
-    const loops::Hand &hand = which.hands.front();
-    return rig::corner_scenario(
-        {which.device, which.tuning, which.q_rad, which.period_s, which.delay_periods},
-        {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m, hand_force_N, 1.0});
+    return rig::corner_scenario(setting_of(which),
+                                simulated_hand(which.hands.front(), hand_force_N));
 }
 
 } // namespace

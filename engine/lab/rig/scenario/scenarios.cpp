@@ -67,13 +67,13 @@ contact::TriangleSoup room(const Vector3 &corner_m) {
     return soup;
 }
 
-/// From 0 to 1 with rests at both ends and a steady acceleration.
+/// From 0 to 1, at rest at both ends, with a continuous acceleration.
 double smooth_step(double share) {
     const double s = std::clamp(share, 0.0, 1.0);
     return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
-/// The plant on which drives are compared: what does not differ between them is left out.
+/// The plant on which drives are compared, without effects that are the same for both.
 void compare_drives(Scenario &made, device::AmplifierKind drive) {
     made.simulation.effects.gravity = false; // a balanced arm
     made.simulation.effects.coulomb_friction = false;
@@ -123,7 +123,7 @@ Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &option
     constexpr double kOutside_m = 1e-3;
     constexpr double kPress_s = 0.05;
     Scenario made = plain(setting);
-    made.device.edge = {}; // its soft wall near a stop is no part of the map
+    made.device.edge = {}; // the soft wall near a stop is not part of the map
     const Vector3 inside_m = made.start_m;
     const Vector3 surface_m = inside_m + options.penetration_m * options.normal;
     const Vector3 outside_m = surface_m + kOutside_m * options.normal;

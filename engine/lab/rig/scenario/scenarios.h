@@ -14,7 +14,6 @@
 #include <array>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string_view>
 
 namespace springdrive::rig {
@@ -29,7 +28,7 @@ struct PlacedSurface {
 /// The sphere of the test surfaces, about the origin.
 [[nodiscard]] PlacedSurface placed_sphere();
 
-/// A surface that the caller keeps.
+/// A surface owned by the caller, which must outlive every scenario made of it.
 [[nodiscard]] PlacedSurface placed(const contact::HapticSurface &surface, const Vector3 &lower_m,
                                    const Vector3 &upper_m);
 
@@ -37,7 +36,7 @@ struct PlacedSurface {
 struct ScenarioSetting {
     device::DeviceDescription device;
     control::Tuning tuning;
-    Vector3 q_rad = device::default_pose_rad(); ///< where a contact has no place of its own
+    Vector3 q_rad = device::default_pose_rad(); ///< for contacts without a place of their own
     double period_s = 1e-3;
     double delay_periods = 0.0;
 };
@@ -48,14 +47,14 @@ struct Scenario {
     control::Tuning tuning;
     simulated::SimulationOptions simulation; ///< with the hand, its path, period and delay
     Vector3 start_m{Vector3::Zero()};
-    /// What a servo's proxy touches. None in free space, and where the contact is an ideal one.
+    /// What a servo's proxy touches. None in free space and for an ideal contact.
     std::shared_ptr<const contact::HapticSurface> surface;
-    /// The contact as a law alone sees it; it uses `surface`, which must live as long.
+    /// The contact for a law alone. It refers to `surface`, which must outlive it.
     Constraint constraint = free_space();
     /// Of the contact's plane, where it has one: its normal, unit, and a point.
     Vector3 normal{Vector3::Zero()};
     Vector3 contact_m{Vector3::Zero()};
-    double duration_s = 0.0; ///< until all that is measured has been
+    double duration_s = 0.0; ///< until the end of the measurement
 };
 
 /// Over a surface, down into it, and in circles under it.
@@ -77,9 +76,9 @@ struct ViceOptions {
     static constexpr double kMeasureFrom_s = 1.45;
     static constexpr double kMeasureUntil_s = 1.50;
 
-    Vector3 normal{Vector3::UnitY()};
+    Vector3 normal{Vector3::UnitY()}; ///< unit, in the plane of the links; else the program ends
     double penetration_m = 1e-3;
-    /// All of the plant's effects but the ripple of R and the stops.
+    /// All of the plant's effects except the ripple of R and the stops.
     bool effects = true;
     /// With effects, R of the third joint's motor is greater by this share, of the second's
     /// smaller.
@@ -99,9 +98,10 @@ struct PressOptions {
     /// From the middle of the workspace to where it is, in shares of the workspace's size.
     Vector3 place{0.15, -0.1, 0.1};
     Vector3 normal{0.36, 0.8, 0.48};
-    double press_m = 10e-3; ///< how far below the plane the hand then wants to be
-    double press_s = 10e-3; ///< how long it takes to want so
-    double release_s = std::numeric_limits<double>::infinity(); ///< when it goes back, as quickly
+    double press_m = 10e-3; ///< depth of the hand's target below the plane
+    double press_s = 10e-3; ///< time in which the target gets there
+    double release_s =
+        std::numeric_limits<double>::infinity(); ///< when it returns, in the same time
     double duration_s = 40e-3;
     bool coulomb_friction = false; ///< of the joints; beside gravity and viscous friction
 };
@@ -119,7 +119,7 @@ struct PressOptions {
 
 /// A hand that moves straight down at constant speed onto a level wall.
 struct ImpactOptions {
-    static constexpr double kApproach_s = 0.1; ///< by then hand and tip move as one
+    static constexpr double kApproach_s = 0.1; ///< by then hand and tip move together
     static constexpr double kLongest_s = 1.0;
 
     device::HandParameters hand;
@@ -130,20 +130,20 @@ struct ImpactOptions {
 [[nodiscard]] Scenario impact_scenario(const ScenarioSetting &setting,
                                        const ImpactOptions &options = {});
 
-/// A firm hand, whatever it weighs, that moves the tip up and down in free space along a sine.
+/// A firm hand without mass that moves the tip up and down in free space along a sine.
 struct StrokeOptions {
     static constexpr double kFrequency_Hz = 5.0;
     static constexpr double kAmplitude_m = 0.01;
-    static constexpr int kPeriods = 6; ///< the first two are not measured
+    static constexpr int kPeriods = 6;
+    static constexpr int kPeriodsBefore = 2; ///< the measurement
 
     device::AmplifierKind drive = device::AmplifierKind::spring_drive;
 };
 [[nodiscard]] Scenario stroke_scenario(const ScenarioSetting &setting,
                                        const StrokeOptions &options = {});
 
-/// The tip is tied to a point a little aside of where it starts, in a direction that no mode is
-/// square to. The plant has viscous friction and what is asked for; the amplifier cancels as much
-/// as it is told to.
+/// The tip is tied to a point beside its start, in a direction that is orthogonal to no mode. The
+/// plant has viscous friction and the given effects; the amplifier cancels without a limit.
 struct TiedOptions {
     device::HandParameters hand;
     double aside_m = 1e-3;
@@ -159,12 +159,11 @@ struct TiedOptions {
 struct ListedScenario {
     std::string_view name;
     std::string_view what;     ///< contact and hand
-    std::string_view measured; ///< and where
+    std::string_view measured; ///< and where it is used
     Scenario (*make)(const ScenarioSetting &);
 };
 
-/// All of them, each with its usual options; what is touched is the test sphere where a scene is
-/// asked for.
+/// All scenarios with their default options, and the test sphere in place of a scene.
 extern const std::array<ListedScenario, 11> kScenarios;
 
 } // namespace springdrive::rig
