@@ -7,7 +7,7 @@
 #include "app/figures/gnuplot.h"
 #include "app/figures/speed_accuracy_marks.h"
 #include "base/machine_name.h"
-#include "engine/lab/charts/chart_csv.h"
+#include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/charts.h"
 
 #include <CLI/CLI.hpp>
@@ -61,7 +61,7 @@ void make_charts(const TypedChart &typed) {
         if (!is_asked_for(typed, maker.name)) {
             continue;
         }
-        const rig::SpeedAccuracyChart chart =
+        const charts::SpeedAccuracyChart chart =
             maker.make(setting, [&](double share) { line.show(maker.name, share); });
         write_output((typed.out / (chart.name + ".csv")).string(),
                      [&](std::ostream &out) { charts::write_chart_csv(out, chart, machine); });

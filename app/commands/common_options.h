@@ -4,7 +4,6 @@
 #include "base/vector.h"
 #include "device/core/device_file.h"
 #include "device/simulated/simulation_options.h"
-#include "engine/control/parameters.h"
 #include "engine/control/tuning.h"
 
 #include <array>

@@ -7,7 +7,7 @@
 #include "app/commands/stability_options.h"
 #include "app/commands/stability_report.h"
 #include "base/input_error.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/limits/method_limits/method_limits.h"
 
 #include <CLI/CLI.hpp>

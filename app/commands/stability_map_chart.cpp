@@ -2,7 +2,6 @@
 
 #include "app/asset_folder.h"
 #include "app/commands/output_files.h"
-#include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 
 #include <fmt/core.h>

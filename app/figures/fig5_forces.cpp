@@ -1,7 +1,7 @@
 // Fig. 5 of the paper.
 #include "app/figures/figure_text.h"
 #include "app/figures/locked_figures.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <algorithm>
 #include <array>

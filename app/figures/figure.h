@@ -4,6 +4,7 @@
 // defined there.
 #pragma once
 
+#include "app/figures/gnuplot.h"
 #include "device/core/device_file.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/locked_device.h"
@@ -23,18 +24,6 @@ struct FigureSetting {
     double servo_period_s = 1e-3;
     double resistance_spread =
         limits::LockedDeviceOptions{}.resistance_spread; ///< of figures 5 and 6
-};
-
-/// Names and values for a gnuplot script, as assignments in gnuplot's own language.
-class ChartMarks {
-public:
-    void add(std::string_view name, double number);
-    void add(std::string_view name, std::string_view text);
-
-    [[nodiscard]] const std::string &assignments() const { return assignments_; }
-
-private:
-    std::string assignments_;
 };
 
 struct Figure {

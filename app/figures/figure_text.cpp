@@ -7,19 +7,6 @@
 
 namespace springdrive::app {
 
-void ChartMarks::add(std::string_view name, double number) {
-    assignments_ += std::string(name) + " = " + number_text(number, 17) + "; ";
-}
-
-void ChartMarks::add(std::string_view name, std::string_view text) {
-    std::string quoted;
-    for (const char c : text) {
-        // In single quotes the only escape of gnuplot is a doubled quote.
-        quoted += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
-    }
-    assignments_ += std::string(name) + " = '" + quoted + "'; ";
-}
-
 std::string number_text(double number, int digits) {
     return std::isnan(number) ? "" : fmt::format("{:.{}g}", number, digits);
 }

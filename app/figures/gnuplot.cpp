@@ -2,6 +2,8 @@
 
 #include "base/input_error.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -9,7 +11,6 @@
 #include <fstream>
 #include <iterator>
 #include <spawn.h>
-#include <string_view>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -119,6 +120,19 @@ bool is_whole(const std::filesystem::path &svg) {
 }
 
 } // namespace
+
+void ChartMarks::add(std::string_view name, double number) {
+    assignments_ += fmt::format("{} = {:.17g}; ", name, number);
+}
+
+void ChartMarks::add(std::string_view name, std::string_view text) {
+    std::string quoted;
+    for (const char c : text) {
+        // In single quotes the only escape of gnuplot is a doubled quote.
+        quoted += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
+    }
+    assignments_ += fmt::format("{} = '{}'; ", name, quoted);
+}
 
 void draw(const Chart &chart) {
     const std::filesystem::path svg = chart.folder / chart.svg;

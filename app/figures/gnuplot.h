@@ -3,8 +3,21 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace springdrive::app {
+
+/// Names and values for a gnuplot script, as assignments in gnuplot's own language.
+class ChartMarks {
+public:
+    void add(std::string_view name, double number);
+    void add(std::string_view name, std::string_view text);
+
+    [[nodiscard]] const std::string &assignments() const { return assignments_; }
+
+private:
+    std::string assignments_;
+};
 
 /// A chart for gnuplot to draw.
 struct Chart {

@@ -41,9 +41,9 @@ private:
 constexpr double kRoundOffGap_decades = 6.0;
 
 /// The largest error that is round-off; 0 if there are none except errors of 0.
-double round_off_of(const rig::SpeedAccuracyChart &chart) {
+double round_off_of(const charts::SpeedAccuracyChart &chart) {
     std::vector<double> decades;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const charts::ChartPoint &point : chart.points) {
         if (point.error > 0.0 && std::isfinite(point.error)) {
             decades.push_back(std::log10(point.error));
         }
@@ -68,13 +68,13 @@ struct Frame {
     double error_of_none; ///< where failures without a measured error are drawn
 };
 
-Frame frame_of(const rig::SpeedAccuracyChart &chart) {
+Frame frame_of(const charts::SpeedAccuracyChart &chart) {
     LogRange cost_ns;
     LogRange error;
     const double round_off = round_off_of(chart);
     bool has_zero = false;
     bool has_none = false;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const charts::ChartPoint &point : chart.points) {
         cost_ns.include(point.cost.min_ns);
         cost_ns.include(point.cost.max_ns);
         has_zero |= point.error <= round_off;
@@ -102,9 +102,9 @@ Frame frame_of(const rig::SpeedAccuracyChart &chart) {
 }
 
 /// The methods' names, each once, in order of appearance.
-std::vector<std::string> methods_of(const rig::SpeedAccuracyChart &chart) {
+std::vector<std::string> methods_of(const charts::SpeedAccuracyChart &chart) {
     std::vector<std::string> methods;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const charts::ChartPoint &point : chart.points) {
         if (std::ranges::find(methods, point.method) == methods.end()) {
             methods.push_back(point.method);
         }
@@ -112,7 +112,7 @@ std::vector<std::string> methods_of(const rig::SpeedAccuracyChart &chart) {
     return methods;
 }
 
-/// From the first to the last, with what both end in, the unit, once.
+/// "1000 … 0.98 µs": both settings, with a unit that they share only once.
 std::string range_text(const std::string &first, const std::string &last) {
     if (first == last) {
         return first;
@@ -123,11 +123,11 @@ std::string range_text(const std::string &first, const std::string &last) {
 }
 
 /// Each method and its settings, in the format of gnuplot's word().
-std::string legend_of(const rig::SpeedAccuracyChart &chart,
+std::string legend_of(const charts::SpeedAccuracyChart &chart,
                       const std::vector<std::string> &methods) {
     std::string legend;
     for (const std::string &method : methods) {
-        const auto first = std::ranges::find(chart.points, method, &rig::ChartPoint::method);
+        const auto first = std::ranges::find(chart.points, method, &charts::ChartPoint::method);
         const auto last = std::find_if(chart.points.rbegin(), chart.points.rend(),
                                        [&](const auto &point) { return point.method == method; });
         legend += '"' + method + ": " + range_text(first->setting, last->setting) + "\" ";
@@ -136,10 +136,10 @@ std::string legend_of(const rig::SpeedAccuracyChart &chart,
 }
 
 /// For each row the number of its method, from 1.
-std::string method_of_rows(const rig::SpeedAccuracyChart &chart,
+std::string method_of_rows(const charts::SpeedAccuracyChart &chart,
                            const std::vector<std::string> &methods) {
     std::string numbers;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const charts::ChartPoint &point : chart.points) {
         const auto found = std::ranges::find(methods, point.method);
         numbers += std::to_string(found - methods.begin() + 1) + ' ';
     }
@@ -148,7 +148,8 @@ std::string method_of_rows(const rig::SpeedAccuracyChart &chart,
 
 } // namespace
 
-ChartMarks speed_accuracy_marks(const rig::SpeedAccuracyChart &chart, const std::string &footnote) {
+ChartMarks speed_accuracy_marks(const charts::SpeedAccuracyChart &chart,
+                                const std::string &footnote) {
     const Frame frame = frame_of(chart);
     const std::vector<std::string> methods = methods_of(chart);
     ChartMarks marks;
@@ -159,7 +160,7 @@ ChartMarks speed_accuracy_marks(const rig::SpeedAccuracyChart &chart, const std:
     marks.add("legend", legend_of(chart, methods));
     marks.add("method_of_rows", method_of_rows(chart, methods));
     const bool fails =
-        std::ranges::any_of(chart.points, std::logical_not<>(), &rig::ChartPoint::stable);
+        std::ranges::any_of(chart.points, std::logical_not<>(), &charts::ChartPoint::stable);
     marks.add("has_failures", fails ? 1.0 : 0.0);
     marks.add("cost_low_s", 1e-9 * frame.cost_low_ns);
     marks.add("cost_high_s", 1e-9 * frame.cost_high_ns);

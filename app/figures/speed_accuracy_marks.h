@@ -1,8 +1,8 @@
 // The input of assets/figures/speed_accuracy.gnuplot in addition to the CSV file.
 #pragma once
 
-#include "app/figures/figure.h"
-#include "engine/lab/rig/chart_point.h"
+#include "app/figures/gnuplot.h"
+#include "engine/lab/charts/chart.h"
 
 #include <string>
 
@@ -12,7 +12,7 @@ namespace springdrive::app {
 ///
 /// The ranges include every point. An error of 0, which a logarithmic axis cannot show, is drawn
 /// separately at the bottom; an error that is not finite, at the upper edge.
-[[nodiscard]] ChartMarks speed_accuracy_marks(const rig::SpeedAccuracyChart &chart,
+[[nodiscard]] ChartMarks speed_accuracy_marks(const charts::SpeedAccuracyChart &chart,
                                               const std::string &footnote);
 
 } // namespace springdrive::app

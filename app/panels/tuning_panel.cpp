@@ -6,7 +6,7 @@
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/control/tuning_file.h"
 
 #include <Eigen/LU>

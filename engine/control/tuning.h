@@ -1,7 +1,13 @@
-// The live tuning: the six parameters, and the maps through which they act.
+// The live tuning, and the one list of its parameters: panels, command line, tuning files, CSV
+// headers and documentation all read it.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace springdrive::control {
 
@@ -31,5 +37,75 @@ struct Tuning {
 
     friend bool operator==(const Tuning &, const Tuning &) = default;
 };
+
+struct Parameter {
+    std::string_view name;   ///< in files and CSV headers, with its unit
+    std::string_view option; ///< on the command line, without dashes
+    std::string_view symbol; ///< in panels, UTF-8
+    std::string_view unit;   ///< in panels, UTF-8; "–" where it has none
+    double Tuning::*value = nullptr;
+    double minimum = 0.0;      ///< inclusive
+    double maximum = 0.0;      ///< inclusive
+    bool logarithmic = false;  ///< how a slider should run
+    std::string_view equation; ///< where the paper brings it in
+    std::string_view help;
+
+    [[nodiscard]] double default_value() const { return Tuning{}.*value; }
+};
+
+inline constexpr std::array<Parameter, 6> kParameters{{
+    {"dR_Ohm", "dR", "dR", "Ω", &Tuning::dR_Ohm, 0.02, 2.18, true, "(7)",
+     "residual winding resistance: lower is stiffer in contact and heavier in free space"},
+    {"K_P_V_per_rad", "kp", "K_P", "V/rad", &Tuning::K_P_V_per_rad, 0.0, 20.0, false, "(10)",
+     "position gain of the drift compensation: sets the static stiffness k_T K_P/dR"},
+    {"K_D_Vs_per_rad", "kd", "K_D", "V·s/rad", &Tuning::K_D_Vs_per_rad, 0.0, 0.1, false, "(10)",
+     "velocity gain of the drift compensation: stiffness at middle frequencies"},
+    {"lambda_rad_per_s", "lambda", "λ", "rad/s", &Tuning::lambda_rad_per_s, 100.0, 5000.0, true,
+     "(12)", "cutoff of the velocity filter: higher is lighter in free space and noisier"},
+    {"alpha_rad2_per_m2", "alpha", "α", "rad²/m²", &Tuning::alpha_rad2_per_m2, 0.0, 20000.0, false,
+     "(23)", "scale of the transpose map when set by hand; above the bound (29) it goes unstable"},
+    {"eta", "eta", "η", "–", &Tuning::eta, 0.0, 1.0, false, "(30)",
+     "0 rigid, 1 free space: the stiffness is scaled by 1 − η on top of the surface's own η"},
+}};
+
+/// False for a NaN too. RT-safe.
+[[nodiscard]] bool lies_in_range(const Parameter &parameter, const Tuning &tuning) noexcept;
+
+/// Why `tuning` cannot be used: the first parameter out of its range or not finite, with the
+/// range; empty when it can.
+[[nodiscard]] std::string what_is_wrong_with(const Tuning &tuning);
+
+/// The same question without the words. RT-safe.
+[[nodiscard]] bool is_valid(const Tuning &tuning) noexcept;
+
+/// The names of the maps and of the sources of α in files, records and on the command line, by
+/// their number.
+inline constexpr std::array<std::string_view, 2> kMotionMapNames{"inverse", "transpose"};
+inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "global", "by_hand"};
+
+[[nodiscard]] constexpr std::string_view name_of(MotionMap map) {
+    return kMotionMapNames[static_cast<std::size_t>(map)];
+}
+[[nodiscard]] constexpr std::string_view name_of(AlphaMode mode) {
+    return kAlphaModeNames[static_cast<std::size_t>(mode)];
+}
+
+/// What they are called for people, by their number.
+inline constexpr std::array<const char *, 2> kMotionMapLabels{"inverse (18)", "transpose (23)"};
+inline constexpr std::array<const char *, 3> kAlphaModeLabels{"α on the fly", "global α",
+                                                              "α by hand"};
+
+[[nodiscard]] constexpr std::string_view label_of(MotionMap map) {
+    return kMotionMapLabels[static_cast<std::size_t>(map)];
+}
+[[nodiscard]] constexpr std::string_view label_of(AlphaMode mode) {
+    return kAlphaModeLabels[static_cast<std::size_t>(mode)];
+}
+
+/// One of `kMotionMapNames`; nothing for any other name.
+[[nodiscard]] std::optional<MotionMap> motion_map_named(std::string_view name);
+
+/// One of `kAlphaModeNames`; nothing for any other name.
+[[nodiscard]] std::optional<AlphaMode> alpha_mode_named(std::string_view name);
 
 } // namespace springdrive::control

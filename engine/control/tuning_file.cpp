@@ -2,7 +2,7 @@
 
 #include "base/one_line.h"
 #include "base/strict_toml.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <optional>
 #include <span>

@@ -2,7 +2,7 @@
 #include "engine/record/record_header.h"
 
 #include "base/input_error.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/record/record_format.h"
 
 #include <nlohmann/json.hpp>

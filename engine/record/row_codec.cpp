@@ -1,7 +1,7 @@
 #include "engine/record/row_codec.h"
 
 #include "base/input_error.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/record/record_format.h"
 #include "engine/record/telemetry_columns.h"
 

@@ -4,7 +4,7 @@
 // unit; `unit` is the unit alone, "1" if there is none.
 #pragma once
 
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/servo/servo_sample.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "engine/servo/bumpless_transfer.h"
 
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <algorithm>
 #include <cmath>

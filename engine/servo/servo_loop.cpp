@@ -2,7 +2,7 @@
 
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/force_direction.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Covers app/commands/tune_command.cpp, from outside, and its check that the output is writable.
 #include "app/commands/output_files.h"
 #include "app/commands/tune_report.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/stability_simulation.h"

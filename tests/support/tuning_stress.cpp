@@ -1,6 +1,6 @@
 #include "tests/support/tuning_stress.h"
 
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 

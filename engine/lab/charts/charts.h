@@ -1,14 +1,13 @@
 // The one list of speed-accuracy charts.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/friction_integrator_chart.h"
 #include "engine/lab/charts/integrator_chart.h"
 #include "engine/lab/charts/motion_control_chart.h"
 #include "engine/lab/charts/plant_model_chart.h"
 #include "engine/lab/charts/proxy_chart.h"
 #include "engine/lab/charts/servo_rate_chart.h"
-#include "engine/lab/rig/chart_point.h"
 
 #include <array>
 #include <string_view>
@@ -17,7 +16,7 @@ namespace springdrive::charts {
 
 struct ChartMaker {
     std::string_view name; ///< of the chart that it makes
-    rig::SpeedAccuracyChart (*make)(const ChartSetting &, const ChartProgress &);
+    SpeedAccuracyChart (*make)(const ChartSetting &, const ChartProgress &);
 };
 
 /// @throw InputError from `make` for a setting without a result.

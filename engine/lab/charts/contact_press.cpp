@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace springdrive::charts {
 
@@ -52,7 +51,7 @@ rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                      const NewPlant &new_plant, int sub_steps, int repeats) {
     constexpr int kMinSubSteps = 5120; // below, the clock would be too coarse
     const int rounds = std::max(1, kMinSubSteps / (periods_of(press) * std::max(1, sub_steps)));
-    std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press to come
+    std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press
     const int presses = rounds * (repeats + 1);
     plants.reserve(static_cast<std::size_t>(presses));
     for (int i = 0; i < presses; ++i) {

@@ -7,8 +7,8 @@
 // has it.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
+
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
@@ -21,6 +21,7 @@ namespace springdrive::charts {
 /// A scenario of `press_scenario` for a chart's device and tuning, at 1 kHz.
 [[nodiscard]] rig::Scenario press_of(const ChartSetting &setting, const rig::PressOptions &press);
 
+/// Servo periods from the start of a press to its end.
 [[nodiscard]] inline int periods_of(const rig::Scenario &press) {
     return static_cast<int>(press.simulation.path->points().size()) - 1;
 }
@@ -44,15 +45,15 @@ public:
 /// Makes a plant at rest at the start.
 using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
 
-/// The servo of a press, answering to where the plant stands.
+/// The control law of a press. Its first command answers to the plant's initial angles.
 [[nodiscard]] rig::LawRig press_loop(const rig::Scenario &press, PressedPlant &plant);
 
 /// The whole press in closed loop.
 [[nodiscard]] PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant);
 
-/// What the plant takes for a millisecond of the press [ns], with the commands of a run before: the
-/// control law is not timed, nor what it takes to make a plant.
-/// @param sub_steps  about how many a period has: a short press is timed many times in a row
+/// The plant's time for a millisecond of the press [ns], with the commands of a run before: neither
+/// the control law nor the construction of a plant is timed.
+/// @param sub_steps  approximate number per period: a short press is timed repeatedly
 [[nodiscard]] rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
                                    const NewPlant &new_plant, int sub_steps, int repeats);
 

@@ -24,10 +24,10 @@ constexpr std::array<Smoothing, 6> kSmoothings{
 
 } // namespace
 
-rig::SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
-                                                  const ChartProgress &progress) {
+SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
+                                             const ChartProgress &progress) {
     const IntegratorTrial trial(press_of(setting, rig::sticking_press()));
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.name = "integrators_friction";
     chart.title = "Integrators of the plant in hard contact with stick-slip friction";
     chart.cost_label = "processor time per simulated millisecond";

@@ -7,14 +7,13 @@
 // each transition between sticking and sliding, which at a tight tolerance is also the reference.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
 
 namespace springdrive::charts {
 
 /// @throw InputError where the press is out of the device's reach
-[[nodiscard]] rig::SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
-                                                                const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
+                                                           const ChartProgress &progress);
 
 /// Maximum number of steps in a servo period: down to about 16 µs at 1 kHz.
 inline constexpr int kMaxFrictionSubSteps = 64;

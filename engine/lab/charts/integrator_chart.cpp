@@ -19,10 +19,10 @@ struct NamedCvode {
 constexpr std::array<NamedCvode, 2> kCvodes{
     {{CvodeMethod::adams, "CVODE (Adams)"}, {CvodeMethod::bdf, "CVODE (BDF)"}}};
 
-rig::SpeedAccuracyChart chart_of(const rig::Scenario &press, std::string name, std::string title,
-                                 const ChartSetting &setting, const ChartProgress &progress) {
+SpeedAccuracyChart chart_of(const rig::Scenario &press, std::string name, std::string title,
+                            const ChartSetting &setting, const ChartProgress &progress) {
     const IntegratorTrial trial(press);
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.name = std::move(name);
     chart.title = std::move(title);
     chart.cost_label = "processor time per simulated millisecond";
@@ -48,14 +48,13 @@ rig::SpeedAccuracyChart chart_of(const rig::Scenario &press, std::string name, s
 
 } // namespace
 
-rig::SpeedAccuracyChart integrator_chart(const ChartSetting &setting,
-                                         const ChartProgress &progress) {
+SpeedAccuracyChart integrator_chart(const ChartSetting &setting, const ChartProgress &progress) {
     return chart_of(press_of(setting, rig::pen_press()), "integrators",
                     "Integrators of the plant in hard contact", setting, progress);
 }
 
-rig::SpeedAccuracyChart stiff_integrator_chart(const ChartSetting &setting,
-                                               const ChartProgress &progress) {
+SpeedAccuracyChart stiff_integrator_chart(const ChartSetting &setting,
+                                          const ChartProgress &progress) {
     return chart_of(press_of(setting, rig::vice_press()), "integrators_vice",
                     "Integrators of the plant in hard contact, the tip in a vice", setting,
                     progress);

@@ -6,20 +6,19 @@
 // itself, which additionally checks for friction, stops and limits.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
 
 namespace springdrive::charts {
 
 /// A pen grip presses the tip onto the plate.
 /// @throw InputError where the press is out of the device's reach
-[[nodiscard]] rig::SpeedAccuracyChart integrator_chart(const ChartSetting &setting,
-                                                       const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart integrator_chart(const ChartSetting &setting,
+                                                  const ChartProgress &progress);
 
 /// A vice presses it, stiff enough for Euler's methods to diverge at the longest steps.
 /// @throw InputError as `integrator_chart`
-[[nodiscard]] rig::SpeedAccuracyChart stiff_integrator_chart(const ChartSetting &setting,
-                                                             const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart stiff_integrator_chart(const ChartSetting &setting,
+                                                        const ChartProgress &progress);
 
 /// Maximum number of steps in a servo period: down to about a microsecond at 1 kHz.
 inline constexpr int kMaxSubSteps = 1024;

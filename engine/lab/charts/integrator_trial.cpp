@@ -116,11 +116,11 @@ double IntegratorTrial::error_N(Integrator integrator, int sub_steps) const {
     return force_error_N(run_press(press_, plant(integrator, sub_steps)), reference_);
 }
 
-rig::ChartPoint IntegratorTrial::point(Integrator integrator, int sub_steps, int repeats,
-                                       double width) const {
+ChartPoint IntegratorTrial::point(Integrator integrator, int sub_steps, int repeats,
+                                  double width) const {
     const NewPlant new_plant = plant(integrator, sub_steps, width);
     const PressRecord record = run_press(press_, new_plant);
-    rig::ChartPoint point;
+    ChartPoint point;
     point.setting = step_text(press_.simulation.servo_period_s / sub_steps);
     point.error = force_error_N(record, reference_);
     point.stable = std::isfinite(point.error);
@@ -128,21 +128,21 @@ rig::ChartPoint IntegratorTrial::point(Integrator integrator, int sub_steps, int
     return point;
 }
 
-rig::ChartPoint IntegratorTrial::cvode_point(CvodeMethod method, double relative_tolerance,
-                                             int repeats, double width) const {
+ChartPoint IntegratorTrial::cvode_point(CvodeMethod method, double relative_tolerance, int repeats,
+                                        double width) const {
     return solved_point(cvode_plant(method, relative_tolerance, width), relative_tolerance,
                         repeats);
 }
 
-rig::ChartPoint IntegratorTrial::reference_point(double relative_tolerance, int repeats) const {
+ChartPoint IntegratorTrial::reference_point(double relative_tolerance, int repeats) const {
     return solved_point(reference_plant(CvodeMethod::adams, relative_tolerance), relative_tolerance,
                         repeats);
 }
 
-rig::ChartPoint IntegratorTrial::solved_point(const NewPlant &new_plant, double relative_tolerance,
-                                              int repeats) const {
+ChartPoint IntegratorTrial::solved_point(const NewPlant &new_plant, double relative_tolerance,
+                                         int repeats) const {
     constexpr int kSubSteps = 16; // about the number that it chooses itself
-    rig::ChartPoint point;
+    ChartPoint point;
     point.setting = tolerance_text(relative_tolerance);
     try {
         const PressRecord record = run_press(press_, new_plant);

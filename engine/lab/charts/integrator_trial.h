@@ -2,9 +2,9 @@
 // at a tight tolerance. "Ours" is the simulated device itself.
 #pragma once
 
+#include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/contact_press.h"
 #include "engine/lab/charts/cvode_solver.h"
-#include "engine/lab/rig/chart_point.h"
 #include "engine/lab/rig/plant_equations.h"
 
 #include <array>
@@ -63,15 +63,15 @@ public:
     [[nodiscard]] double error_N(Integrator integrator, int sub_steps) const;
 
     /// Points of a chart, without the name of their method.
-    [[nodiscard]] rig::ChartPoint point(Integrator integrator, int sub_steps, int repeats,
-                                        double width = 0.0) const;
-    [[nodiscard]] rig::ChartPoint cvode_point(CvodeMethod method, double relative_tolerance,
-                                              int repeats, double width = 0.0) const;
-    [[nodiscard]] rig::ChartPoint reference_point(double relative_tolerance, int repeats) const;
+    [[nodiscard]] ChartPoint point(Integrator integrator, int sub_steps, int repeats,
+                                   double width = 0.0) const;
+    [[nodiscard]] ChartPoint cvode_point(CvodeMethod method, double relative_tolerance, int repeats,
+                                         double width = 0.0) const;
+    [[nodiscard]] ChartPoint reference_point(double relative_tolerance, int repeats) const;
 
 private:
-    [[nodiscard]] rig::ChartPoint solved_point(const NewPlant &new_plant, double relative_tolerance,
-                                               int repeats) const;
+    [[nodiscard]] ChartPoint solved_point(const NewPlant &new_plant, double relative_tolerance,
+                                          int repeats) const;
 
     rig::Scenario press_;
     rig::PlantEquations equations_;

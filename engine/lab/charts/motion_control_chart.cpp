@@ -5,7 +5,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/charts/motion_trial.h"
 #include "engine/lab/rig/timing.h"
 
@@ -148,8 +148,8 @@ std::string setting_text(const ChartSetting &setting, const MotionMethod &method
     return alpha_text(minimum) + " to " + std::to_string(std::lround(maximum));
 }
 
-rig::ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,
-                                const rig::Cost &cost, const std::vector<Vector3> &places_rad) {
+ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,
+                           const rig::Cost &cost, const std::vector<Vector3> &places_rad) {
     return {named.name, setting_text(setting, named.method, places_rad), cost,
             mean_give_m_per_N(setting, named.method, places_rad),
             is_stable_everywhere(setting, named.method, places_rad)};
@@ -157,11 +157,11 @@ rig::ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &
 
 } // namespace
 
-rig::SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
-                                               const ChartProgress &progress) {
+SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
+                                          const ChartProgress &progress) {
     check_static_stiffness(setting.tuning);
     const std::vector<Vector3> places_rad = workspace_angles_rad(setting.device, kPointsPerAxis);
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.name = "motion_direction";
     chart.title = "From the tip to the motors: direction of the force, " + setting.device.name;
     chart.cost_label = "processor time per tick, from θ to e_W";
@@ -181,11 +181,11 @@ rig::SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
     return chart;
 }
 
-rig::SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
-                                               const ChartProgress &progress) {
+SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
+                                          const ChartProgress &progress) {
     check_static_stiffness(setting.tuning);
     const std::vector<Vector3> places_rad = workspace_angles_rad(setting.device, kPointsPerAxis);
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.name = "motion_stiffness";
     chart.title = "From the tip to the motors: usable stiffness, " + setting.device.name;
     chart.cost_label = "processor time per tick, from θ to e_W";

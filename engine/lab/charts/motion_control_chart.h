@@ -6,19 +6,18 @@
 // servo's loop is unstable somewhere in the workspace.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
 
 namespace springdrive::charts {
 
 /// The angle from the normal to the force, for encoders from coarse to fine.
 /// @throw InputError for a tuning without static stiffness.
-[[nodiscard]] rig::SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
-                                                             const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
+                                                        const ChartProgress &progress);
 
 /// The mean compliance of a wall. The transpose map with α by hand has a point for each α.
 /// @throw InputError for a tuning without static stiffness.
-[[nodiscard]] rig::SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
-                                                             const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
+                                                        const ChartProgress &progress);
 
 } // namespace springdrive::charts

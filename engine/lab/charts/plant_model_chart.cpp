@@ -41,11 +41,11 @@ private:
     device::Measurement state_;
 };
 
-rig::ChartPoint model_point(const rig::Scenario &press, const simulated::PlantModel &model,
-                            bool planar, int sub_steps, const PressRecord &reference, int repeats) {
+ChartPoint model_point(const rig::Scenario &press, const simulated::PlantModel &model, bool planar,
+                       int sub_steps, const PressRecord &reference, int repeats) {
     const NewPlant new_plant = model_plant(press, model, planar, sub_steps);
     const PressRecord record = run_press(press, new_plant);
-    rig::ChartPoint point;
+    ChartPoint point;
     point.method = std::string(model.name) + (planar ? ", planar" : "");
     point.setting =
         std::to_string(std::lround(press.simulation.servo_period_s / sub_steps * 1e6)) + " µs";
@@ -72,12 +72,11 @@ NewPlant model_plant(const rig::Scenario &press, const simulated::PlantModel &mo
     };
 }
 
-rig::SpeedAccuracyChart plant_model_chart(const ChartSetting &setting,
-                                          const ChartProgress &progress) {
+SpeedAccuracyChart plant_model_chart(const ChartSetting &setting, const ChartProgress &progress) {
     const rig::Scenario press = press_of(setting, rig::planar_press());
     const PressRecord reference = run_press(
         press, model_plant(press, simulated::kPlantModels.back(), false, kReferenceSubSteps));
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.name = "plant_models";
     chart.title = "Models of the plant in hard contact";
     chart.cost_label = "processor time per simulated millisecond";

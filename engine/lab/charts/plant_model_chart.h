@@ -7,15 +7,14 @@
 #pragma once
 
 #include "device/simulated/plant_model.h"
-#include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/contact_press.h"
-#include "engine/lab/rig/chart_point.h"
 
 namespace springdrive::charts {
 
 /// @throw InputError where the press is out of the device's reach
-[[nodiscard]] rig::SpeedAccuracyChart plant_model_chart(const ChartSetting &setting,
-                                                        const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart plant_model_chart(const ChartSetting &setting,
+                                                   const ChartProgress &progress);
 
 /// A model of the plant in the press, with `sub_steps` equal steps in a servo period. Its force is
 /// that on the hand, the mean of each period.

@@ -28,10 +28,10 @@ enum class Judged { depth, direction };
 
 /// Runs one method over all tips and measures its time and its error.
 template <typename Render>
-rig::ChartPoint trial_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
-                            const Render &render) {
+ChartPoint trial_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
+                       const Render &render) {
     std::vector<RenderedTouch> touches(trial.tips.size());
-    rig::ChartPoint point;
+    ChartPoint point;
     point.cost = rig::cost_of(setting.repeats, static_cast<double>(trial.tips.size()),
                               [&] { render(touches); });
     const TouchErrors errors = touch_errors(trial.tips, touches);
@@ -41,15 +41,15 @@ rig::ChartPoint trial_point(const ChartSetting &setting, const TouchTrial &trial
     return point;
 }
 
-rig::ChartPoint proxy_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
-                            const contact::HapticSurface &surface) {
+ChartPoint proxy_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
+                       const contact::HapticSurface &surface) {
     return trial_point(setting, trial, judged, [&](std::vector<RenderedTouch> &touches) {
         follow_with_proxy(surface, trial.tips, touches);
     });
 }
 
-rig::ChartPoint penalty_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
-                              const contact::TriangleSoup &soup) {
+ChartPoint penalty_point(const ChartSetting &setting, const TouchTrial &trial, Judged judged,
+                         const contact::TriangleSoup &soup) {
     rig::ClosestPointFinder mesh(soup);
     return trial_point(setting, trial, judged, [&](std::vector<RenderedTouch> &touches) {
         push_to_closest_point(mesh, trial.tips, touches);
@@ -62,18 +62,18 @@ contact::HapticSurface primitive_surface(const contact::AnalyticShape &shape) {
     return contact::HapticSurface(std::move(material_only), {shape});
 }
 
-rig::ChartPoint named(rig::ChartPoint point, const char *method, std::string setting) {
+ChartPoint named(ChartPoint point, const char *method, std::string setting) {
     point.method = method;
     point.setting = std::move(setting);
     return point;
 }
 
 /// A line for each method, from coarse to fine.
-std::vector<rig::ChartPoint> trial_points(const ChartSetting &setting, const TouchTrial &trial,
-                                          Judged judged, const ChartProgress &progress) {
-    std::vector<rig::ChartPoint> penalty;
-    std::vector<rig::ChartPoint> proxy;
-    std::vector<rig::ChartPoint> bent_proxy;
+std::vector<ChartPoint> trial_points(const ChartSetting &setting, const TouchTrial &trial,
+                                     Judged judged, const ChartProgress &progress) {
+    std::vector<ChartPoint> penalty;
+    std::vector<ChartPoint> proxy;
+    std::vector<ChartPoint> bent_proxy;
     constexpr int kMeshes = kFinestDivisions + 1 - kCoarsestDivisions;
     for (int divisions = kCoarsestDivisions; divisions <= kFinestDivisions; ++divisions) {
         const contact::TriangleSoup soup = trial.mesh(divisions);
@@ -88,7 +88,7 @@ std::vector<rig::ChartPoint> trial_points(const ChartSetting &setting, const Tou
         }
         progress((divisions - kCoarsestDivisions + 1.0) / (kMeshes + 1.0));
     }
-    std::vector<rig::ChartPoint> points = std::move(penalty);
+    std::vector<ChartPoint> points = std::move(penalty);
     points.insert(points.end(), proxy.begin(), proxy.end());
     points.insert(points.end(), bent_proxy.begin(), bent_proxy.end());
     if (trial.primitive) {
@@ -100,10 +100,10 @@ std::vector<rig::ChartPoint> trial_points(const ChartSetting &setting, const Tou
     return points;
 }
 
-rig::SpeedAccuracyChart proxy_chart(std::string name, const ChartSetting &setting,
-                                    const TouchTrial &trial, Judged judged,
-                                    const ChartProgress &progress) {
-    rig::SpeedAccuracyChart chart;
+SpeedAccuracyChart proxy_chart(std::string name, const ChartSetting &setting,
+                               const TouchTrial &trial, Judged judged,
+                               const ChartProgress &progress) {
+    SpeedAccuracyChart chart;
     chart.name = std::move(name);
     chart.title = "Methods of rendering " + trial.what;
     chart.cost_label = "processor time per update";
@@ -116,32 +116,29 @@ rig::SpeedAccuracyChart proxy_chart(std::string name, const ChartSetting &settin
 
 } // namespace
 
-rig::SpeedAccuracyChart sphere_depth_chart(const ChartSetting &setting,
-                                           const ChartProgress &progress) {
+SpeedAccuracyChart sphere_depth_chart(const ChartSetting &setting, const ChartProgress &progress) {
     return proxy_chart("proxies_sphere_depth", setting, sphere_trial(kTips), Judged::depth,
                        progress);
 }
 
-rig::SpeedAccuracyChart sphere_direction_chart(const ChartSetting &setting,
-                                               const ChartProgress &progress) {
+SpeedAccuracyChart sphere_direction_chart(const ChartSetting &setting,
+                                          const ChartProgress &progress) {
     return proxy_chart("proxies_sphere_direction", setting, sphere_trial(kTips), Judged::direction,
                        progress);
 }
 
-rig::SpeedAccuracyChart organic_depth_chart(const ChartSetting &setting,
-                                            const ChartProgress &progress) {
+SpeedAccuracyChart organic_depth_chart(const ChartSetting &setting, const ChartProgress &progress) {
     return proxy_chart("proxies_organic_depth", setting, organic_trial(kTips), Judged::depth,
                        progress);
 }
 
-rig::SpeedAccuracyChart organic_direction_chart(const ChartSetting &setting,
-                                                const ChartProgress &progress) {
+SpeedAccuracyChart organic_direction_chart(const ChartSetting &setting,
+                                           const ChartProgress &progress) {
     return proxy_chart("proxies_organic_direction", setting, organic_trial(kTips),
                        Judged::direction, progress);
 }
 
-rig::SpeedAccuracyChart thin_plate_chart(const ChartSetting &setting,
-                                         const ChartProgress &progress) {
+SpeedAccuracyChart thin_plate_chart(const ChartSetting &setting, const ChartProgress &progress) {
     return proxy_chart("proxies_thin_plate", setting, thin_plate_trial(kTips), Judged::depth,
                        progress);
 }

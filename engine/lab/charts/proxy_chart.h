@@ -6,29 +6,28 @@
 // it by a known depth. A cross is a method that lets the tip out on the other side.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
 
 namespace springdrive::charts {
 
 /// The error of the penetration's depth, which is that of the force, on a sphere.
-[[nodiscard]] rig::SpeedAccuracyChart sphere_depth_chart(const ChartSetting &setting,
-                                                         const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart sphere_depth_chart(const ChartSetting &setting,
+                                                    const ChartProgress &progress);
 
 /// The error of the force's direction on a sphere.
-[[nodiscard]] rig::SpeedAccuracyChart sphere_direction_chart(const ChartSetting &setting,
-                                                             const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart sphere_direction_chart(const ChartSetting &setting,
+                                                        const ChartProgress &progress);
 
 /// The error of the depth on the organic shape, which no primitive resembles.
-[[nodiscard]] rig::SpeedAccuracyChart organic_depth_chart(const ChartSetting &setting,
-                                                          const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart organic_depth_chart(const ChartSetting &setting,
+                                                     const ChartProgress &progress);
 
 /// The error of the direction on the organic shape.
-[[nodiscard]] rig::SpeedAccuracyChart organic_direction_chart(const ChartSetting &setting,
-                                                              const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart organic_direction_chart(const ChartSetting &setting,
+                                                         const ChartProgress &progress);
 
 /// The error of the depth on a plate of 2 mm, pressed in beyond its middle.
-[[nodiscard]] rig::SpeedAccuracyChart thin_plate_chart(const ChartSetting &setting,
-                                                       const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart thin_plate_chart(const ChartSetting &setting,
+                                                  const ChartProgress &progress);
 
 } // namespace springdrive::charts

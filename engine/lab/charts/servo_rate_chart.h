@@ -5,19 +5,43 @@
 // millisecond. A cross is a rate at which the loop is unstable on one of the device's motors.
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/charts/chart.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 
 namespace springdrive::charts {
 
 /// The stiffness against (12), measured by sine sweep on the simulated motor.
 /// @throw InputError where the safety monitor stops the timed servo.
-[[nodiscard]] rig::SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
-                                                                 const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
+                                                            const ChartProgress &progress);
 
 /// The direction of the transpose map's force, at one third, one and three times the tuning's λ.
 /// @throw InputError as the one above, and for a tuning without static stiffness.
-[[nodiscard]] rig::SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
-                                                                 const ChartProgress &progress);
+[[nodiscard]] SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
+                                                            const ChartProgress &progress);
+
+/// The band in which the stiffness is compared with (12): above it the hand holds the tip rather
+/// than perceives its stiffness.
+inline constexpr double kMinJudged_Hz = 2.0;
+inline constexpr double kMaxJudged_Hz = 100.0;
+
+/// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies of the band, at least
+/// two, evenly spaced on a logarithmic scale.
+[[nodiscard]] double stiffness_error(const loops::SpringDrive &drive, int points);
+
+/// The largest angle between normal and force over all normals in the plane of the links, base
+/// locked, for a tip that vibrates at `control::kPerceived_Hz` under the transpose map [rad].
+[[nodiscard]] double perceived_direction_error_rad(const device::DeviceDescription &device,
+                                                   const control::Tuning &tuning, double period_s);
+
+/// Whether every motor's loop is stable at a period with a locked set-point.
+[[nodiscard]] bool is_stable_on_all_motors(const device::DeviceDescription &device,
+                                           const control::Tuning &tuning, double period_s,
+                                           double delay_periods);
+
+/// A tick of the whole servo, from encoder counts to voltages, while the simulated hand slides over
+/// a sphere of 20,480 triangles. The simulated device is not timed.
+/// @throw InputError where the safety monitor trips.
+[[nodiscard]] rig::Cost cost_of_servo_tick(const ChartSetting &setting);
 
 } // namespace springdrive::charts

@@ -3,7 +3,7 @@
 #include "base/bisection.h"
 #include "base/input_error.h"
 #include "engine/control/coupling.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/limits/stability_simulation.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/lab/model_selection/model_run.h"
-#include "engine/lab/rig/chart_point.h"
+#include "engine/lab/rig/timing.h"
 #include "engine/scene/model_tolerance.h"
 
 #include <cstddef>

@@ -3,7 +3,7 @@
 #include "base/input_error.h"
 #include "base/machine_name.h"
 #include "base/sha256.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/model_selection/selection_json.h"
 
 #include <unistd.h>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/assertions.h"
-#include "engine/lab/rig/chart_point.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,13 @@
 #include <vector>
 
 namespace springdrive::rig {
+
+/// A time measured repeatedly: its minimum, median and maximum.
+struct Cost {
+    double min_ns = 0.0;
+    double median_ns = 0.0;
+    double max_ns = 0.0;
+};
 
 /// Keeps the compiler from removing work whose result is not used.
 template <typename Value> inline void keep(const Value &value) noexcept {

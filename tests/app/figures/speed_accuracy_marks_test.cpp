@@ -11,7 +11,8 @@
 namespace springdrive::app {
 namespace {
 
-rig::ChartPoint point(const std::string &method, double cost_ns, double error, bool stable = true) {
+charts::ChartPoint point(const std::string &method, double cost_ns, double error,
+                         bool stable = true) {
     return {method, "setting", {0.9 * cost_ns, cost_ns, 2.0 * cost_ns}, error, stable};
 }
 
@@ -27,7 +28,7 @@ double number_of(const ChartMarks &marks, const std::string &name) {
 }
 
 TEST(SpeedAccuracyMarks, NumberTheMethodsOfTheRows) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a, b", 10, 1e-3), point("c", 1e3, 1e-3), point("a, b", 1e5, 1e-6)};
     const ChartMarks marks = speed_accuracy_marks(chart, "note");
     EXPECT_EQ(value_of(marks, "legend"), "'\"a, b: setting\" \"c: setting\" '");
@@ -36,7 +37,7 @@ TEST(SpeedAccuracyMarks, NumberTheMethodsOfTheRows) {
 }
 
 TEST(SpeedAccuracyMarks, RangesHoldEveryPointAndItsSpread) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 1e3, 1e-5)};
     const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "cost_low_s"), 9e-9);
@@ -47,7 +48,7 @@ TEST(SpeedAccuracyMarks, RangesHoldEveryPointAndItsSpread) {
 }
 
 TEST(SpeedAccuracyMarks, AnErrorOfZeroStandsBelowAllOthers) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 0.0), point("b", 10, 1e-5), point("c", 10, NAN, false)};
     const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_of_zero"), 1e-6);
@@ -56,14 +57,14 @@ TEST(SpeedAccuracyMarks, AnErrorOfZeroStandsBelowAllOthers) {
 }
 
 TEST(SpeedAccuracyMarks, HaveRangesWhereNothingIsFinite) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, NAN, false), point("a", 10, INFINITY, false)};
     const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_LT(number_of(marks, "error_low"), number_of(marks, "error_high"));
 }
 
 TEST(SpeedAccuracyMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, 1e-6), point("exact", 10, 1.4e-17)};
     const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_GT(number_of(marks, "round_off"), 1.4e-17);
@@ -76,7 +77,7 @@ TEST(SpeedAccuracyMarks, RoundOffStandsWithZeroAndDoesNotStretchTheAxis) {
 }
 
 TEST(SpeedAccuracyMarks, AFailureWithoutAnErrorStandsAboveAll) {
-    rig::SpeedAccuracyChart chart;
+    charts::SpeedAccuracyChart chart;
     chart.points = {point("a", 10, 1e-3), point("a", 100, NAN, false)};
     const ChartMarks marks = speed_accuracy_marks(chart, "");
     EXPECT_EQ(number_of(marks, "has_failures"), 1.0);
@@ -89,8 +90,8 @@ TEST(SpeedAccuracyMarks, AFailureWithoutAnErrorStandsAboveAll) {
 }
 
 TEST(SpeedAccuracyMarks, TheLegendHasTheFirstAndTheLastSettingOfEachMethod) {
-    rig::SpeedAccuracyChart chart;
-    const auto legend_of = [&](std::vector<std::string> settings) {
+    charts::SpeedAccuracyChart chart;
+    const auto legend_of = [&](const std::vector<std::string> &settings) {
         chart.points.clear();
         for (const std::string &setting : settings) {
             chart.points.push_back(point("a", 10, 1.0));

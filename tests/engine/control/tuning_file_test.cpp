@@ -1,9 +1,9 @@
-// Covers engine/control/tuning_file.cpp and parameters.cpp, and what of base/strict_toml.cpp may be
+// Covers engine/control/tuning_file.cpp and tuning.cpp, and what of base/strict_toml.cpp may be
 // left out.
 #include "engine/control/tuning_file.h"
 
 #include "base/input_error.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

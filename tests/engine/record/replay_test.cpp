@@ -2,7 +2,7 @@
 // different bit is detected.
 #include "engine/record/replay.h"
 
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"

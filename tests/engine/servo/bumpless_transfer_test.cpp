@@ -1,7 +1,7 @@
 // Covers engine/servo/bumpless_transfer.cpp.
 #include "engine/servo/bumpless_transfer.h"
 
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

@@ -3,7 +3,7 @@
 #include "engine/servo/servo_inputs.h"
 
 #include "base/latest_value.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <gtest/gtest.h>
 

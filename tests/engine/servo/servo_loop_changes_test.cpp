@@ -2,7 +2,7 @@
 // missing or faulty measurements.
 #include "device/core/forwarding_device.h"
 #include "engine/control/haptic_law.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/servo_loop.h"

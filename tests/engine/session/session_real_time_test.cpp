@@ -1,7 +1,7 @@
 // Covers engine/session with the servo on its own thread: whatever the hand, the panels, the loader
 // and the recorder do, that thread neither allocates nor locks, and makes no system calls except to
 // read the clock and to sleep.
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"

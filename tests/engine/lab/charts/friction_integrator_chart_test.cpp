@@ -102,11 +102,11 @@ TEST(FrictionIntegrators, ConvergeWithShorterSteps) {
 
 TEST(FrictionIntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
     double done = 0.0;
-    const rig::SpeedAccuracyChart chart =
+    const SpeedAccuracyChart chart =
         friction_integrator_chart(testing::quick_setting(), [&](double share) { done = share; });
     EXPECT_DOUBLE_EQ(done, 1.0);
     std::set<std::string> methods;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const ChartPoint &point : chart.points) {
         methods.insert(point.method);
         EXPECT_FALSE(point.setting.empty());
         EXPECT_EQ(point.stable, std::isfinite(point.error));

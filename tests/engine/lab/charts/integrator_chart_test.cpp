@@ -108,12 +108,12 @@ TEST(Integrators, DivergeWhereTheirStepIsTooLong) {
 
 TEST(IntegratorChart, HasALineForEachMethodAndCrossesTheRest) {
     double done = 0.0;
-    const rig::SpeedAccuracyChart chart =
+    const SpeedAccuracyChart chart =
         stiff_integrator_chart(testing::quick_setting(), [&](double share) { done = share; });
     EXPECT_EQ(done, 1.0);
     std::set<std::string> methods;
     int crosses = 0;
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const ChartPoint &point : chart.points) {
         methods.insert(point.method);
         EXPECT_FALSE(point.setting.empty());
         EXPECT_GT(point.cost.min_ns, 0.0);

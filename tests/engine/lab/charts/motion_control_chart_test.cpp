@@ -13,9 +13,9 @@
 namespace springdrive::charts {
 namespace {
 
-std::map<std::string, std::vector<rig::ChartPoint>> lines_of(const rig::SpeedAccuracyChart &chart) {
-    std::map<std::string, std::vector<rig::ChartPoint>> lines;
-    for (const rig::ChartPoint &point : chart.points) {
+std::map<std::string, std::vector<ChartPoint>> lines_of(const SpeedAccuracyChart &chart) {
+    std::map<std::string, std::vector<ChartPoint>> lines;
+    for (const ChartPoint &point : chart.points) {
         lines[point.method].push_back(point);
     }
     return lines;
@@ -47,7 +47,7 @@ TEST(MotionControlChart, GlobalAlphaIsSofterThanOnTheFlyAndThatThanTheInverse) {
     const double global = lines["transpose, global α"].front().error;
     EXPECT_LT(inverse, on_the_fly); // (28)
     EXPECT_LT(on_the_fly, global);  // the global α is the minimum
-    const std::vector<rig::ChartPoint> &by_hand = lines["transpose, α by hand"];
+    const std::vector<ChartPoint> &by_hand = lines["transpose, α by hand"];
     for (std::size_t i = 1; i < by_hand.size(); ++i) { // (27): twice the α, half the compliance
         EXPECT_NEAR(by_hand[i - 1].error / by_hand[i].error, 2.0, 1e-6);
         EXPECT_LE(by_hand[i].stable, by_hand[i - 1].stable);

@@ -17,11 +17,11 @@ namespace springdrive::charts {
 namespace {
 
 /// The points of each line, from the longest step to the shortest.
-using Lines = std::map<std::string, std::vector<rig::ChartPoint>>;
+using Lines = std::map<std::string, std::vector<ChartPoint>>;
 const Lines &lines() {
     static const Lines found = [] {
         Lines sorted;
-        for (const rig::ChartPoint &point :
+        for (const ChartPoint &point :
              plant_model_chart(testing::quick_setting(), [](double) {}).points) {
             sorted[point.method].push_back(point);
         }
@@ -34,7 +34,7 @@ TEST(PlantModelChart, HasEveryModelInFullAndInThePlane) {
     EXPECT_EQ(lines().size(), 2 * simulated::kPlantModels.size());
     for (const auto &[name, points] : lines()) {
         EXPECT_GE(points.size(), 5U) << name;
-        for (const rig::ChartPoint &point : points) {
+        for (const ChartPoint &point : points) {
             EXPECT_TRUE(point.stable) << name << " " << point.setting;
             EXPECT_GT(point.cost.min_ns, 0.0);
         }
@@ -53,8 +53,8 @@ TEST(PlantModelChart, AFullerModelHasASmallerError) {
 TEST(PlantModelChart, ThePlanarModelIsAsGoodWhereNothingPushesSideways) {
     for (const simulated::PlantModel &model : simulated::kPlantModels) {
         const std::string name(model.name);
-        const std::vector<rig::ChartPoint> &whole = lines().at(name);
-        const std::vector<rig::ChartPoint> &planar = lines().at(name + ", planar");
+        const std::vector<ChartPoint> &whole = lines().at(name);
+        const std::vector<ChartPoint> &planar = lines().at(name + ", planar");
         ASSERT_EQ(whole.size(), planar.size());
         for (std::size_t i = 0; i < whole.size(); ++i) {
             EXPECT_NEAR(planar[i].error, whole[i].error, 1e-6) << name << " " << whole[i].setting;

@@ -12,14 +12,14 @@ TEST(ProxyChart, OnAThinPlateThePenaltyAlwaysFailsAndTheProxyIsExact) {
     ChartSetting setting;
     setting.repeats = 1;
     double last_share = 0.0;
-    const rig::SpeedAccuracyChart chart = thin_plate_chart(setting, [&](double share) {
+    const SpeedAccuracyChart chart = thin_plate_chart(setting, [&](double share) {
         EXPECT_GT(share, last_share);
         last_share = share;
     });
     EXPECT_EQ(last_share, 1.0);
     EXPECT_EQ(chart.name, "proxies_thin_plate");
     ASSERT_EQ(chart.points.size(), 13U); // six meshes twice, and the primitive
-    for (const rig::ChartPoint &point : chart.points) {
+    for (const ChartPoint &point : chart.points) {
         const bool is_penalty = point.method.find("penalty") != std::string::npos;
         EXPECT_EQ(point.stable, !is_penalty) << point.method;
         if (!is_penalty) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/lab/charts/chart_setting.h"
+#include "engine/lab/charts/chart.h"
 #include "tests/support/devices.h"
 
 namespace springdrive::testing {

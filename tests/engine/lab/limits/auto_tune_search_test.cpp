@@ -3,7 +3,7 @@
 #include "engine/lab/limits/auto_tune.h"
 
 #include "base/input_error.h"
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "tests/support/cases.h"
 #include "tests/support/random_loops.h"

@@ -6,6 +6,7 @@
 #include "engine/control/motion_control.h"
 #include "tests/support/configurations.h"
 #include "tests/support/random_loops.h"
+#include "tests/support/sampled_loop.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Covers engine/lab/charts/chart_csv.cpp.
-#include "engine/lab/charts/chart_csv.h"
+// Covers engine/lab/charts/chart.cpp.
+#include "engine/lab/charts/chart.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace springdrive::charts {
 namespace {
 
 TEST(ChartCsv, HasARowForEachPoint) {
-    rig::SpeedAccuracyChart chart;
+    SpeedAccuracyChart chart;
     chart.points = {{"one", "100 µs", {1.5, 2.0, 1e6}, 1e-17, true},
                     {"two", "", {0.0, 0.0, 0.0}, NAN, false},
                     {"a, \"b\"", "two\nlines", {1.0, 1.0, 1.0}, INFINITY, false}};

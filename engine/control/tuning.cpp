@@ -1,4 +1,4 @@
-#include "engine/control/parameters.h"
+#include "engine/control/tuning.h"
 
 #include <fmt/core.h>
 

@@ -1,0 +1,48 @@
+// A speed-accuracy chart: its setting, its points and its CSV file.
+#pragma once
+
+#include "device/core/device_file.h"
+#include "engine/control/tuning.h"
+#include "engine/lab/rig/timing.h"
+
+#include <functional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace springdrive::charts {
+
+struct ChartSetting {
+    device::DeviceDescription device;
+    control::Tuning tuning;
+    int repeats = 5; ///< how often each time is measured, at least once
+};
+
+/// One method at one setting.
+struct ChartPoint {
+    std::string method;  ///< the line that it belongs to
+    std::string setting; ///< "100 µs", "1280 triangles"
+    rig::Cost cost;
+    double error = 0.0; ///< against a reference that shares no code with the method
+    bool stable = true; ///< false: it diverged, and `error` is meaningless
+};
+
+/// One picture.
+struct SpeedAccuracyChart {
+    std::string name; ///< of its files: "integrators"
+    std::string title;
+    std::string cost_label;  ///< without a unit: the axis adds ns, µs or ms
+    std::string error_label; ///< with its unit and its reference
+    std::vector<ChartPoint> points;
+};
+
+/// Receives the progress of a chart, from 0 to 1.
+using ChartProgress = std::function<void(double share)>;
+
+/// method, setting, the cost's minimum, median and maximum [ns], error, stable (1 or 0) and the
+/// machine, a row for each point. An error that is not finite becomes an empty cell. Text with a
+/// comma, a quote or an end of line is quoted (RFC 4180).
+void write_chart_csv(std::ostream &out, const SpeedAccuracyChart &chart,
+                     const std::string &machine);
+
+} // namespace springdrive::charts
