@@ -181,7 +181,7 @@ void check_byte_offsets(std::string_view text) {
     }
 }
 
-std::string without_what_tinygltf_refuses(std::string_view text) {
+std::string adapted_to_tinygltf(std::string_view text) {
     json document = parse_or_nothing(text);
     if (!document.is_object()) {
         return std::string(text);
@@ -240,7 +240,7 @@ tinygltf::Model read_model(const std::filesystem::path &file) {
     check_byte_offsets(text);
     if (text.find(kDracoExtension) != std::string_view::npos ||
         text.find("\"skins\"") != std::string_view::npos) {
-        bytes = with_json(bytes, without_what_tinygltf_refuses(text));
+        bytes = with_json(bytes, adapted_to_tinygltf(text));
     }
     tinygltf::Model model =
         parse(bytes, is_glb(bytes), std::filesystem::absolute(file).parent_path());

@@ -44,7 +44,7 @@ void check_byte_offsets(std::string_view text);
 /// needed: `indices` of Draco-compressed primitives, whose accessor has no buffer view since the
 /// triangles are in the Draco data; and `skins`, whose `inverseBindMatrices` may be left out.
 /// A text that is no JSON is returned unchanged: tinygltf reports what is wrong with it.
-[[nodiscard]] std::string without_what_tinygltf_refuses(std::string_view text);
+[[nodiscard]] std::string adapted_to_tinygltf(std::string_view text);
 
 /// Parses a checked file; buffers and images that it names are read from `folder`. It stands in
 /// gltf_parse.cpp, the only file that compiles tinygltf's code.

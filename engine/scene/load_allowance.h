@@ -5,19 +5,19 @@
 
 namespace springdrive::scene::gltf {
 
-/// Loading takes no more than this at its peak, textures aside.
+/// The maximum memory for loading at its peak, without textures.
 inline constexpr double kMaxMemory_bytes = 8.0 * 1024 * 1024 * 1024;
 
-/// What a triangle and a vertex cost at the peak: all copies that stand at the same time, in file,
-/// scene and search structure. Above what was measured with 9 to 19 million triangles, whether they
-/// share their vertices or not, by what colours and texture coordinates would add.
+/// Memory for a triangle and for a vertex at the peak: all copies that exist at the same time, in
+/// file, scene and search structure. Measured with 9 to 19 million triangles, with shared and with
+/// separate vertices, plus the additional memory of colours and texture coordinates.
 inline constexpr double kPerTriangle_bytes = 300.0;
 inline constexpr double kPerVertex_bytes = 220.0;
 
-/// Counts what a scene is made of, before the memory for it is taken.
+/// Counts the triangles and vertices of a scene before memory for them is allocated.
 class LoadAllowance {
 public:
-    /// @throw InputError with both amounts, when it becomes more than is allowed.
+    /// @throw InputError with both amounts if the sum exceeds the maximum.
     void add(std::size_t triangles, std::size_t vertices);
 
 private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxCuts = 128; // of an edge; more is asked for by damaged normals only
 
-/// The primitives of one smooth node and the patches that they make.
+/// The primitives of one smooth node and their patches.
 struct SmoothNode {
     std::span<PlacedPrimitive> primitives;
     CurvedPatches patches;
@@ -48,7 +48,7 @@ SmoothMesh joined(std::span<const PlacedPrimitive> primitives) {
     return mesh;
 }
 
-/// What the vertices of the cut patches have of a vertex attribute.
+/// A vertex attribute at the vertices of the divided patches.
 Attribute interpolated(const Attribute &coarse, const std::vector<Triangle> &triangles,
                        std::size_t cuts) {
     Attribute fine{coarse.components, {}};
@@ -69,7 +69,7 @@ Attribute interpolated(const Attribute &coarse, const std::vector<Triangle> &tri
     return fine;
 }
 
-/// @param first of the patches that are the primitive's
+/// @param first  index of the first patch of the primitive
 void bend(PlacedPrimitive &primitive, const CurvedPatches &patches, std::size_t first,
           std::size_t cuts) {
     const PrimitiveGeometry &coarse = *primitive.geometry;
@@ -100,7 +100,7 @@ std::size_t triangles_of(std::span<const PlacedPrimitive> primitives) {
     return triangles;
 }
 
-/// Those that are worth bending: too many triangles to be cut even once are left as they are.
+/// The smooth primitives, except those with too many triangles to be divided even once.
 std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
                                           std::vector<std::string> &remarks) {
     std::vector<SmoothNode> nodes;
@@ -124,7 +124,7 @@ std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitiv
     return nodes;
 }
 
-/// Coarser cuts for all, where they would make too many triangles.
+/// Coarser division of all, where there would be too many triangles.
 void keep_within_allowance(std::vector<SmoothNode> &nodes) {
     double wanted = 0.0;
     for (const SmoothNode &node : nodes) {

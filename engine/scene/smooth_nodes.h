@@ -1,4 +1,4 @@
-// Bends the nodes that ask for it into the surfaces that their normals describe.
+// Curves the nodes that are marked smooth to the surfaces that their normals describe.
 #pragma once
 
 #include "engine/scene/gltf_mesh.h"
@@ -8,16 +8,16 @@
 
 namespace springdrive::scene::gltf {
 
-/// Neighbouring facets of a smooth node differ by no more than this: the finger takes it for round.
+/// The largest angle between neighbouring facets of a smooth node, too small to be felt.
 inline constexpr double kSmooth_deg = 0.5;
 
-/// All smooth nodes of a scene together become no more triangles than this.
+/// The maximum number of triangles of all smooth nodes of a scene together.
 inline constexpr std::size_t kMaxCurvedTriangles = 2'000'000;
 
-/// Replaces the primitives of smooth nodes by curved, finely cut ones; all primitives of a node are
-/// cut alike, so that they stay joined. Where the scene's allowance does not suffice, all are cut
-/// more coarsely, and `remarks` tells how far neighbouring facets differ then.
-/// @throw InputError naming the node, when a smooth one has no normals, or some without direction.
+/// Replaces the primitives of smooth nodes by curved, finely divided ones; all primitives of a node
+/// are divided alike, so that they stay joined. If this would exceed `kMaxCurvedTriangles`, all are
+/// divided more coarsely, and `remarks` states the resulting angle between neighbouring facets.
+/// @throw InputError naming the node if a smooth one has no normals, or some of length zero.
 void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, std::vector<std::string> &remarks);
 
 } // namespace springdrive::scene::gltf

@@ -18,15 +18,16 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
 
 /// The share of the steady currents that keeps force and currents within their limits.
 double permissible_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
-                         const Vector3 &settling_A) {
+                         const Vector3 &steady_current_A) {
     double share = 1.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double limit_A =
             kLimiterShare * std::min(motor_of(device, j).peak_current_A, inputs.limits.current_A);
-        share = std::min(share, limit_A / std::abs(settling_A[j])); // infinite at zero current
+        share =
+            std::min(share, limit_A / std::abs(steady_current_A[j])); // infinite at zero current
     }
     const double force_N =
-        control::static_tip_force(inputs.now.J, control::torque_constants(device), settling_A)
+        control::static_tip_force(inputs.now.J, control::torque_constants(device), steady_current_A)
             .norm();
     if (!std::isfinite(force_N)) {
         return 0.0; // singular: the force is unknown

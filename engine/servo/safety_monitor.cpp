@@ -240,8 +240,8 @@ void SafetyMonitor::proceed(bool release) noexcept {
     }
 }
 
-LimitedCommand SafetyMonitor::limited_by_what_stands(const device::DeviceCommand &wanted,
-                                                     const control::Configuration &now) noexcept {
+LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &wanted,
+                                           const control::Configuration &now) noexcept {
     LimiterInputs inputs{now, limits_, status_.ramp, Vector3::Zero()};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
@@ -273,7 +273,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     if (!lets_pass()) {
         return safe_state();
     }
-    const LimitedCommand passed = limited_by_what_stands(wanted, seen.now);
+    const LimitedCommand passed = apply_limits(wanted, seen.now);
     check_voltage(passed);
     if (!lets_pass()) {
         return safe_state();

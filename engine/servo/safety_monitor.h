@@ -120,8 +120,8 @@ private:
     void check_motion(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
-    [[nodiscard]] LimitedCommand limited_by_what_stands(const device::DeviceCommand &wanted,
-                                                        const control::Configuration &now) noexcept;
+    [[nodiscard]] LimitedCommand apply_limits(const device::DeviceCommand &wanted,
+                                              const control::Configuration &now) noexcept;
     void proceed(bool release) noexcept;
 
     device::DeviceDescription device_;

@@ -115,7 +115,7 @@ bool ServoRun::stop_if_released() {
 
 void ServoRun::paused(const std::function<void()> &step) {
     const bool ran = servo_->pause();
-    const auto go_on = [&] {
+    const auto resume = [&] {
         if (ran) {
             servo_->resume();
         }
@@ -124,10 +124,10 @@ void ServoRun::paused(const std::function<void()> &step) {
     try {
         step();
     } catch (...) {
-        go_on();
+        resume();
         throw;
     }
-    go_on();
+    resume();
 }
 
 std::uint64_t ServoRun::set_rate(double servo_hz) {

@@ -224,13 +224,13 @@ FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
         servo::edge_torque_Nm(device_, now.q_rad, rate_rad_per_s_.cwiseQuotient(N))
             .cwiseQuotient(N);
     const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
-    const Vector3 settling_A =
+    const Vector3 steady_current_A =
         (wanted.e_W_V - back_emf_V).cwiseQuotient(min_Ohm) + edge_Nm.cwiseQuotient(k_T_);
-    const double force_N = now.force_N(k_T_.cwiseProduct(settling_A)).norm();
+    const double force_N = now.force_N(k_T_.cwiseProduct(steady_current_A)).norm();
     const double max_A = std::min(motor.peak_current_A, sample.limits.current_A);
-    const double share = std::min({1.0, 0.95 * max_A / settling_A.cwiseAbs().maxCoeff(),
+    const double share = std::min({1.0, 0.95 * max_A / steady_current_A.cwiseAbs().maxCoeff(),
                                    0.95 * sample.limits.tip_force_N / force_N});
-    return {share, back_emf_V + share * settling_A.cwiseProduct(min_Ohm)};
+    return {share, back_emf_V + share * steady_current_A.cwiseProduct(min_Ohm)};
 }
 
 void FaultJudge::look(const device::Measurement &measured, const servo::ServoInputs &inputs,

@@ -87,10 +87,10 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
     rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::brakes);
     loop.tick();
     // F = m a + b v + c along the vertical, from the components of force and motion at 5 Hz.
-    double force_in = 0.0;
-    double force_square = 0.0;
-    double way_in = 0.0;
-    double way_square = 0.0;
+    double force_sine = 0.0;
+    double force_cosine = 0.0;
+    double tip_sine = 0.0;
+    double tip_cosine = 0.0;
     while (phantom.truth().time_s < scenario.duration_s - 0.5 * which.period_s) {
         loop.tick();
         const simulated::SimulatedPhantom::Truth &truth = phantom.truth();
@@ -98,15 +98,15 @@ double apparent_mass_kg(const loops::StabilityCase &which) {
             rig::StrokeOptions::kPeriodsBefore / kFrequency_Hz + 0.5 * which.period_s) {
             // The force is a mean over the last period, so it belongs to the period's middle.
             const double middle = omega * (truth.time_s - 0.5 * which.period_s);
-            force_in += truth.hand_force_N.y() * std::sin(middle);
-            force_square += truth.hand_force_N.y() * std::cos(middle);
-            way_in += truth.tip_m.y() * std::sin(omega * truth.time_s);
-            way_square += truth.tip_m.y() * std::cos(omega * truth.time_s);
+            force_sine += truth.hand_force_N.y() * std::sin(middle);
+            force_cosine += truth.hand_force_N.y() * std::cos(middle);
+            tip_sine += truth.tip_m.y() * std::sin(omega * truth.time_s);
+            tip_cosine += truth.tip_m.y() * std::cos(omega * truth.time_s);
         }
     }
     // The component of F/x in phase is −m ω².
-    const double ratio = (force_in * way_in + force_square * way_square) /
-                         (way_in * way_in + way_square * way_square);
+    const double ratio = (force_sine * tip_sine + force_cosine * tip_cosine) /
+                         (tip_sine * tip_sine + tip_cosine * tip_cosine);
     return -ratio / (omega * omega);
 }
 

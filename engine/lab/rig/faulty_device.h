@@ -64,7 +64,7 @@ public:
     void pass_by(int periods) noexcept;
 
     /// The device behind this one has been replaced: its numbers continue from the last.
-    void go_on() { number_offset_ = last_number_; }
+    void continue_numbering() { number_offset_ = last_number_; }
 
     /// By how much R is too small.
     [[nodiscard]] Vector3 sag_Ohm() const;

@@ -47,7 +47,7 @@ void ServoRig::let_go() {
     phantom_->set_in_motion(
         device::joint_from_motor(description_.geometry, before.theta_rate_rad_per_s),
         before.current_A);
-    device_.go_on();
+    device_.continue_numbering();
 }
 
 } // namespace springdrive::rig

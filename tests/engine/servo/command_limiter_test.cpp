@@ -77,7 +77,7 @@ Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_h
 }
 
 /// Steady currents of a command at constant speed: (e_W − k_T θ̇)/dR.
-Vector3 settling_A(const Case &c, const device::DeviceCommand &command) {
+Vector3 steady_current_A(const Case &c, const device::DeviceCommand &command) {
     const double k_T = c.device.motor[0].torque_constant_Nm_per_A;
     return (command.e_W_V - k_T * c.inputs.now.theta_rate_rad_per_s)
         .cwiseQuotient(residual_Ohm(c.device, command.cancelled_resistance_Ohm));
@@ -96,7 +96,7 @@ TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
     for (int run = 0; run < 40'000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
-        const Vector3 current_A = settling_A(c, result.command);
+        const Vector3 current_A = steady_current_A(c, result.command);
         const double min_A = std::min(c.inputs.limits.current_A, 5.5);
         ASSERT_LE(force_N(c, current_A), kLimiterShare * c.inputs.limits.tip_force_N * (1 + 1e-9))
             << run;
@@ -116,7 +116,7 @@ TEST_F(CommandLimiter, EqualWindingsStayWithinTheLimitThroughoutTheTransient) {
     for (int run = 0; run < 5000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
-        const Vector3 end_A = settling_A(c, command);
+        const Vector3 end_A = steady_current_A(c, command);
         const double limit_N = kLimiterShare * c.inputs.limits.tip_force_N;
         Vector3 start_A = testing::random_vector(random, 5.5);
         start_A *= std::min(1.0, limit_N / force_N(c, start_A));
@@ -145,7 +145,7 @@ TEST_F(CommandLimiter, WindingsOfUnequalTemperatureExceedTheShareOnlySlightly) {
         }
         const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
         const Vector3 dR_Ohm = residual_Ohm(c.device, command.cancelled_resistance_Ohm);
-        const Vector3 end_A = settling_A(c, command);
+        const Vector3 end_A = steady_current_A(c, command);
         double maximum = 0.0;
         for (int step = 0; step < 28; ++step) {
             const double time_s = 1e-5 * std::pow(1.4, step); // to 0.1 s
@@ -171,7 +171,7 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
         c.inputs.ramp = 1.0;
         c.wanted.cancelled_resistance_Ohm = testing::random_vector(random, 1.0).cwiseAbs();
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
-        const Vector3 current_A = settling_A(c, c.wanted);
+        const Vector3 current_A = steady_current_A(c, c.wanted);
         const Vector3 q_rad = device::joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
         device::JointLimits within = c.device.joint_limits;
         const double margin_rad = c.device.edge.margin_rad;
@@ -212,8 +212,8 @@ TEST_F(CommandLimiter, ALimitedForceKeepsItsDirection) {
     c.wanted = {Vector3(3.0, -2.0, 4.0), Vector3::Constant(1.6)};
     const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
     ASSERT_LT(result.force_share, 1.0);
-    const Vector3 wanted_A = settling_A(c, c.wanted);
-    const Vector3 given_A = settling_A(c, result.command);
+    const Vector3 wanted_A = steady_current_A(c, c.wanted);
+    const Vector3 given_A = steady_current_A(c, result.command);
     EXPECT_LT((given_A - result.force_share * wanted_A).norm(), 1e-12);
     EXPECT_NEAR(force_N(c, given_A), kLimiterShare, 1e-12);
 }
@@ -264,7 +264,7 @@ TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
         EXPECT_TRUE(result.held_back.at_edge);
         const Vector3 torque_Nm =
             device.motor[0].torque_constant_Nm_per_A *
-            settling_A(c, result.command).cwiseProduct(device.geometry.transmission_ratio);
+            steady_current_A(c, result.command).cwiseProduct(device.geometry.transmission_ratio);
         EXPECT_NEAR(torque_Nm[0], -device.edge.stiffness_Nm_per_rad * beyond_rad, 1e-12);
         EXPECT_EQ(torque_Nm[1], 0.0);
     }
@@ -280,7 +280,7 @@ TEST_F(CommandLimiter, ASingularLinkageGetsNoForce) {
     const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
     EXPECT_EQ(result.force_share, 0.0);
     EXPECT_TRUE(result.command.e_W_V.allFinite());
-    EXPECT_LT(settling_A(c, result.command).norm(), 1e-12);
+    EXPECT_LT(steady_current_A(c, result.command).norm(), 1e-12);
 }
 
 } // namespace

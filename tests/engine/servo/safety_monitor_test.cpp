@@ -123,17 +123,17 @@ TEST_F(SafetyMonitorTest, LimitsCommandsToSupplyForceAndResistance) {
     const device::DeviceCommand command = pass(calm(), {}, absurd);
     EXPECT_TRUE(monitor.held_back().force);
     const device::MotorParameters &motor = device.motor[0];
-    Vector3 settling_A;
+    Vector3 steady_current_A;
     for (Eigen::Index j = 0; j < 3; ++j) {
         EXPECT_LE(std::abs(command.e_W_V[j]), motor.supply_V);
         EXPECT_GE(command.cancelled_resistance_Ohm[j], 0.0);
         EXPECT_LT(command.cancelled_resistance_Ohm[j], motor.resistance_Ohm);
-        settling_A[j] =
+        steady_current_A[j] =
             command.e_W_V[j] / ((1.0 - motor.commutation_ripple) * motor.resistance_Ohm -
                                 command.cancelled_resistance_Ohm[j]);
     }
     const Vector3 k_T = Vector3::Constant(motor.torque_constant_Nm_per_A);
-    EXPECT_LE(control::static_tip_force(calm().now.J, k_T, settling_A).norm(),
+    EXPECT_LE(control::static_tip_force(calm().now.J, k_T, steady_current_A).norm(),
               kLimiterShare * device.limits.tip_force_N * (1.0 + 1e-9));
     // A lowered voltage, when it is tighter than force and current.
     SafetyOrders orders;
