@@ -103,6 +103,14 @@ std::unique_ptr<rig::ServoRig> RecordedTouch::rig() const {
     return std::make_unique<rig::ServoRig>(scenario);
 }
 
+std::unique_ptr<rig::ServoRig> RecordedTouch::rig_in_touch() const {
+    std::unique_ptr<rig::ServoRig> begun = rig();
+    for (std::size_t i = 0; i < kBefore; ++i) {
+        begun->tick();
+    }
+    return begun;
+}
+
 const RecordedTouch &recorded_touch(const std::string &name) {
     static std::map<std::string, std::unique_ptr<RecordedTouch>> played;
     std::unique_ptr<RecordedTouch> &touch = played[name];

@@ -23,6 +23,8 @@ struct RecordedTouch {
 
     /// Before its first tick; a new one follows the same path.
     [[nodiscard]] std::unique_ptr<rig::ServoRig> rig() const;
+    /// Before the first tick that is measured.
+    [[nodiscard]] std::unique_ptr<rig::ServoRig> rig_in_touch() const;
 };
 
 /// Recorded at the first request: "free", "plate", "organic", "sphere shape", or a name of

@@ -20,13 +20,7 @@ using namespace springdrive::bench;
 void tick_and_device(benchmark::State &state, const RecordedTouch &touch) {
     std::unique_ptr<rig::ServoRig> rig;
     over_ticks(
-        state, RecordedTouch::kTicks,
-        [&] {
-            rig = touch.rig();
-            for (std::size_t i = 0; i < RecordedTouch::kBefore; ++i) {
-                rig->tick();
-            }
-        },
+        state, RecordedTouch::kTicks, [&] { rig = touch.rig_in_touch(); },
         [&](std::size_t /*tick*/) { return rig->tick(); });
 }
 
