@@ -98,6 +98,8 @@ public:
         return normal_.dot(point_m) - offset_m_;
     }
 
+    [[nodiscard]] const std::array<Vector3, 3> &corners_m() const noexcept { return corners_m_; }
+
     [[nodiscard]] FacetSides sides() const noexcept { return sides_; }
     [[nodiscard]] std::uint32_t triangle() const noexcept { return triangle_; }
     [[nodiscard]] std::uint16_t material() const noexcept { return material_; }

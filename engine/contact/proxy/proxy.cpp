@@ -1,5 +1,6 @@
 #include "engine/contact/proxy/proxy.h"
 
+#include "engine/contact/proxy/downhill_directions.h"
 #include "engine/contact/proxy/friction.h"
 #include "engine/contact/proxy/resting_contact.h"
 
@@ -19,8 +20,12 @@ constexpr double kFarthestTip_m = 1e3;
 /// and edges that do not quite meet leave such steps.
 constexpr double kLowRidge_m = 1e-5;
 
-// A tick's path never overflows: every motion adds at most one point, friction two more.
-static_assert(ProxyPath::kCapacity >= 1 + SolverBudget::kMotions + 2);
+/// Maximum number of steps in a tick, over a ridge or out of a pit, to a nearer place of rest.
+constexpr int kMaxJumps = 4;
+
+// A tick's path never overflows: every motion adds at most one point, a step out of a pit and
+// friction two more each.
+static_assert(ProxyPath::kCapacity >= 1 + SolverBudget::kMotions + 2 * kMaxJumps + 2);
 
 /// A place counts as nearer if it is nearer by more than this, which is above round-off [m].
 constexpr double kNearer_m = 1e-12;
@@ -31,6 +36,15 @@ constexpr double kArrived_m = 1e-9;
 /// Maximum length of a step over a ridge [m]. The neighbourhood covers this distance, or half of it
 /// where facets are so fine that it cannot hold more.
 constexpr double kMaxJump_m = 2e-4;
+
+/// The first two motions out of a pit at a vertex [m]: away from the tip, and then along the
+/// surface, to where the clearance's rounding of the vertex has no effect.
+constexpr double kLift_m = 10.0 * kClearance_m;
+constexpr double kAside_m = 30.0 * kClearance_m;
+static_assert(kLift_m <= kLowRidge_m);
+
+/// Facets within this belong to the vertex [m].
+constexpr double kVertex_m = 3.0 * kClearance_m;
 
 /// Radius of the neighbourhood [m]: initial and maximum.
 constexpr double kInitialSearchRadius_m = 1e-3;
@@ -156,15 +170,54 @@ bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &
     return true;
 }
 
+bool Proxy::leave_along(const Vector3 &direction, const ProxySolver &solver,
+                        const HapticSurface &surface, const Vector3 &tip_m) noexcept {
+    const Vector3 from_tip_m = rest_.point_m - tip_m;
+    const double here_m = from_tip_m.norm();
+    const Vector3 above_m = rest_.point_m + kLift_m / here_m * from_tip_m;
+    const Vector3 beside_m = above_m + kAside_m * direction;
+    for (const ContactPlane &plane : rest_.held_by) { // a true corner, in nearly all cases
+        if (surface.stop(plane.obstacle, above_m, beside_m, reach_m_)) {
+            return false;
+        }
+    }
+    if (solver.first_stop(rest_.point_m, above_m) || solver.first_stop(above_m, beside_m)) {
+        return false;
+    }
+    const std::size_t before = path_.size();
+    path_.add(above_m);
+    path_.add(beside_m);
+    Rest there{beside_m, {}};
+    if (!solver.solve(there, tip_m) || (there.point_m - tip_m).norm() >= here_m - kNearer_m) {
+        path_.cut(before);
+        return false;
+    }
+    rest_ = there;
+    return true;
+}
+
+bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface,
+                         const Vector3 &tip_m) noexcept {
+    if (rest_.held_by.size() < 3 || reach_m_ > kClearance_m ||
+        !near_.covers(rest_.point_m, kVertex_m) ||
+        (rest_.point_m - tip_m).squaredNorm() <= kLift_m * kLift_m) {
+        return false;
+    }
+    const DownhillDirections directions =
+        downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m, kAside_m);
+    return std::ranges::any_of(directions, [&](const Vector3 &direction) {
+        return leave_along(direction, solver, surface, tip_m);
+    });
+}
+
 bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
                          const Vector3 &tip_m, SolverBudget &budget) noexcept {
-    constexpr int kMaxJumps = 4;
     bool has_settled = solver.solve(rest_, tip_m);
     if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
         search_neighbourhood(surface, rest_.point_m, budget); // it has moved far
     }
     for (int i = 0; i < kMaxJumps && has_settled && rest_.is_touching(); ++i) {
-        if (!jump_to_nearer_rest(solver, surface, tip_m)) {
+        if (!jump_to_nearer_rest(solver, surface, tip_m) && !leave_vertex(solver, surface, tip_m)) {
             break;
         }
         has_settled = solver.solve(rest_, tip_m);

@@ -2,8 +2,8 @@
 //
 // Each tick it descends towards the tip, in free space and along the surface, to the nearest point
 // that it can reach. Every motion is swept against the surface, so whatever the tip does, the
-// proxy's path never crosses the surface. Ridges and steps too low to feel do not hold it. Where
-// the material has friction it lags behind, as far as Coulomb's law allows.
+// proxy's path never crosses the surface. Ridges, steps and pits too small to feel do not hold it.
+// Where the material has friction it lags behind, as far as Coulomb's law allows.
 //
 // God-object: C. Zilles and K. Salisbury, "A constraint-based god-object method for haptic
 // display", 1995. Proxy: D. Ruspini, K. Kolarov and O. Khatib, "The haptic display of complex
@@ -64,6 +64,10 @@ private:
                                     const Vector3 &tip_m, SolverBudget &budget) noexcept;
     [[nodiscard]] bool jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &surface,
                                            const Vector3 &tip_m) noexcept;
+    [[nodiscard]] bool leave_vertex(const ProxySolver &solver, const HapticSurface &surface,
+                                    const Vector3 &tip_m) noexcept;
+    [[nodiscard]] bool leave_along(const Vector3 &direction, const ProxySolver &solver,
+                                   const HapticSurface &surface, const Vector3 &tip_m) noexcept;
     void apply_friction(const ProxySolver &solver, const Rest &before,
                         const SurfaceMaterial &material, const Vector3 &tip_m) noexcept;
 

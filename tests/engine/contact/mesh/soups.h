@@ -191,14 +191,6 @@ inline contact::TriangleSoup joined(contact::TriangleSoup soup,
     return soup;
 }
 
-inline Vector3 random_direction(std::mt19937_64 &random) {
-    std::normal_distribution<double> coordinate;
-    const double x = coordinate(random);
-    const double y = coordinate(random);
-    const double z = coordinate(random);
-    return Vector3(x, y, z).normalized();
-}
-
 inline contact::TriangleSoup random_soup(std::mt19937_64 &random, int triangles, double half_m,
                                          double size_m) {
     contact::TriangleSoup soup;

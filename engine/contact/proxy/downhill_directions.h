@@ -1,0 +1,46 @@
+// Where a surface leads downhill from a vertex.
+//
+// The proxy's clearance rounds off the vertices of a mesh, and where valleys and ridges meet, the
+// rounded surface can have a pit although a facet or an edge of the mesh leads on downhill. Such a
+// pit is a place of rest in every respect, but as small as the clearance and only some picometres
+// deep on a scanned surface. The proxy therefore tries these directions before it rests at a
+// vertex.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/neighbourhood.h"
+
+#include <array>
+#include <cstddef>
+
+namespace springdrive::contact {
+
+/// A list of unit vectors.
+class DownhillDirections {
+public:
+    static constexpr std::size_t kCapacity = 32;
+
+    /// Does nothing when the list is full.
+    void add(const Vector3 &direction) noexcept {
+        if (size_ < kCapacity) {
+            directions_[size_++] = direction;
+        }
+    }
+
+    [[nodiscard]] const Vector3 *begin() const noexcept { return directions_.data(); }
+    [[nodiscard]] const Vector3 *end() const noexcept { return directions_.data() + size_; }
+
+private:
+    std::array<Vector3, kCapacity> directions_;
+    std::size_t size_ = 0;
+};
+
+/// For each facet of `near` that comes within `within_m` of a point: where its plane leads towards
+/// the target, and those of its edges that do and continue for at least `length_m`. RT-safe.
+/// @pre `near` covers the point
+[[nodiscard]] DownhillDirections
+downhill_directions(const HapticSurface &surface, const Neighbourhood &near, const Vector3 &point_m,
+                    const Vector3 &target_m, double within_m, double length_m) noexcept;
+
+} // namespace springdrive::contact

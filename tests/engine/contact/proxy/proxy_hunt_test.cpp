@@ -1,0 +1,201 @@
+// Hunts for steps on which the proxy crosses a mesh or stands still although it could come nearer
+// to the tip: every step in contact, on generated meshes of the kinds on which proxies fail,
+// against independent brute force.
+#include "engine/contact/mesh/mesh_preparation.h"
+#include "engine/contact/proxy/proxy.h"
+#include "engine/lab/rig/brute_force_proxy.h"
+#include "engine/lab/rig/crossing_finder.h"
+#include "engine/lab/rig/plain_triangles.h"
+#include "tests/support/cases.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/shrink.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <ostream>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+
+/// For GoogleTest.
+inline void PrintTo(const HardMeshKind &kind, std::ostream *out) { *out << kind.name; }
+
+} // namespace springdrive::testing
+
+namespace springdrive::contact {
+
+namespace {
+
+/// A proxy sticks if brute force, which ignores ridges lower than its slack of 2 pm, comes nearer
+/// to the tip by more than this [m]: a tenth of the clearance, which is what two solutions on
+/// different facets of the same vertex may differ by.
+constexpr double kNearer_m = 0.1 * kClearance_m;
+
+constexpr int kStepsOnAMesh = 1500;
+
+/// What a mesh is checked with. It shares no code with the proxy but the preparation of the mesh.
+class Judge {
+public:
+    explicit Judge(const TriangleSoup &soup)
+        : triangles_(rig::plain_triangles(prepare_mesh(soup).facets)), brute_force_(triangles_),
+          crossings_(triangles_) {}
+
+    [[nodiscard]] bool crosses(const ProxyPath &path) const {
+        for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+            if (crossings_.crossed(path[i], path[i + 1])) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// By how much the proxy could be nearer to the tip [m].
+    [[nodiscard]] double lag_m(const Vector3 &proxy_m, const Vector3 &tip_m) const {
+        const Vector3 end_m = brute_force_.walk(proxy_m, tip_m, kClearance_m).point_m;
+        return (proxy_m - tip_m).norm() - (end_m - tip_m).norm();
+    }
+
+private:
+    std::vector<rig::PlainTriangle> triangles_;
+    rig::BruteForceProxy brute_force_;
+    rig::CrossingFinder crossings_;
+};
+
+/// Whether the last of these tips leaves the proxy stuck or lets it cross the mesh.
+bool fails_at_the_end(const TriangleSoup &soup, const std::vector<Vector3> &tips_m) {
+    const HapticSurface surface(soup);
+    Proxy proxy;
+    proxy.reset(tips_m.front());
+    Contact contact;
+    for (const Vector3 &tip_m : tips_m) {
+        contact = proxy.update(surface, tip_m);
+    }
+    const Judge judge(soup);
+    return judge.crosses(proxy.path()) || (contact.touching && contact.settled &&
+                                           judge.lag_m(contact.x0_m, tips_m.back()) > kNearer_m);
+}
+
+class ProxyHunt : public ::testing::TestWithParam<testing::HardMeshKind> {
+protected:
+    void hunt(std::uint64_t seed) {
+        const testing::HardMesh mesh = testing::hard_mesh(GetParam(), seed);
+        const HapticSurface surface(mesh.soup);
+        const Judge judge(mesh.soup);
+        testing::ProbingTip tip(mesh.soup, seed);
+        Proxy proxy;
+        proxy.reset(tip.position_m());
+        std::vector<Vector3> tips_m{tip.position_m()};
+        for (int step = 0; step < kStepsOnAMesh; ++step) {
+            tips_m.push_back(tip.advance());
+            const Contact contact = proxy.update(surface, tips_m.back());
+            unsettled_ += contact.settled ? 0 : 1;
+            checked_ += contact.touching ? 1 : 0;
+            const bool crosses = judge.crosses(proxy.path());
+            const double lag_m = contact.touching && contact.settled
+                                     ? judge.lag_m(contact.x0_m, tips_m.back())
+                                     : 0.0;
+            if (crosses || lag_m > kNearer_m) {
+                const std::string file =
+                    ::testing::TempDir() + mesh.name.substr(0, 4) + std::to_string(seed) + ".obj";
+                const TriangleSoup smallest =
+                    testing::shrunk(mesh.soup, [&](const TriangleSoup &soup) {
+                        return fails_at_the_end(soup, tips_m);
+                    });
+                testing::write_obj(file, smallest);
+                FAIL() << mesh.name << ", seed " << seed << ", step " << step << ": "
+                       << (crosses ? "crosses the mesh"
+                                   : "could be nearer by " + std::to_string(1e6 * lag_m) + " µm")
+                       << "; " << smallest.triangles.size() << " triangles are enough: " << file;
+            }
+        }
+    }
+
+    long checked_ = 0;
+    long unsettled_ = 0;
+};
+
+TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
+    const long wanted = testing::cases(150'000, 15'000'000);
+    std::uint64_t seed = 1;
+    for (; checked_ < wanted; ++seed) {
+        hunt(seed);
+        if (HasFatalFailure()) {
+            return;
+        }
+    }
+    std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled\n",
+                std::string(GetParam().name).c_str(), checked_, static_cast<int>(seed - 1),
+                unsettled_);
+    EXPECT_LT(unsettled_, checked_ / 100'000 + 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ProxyHunt, ::testing::ValuesIn(testing::kHardMeshKinds),
+                         [](const auto &given) { return std::string(given.param.name); });
+
+/// A vertex of a scan: gentle slopes, up and down, in five to eight triangles of 0.1 mm.
+TriangleSoup gentle_vertex(std::mt19937_64 &random) {
+    constexpr double kRadius_m = 1e-4;
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    const int count = std::uniform_int_distribution<int>(5, 8)(random);
+    const double slope = std::pow(10.0, one(random) - 1.5);
+    TriangleSoup soup;
+    soup.vertices_m = {Vector3::Zero()};
+    for (int i = 0; i < count; ++i) {
+        const double turn = 2.0 * std::numbers::pi * (i + 0.3 * one(random)) / count;
+        soup.vertices_m.emplace_back(kRadius_m * std::cos(turn), kRadius_m * slope * one(random),
+                                     kRadius_m * std::sin(turn));
+        soup.triangles.push_back({0, static_cast<std::uint32_t>(1 + (i + 1) % count),
+                                  static_cast<std::uint32_t>(1 + i)});
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"vertex", 0.0}};
+    return soup;
+}
+
+/// One place of rest in about a thousand is a pit that only the clearance makes.
+TEST(ProxyAtAVertex, IsNotHeldWhereTheMeshLeadsDown) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    int touching = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const TriangleSoup soup = gentle_vertex(random);
+        const HapticSurface surface(soup);
+        const Judge judge(soup);
+        for (int k = 0; k < 20; ++k) {
+            const double depth_m = 1e-4 * std::pow(50.0, 0.5 + 0.5 * one(random));
+            const Vector3 tip_m = depth_m * Vector3(0.05 * one(random), -1.0, 0.05 * one(random));
+            Proxy proxy;
+            proxy.reset({3e-5 * one(random), 3e-5, 3e-5 * one(random)});
+            const Contact contact = proxy.update(surface, tip_m);
+            if (contact.touching) {
+                ++touching;
+                EXPECT_TRUE(contact.settled);
+                EXPECT_LT(judge.lag_m(contact.x0_m, tip_m), kNearer_m) << i << ' ' << k;
+            }
+        }
+    }
+    EXPECT_GT(touching, 20'000); // not vacuous
+}
+
+TEST(Shrink, LeavesTheTrianglesThatItTakes) {
+    std::mt19937_64 random(1);
+    const TriangleSoup soup = testing::scan(random);
+    const auto needed = {soup.triangles[3], soup.triangles[40], soup.triangles.back()};
+    const TriangleSoup smallest = testing::shrunk(soup, [&](const TriangleSoup &smaller) {
+        return std::ranges::all_of(needed, [&](const auto &triangle) {
+            return std::ranges::find(smaller.triangles, triangle) != smaller.triangles.end();
+        });
+    });
+    EXPECT_EQ(smallest.triangles.size(), 3U);
+    EXPECT_EQ(smallest.material_of_triangle.size(), 3U);
+}
+
+} // namespace
+} // namespace springdrive::contact
