@@ -290,7 +290,7 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
         add_touch(scene, rest.first(size), fit);
         rest = rest.subspan(size);
     }
-    TextureLibrary textures(model);
+    TextureLibrary textures(model, folder_of(scene.file));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         std::ranges::move(visual_meshes(primitives[i], textures, scene.remarks),
                           std::back_inserter(scene.meshes));
@@ -304,14 +304,13 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
            LoadProgress &progress) {
     using Stage = LoadProgress::Stage;
     progress.begin(Stage::reading, false);
-    const tinygltf::Model model = read_model(file);
     Scene scene;
     scene.file = file;
+    const tinygltf::Model model = read_model(file, scene.remarks);
     const SceneExtras extras = read_scene_extras(model);
     scene.in_metres = extras.in_metres;
     scene.planar = extras.planar;
     scene.tolerance = extras.tolerance;
-    scene.remarks = left_out_of(model);
     const std::vector<PlacedMesh> nodes = place_meshes(model);
     progress.begin(Stage::gathering, true);
     std::vector<PlacedPrimitive> primitives = gather(model, nodes, scene.remarks, progress);

@@ -177,19 +177,28 @@ std::span<const unsigned char> view_bytes(const tinygltf::Model &model, int view
                          std::to_string(model.bufferViews.size()) + " of them");
     }
     const tinygltf::BufferView &description = model.bufferViews[static_cast<std::size_t>(view)];
-    const int buffer = description.buffer;
+    return bytes_within(model, description.buffer, description.byteOffset, description.byteLength,
+                        place);
+}
+
+std::span<const unsigned char> bytes_within(const tinygltf::Model &model, int buffer,
+                                            std::size_t offset, std::size_t length,
+                                            const std::string &place) {
     if (buffer < 0 || static_cast<std::size_t>(buffer) >= model.buffers.size()) {
         throw InputError(place + ": buffer " + std::to_string(buffer) + " is not in the file");
     }
     const std::span<const unsigned char> bytes(
         model.buffers[static_cast<std::size_t>(buffer)].data);
-    if (description.byteOffset > bytes.size() ||
-        description.byteLength > bytes.size() - description.byteOffset) {
-        throw InputError(place + ": " + std::to_string(description.byteLength) + " bytes from " +
-                         std::to_string(description.byteOffset) + " reach beyond buffer " +
-                         std::to_string(buffer) + " of " + std::to_string(bytes.size()) + " bytes");
+    if (bytes.empty() && length > 0) {
+        throw InputError(place + ": buffer " + std::to_string(buffer) +
+                         " has no uri, so the file does not say where its bytes are");
     }
-    return bytes.subspan(description.byteOffset, description.byteLength);
+    if (offset > bytes.size() || length > bytes.size() - offset) {
+        throw InputError(place + ": " + std::to_string(length) + " bytes from " +
+                         std::to_string(offset) + " reach beyond buffer " + std::to_string(buffer) +
+                         " of " + std::to_string(bytes.size()) + " bytes");
+    }
+    return bytes.subspan(offset, length);
 }
 
 Attribute read_attribute(const tinygltf::Model &model, int index, Scaling scaling) {
@@ -234,10 +243,14 @@ std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int index)
         throw InputError(place + ": indices are scalars of 8, 16 or 32 bits, unsigned");
     }
     const std::size_t size = component_size(type, place);
-    const Elements elements =
-        find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count, size, place);
     std::vector<std::uint32_t> indices(accessor.count);
-    for (std::size_t i = 0; i < accessor.count; ++i) {
+    const bool has_view = accessor.bufferView >= 0; // without one all but sparse values are zero
+    Elements elements;
+    if (has_view) {
+        elements = find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                 size, place);
+    }
+    for (std::size_t i = 0; has_view && i < accessor.count; ++i) {
         stop_if_given_up(i);
         indices[i] = load_index(elements[i], type);
     }

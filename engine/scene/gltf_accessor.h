@@ -49,12 +49,20 @@ enum class Scaling : std::uint8_t {
 /// @throw InputError for a view that does not exist or does not lie within its buffer.
 [[nodiscard]] std::span<const unsigned char> view_bytes(const tinygltf::Model &model, int view);
 
+/// A part of a buffer.
+/// @param place of what refers to it, for messages
+/// @throw InputError for a buffer that does not exist, has no data or is too short.
+[[nodiscard]] std::span<const unsigned char> bytes_within(const tinygltf::Model &model, int buffer,
+                                                          std::size_t offset, std::size_t length,
+                                                          const std::string &place);
+
 /// Reads floats, or 8- and 16-bit integers (KHR_mesh_quantization), sparse ones too.
 /// @throw InputError naming the accessor, for one that does not exist, is no vector of that kind,
 ///        or reaches outside its buffer view.
 [[nodiscard]] Attribute read_attribute(const tinygltf::Model &model, int accessor, Scaling scaling);
 
-/// Reads 8-, 16- or 32-bit unsigned scalars.
+/// Reads 8-, 16- or 32-bit unsigned scalars, sparse ones too; without a buffer view the others are
+/// zero.
 /// @throw InputError as above.
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int accessor);
 

@@ -1,40 +1,40 @@
 #include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
 #include "base/wanted.h"
 #include "engine/scene/gltf_accessor.h"
+#include "engine/scene/gltf_extensions.h"
+#include "engine/scene/gltf_json.h"
+#include "engine/scene/gltf_meshopt.h"
+#include "engine/scene/gltf_uri.h"
 
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <span>
+#include <utility>
 
 namespace springdrive::scene::gltf {
 
 namespace {
 
-constexpr std::uintmax_t kMaxFile_bytes = 2'000'000'000; // tinygltf counts in 32 bits
-constexpr std::size_t kDeepestJson = 100;                // glTF itself needs about ten
+using nlohmann::json;
+
+constexpr std::size_t kMaxFile_bytes = 2'000'000'000;
 constexpr std::size_t kGlbHeader_bytes = 12;
 constexpr std::size_t kChunkHeader_bytes = 8;
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A; // "JSON"
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;   // "JSON"
+constexpr std::uint32_t kBinaryChunk = 0x004E4942; // "BIN"
 
 std::uint32_t read_uint32(std::span<const unsigned char> bytes, std::size_t offset) {
     std::uint32_t value = 0;
     std::memcpy(&value, &bytes[offset], sizeof value);
     return value;
-}
-
-void append_uint32(Bytes &bytes, std::size_t value) {
-    const auto narrow = static_cast<std::uint32_t>(value);
-    std::array<unsigned char, sizeof narrow> raw{};
-    std::memcpy(raw.data(), &narrow, sizeof narrow);
-    bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
 bool is_glb(std::span<const unsigned char> bytes) {
@@ -84,120 +84,123 @@ std::string_view check_text(std::span<const unsigned char> bytes) {
     return text;
 }
 
-/// The same file with its JSON replaced.
-Bytes with_json(std::span<const unsigned char> bytes, std::string json) {
-    if (!is_glb(bytes)) {
-        return {json.begin(), json.end()};
-    }
-    json.resize((json.size() + 3) / 4 * 4, ' ');
+/// The bytes of the chunk after the JSON, in which a .glb keeps its first buffer.
+/// @param bytes that `check_glb` accepts
+std::span<const unsigned char> binary_chunk(std::span<const unsigned char> bytes) {
     const std::size_t length = read_uint32(bytes, 8);
-    const std::size_t rest =
+    const std::size_t at =
         kGlbHeader_bytes + kChunkHeader_bytes + read_uint32(bytes, kGlbHeader_bytes);
-    Bytes result(bytes.begin(), bytes.begin() + 8);
-    append_uint32(result, kGlbHeader_bytes + kChunkHeader_bytes + json.size() + (length - rest));
-    append_uint32(result, json.size());
-    append_uint32(result, kJsonChunk);
-    result.insert(result.end(), json.begin(), json.end());
-    result.insert(result.end(), bytes.begin() + static_cast<std::ptrdiff_t>(rest),
-                  bytes.begin() + static_cast<std::ptrdiff_t>(length));
-    return result;
-}
-
-bool is_supported(std::string_view extension) {
-    constexpr std::array<std::string_view, 5> kSupported = {
-        kDracoExtension, "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
-        "KHR_xmp_json_ld"};
-    return std::ranges::find(kSupported, extension) != kSupported.end() ||
-           extension.starts_with("KHR_materials_");
-}
-
-using nlohmann::json;
-
-/// The member if it is an array, else an empty one.
-json &array_member(json &object, const char *name) {
-    static json nothing = json::array();
-    if (!object.is_object() || !object.contains(name) || !object[name].is_array()) {
-        return nothing;
+    if (at >= length || read_uint32(bytes, at + 4) != kBinaryChunk) {
+        return {};
     }
-    return object[name];
+    return bytes.subspan(at + kChunkHeader_bytes, read_uint32(bytes, at));
 }
 
 bool is_draco_compressed(const json &primitive) {
-    return primitive.is_object() && primitive.contains("extensions") &&
-           primitive["extensions"].is_object() && primitive["extensions"].contains(kDracoExtension);
+    const auto extensions = primitive.find("extensions");
+    return extensions != primitive.end() && extensions->is_object() &&
+           extensions->contains(kDracoExtension);
 }
 
-json parse_or_nothing(std::string_view text) {
-    return json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
+/// The accessor of a primitive's triangles, as tinygltf refuses it.
+struct IndicesWithoutView {
+    std::size_t mesh;
+    std::size_t primitive;
+    int accessor;
+};
+
+bool has_view(const json &document, int accessor) {
+    const auto accessors = document.find("accessors");
+    const bool exists = accessor >= 0 && accessors != document.end() &&
+                        static_cast<std::size_t>(accessor) < accessors->size();
+    return exists && (*accessors)[static_cast<std::size_t>(accessor)].contains("bufferView");
 }
 
-void check_whole(const json &object, const char *key, const std::string &owner) {
-    if (object.is_object() && object.contains(key) && !object[key].is_number_unsigned()) {
-        throw InputError(owner + ": its " + key + " is " + one_line(object[key].dump(), 40) +
-                         "; it must be a whole number from 0");
-    }
-}
-
-} // namespace
-
-std::size_t json_nesting_depth(std::string_view text) {
-    std::size_t depth = 0;
-    std::size_t deepest = 0;
-    bool in_string = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (in_string) {
-            i += c == '\\' ? 1 : 0;
-            in_string = c != '"';
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '[' || c == '{') {
-            deepest = std::max(deepest, ++depth);
-        } else if ((c == ']' || c == '}') && depth > 0) {
-            --depth;
-        }
-    }
-    return deepest;
-}
-
-void check_byte_offsets(std::string_view text) {
-    json document = parse_or_nothing(text);
-    std::size_t index = 0;
-    for (const json &view : array_member(document, "bufferViews")) {
-        const std::string owner = "buffer view " + std::to_string(index++);
-        check_whole(view, "byteOffset", owner);
-        check_whole(view, "byteStride", owner);
-    }
-    index = 0;
-    for (const json &accessor : array_member(document, "accessors")) {
-        const std::string owner = "accessor " + std::to_string(index++);
-        check_whole(accessor, "byteOffset", owner);
-        const json sparse = accessor.is_object() ? accessor.value("sparse", json()) : json();
-        for (const char *part : {"indices", "values"}) {
-            if (sparse.is_object() && sparse.contains(part)) {
-                check_whole(sparse[part], "byteOffset", owner + ": sparse " + part);
-            }
-        }
-    }
-}
-
-std::string adapted_to_tinygltf(std::string_view text) {
-    json document = parse_or_nothing(text);
-    if (!document.is_object()) {
-        return std::string(text);
-    }
-    document.erase("skins");
-    for (json &mesh : array_member(document, "meshes")) {
-        for (json &primitive : array_member(mesh, "primitives")) {
+/// Takes the indices out whose accessor has no buffer view: tinygltf refuses them, though they are
+/// valid. Those of Draco-compressed primitives are not needed.
+/// @return the others
+std::vector<IndicesWithoutView> take_indices_without_view(json &document) {
+    std::vector<IndicesWithoutView> taken;
+    json none = json::array();
+    json &meshes = document.contains("meshes") ? document["meshes"] : none;
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        json &primitives = meshes[m]["primitives"];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            json &primitive = primitives[p];
+            const int accessor = primitive.value("indices", -1);
             if (is_draco_compressed(primitive)) {
+                primitive.erase("indices");
+            } else if (accessor >= 0 && !has_view(document, accessor)) {
+                taken.push_back({m, p, accessor});
                 primitive.erase("indices");
             }
         }
     }
-    return document.dump();
+    return taken;
 }
 
+/// Takes out what is read elsewhere or not needed, so that tinygltf opens no file, and refuses no
+/// skin or animation that is valid in a later extension.
+void take_out_unneeded(json &document) {
+    for (const char *name : {"buffers", "images", "skins", "animations", "cameras", "extensions"}) {
+        document.erase(name);
+    }
+}
+
+Bytes first_bytes(std::span<const unsigned char> bytes, std::size_t max_bytes) {
+    const std::span first = bytes.first(std::min(max_bytes, bytes.size()));
+    return {first.begin(), first.end()};
+}
+
+/// @param chunk of a .glb, for its first buffer if that has no URI
+/// @param place for messages: "buffer 3"
+Bytes read_buffer(const json &buffer, std::span<const unsigned char> chunk,
+                  const std::filesystem::path &folder, const std::string &place) {
+    const auto length = buffer["byteLength"].get<std::size_t>();
+    const bool has_uri = buffer.contains("uri");
+    if ((!has_uri && chunk.empty()) || length == 0) {
+        return {}; // missed only if something refers to it
+    }
+    if (length > kMaxFile_bytes) {
+        throw InputError(place + " is larger than 2 GB; split or simplify it");
+    }
+    const auto uri = buffer.value("uri", std::string());
+    const std::string source =
+        place + ": " + (has_uri ? name_of_uri(uri) : "the .glb's binary chunk") + " ";
+    Bytes bytes;
+    try {
+        bytes = has_uri ? read_uri(uri, folder, length) : first_bytes(chunk, length);
+    } catch (const InputError &error) {
+        throw InputError(source + error.what());
+    }
+    if (bytes.size() < length) {
+        throw InputError(source + "has " + std::to_string(bytes.size()) +
+                         " bytes, but its byteLength is " + std::to_string(length) +
+                         "; copy or export it again");
+    }
+    return bytes;
+}
+
+std::vector<tinygltf::Image> images_of(const json &images) {
+    std::vector<tinygltf::Image> result(images.size());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const auto name = images[i].find("name");
+        if (name != images[i].end() && name->is_string()) {
+            result[i].name = name->get<std::string>();
+        }
+        result[i].uri = images[i].value("uri", "");
+        result[i].bufferView = images[i].value("bufferView", -1);
+    }
+    return result;
+}
+
+} // namespace
+
 Bytes read_bytes(const std::filesystem::path &file) {
+    return read_first_bytes(file, std::numeric_limits<std::size_t>::max());
+}
+
+Bytes read_first_bytes(const std::filesystem::path &file, std::size_t max_bytes) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) {
@@ -209,7 +212,8 @@ Bytes read_bytes(const std::filesystem::path &file) {
     if (!std::filesystem::is_regular_file(status)) {
         throw InputError("is no ordinary file; name a .gltf or .glb file");
     }
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
+    const std::uintmax_t size =
+        std::min<std::uintmax_t>(std::filesystem::file_size(file, error), max_bytes);
     if (error || size > kMaxFile_bytes) {
         throw InputError("is larger than 2 GB; split or simplify it");
     }
@@ -230,45 +234,38 @@ Bytes read_bytes(const std::filesystem::path &file) {
     return bytes;
 }
 
-tinygltf::Model read_model(const std::filesystem::path &file) {
-    Bytes bytes = read_bytes(file);
-    const std::string_view text = is_glb(bytes) ? check_glb(bytes) : check_text(bytes);
-    if (json_nesting_depth(text) > kDeepestJson) {
-        throw InputError("nests its JSON deeper than " + std::to_string(kDeepestJson) +
-                         " levels; no glTF does");
-    }
-    check_byte_offsets(text);
-    if (text.find(kDracoExtension) != std::string_view::npos ||
-        text.find("\"skins\"") != std::string_view::npos) {
-        bytes = with_json(bytes, adapted_to_tinygltf(text));
-    }
-    tinygltf::Model model =
-        parse(bytes, is_glb(bytes), std::filesystem::absolute(file).parent_path());
-    if (!model.asset.version.starts_with("2.")) {
-        throw InputError("is glTF version " + in_quotes(model.asset.version) +
-                         "; export it as glTF 2.0");
-    }
-    for (const std::string &extension : model.extensionsRequired) {
-        if (!is_supported(extension)) {
-            throw InputError("needs the extension " + in_quotes(extension) +
-                             ", which is not supported; export it without");
-        }
-    }
-    return model;
+std::filesystem::path folder_of(const std::filesystem::path &file) {
+    return std::filesystem::absolute(file).parent_path();
 }
 
-std::vector<std::string> left_out_of(const tinygltf::Model &model) {
-    std::vector<std::string> remarks;
-    for (const std::string &extension : model.extensionsUsed) {
-        if (!is_supported(extension)) {
-            remarks.push_back("extension " + in_quotes(extension) + " is left out");
-        }
+tinygltf::Model read_model(const std::filesystem::path &file, std::vector<std::string> &remarks) {
+    const Bytes bytes = read_bytes(file);
+    const bool is_binary = is_glb(bytes);
+    json document = parse_json(is_binary ? check_glb(bytes) : check_text(bytes));
+    check_members(document);
+    check_versions_and_extensions(document);
+    remarks = left_out_of(document);
+    const json buffers = document.value("buffers", json::array());
+    const json images = document.value("images", json::array());
+    take_out_unneeded(document);
+    const std::vector<IndicesWithoutView> taken = take_indices_without_view(document);
+    tinygltf::Model model = parse(std::exchange(document, {}).dump());
+    for (const IndicesWithoutView &indices : taken) {
+        model.meshes[indices.mesh].primitives[indices.primitive].indices = indices.accessor;
     }
-    if (!model.animations.empty()) {
-        remarks.push_back(std::to_string(model.animations.size()) +
-                          " animation(s) are not played: the scene stands still");
+    model.images = images_of(images);
+    std::span<const unsigned char> chunk;
+    if (is_binary) {
+        chunk = binary_chunk(bytes);
     }
-    return remarks;
+    for (const json &buffer : buffers) {
+        const std::string place = "buffer " + std::to_string(model.buffers.size());
+        model.buffers.emplace_back();
+        model.buffers.back().data =
+            read_buffer(buffer, std::exchange(chunk, {}), folder_of(file), place);
+    }
+    decode_meshopt_views(model);
+    return model;
 }
 
 } // namespace springdrive::scene::gltf

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,40 +15,30 @@ namespace springdrive::scene::gltf {
 
 using Bytes = std::vector<unsigned char>;
 
-/// Reads a .gltf or .glb, told apart by their first bytes, with the buffers and images it refers
-/// to. Images stay encoded: an image in a file of its own or in a data URI lies in `image`, one in
-/// a buffer view only names the view. References between the model's arrays are not checked here.
+/// Reads a .gltf or .glb, told apart by their first bytes, with the buffers it refers to; images
+/// remain in their files and data URIs. Skins, animations and cameras are left out. References
+/// between the model's arrays are not checked here.
+/// @param remarks gains what is left out of the file without harm
 /// @throw InputError, without the file's name, for a file that is missing, empty, truncated, no
-///        glTF 2.0, or needs an extension that is not supported.
-[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file);
+///        glTF 2.0, or needs an extension that is not supported; for members of a wrong type; and
+///        for a buffer that cannot be read, is too short or lies outside the file's folder.
+[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file,
+                                         std::vector<std::string> &remarks);
 
-/// What is left out of the file without harm: extensions that it uses but does not require, and
-/// animations.
-[[nodiscard]] std::vector<std::string> left_out_of(const tinygltf::Model &model);
+/// The folder in which `read_model` looks for buffers, and in which images are to be looked for.
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path &file);
 
 /// @throw InputError, without the file's name, for what is no ordinary file, is empty, cannot be
 ///        read or is larger than 2 GB.
 [[nodiscard]] Bytes read_bytes(const std::filesystem::path &file);
 
-/// How deeply brackets nest in a JSON text. tinygltf reads `extras` recursively, so a file of
-/// nothing but `[[[[…` would exhaust the stack.
-[[nodiscard]] std::size_t json_nesting_depth(std::string_view text);
+/// The first `max_bytes` bytes, or all.
+/// @throw InputError as above.
+[[nodiscard]] Bytes read_first_bytes(const std::filesystem::path &file, std::size_t max_bytes);
 
-/// Refuses byte offsets and strides that are no whole numbers from 0: tinygltf reads them as 0, so
-/// that other bytes than those meant would be taken from a damaged file.
-/// @throw InputError naming the accessor or buffer view.
-void check_byte_offsets(std::string_view text);
-
-/// The same glTF without two things that are valid but that tinygltf refuses, and that are not
-/// needed: `indices` of Draco-compressed primitives, whose accessor has no buffer view since the
-/// triangles are in the Draco data; and `skins`, whose `inverseBindMatrices` may be left out.
-/// A text that is no JSON is returned unchanged: tinygltf reports what is wrong with it.
-[[nodiscard]] std::string adapted_to_tinygltf(std::string_view text);
-
-/// Parses a checked file; buffers and images that it names are read from `folder`. It stands in
-/// gltf_parse.cpp, the only file that compiles tinygltf's code.
+/// tinygltf's model of a JSON text that refers to no other file. It stands in gltf_parse.cpp, the
+/// only file that compiles tinygltf's code.
 /// @throw InputError with what tinygltf finds wrong, on one line.
-[[nodiscard]] tinygltf::Model parse(std::span<const unsigned char> bytes, bool is_binary,
-                                    const std::filesystem::path &folder);
+[[nodiscard]] tinygltf::Model parse(const std::string &text);
 
 } // namespace springdrive::scene::gltf

@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "engine/scene/gltf_accessor.h"
+#include "engine/scene/gltf_uri.h"
 
 #include <stb/stb_image.h>
 #include <tiny_gltf.h>
@@ -26,6 +27,17 @@ const Item &checked(const std::vector<Item> &items, int index, const std::string
                          std::to_string(items.size()));
     }
     return items[static_cast<std::size_t>(index)];
+}
+
+/// Colours are drawn in single precision.
+/// @param what in messages: "material 3: baseColorFactor"
+void require_drawable(std::span<const double> numbers, const std::string &what) {
+    for (const double number : numbers) {
+        if (!(std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max()))) {
+            throw InputError(what + " is " + shortest_text(number) +
+                             "; a colour is from 0 to 1, and must be finite in single precision");
+        }
+    }
 }
 
 std::array<double, 2> read_pair(const tinygltf::Value &object, const std::string &key,
@@ -56,28 +68,48 @@ void read_texture(const tinygltf::TextureInfo &info, BaseColour &colour) {
     }
 }
 
+/// An encoded image: in a buffer view, or read.
+struct EncodedImage {
+    Bytes read;
+    std::span<const unsigned char> bytes;
+};
+
+/// "'wood.png'", by its file or else its name; else its number.
+std::string name_of(const tinygltf::Image &image, int index) {
+    if (!image.uri.empty() && !is_data_uri(image.uri)) {
+        return name_of_uri(image.uri);
+    }
+    return image.name.empty() ? std::to_string(index) : in_quotes(image.name);
+}
+
 /// The encoded image, or nothing with the reason in `problem`.
-std::span<const unsigned char> encoded_bytes(const tinygltf::Model &model,
-                                             const tinygltf::Image &image, std::string &problem) {
-    const std::span<const unsigned char> bytes = image.bufferView >= 0
-                                                     ? view_bytes(model, image.bufferView)
-                                                     : std::span<const unsigned char>(image.image);
+EncodedImage read_image(const tinygltf::Model &model, const tinygltf::Image &image,
+                        const std::filesystem::path &folder, std::string &problem) {
+    EncodedImage encoded;
+    if (image.bufferView >= 0) {
+        encoded.bytes = view_bytes(model, image.bufferView);
+    } else if (!image.uri.empty()) {
+        try {
+            encoded.read = read_uri(image.uri, folder, std::numeric_limits<std::size_t>::max());
+        } catch (const InputError &error) {
+            problem = error.what();
+            return encoded;
+        }
+        encoded.bytes = encoded.read;
+    }
     constexpr std::array<unsigned char, 4> kPng{0x89, 'P', 'N', 'G'};
     constexpr std::array<unsigned char, 3> kJpeg{0xff, 0xd8, 0xff};
     const auto starts_with = [&](const auto &magic) {
-        return bytes.size() > magic.size() &&
-               std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+        return encoded.bytes.size() > magic.size() &&
+               std::memcmp(encoded.bytes.data(), magic.data(), magic.size()) == 0;
     };
-    if (bytes.empty()) {
-        problem = image.uri.empty() ? "is empty" : in_quotes(image.uri) + " cannot be read";
-        return {};
-    }
-    if (bytes.size() > std::numeric_limits<int>::max() ||
-        (!starts_with(kPng) && !starts_with(kJpeg))) {
+    if (encoded.bytes.empty()) {
+        problem = "is empty";
+    } else if (encoded.bytes.size() > std::numeric_limits<int>::max() ||
+               (!starts_with(kPng) && !starts_with(kJpeg))) {
         problem = "is neither PNG nor JPEG";
-        return {};
     }
-    return bytes;
+    return encoded;
 }
 
 /// Writes the alpha mode into the pixels, so that drawing needs their alpha only.
@@ -100,30 +132,53 @@ bool any_see_through(std::span<const std::uint8_t> rgba) {
     return false;
 }
 
+struct ImageSize {
+    std::size_t width = 0;
+    std::size_t height = 0;
+};
+
+/// By the image's header; nothing if it is damaged. stb itself refuses a PNG that is too large for
+/// it as it refuses a damaged one.
+ImageSize size_of(std::span<const unsigned char> bytes) {
+    constexpr std::size_t kPngHeader_bytes = 24; // signature, length, "IHDR", width, height
+    if (bytes[0] == 0x89 && bytes.size() >= kPngHeader_bytes) {
+        const auto read = [&](std::size_t at) {
+            return std::size_t{bytes[at]} << 24U | std::size_t{bytes[at + 1]} << 16U |
+                   std::size_t{bytes[at + 2]} << 8U | std::size_t{bytes[at + 3]};
+        };
+        return {read(16), read(20)};
+    }
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    const bool is_known = stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()),
+                                                &width, &height, &channels) != 0;
+    return is_known && width > 0 && height > 0
+               ? ImageSize{static_cast<std::size_t>(width), static_cast<std::size_t>(height)}
+               : ImageSize{};
+}
+
 /// @return no pixels, and the reason in `problem`, when the bytes are no image or too large a one
 Texture decode(std::span<const unsigned char> bytes, std::size_t max_pixels, std::string &problem) {
+    const ImageSize size = size_of(bytes);
+    if (size.height > 0 && size.width > max_pixels / size.height) {
+        problem = "is too large with " + std::to_string(size.width) + " x " +
+                  std::to_string(size.height) + " pixels: of " + std::to_string(kMaxPixels) +
+                  " for all textures together, " + std::to_string(max_pixels) + " are left";
+        return {};
+    }
     Texture texture;
     int channels = 0;
-    const auto size = static_cast<int>(bytes.size());
-    if (stbi_info_from_memory(bytes.data(), size, &texture.width, &texture.height, &channels) ==
-        0) {
-        problem = "is damaged";
-        return {};
-    }
-    const auto pixels =
-        static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
-    if (pixels == 0 || pixels > max_pixels) {
-        problem = "is too large with " + std::to_string(texture.width) + " x " +
-                  std::to_string(texture.height) + " pixels";
-        return {};
-    }
     const std::unique_ptr<stbi_uc, void (*)(void *)> rgba(
-        stbi_load_from_memory(bytes.data(), size, &texture.width, &texture.height, &channels, 4),
+        stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &texture.width,
+                              &texture.height, &channels, 4),
         &stbi_image_free);
     if (rgba == nullptr) {
         problem = "is damaged";
         return {};
     }
+    const auto pixels =
+        static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
     texture.rgba.assign(rgba.get(), rgba.get() + 4 * pixels);
     return texture;
 }
@@ -160,6 +215,7 @@ BaseColour read_base_colour(const tinygltf::Model &model, int material) {
         throw InputError("material " + std::to_string(material) + ": baseColorFactor has " +
                          std::to_string(factor.size()) + " numbers; it takes 4");
     }
+    require_drawable(factor, "material " + std::to_string(material) + ": baseColorFactor");
     std::copy(factor.begin(), factor.end(), colour.factor.begin());
     if (source.pbrMetallicRoughness.baseColorTexture.index >= 0) {
         read_texture(source.pbrMetallicRoughness.baseColorTexture, colour);
@@ -182,19 +238,20 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
         return entry->second;
     }
     const tinygltf::Texture &source = checked(model_.textures, colour.texture, "texture");
+    if (source.source < 0) {
+        remarks.push_back("texture " + std::to_string(colour.texture) +
+                          ": left out, as it names no PNG or JPEG");
+        return -1;
+    }
+    const tinygltf::Image &image = checked(model_.images, source.source, "image");
     std::string problem;
     Texture texture;
-    if (source.source < 0) {
-        problem = "names no PNG or JPEG";
-    } else {
-        const tinygltf::Image &image = checked(model_.images, source.source, "image");
-        const std::span<const unsigned char> bytes = encoded_bytes(model_, image, problem);
-        if (problem.empty()) {
-            texture = decode(bytes, kMaxPixels - pixels_, problem);
-        }
+    const EncodedImage encoded = read_image(model_, image, folder_, problem);
+    if (problem.empty()) {
+        texture = decode(encoded.bytes, kMaxPixels - pixels_, problem);
     }
     if (!problem.empty()) {
-        remarks.push_back("texture " + std::to_string(colour.texture) + " is left out: its image " +
+        remarks.push_back("image " + name_of(image, source.source) + ": left out, as it " +
                           problem);
         return -1;
     }

@@ -5,6 +5,7 @@
 #include "engine/scene/scene.h"
 
 #include <array>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <tuple>
@@ -44,7 +45,9 @@ struct BaseColour {
 /// The textures of a scene, each decoded once for each way in which its alpha is used.
 class TextureLibrary {
 public:
-    explicit TextureLibrary(const tinygltf::Model &model) : model_(model) {}
+    /// @param folder of the scene's file, in which its images are looked for
+    TextureLibrary(const tinygltf::Model &model, std::filesystem::path folder)
+        : model_(model), folder_(std::move(folder)) {}
 
     /// @return index into the textures, or −1 when the base colour has none or its image cannot
     ///         be decoded: then `remarks` gains the reason, once for each texture.
@@ -61,6 +64,7 @@ public:
 
 private:
     const tinygltf::Model &model_;
+    std::filesystem::path folder_;
     std::vector<Texture> textures_;
     std::map<std::tuple<int, AlphaMode, double>, int> loaded_;
     std::size_t pixels_ = 0;

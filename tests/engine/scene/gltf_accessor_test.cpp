@@ -69,10 +69,10 @@ TEST(GltfAccessor, RefusesSparsePartsThatReachOutside) {
     const std::string values = R"("bufferView": 0)";
     failing(sparse("1", indices, values), "sparse index 3 is beyond its 3 elements");
     failing(sparse("4", indices, values), "impossible count");
-    failing(sparse("-1", indices, values), "impossible count");
+    failing(sparse("-1", indices, values), "accessor 0: sparse: its count is -1");
     failing(sparse("2", indices, values), "reach beyond buffer view 1");
     failing(sparse("1", indices + R"(, "byteOffset": -2)", values),
-            "sparse indices: its byteOffset is -2");
+            "accessor 0: sparse: indices: its byteOffset is -2");
     failing(sparse("1", R"("bufferView": 1, "componentType": 5126)", values), "impossible count");
     failing(sparse("1", indices, R"("bufferView": 7)"), "buffer view 7 is not in the file");
 }

@@ -45,6 +45,16 @@ inline std::string to_base64(std::string_view bytes) {
     return text;
 }
 
+inline std::string percent_encoded(std::string_view bytes) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    std::string text;
+    for (const char c : bytes) {
+        const auto byte = static_cast<unsigned char>(c);
+        text += {'%', kDigits[byte / 16], kDigits[byte % 16]};
+    }
+    return text;
+}
+
 inline std::string uint32_bytes(std::size_t value) {
     const auto narrow = static_cast<std::uint32_t>(value);
     std::string bytes(sizeof narrow, '\0');
@@ -176,6 +186,13 @@ inline std::string failure_of(std::string_view bytes) {
         EXPECT_LT(message.size(), 700U) << message;
         return message;
     }
+}
+
+/// The same without the file's name.
+inline std::string line_of_failure(std::string_view bytes) {
+    const std::string message = failure_of(bytes);
+    const std::string_view file = "scene.gltf: ";
+    return message.substr(std::min(message.size(), message.find(file) + file.size()));
 }
 
 inline std::string failure_of(const GltfBuilder &builder) { return failure_of(builder.gltf()); }

@@ -4,6 +4,7 @@
 
 #include <stb/stb_image_write.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace springdrive::scene {
@@ -99,29 +100,57 @@ TEST(GltfMaterial, WrapModesFollowTheSampler) {
 }
 
 TEST(GltfMaterial, ImagesThatCannotBeHadAreRemarkedOnAndLeftOut) {
-    const auto expect_left_out = [](const GltfBuilder &builder, const std::string &why) {
+    const auto expect_left_out = [](const GltfBuilder &builder, const std::string &remark) {
         const Scene scene = load(builder);
         EXPECT_EQ(scene.surface.triangles.size(), 1U);
         EXPECT_EQ(scene.meshes.front().texture, -1);
         EXPECT_TRUE(scene.textures.empty());
-        EXPECT_TRUE(has_remark(scene, "texture 0 is left out: its image " + why))
+        EXPECT_TRUE(std::ranges::count(scene.remarks, remark) == 1)
+            << remark << '\n'
             << (scene.remarks.empty() ? "" : scene.remarks.back());
     };
-    expect_left_out(textured(R"({"uri": "missing.png"})"), "'missing.png' cannot be read");
-    expect_left_out(textured(R"({"uri": "data:image/png;base64,aGVsbG8gd29ybGQ="})"),
-                    "is neither PNG nor JPEG");
-    const std::string cut = png().substr(0, 30);
-    expect_left_out(textured(R"({"uri": "data:image/png;base64,)" + to_base64(cut) + "\"}"),
-                    "is damaged");
-    std::string huge = png(); // the header's width and height, big-endian, from byte 16
-    huge.replace(16, 8, std::string("\0\0\x3a\x98\0\0\x3a\x98", 8));
-    expect_left_out(textured(R"({"uri": "data:image/png;base64,)" + to_base64(huge) + "\"}"),
-                    "is too large with 15000 x 15000 pixels");
+    const auto in_uri = [](const std::string &bytes, const std::string &members = "") {
+        return textured(R"({"uri": "data:image/png;base64,)" + to_base64(bytes) + "\"" + members +
+                        "}");
+    };
+    const auto sized = [](const std::string &width_and_height) {
+        std::string bytes = png(); // the header's width and height, big-endian, from byte 16
+        return bytes.replace(16, 8, width_and_height);
+    };
+    expect_left_out(
+        textured(R"({"uri": "missing%20one.png", "name": "wood"})"),
+        "image 'missing one.png': left out, as it cannot be read: there is no such file");
+    expect_left_out(
+        textured(R"({"uri": "../wood.png"})"),
+        "image '../wood.png': left out, as it lies outside the scene's folder and is not "
+        "read; put the file there");
+    expect_left_out(in_uri("hello world"), "image 0: left out, as it is neither PNG nor JPEG");
+    expect_left_out(in_uri("", R"(, "name": "wood")"), "image 'wood': left out, as it is empty");
+    expect_left_out(in_uri(png().substr(0, 30), R"(, "name": "wood")"),
+                    "image 'wood': left out, as it is damaged");
+    expect_left_out(in_uri(png().substr(0, 20)), "image 0: left out, as it is damaged");
+    expect_left_out(textured(R"({"uri": "data:image/png;base64,&"})"),
+                    "image 0: left out, as it is damaged: character 1 of its data is no base64 "
+                    "digit; export it again");
+    expect_left_out(in_uri(sized(std::string("\0\0\x3a\x98\0\0\x3a\x98", 8))),
+                    "image 0: left out, as it is too large with 15000 x 15000 pixels: of 134217728 "
+                    "for all textures together, 134217728 are left");
+    expect_left_out(in_uri(sized(std::string("\0\0\x75\x30\0\0\x75\x30", 8))),
+                    "image 0: left out, as it is too large with 30000 x 30000 pixels: of 134217728 "
+                    "for all textures together, 134217728 are left");
     GltfBuilder webp = textured(embedded_image());
     webp.textures = {R"({"extensions": {"EXT_texture_webp": {"source": 0}}})"};
     webp.more = R"("extensionsUsed": ["EXT_texture_webp"], )";
-    expect_left_out(webp, "names no PNG or JPEG");
+    expect_left_out(webp, "texture 0: left out, as it names no PNG or JPEG");
     EXPECT_TRUE(has_remark(load(webp), "extension 'EXT_texture_webp' is left out"));
+}
+
+TEST(GltfMaterial, ColoursBeyondSinglePrecisionAreRefused) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.materials = {R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1e39, 1, 1]}})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "node 'picture': material 0: baseColorFactor is 1e+39; a colour is from 0 to 1, and "
+              "must be finite in single precision");
 }
 
 TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {

@@ -1,0 +1,20 @@
+// Which versions and extensions of glTF can be read, and which can be left out.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace springdrive::scene::gltf {
+
+/// @param document whose members have been checked
+/// @throw InputError for another version than 2.x or a minimum version above 2.0, for a required
+///        extension that is not supported, and for a material that has nothing but one.
+void check_versions_and_extensions(const nlohmann::json &document);
+
+/// What is left out of the file without harm: extensions that it uses but does not require, and
+/// animations.
+[[nodiscard]] std::vector<std::string> left_out_of(const nlohmann::json &document);
+
+} // namespace springdrive::scene::gltf

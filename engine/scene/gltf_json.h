@@ -1,0 +1,26 @@
+// The JSON text of a glTF file, checked before tinygltf converts it: tinygltf ignores most values
+// of a wrong type, and names neither the place nor the value of what it refuses.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstddef>
+#include <string_view>
+
+namespace springdrive::scene::gltf {
+
+/// How deeply brackets nest in a JSON text. tinygltf reads `extras` recursively, so a file of
+/// nothing but `[[[[…` would exhaust the stack.
+[[nodiscard]] std::size_t json_nesting_depth(std::string_view text);
+
+/// @throw InputError with line and column for what is no JSON, with the place for a number that no
+///        double can hold, for a text that nests deeper than 100 levels, and for what is no object.
+[[nodiscard]] nlohmann::json parse_json(std::string_view text);
+
+/// Checks the type of every member that the scene is made of; whole numbers that are written with a
+/// fraction of zero become integers.
+/// @throw InputError naming the place, the value and what it must be: for a member of a wrong type,
+///        a whole number out of range, and a required member that is missing.
+void check_members(nlohmann::json &document);
+
+} // namespace springdrive::scene::gltf
