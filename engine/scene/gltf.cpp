@@ -9,6 +9,7 @@
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_nodes.h"
 #include "engine/scene/load_allowance.h"
+#include "engine/scene/remark_list.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
 
@@ -59,18 +60,20 @@ private:
     std::vector<std::optional<std::vector<PrimitiveData>>> meshes_;
 };
 
-void remark_on(const PlacedMesh &node, const PrimitiveGeometry &geometry,
-               std::vector<std::string> &remarks) {
-    if (!geometry.untouchable.empty()) {
-        remarks.push_back(node.label + ": " + geometry.untouchable + " cannot be touched or drawn");
+void remark_on(const PlacedMesh &node, const PrimitiveGeometry &geometry, RemarkList &remarks) {
+    if (geometry.untouchable_count) {
+        remarks.add_of(node.label, &node, *geometry.untouchable_count,
+                       geometry.untouchable + " cannot be touched or drawn");
+    } else if (!geometry.untouchable.empty()) {
+        remarks.add_of(node.label, &node, geometry.untouchable + " cannot be touched or drawn");
     }
     if (geometry.leftover_vertices > 0) {
-        remarks.push_back(node.label + ": " + std::to_string(geometry.leftover_vertices) +
-                          " vertices are left over and make no triangle");
+        remarks.add_of(node.label, &node, geometry.leftover_vertices,
+                       "vertices are left over and make no triangle");
     }
     if (geometry.has_morph_targets) {
-        remarks.push_back(node.label + ": its morph targets are left out; it is touched and drawn "
-                                       "in its base shape");
+        remarks.add_of(node.label, &node,
+                       "its morph targets are left out; it is touched and drawn in its base shape");
     }
 }
 
@@ -145,8 +148,8 @@ void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> 
 /// @param nodes are pointed at by the result
 /// @throw InputError naming the node, for what cannot be read, is not finite or is too much.
 std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
-                                    const std::vector<PlacedMesh> &nodes,
-                                    std::vector<std::string> &remarks, LoadProgress &progress) {
+                                    const std::vector<PlacedMesh> &nodes, RemarkList &remarks,
+                                    LoadProgress &progress) {
     check_declared(model, nodes);
     std::vector<PlacedPrimitive> gathered;
     MeshCache cache(model);
@@ -154,8 +157,9 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     std::size_t done = 0;
     for_each_node(nodes, [&](const PlacedMesh &node) {
         if (node.has_skin) {
-            remarks.push_back(node.label + ": its skin is left out; it is touched and drawn in the "
-                                           "pose that it was modelled in");
+            remarks.add_of(node.label, &node,
+                           "its skin is left out; it is touched and drawn in the pose that it was "
+                           "modelled in");
         }
         for (const PrimitiveData &primitive : cache.primitives(node.mesh)) {
             stop_if_given_up();
@@ -176,6 +180,14 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     return gathered;
 }
 
+/// The remark that explains best why there is nothing to touch.
+std::string first_untouchable(const std::vector<std::string> &remarks) {
+    const auto found = std::ranges::find_if(remarks, [](const std::string &remark) {
+        return remark.find("cannot be touched") != std::string::npos;
+    });
+    return found != remarks.end() ? *found : remarks.empty() ? std::string() : remarks.front();
+}
+
 constexpr double kFarthest_m = 1000.0; // beyond this, "metres" must be a mistake
 
 BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
@@ -194,7 +206,7 @@ BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
 /// Moves the primitives into the device's frame.
 /// @return from the file's world coordinates to that frame
 Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
-              const device::Workspace &workspace) {
+              const device::Workspace &workspace, RemarkList &remarks) {
     BoundingBox box = bounds_of(primitives);
     const Fit fit = fit_into(workspace, box); // also refuses what has no extent
     if (!scene.in_metres) {
@@ -210,8 +222,7 @@ Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
         throw InputError("it says that it is in metres, but reaches " + shortest_text(reach_m) +
                          " m far; leave extras.units out to have it fitted");
     } else if (!lies_within(workspace, box)) {
-        scene.remarks.emplace_back(
-            "the scene is in metres and lies partly outside the device's workspace");
+        remarks.add("the scene is in metres and lies partly outside the device's workspace");
     }
     scene.lower_m = box.lower;
     scene.upper_m = box.upper;
@@ -284,7 +295,7 @@ contact::TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const 
 
 /// Frees the primitives one by one, so that the whole scene is never in memory twice.
 void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const Fit &fit,
-                  const tinygltf::Model &model, LoadProgress &progress) {
+                  const tinygltf::Model &model, RemarkList &remarks, LoadProgress &progress) {
     for (std::span rest(primitives); !rest.empty();) {
         const std::size_t size = first_node_size(rest);
         add_touch(scene, rest.first(size), fit);
@@ -292,7 +303,7 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
     }
     TextureLibrary textures(model, folder_of(scene.file));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-        std::ranges::move(visual_meshes(primitives[i], textures, scene.remarks),
+        std::ranges::move(visual_meshes(primitives[i], textures, remarks),
                           std::back_inserter(scene.meshes));
         primitives[i] = {};
         progress.advance_to(static_cast<double>(i + 1) / static_cast<double>(primitives.size()));
@@ -306,30 +317,32 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     progress.begin(Stage::reading, false);
     Scene scene;
     scene.file = file;
-    const tinygltf::Model model = read_model(file, scene.remarks);
-    const SceneExtras extras = read_scene_extras(model);
+    RemarkList remarks;
+    const tinygltf::Model model = read_model(file, remarks);
+    const SceneExtras extras = read_scene_extras(model, remarks);
     scene.in_metres = extras.in_metres;
     scene.planar = extras.planar;
     scene.tolerance = extras.tolerance;
-    const std::vector<PlacedMesh> nodes = place_meshes(model);
+    const std::vector<PlacedMesh> nodes = place_meshes(model, remarks);
     progress.begin(Stage::gathering, true);
-    std::vector<PlacedPrimitive> primitives = gather(model, nodes, scene.remarks, progress);
+    std::vector<PlacedPrimitive> primitives = gather(model, nodes, remarks, progress);
     if (primitives.empty()) {
-        throw InputError("has no triangle to touch" +
-                         (scene.remarks.empty() ? "" : " (" + scene.remarks.front() + ")"));
+        const std::string why = first_untouchable(remarks.lines());
+        throw InputError("has no triangle to touch" + (why.empty() ? "" : " (" + why + ")"));
     }
     progress.begin(Stage::bending, false);
     std::vector<PlacedPrimitive> flat;
     if (has_smooth(primitives)) {
         flat = primitives;
     }
-    bend_smooth_nodes(primitives, scene.remarks);
+    bend_smooth_nodes(primitives, remarks);
     progress.begin(Stage::placing, true);
-    const Fit fit = fit_scene(scene, primitives, workspace);
-    build_meshes(scene, std::move(primitives), fit, model, progress);
+    const Fit fit = fit_scene(scene, primitives, workspace, remarks);
+    build_meshes(scene, std::move(primitives), fit, model, remarks, progress);
     if (!flat.empty()) {
         scene.flat_surface = flat_touch(std::move(flat), fit, scene.surface);
     }
+    scene.remarks = remarks.lines();
     return scene;
 }
 

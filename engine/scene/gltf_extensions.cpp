@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 
 namespace springdrive::scene::gltf {
@@ -106,20 +107,17 @@ void check_versions_and_extensions(const json &document) {
     }
 }
 
-std::vector<std::string> left_out_of(const json &document) {
-    std::vector<std::string> remarks;
+void remark_on_left_out(const json &document, RemarkList &remarks) {
     for (const json &used : member_or(document, "extensionsUsed", json::array())) {
         const auto extension = used.get<std::string>();
         if (!is_supported(extension)) {
-            remarks.push_back("extension " + in_quotes(extension) + " is left out");
+            remarks.add("extension " + in_quotes(extension) + " is left out");
         }
     }
     if (const std::size_t count = member_or(document, "animations", json::array()).size();
         count > 0) {
-        remarks.push_back(std::to_string(count) +
-                          " animation(s) are not played: the scene stands still");
+        remarks.add(std::to_string(count) + " animation(s) are not played: the scene stands still");
     }
-    return remarks;
 }
 
 } // namespace springdrive::scene::gltf

@@ -1,10 +1,9 @@
 // Which versions and extensions of glTF can be read, and which can be left out.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include "engine/scene/remark_list.h"
 
-#include <string>
-#include <vector>
+#include <nlohmann/json_fwd.hpp>
 
 namespace springdrive::scene::gltf {
 
@@ -13,8 +12,8 @@ namespace springdrive::scene::gltf {
 ///        extension that is not supported, and for a material that has nothing but one.
 void check_versions_and_extensions(const nlohmann::json &document);
 
-/// What is left out of the file without harm: extensions that it uses but does not require, and
+/// On what is left out of the file without harm: extensions that it uses but does not require, and
 /// animations.
-[[nodiscard]] std::vector<std::string> left_out_of(const nlohmann::json &document);
+void remark_on_left_out(const nlohmann::json &document, RemarkList &remarks);
 
 } // namespace springdrive::scene::gltf

@@ -238,13 +238,13 @@ std::filesystem::path folder_of(const std::filesystem::path &file) {
     return std::filesystem::absolute(file).parent_path();
 }
 
-tinygltf::Model read_model(const std::filesystem::path &file, std::vector<std::string> &remarks) {
+tinygltf::Model read_model(const std::filesystem::path &file, RemarkList &remarks) {
     const Bytes bytes = read_bytes(file);
     const bool is_binary = is_glb(bytes);
     json document = parse_json(is_binary ? check_glb(bytes) : check_text(bytes));
     check_members(document);
     check_versions_and_extensions(document);
-    remarks = left_out_of(document);
+    remark_on_left_out(document, remarks);
     const json buffers = document.value("buffers", json::array());
     const json images = document.value("images", json::array());
     take_out_unneeded(document);

@@ -1,6 +1,8 @@
 // A glTF file from disk to tinygltf's model, with the checks that tinygltf leaves out.
 #pragma once
 
+#include "engine/scene/remark_list.h"
+
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -22,8 +24,7 @@ using Bytes = std::vector<unsigned char>;
 /// @throw InputError, without the file's name, for a file that is missing, empty, truncated, no
 ///        glTF 2.0, or needs an extension that is not supported; for members of a wrong type; and
 ///        for a buffer that cannot be read, is too short or lies outside the file's folder.
-[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file,
-                                         std::vector<std::string> &remarks);
+[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file, RemarkList &remarks);
 
 /// The folder in which `read_model` looks for buffers, and in which images are to be looked for.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path &file);

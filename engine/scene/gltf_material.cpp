@@ -228,7 +228,7 @@ BaseColour read_base_colour(const tinygltf::Model &model, int material) {
     return colour;
 }
 
-int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::string> &remarks) {
+int TextureLibrary::find_or_load(const BaseColour &colour, RemarkList &remarks) {
     if (colour.texture < 0) {
         return -1;
     }
@@ -239,8 +239,8 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
     }
     const tinygltf::Texture &source = checked(model_.textures, colour.texture, "texture");
     if (source.source < 0) {
-        remarks.push_back("texture " + std::to_string(colour.texture) +
-                          ": left out, as it names no PNG or JPEG");
+        remarks.add_of("texture " + std::to_string(colour.texture), nullptr,
+                       "left out, as it names no PNG or JPEG");
         return -1;
     }
     const tinygltf::Image &image = checked(model_.images, source.source, "image");
@@ -251,8 +251,8 @@ int TextureLibrary::find_or_load(const BaseColour &colour, std::vector<std::stri
         texture = decode(encoded.bytes, kMaxPixels - pixels_, problem);
     }
     if (!problem.empty()) {
-        remarks.push_back("image " + name_of(image, source.source) + ": left out, as it " +
-                          problem);
+        remarks.add_of("image " + name_of(image, source.source), nullptr,
+                       "left out, as it " + problem);
         return -1;
     }
     if (source.sampler >= 0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/assertions.h"
+#include "engine/scene/remark_list.h"
 #include "engine/scene/scene.h"
 
 #include <array>
@@ -52,7 +53,7 @@ public:
     /// @return index into the textures, or −1 when the base colour has none or its image cannot
     ///         be decoded: then `remarks` gains the reason, once for each texture.
     /// @throw InputError for references to textures, images or samplers that do not exist.
-    int find_or_load(const BaseColour &colour, std::vector<std::string> &remarks);
+    int find_or_load(const BaseColour &colour, RemarkList &remarks);
 
     /// Whether any of its pixels is not opaque. @pre `find_or_load` returned it
     [[nodiscard]] bool has_alpha(int texture) const {

@@ -99,20 +99,26 @@ void check_in_range(const std::vector<Triangle> &triangles, std::size_t vertex_c
     }
 }
 
-/// What a primitive of points or lines holds, in words; empty for triangles.
-std::string describe_untouchable(int mode, std::size_t corners) {
+/// Notes what a primitive of points or lines holds.
+void note_untouchable(int mode, std::size_t corners, PrimitiveGeometry &geometry) {
     switch (mode) {
     case TINYGLTF_MODE_POINTS:
-        return std::to_string(corners) + " points";
+        geometry.untouchable = "points";
+        geometry.untouchable_count = corners;
+        return;
     case TINYGLTF_MODE_LINE:
-        return std::to_string(corners / 2) + " line segments";
+        geometry.untouchable_count = corners / 2;
+        break;
     case TINYGLTF_MODE_LINE_LOOP:
-        return std::to_string(corners) + " line segments";
+        geometry.untouchable_count = corners;
+        break;
     case TINYGLTF_MODE_LINE_STRIP:
-        return std::to_string(corners - std::min<std::size_t>(corners, 1)) + " line segments";
+        geometry.untouchable_count = corners - std::min<std::size_t>(corners, 1);
+        break;
     default:
-        return {};
+        return;
     }
+    geometry.untouchable = "line segments";
 }
 
 std::vector<std::uint32_t> read_corners(const tinygltf::Model &model,
@@ -273,10 +279,11 @@ PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::P
     }
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) {
-        throw InputError("a primitive has no POSITION");
+        geometry.untouchable = "a primitive without POSITION"; // valid; other programs place it
+        return geometry;
     }
     const int corners = primitive.indices >= 0 ? primitive.indices : position->second;
-    geometry.untouchable = describe_untouchable(primitive.mode, accessor_count(model, corners));
+    note_untouchable(primitive.mode, accessor_count(model, corners), geometry);
     if (!geometry.untouchable.empty()) {
         return geometry;
     }
@@ -335,16 +342,17 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
 }
 
 std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureLibrary &textures,
-                                      std::vector<std::string> &remarks) {
+                                      RemarkList &remarks) {
     VisualMesh mesh;
     mesh.name = primitive.node->name;
     mesh.double_sided = primitive.colour.double_sided;
     mesh.texture = textures.find_or_load(primitive.colour, remarks);
     if (mesh.texture >= 0 && primitive.geometry->texture_coordinate.empty()) {
         mesh.texture = -1;
-        remarks.push_back(primitive.node->label + ": it has a texture but no TEXCOORD_" +
-                          std::to_string(primitive.colour.texture_set) +
-                          "; it is drawn without the texture");
+        remarks.add_of(primitive.node->label, primitive.node,
+                       "it has a texture but no TEXCOORD_" +
+                           std::to_string(primitive.colour.texture_set) +
+                           "; it is drawn without the texture");
     }
     if (primitive.geometry->normal.empty() && primitive.normals.empty()) {
         add_flat(primitive, mesh);

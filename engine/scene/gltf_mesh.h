@@ -5,11 +5,13 @@
 #include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_nodes.h"
+#include "engine/scene/remark_list.h"
 #include "engine/scene/scene.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,8 +30,9 @@ struct PrimitiveGeometry {
     Attribute colour;             ///< three or four numbers a vertex, linear; may be empty
     Attribute texture_coordinate; ///< of the set asked for; may be empty
     std::vector<Triangle> triangles;
-    std::string untouchable;           ///< "120 line segments" where it is no triangles, else empty
-    std::size_t leftover_vertices = 0; ///< that were too few for another triangle
+    std::string untouchable; ///< "line segments" where it is no triangles, else empty
+    std::optional<std::size_t> untouchable_count{}; ///< how many of them
+    std::size_t leftover_vertices = 0;              ///< that were too few for another triangle
     bool has_morph_targets = false;
 };
 
@@ -68,7 +71,6 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
 /// What is drawn of the primitive; a large one is split into pieces. `remarks` gains what is left
 /// out.
 [[nodiscard]] std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive,
-                                                    TextureLibrary &textures,
-                                                    std::vector<std::string> &remarks);
+                                                    TextureLibrary &textures, RemarkList &remarks);
 
 } // namespace springdrive::scene::gltf

@@ -3,6 +3,7 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
+#include "base/wanted.h"
 
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
@@ -30,28 +31,31 @@ class Extras {
 public:
     /// @param text JSON of the extras; empty when there are none
     /// @param owner for messages: "node 'pad'"
-    Extras(const std::string &text, std::string owner);
+    /// @param remarks gains the values that are left out as another program's
+    Extras(const std::string &text, std::string owner, RemarkList &remarks);
 
     [[nodiscard]] bool has(const char *key) const;
 
     /// The number under `key`, if there is one.
     /// @param meaning what it may be, for the message: "a number from 0 to 10"
-    /// @throw InputError unless it is a number from `minimum` to `maximum`.
+    /// Left out unless it is a number from `minimum` to `maximum`.
     [[nodiscard]] std::optional<double> number(const char *key, double minimum, double maximum,
                                                const std::string &meaning) const;
 
-    /// @throw InputError unless the value is true or false.
+    /// Left out unless the value is true or false.
     [[nodiscard]] std::optional<bool> flag(const char *key) const;
 
-    /// Which of `words` the value of `key` is, if there is one.
-    /// @throw InputError with `meaning` unless it is one of them.
+    /// Which of `words` the value of `key` is, if there is one. Left out unless it is one of them.
     [[nodiscard]] std::optional<std::size_t> word(const char *key,
                                                   std::span<const std::string_view> words,
                                                   const std::string &meaning) const;
 
     /// The extras within the extras, if there are any. Messages name their keys as `key.inner`.
-    /// @throw InputError with `meaning` unless it is an object.
-    [[nodiscard]] std::optional<Extras> object(const char *key, const std::string &meaning) const;
+    /// Left out unless it is an object, empty or with any of `keys`; then it is our own, and values
+    /// in it that cannot be are refused rather than left out.
+    [[nodiscard]] std::optional<Extras> object(const char *key,
+                                               std::span<const std::string_view> keys,
+                                               const std::string &meaning) const;
 
     /// @throw InputError for a key that is none of `keys`: in an object of our own, it is a typing
     ///        error.
@@ -61,14 +65,19 @@ public:
     [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
 
 private:
+    /// A remark, or in an object of our own a refusal.
+    void leave_out(const char *key, const std::string &meaning) const;
+
     nlohmann::json values_;
     std::string owner_;
+    RemarkList *remarks_;
+    bool is_ours_ = false;
     std::string path_ = "extras."; ///< before keys, in messages
 };
 
-Extras::Extras(const std::string &text, std::string owner)
+Extras::Extras(const std::string &text, std::string owner, RemarkList &remarks)
     : values_(text.empty() ? nlohmann::json::object() : nlohmann::json::parse(text)),
-      owner_(std::move(owner)) {}
+      owner_(std::move(owner)), remarks_(&remarks) {}
 
 bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
 
@@ -77,12 +86,10 @@ std::optional<double> Extras::number(const char *key, double minimum, double max
     if (!has(key)) {
         return std::nullopt;
     }
-    if (!values_[key].is_number()) {
-        refuse(key, meaning);
-    }
-    const auto number = values_[key].get<double>();
+    const auto number = values_[key].is_number() ? values_[key].get<double>() : minimum - 1.0;
     if (!(number >= minimum && number <= maximum)) {
-        refuse(key, meaning);
+        leave_out(key, meaning);
+        return std::nullopt;
     }
     return number;
 }
@@ -92,7 +99,8 @@ std::optional<bool> Extras::flag(const char *key) const {
         return std::nullopt;
     }
     if (!values_[key].is_boolean()) {
-        refuse(key, "true or false");
+        leave_out(key, "true or false");
+        return std::nullopt;
     }
     return values_[key].get<bool>();
 }
@@ -106,21 +114,30 @@ std::optional<std::size_t> Extras::word(const char *key, std::span<const std::st
                            ? std::ranges::find(words, values_[key].get_ref<const std::string &>())
                            : words.end();
     if (found == words.end()) {
-        refuse(key, meaning);
+        leave_out(key, meaning);
+        return std::nullopt;
     }
     return static_cast<std::size_t>(found - words.begin());
 }
 
-std::optional<Extras> Extras::object(const char *key, const std::string &meaning) const {
+std::optional<Extras> Extras::object(const char *key, std::span<const std::string_view> keys,
+                                     const std::string &meaning) const {
     if (!has(key)) {
         return std::nullopt;
     }
-    if (!values_[key].is_object()) {
-        refuse(key, meaning);
+    const nlohmann::json &value = values_[key];
+    const bool is_ours = value.is_object() &&
+                         (value.empty() || std::ranges::any_of(keys, [&](std::string_view name) {
+                              return value.contains(name);
+                          }));
+    if (!is_ours) {
+        leave_out(key, meaning);
+        return std::nullopt;
     }
-    Extras inner("", owner_);
-    inner.values_ = values_[key];
+    Extras inner("", owner_, *remarks_);
+    inner.values_ = value;
     inner.path_ = path_ + key + ".";
+    inner.is_ours_ = true;
     return inner;
 }
 
@@ -140,6 +157,19 @@ void Extras::refuse_all_but(std::span<const std::string_view> keys) const {
 void Extras::refuse(const char *key, const std::string &meaning) const {
     throw InputError(owner_ + ": " + path_ + key + " is " + shown(values_[key]) + "; it must be " +
                      meaning);
+}
+
+void Extras::leave_out(const char *key, const std::string &meaning) const {
+    if (is_ours_) {
+        refuse(key, meaning);
+    }
+    const std::string text = path_ + key + " is " + shown(values_[key]) +
+                             ": left out as another program's; it would have to be " + meaning;
+    if (owner_.find(' ') == std::string::npos) {
+        remarks_->add(owner_ + ": " + text);
+    } else {
+        remarks_->add_of(owner_, nullptr, text);
+    }
 }
 
 constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
@@ -162,7 +192,7 @@ void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
 }
 
 void read_sides(const Extras &extras, contact::SurfaceMaterial &material) {
-    if (const auto sides = extras.word("sides", kSides, "'one' or 'two', or left out")) {
+    if (const auto sides = extras.word("sides", kSides, "'one' or 'two'")) {
         material.sides = *sides == 0 ? contact::TouchSides::one : contact::TouchSides::two;
     }
 }
@@ -195,14 +225,14 @@ void read_tolerance(const Extras &extras, ModelTolerance &tolerance) {
     extras.refuse_all_but(kToleranceKeys);
 }
 
-void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene) {
+void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene,
+                RemarkList &remarks) {
     constexpr std::array<std::string_view, 1> kUnits = {"m"};
-    const Extras extras(text, owner);
-    scene.in_metres |=
-        extras.word("units", kUnits, "'m' (metres), or left out to fit the scene").has_value();
+    const Extras extras(text, owner, remarks);
+    scene.in_metres |= extras.word("units", kUnits, "'m' (metres)").has_value();
     scene.planar = extras.flag("planar").value_or(scene.planar);
-    if (const auto tolerance =
-            extras.object("tolerance", "an object of force_N, direction_deg and bandwidth_hz")) {
+    if (const auto tolerance = extras.object(
+            "tolerance", kToleranceKeys, "an object of force_N, direction_deg and bandwidth_hz")) {
         read_tolerance(*tolerance, scene.tolerance);
     }
 }
@@ -318,9 +348,9 @@ void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
 
 } // namespace
 
-TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
-                       const std::string &label) {
-    const Extras extras(text, label);
+TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const std::string &label,
+                       RemarkList &remarks) {
+    const Extras extras(text, label, remarks);
     TouchExtras touch = parent;
     touch.shape.reset();
     if (const auto eta =
@@ -340,22 +370,23 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
     return touch;
 }
 
-SceneExtras read_scene_extras(const tinygltf::Model &model) {
+SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks) {
     SceneExtras extras;
-    read_scene(model.asset.extras_json_string, "asset", extras);
+    read_scene(model.asset.extras_json_string, "asset", extras, remarks);
     const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
     if (scene < model.scenes.size()) {
-        read_scene(model.scenes[scene].extras_json_string, "scene", extras);
+        read_scene(model.scenes[scene].extras_json_string, "scene", extras, remarks);
     }
     return extras;
 }
 
-std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
+std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, RemarkList &remarks) {
     std::vector<PlacedMesh> placed;
     std::vector<bool> seen(model.nodes.size(), false);
     std::vector<Visit> stack; // instead of recursion: a chain of nodes may be any length
     push_all(stack, root_nodes(model), Eigen::Affine3d::Identity(), {});
     while (!stack.empty()) {
+        stop_if_given_up();
         const Visit visit = stack.back();
         stack.pop_back();
         const std::size_t index = checked_index(visit.node, model.nodes.size(), "node");
@@ -370,15 +401,17 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model) {
         if (!to_world.matrix().allFinite()) {
             throw InputError(label + ": its transform is not finite");
         }
-        const TouchExtras touch = read_touch(node.extras_json_string, visit.parent_touch, label);
+        const TouchExtras touch =
+            read_touch(node.extras_json_string, visit.parent_touch, label, remarks);
         if (node.mesh >= 0) {
             checked_index(node.mesh, model.meshes.size(), label + ": mesh");
             placed.push_back(
                 {name_of(model, index), label, node.mesh, to_world, touch, node.skin >= 0});
             placed.back().touch.material.name = placed.back().name;
         } else if (touch.shape) {
-            throw InputError(label + ": extras.shape needs a mesh on the same node, to be fitted "
-                                     "to; move it to the node that has the mesh");
+            remarks.add_of(label, nullptr,
+                           "extras.shape is left out: it needs a mesh on the same node, to be "
+                           "fitted to");
         }
         push_all(stack, node.children, to_world, touch);
     }

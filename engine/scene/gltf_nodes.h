@@ -5,6 +5,7 @@
 
 #include "engine/contact/mesh/surface_material.h"
 #include "engine/scene/model_tolerance.h"
+#include "engine/scene/remark_list.h"
 #include "engine/scene/shape_fit.h"
 
 #include <Eigen/Geometry>
@@ -30,10 +31,12 @@ struct TouchExtras {
 /// @param text JSON of its extras
 /// @param parent what its parent passes on
 /// @param label of the node, for messages
-/// @throw InputError for values of a wrong type, out of range or unknown, for dynamic friction
-///        above static, and for a shape that cannot be touched from the sides that it asks for.
+/// @param remarks gains the values of a wrong type, out of range or unknown: another program's,
+///        which may use the same names; they are left out
+/// @throw InputError for dynamic friction above static, and for a shape that cannot be touched from
+///        the sides that it asks for.
 [[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
-                                     const std::string &label);
+                                     const std::string &label, RemarkList &remarks);
 
 /// What the extras of the scene, or of the asset, say.
 struct SceneExtras {
@@ -43,9 +46,10 @@ struct SceneExtras {
 };
 
 /// Of the asset and of the scene that `place_meshes` takes; the scene's values come first.
-/// @throw InputError for a value of a wrong type, out of range or unknown, and for a key in
-///        `tolerance` that is none.
-[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model);
+/// @param remarks gains what is left out as another program's, as above
+/// @throw InputError for a value of a wrong type or out of range in a `tolerance` that has any of
+///        its keys, and for a key there that is none.
+[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks);
 
 /// A node that holds a mesh.
 struct PlacedMesh {
@@ -62,6 +66,7 @@ struct PlacedMesh {
 /// @throw InputError naming the node: for a graph that is no tree, references to what does not
 ///        exist, transforms that are not finite or no affine maps, rotations that are no unit
 ///        quaternions, and extras as `read_touch` refuses them.
-[[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model);
+[[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model,
+                                                   RemarkList &remarks);
 
 } // namespace springdrive::scene::gltf

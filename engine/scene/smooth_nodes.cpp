@@ -29,9 +29,6 @@ SmoothMesh joined(std::span<const PlacedPrimitive> primitives) {
     SmoothMesh mesh;
     for (const PlacedPrimitive &primitive : primitives) {
         const std::string &label = primitive.node->label;
-        if (primitive.geometry->normal.empty()) {
-            throw InputError(label + ": extras.smooth needs normals; export it with them");
-        }
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
         for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
             mesh.positions.push_back(primitive.positions[i]);
@@ -100,9 +97,16 @@ std::size_t triangles_of(std::span<const PlacedPrimitive> primitives) {
     return triangles;
 }
 
-/// The smooth primitives, except those with too many triangles to be divided even once.
+bool have_normals(std::span<const PlacedPrimitive> primitives) {
+    return std::ranges::none_of(primitives, [](const PlacedPrimitive &primitive) {
+        return primitive.geometry->normal.empty();
+    });
+}
+
+/// The smooth primitives, except those without normals and those with too many triangles to be
+/// divided even once.
 std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
-                                          std::vector<std::string> &remarks) {
+                                          RemarkList &remarks) {
     std::vector<SmoothNode> nodes;
     for (std::span rest(primitives); !rest.empty();) {
         const std::span those = rest.first(first_node_size(rest));
@@ -113,8 +117,14 @@ std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitiv
             continue;
         }
         if (4 * triangles > kMaxCurvedTriangles) {
-            remarks.push_back(node->label + ": is too large to be smoothed further; its " +
-                              std::to_string(triangles) + " triangles stay flat");
+            remarks.add_of(node->label, node,
+                           "is too large to be smoothed further; its " + std::to_string(triangles) +
+                               " triangles stay flat");
+            continue;
+        }
+        if (!have_normals(those)) {
+            remarks.add_of(node->label, node,
+                           "extras.smooth is left out: it needs normals; export it with them");
             continue;
         }
         CurvedPatches patches(joined(those));
@@ -137,7 +147,7 @@ void keep_within_allowance(std::vector<SmoothNode> &nodes) {
     }
 }
 
-void remark_on(const SmoothNode &node, std::vector<std::string> &remarks) {
+void remark_on(const SmoothNode &node, RemarkList &remarks) {
     if (node.cuts == node.wanted_cuts && node.cuts < kMaxCuts) {
         return; // as smooth as it should be
     }
@@ -145,19 +155,19 @@ void remark_on(const SmoothNode &node, std::vector<std::string> &remarks) {
         node.patches.max_turn_rad(std::max<std::size_t>(node.cuts, 2)) * kDegreesPerRadian;
     const double reached_deg = node.cuts == 1 ? 2.0 * turn_deg : turn_deg;
     if (reached_deg > kSmooth_deg) {
-        remarks.push_back(node.primitives.front().node->label + ": its " +
-                          std::to_string(node.triangles * node.cuts * node.cuts) +
-                          " curved facets still differ by up to " +
-                          shortest_text(std::round(100.0 * reached_deg) / 100.0) +
-                          " degrees from their neighbours, instead of " +
-                          shortest_text(kSmooth_deg));
+        const PlacedMesh *const place = node.primitives.front().node;
+        remarks.add_of(place->label, place,
+                       "its " + std::to_string(node.triangles * node.cuts * node.cuts) +
+                           " curved facets still differ by up to " +
+                           shortest_text(std::round(100.0 * reached_deg) / 100.0) +
+                           " degrees from their neighbours, instead of " +
+                           shortest_text(kSmooth_deg));
     }
 }
 
 } // namespace
 
-void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
-                       std::vector<std::string> &remarks) {
+void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, RemarkList &remarks) {
     std::vector<SmoothNode> nodes = find_smooth_nodes(primitives, remarks);
     keep_within_allowance(nodes);
     for (const SmoothNode &node : nodes) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,21 @@ TEST(InspectCommand, TellsWhichModelTheSceneWouldGetAndRemembersIt) {
     measured_anew.emplace_back("--fresh");
     EXPECT_NE(json::parse(testing::run_program(measured_anew).out)["model"], model);
     unsetenv("XDG_CACHE_HOME");
+}
+
+TEST(InspectCommand, ASceneOfNothingButThinTrianglesIsRefused) {
+    const std::filesystem::path file = testing::fresh_folder("inspect_thin") / "thin.gltf";
+    std::ofstream(file) << R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{)"
+                        << R"("primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{)"
+                        << R"("bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+                        << R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{)"
+                        << R"("byteLength":36,"uri":"data:;base64,)" // three points in a line
+                        << R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAQAAAAAAAAAAA"}]})";
+    const testing::Ending ending = inspect({file.string()});
+    EXPECT_GT(ending.exit_status, 0);
+    EXPECT_EQ(ending.error, "springdrive: " + file.string() +
+                                ": has nothing to touch: its triangles, 1 in number, are all too "
+                                "thin to have a normal; export it again\n");
 }
 
 TEST(InspectCommand, SaysWhatIsWrongInOneLine) {

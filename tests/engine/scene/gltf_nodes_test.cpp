@@ -166,14 +166,28 @@ TEST(GltfNodes, NamesFallBackToTheMeshAndThenToTheNumber) {
 }
 
 gltf::TouchExtras read(const std::string &json, const gltf::TouchExtras &parent = {}) {
-    return gltf::read_touch(json, parent, "node 'pad'");
+    RemarkList remarks;
+    return gltf::read_touch(json, parent, "node 'pad'", remarks);
 }
 
-/// With `value` under `key` a file is refused, and the line names node, key, value and remedy.
-void expect_refused(const std::string &key, const std::string &value, const std::string &shown,
-                    const std::string &remedy) {
-    expect_failure(one_triangle(R"("name": "pad", "extras": {")" + key + "\": " + value + "}"),
-                   "node 'pad': extras." + key + " is " + shown + "; it must be " + remedy);
+/// With `value` under `key` a file loads as without, and a remark names node, key, value and what
+/// it would have to be: other programs use the same names.
+void expect_left_out(const std::string &key, const std::string &value, const std::string &shown,
+                     const std::string &wanted) {
+    const Scene scene =
+        load(one_triangle(R"("name": "pad", "extras": {")" + key + "\": " + value + "}"));
+    EXPECT_TRUE(has_remark(scene, "node 'pad': extras." + key + " is " + shown +
+                                      ": left out as another program's; it would have to be " +
+                                      wanted))
+        << key << ' ' << value;
+    ASSERT_EQ(scene.surface.materials.size(), 1U);
+    contact::SurfaceMaterial plain;
+    plain.name = "pad";
+    EXPECT_EQ(scene.surface.materials[0].eta, plain.eta);
+    EXPECT_EQ(scene.surface.materials[0].static_friction, plain.static_friction);
+    EXPECT_EQ(scene.surface.materials[0].sides, plain.sides);
+    EXPECT_TRUE(scene.shapes.empty());
+    EXPECT_TRUE(scene.flat_surface.triangles.empty());
 }
 
 TEST(TouchExtras, NodesWithoutAnyFeelRigidAndSmooth) {
@@ -249,34 +263,34 @@ TEST(TouchExtras, TheEndsOfTheRangesAreAllowed) {
         0.5);
 }
 
-TEST(TouchExtras, RefusesNumbersOutOfRange) {
+TEST(TouchExtras, LeavesNumbersOutOfRangeToOtherPrograms) {
     const std::string eta = "a number from 0 (rigid) to 1 (free space)";
-    expect_refused("eta", "1.0000001", "1.0000001", eta);
-    expect_refused("eta", "-1e-9", "-1e-09", eta);
-    expect_refused("eta", "4294967296", "4294967296", eta); // 0, if cut to 32 bits
+    expect_left_out("eta", "1.0000001", "1.0000001", eta);
+    expect_left_out("eta", "-1e-9", "-1e-09", eta);
+    expect_left_out("eta", "4294967296", "4294967296", eta); // 0, if cut to 32 bits
     for (const std::string key : {"static_friction", "dynamic_friction"}) {
-        expect_refused(key, "10.5", "10.5", "a number from 0 to 10");
-        expect_refused(key, "-0.5", "-0.5", "a number from 0 to 10");
+        expect_left_out(key, "10.5", "10.5", "a number from 0 to 10");
+        expect_left_out(key, "-0.5", "-0.5", "a number from 0 to 10");
     }
 }
 
-TEST(TouchExtras, RefusesWhatIsNoNumberNoWordNoFlag) {
+TEST(TouchExtras, LeavesWhatIsNoNumberNoWordNoFlagToOtherPrograms) {
     for (const std::string key : {"eta", "static_friction", "dynamic_friction"}) {
-        expect_refused(key, "null", "null", "a number from 0");
-        expect_refused(key, "\"high\"", "'high'", "a number from 0");
-        expect_refused(key, "true", "true", "a number from 0");
-        expect_refused(key, "[0.5]", "[0.5]", "a number from 0");
-        expect_refused(key, R"({"a": 1})", R"({"a":1})", "a number from 0");
+        expect_left_out(key, "null", "null", "a number from 0");
+        expect_left_out(key, "\"high\"", "'high'", "a number from 0");
+        expect_left_out(key, "true", "true", "a number from 0");
+        expect_left_out(key, "[0.5]", "[0.5]", "a number from 0");
+        expect_left_out(key, R"({"a": 1})", R"({"a":1})", "a number from 0");
     }
-    for (const std::string value : {"null", "2", "true", "[\"one\"]"}) {
-        expect_refused("sides", value, value, "'one' or 'two', or left out");
-        expect_refused("shape", value, value, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'");
+    for (const std::string value : {"null", "6", "true", "[\"one\"]"}) {
+        expect_left_out("sides", value, value, "'one' or 'two'");
+        expect_left_out("shape", value, value, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'");
     }
-    expect_refused("sides", "\"both\"", "'both'", "'one' or 'two'");
-    expect_refused("sides", "\"\"", "''", "'one' or 'two'");
-    expect_refused("shape", "\"Box\"", "'Box'", "'plate', 'sphere'");
+    expect_left_out("sides", "\"both\"", "'both'", "'one' or 'two'");
+    expect_left_out("sides", "\"\"", "''", "'one' or 'two'");
+    expect_left_out("shape", "\"Box\"", "'Box'", "'plate', 'sphere'");
     for (const std::string value : {"null", "1", "\"yes\""}) {
-        expect_refused("smooth", value, value[0] == '"' ? "'yes'" : value, "true or false");
+        expect_left_out("smooth", value, value[0] == '"' ? "'yes'" : value, "true or false");
     }
 }
 
@@ -358,15 +372,37 @@ TEST(SceneExtras, TheEndsOfTheRangesAreAllowedAndNothingBeyond) {
                    "extras.tolerance.bandwidth_hz is 0.5; it must be a number from 1 to 5000");
 }
 
-TEST(SceneExtras, RefusesWhatIsNoToleranceAndNoFlag) {
-    for (const std::string value : {"0.05", "null", "[0.05]", "true"}) {
-        expect_refused(R"({"tolerance": )" + value + "}",
-                       "scene: extras.tolerance is " + value + "; it must be an object of force_N");
+TEST(SceneExtras, LeavesWhatIsNoToleranceAndNoFlagToOtherPrograms) {
+    const auto expect_left_out = [](const std::string &extras, const std::string &remark) {
+        const Scene scene = load(with_scene_extras(extras));
+        EXPECT_TRUE(has_remark(scene, remark)) << remark;
+        EXPECT_EQ(scene.tolerance.force_N, ModelTolerance{}.force_N);
+        EXPECT_FALSE(scene.planar);
+    };
+    const std::string other = ": left out as another program's; it would have to be ";
+    for (const std::string value : {"0.05", "null", "[0.05]", "true", R"({"chord":1})"}) {
+        expect_left_out(R"({"tolerance": )" + value + "}",
+                        "scene: extras.tolerance is " + value + other +
+                            "an object of force_N, direction_deg and bandwidth_hz");
     }
-    expect_refused(R"({"tolerance": {"force": 1}})",
+    expect_left_out(R"({"planar": "yes"})",
+                    "scene: extras.planar is 'yes'" + other + "true or false");
+    expect_refused(R"({"tolerance": {"force_N": 1, "force": 1}})",
                    "scene: extras.tolerance.force is not known; what may stand there is force_N, "
                    "direction_deg, bandwidth_hz");
-    expect_refused(R"({"planar": "yes"})", "scene: extras.planar is 'yes'; it must be true or");
+}
+
+TEST(GltfNodes, AMillionChildrenOfOneNodeAreRefusedByName) {
+    GltfBuilder builder = one_triangle();
+    std::string children = "1";
+    for (int i = 0; i < 1'000'000; ++i) {
+        children += ",1";
+    }
+    builder.nodes = {R"({"children": [)" + children + "]}", R"({"mesh": 0, "name": "shared"})"};
+    builder.scenes = {R"({"nodes": [0]})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "node 'shared' is reached twice; glTF nodes must form a tree, without cycles or "
+              "second parents");
 }
 
 } // namespace

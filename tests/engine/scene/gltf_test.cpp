@@ -48,15 +48,21 @@ TEST(Gltf, MetresAreTakenAsTheyStandFromAssetOrScene) {
     EXPECT_EQ(scene.upper_m, Vector3(0.5, 0.25, 0));
 }
 
-TEST(Gltf, OtherUnitsAreRefused) {
+TEST(Gltf, OtherUnitsAreAnotherProgramsAndTheSceneIsFitted) {
+    const std::string other = ": left out as another program's; it would have to be 'm' (metres)";
+    const auto expect_fitted = [&](const GltfBuilder &builder, const std::string &remark) {
+        const Scene scene = load(builder);
+        EXPECT_FALSE(scene.in_metres);
+        EXPECT_TRUE(has_remark(scene, remark + other)) << remark;
+    };
     GltfBuilder builder = one_triangle();
-    builder.asset = R"({"version": "2.0", "extras": {"units": "mm"}})";
-    expect_failure(builder, "asset: extras.units is 'mm'; it must be 'm'");
+    builder.asset = R"({"version": "2.0", "extras": {"units": "centimeters"}})";
+    expect_fitted(builder, "asset: extras.units is 'centimeters'");
     builder.asset = R"({"version": "2.0"})";
     builder.scenes = {R"({"nodes": [0], "extras": {"units": 1}})"};
-    expect_failure(builder, "scene: extras.units is 1; it must be 'm'");
+    expect_fitted(builder, "scene: extras.units is 1");
     builder.scenes = {R"({"nodes": [0], "extras": {"units": null}})"};
-    expect_failure(builder, "scene: extras.units is null; it must be 'm'");
+    expect_fitted(builder, "scene: extras.units is null");
 }
 
 TEST(Gltf, MetresOutsideTheWorkspaceAreRemarkedOnAndAbsurdOnesRefused) {
@@ -89,6 +95,38 @@ TEST(Gltf, NothingToTouchIsRefused) {
     builder = one_triangle();
     builder.scenes = {R"({"nodes": []})"};
     expect_failure(builder, "has no triangle to touch");
+}
+
+TEST(Gltf, PrimitivesWithoutPositionsAreLeftOut) {
+    GltfBuilder builder = one_triangle(R"("name": "part")");
+    builder.meshes = {R"({"primitives": [{"attributes": {}, "indices": 0},
+                          {"attributes": {"POSITION": 0}}, {"attributes": {"NORMAL": 0}}]})"};
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.surface.triangles.size(), 1U);
+    EXPECT_TRUE(has_remark(scene, "node 'part': a primitive without POSITION cannot be touched or "
+                                  "drawn"));
+    builder.meshes = {R"({"primitives": [{"attributes": {}}]})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "has no triangle to touch (node 'part': a primitive without POSITION cannot be "
+              "touched or drawn)");
+}
+
+TEST(Gltf, EqualRemarksOnManyNodesAreOneLine) {
+    GltfBuilder builder = one_triangle();
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{}]},
+                          {"attributes": {"POSITION": 0}, "targets": [{}]}]})"};
+    builder.nodes.clear();
+    constexpr int kNodes = 5000;
+    for (int i = 0; i < kNodes; ++i) {
+        builder.nodes.emplace_back(R"({"mesh": 0, "skin": 0})");
+    }
+    EXPECT_EQ(load(builder).remarks,
+              (std::vector<std::string>{
+                  "nodes 0, 1, 2 and 4997 more: its skin is left out; it is touched and drawn in "
+                  "the pose that it was modelled in",
+                  "nodes 0, 1, 2 and 4997 more: its morph targets are left out; it is touched and "
+                  "drawn in its base shape",
+                  "the scene is in metres and lies partly outside the device's workspace"}));
 }
 
 TEST(Gltf, EverythingInOnePointIsRefused) {

@@ -138,9 +138,11 @@ TEST(SmoothNodes, PrimitivesOfOneNodeStayJoined) {
     EXPECT_EQ(contact::prepare_mesh(parts.surface).report.open_edges, 0U);
 }
 
-TEST(SmoothNodes, RefusesMeshesWithoutNormals) {
-    expect_failure(one_triangle(R"("name": "X", "extras": {"smooth": true})"),
-                   "node 'X': extras.smooth needs normals; export it with them");
+TEST(SmoothNodes, MeshesWithoutNormalsStayFlatAndThoseOfLengthZeroAreRefused) {
+    const Scene flat = load(one_triangle(R"("name": "X", "extras": {"smooth": true})"));
+    EXPECT_EQ(flat.surface.triangles.size(), 1U);
+    EXPECT_TRUE(has_remark(flat, "node 'X': extras.smooth is left out: it needs normals; export it "
+                                 "with them"));
     GltfBuilder builder = ball(kSmoothBall);
     const std::string zeros(12, '\0'); // the normal of vertex 2
     builder.buffer.replace(42 * 12 + 24, 12, zeros);
@@ -155,7 +157,8 @@ TEST(SmoothNodes, ManyShareTheAllowanceAndSayHowFarTheyGot) {
     EXPECT_LE(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles);
     EXPECT_GT(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles / 2);
     EXPECT_TRUE(
-        has_remark(scene, "node 'ball': its 62720 curved facets still differ by up to 0.8"));
+        has_remark(scene, "nodes 'ball', 'ball', 'ball' and 27 more: its 62720 curved facets still "
+                          "differ by up to 0.8"));
     EXPECT_TRUE(has_remark(scene, "degrees from their neighbours, instead of 0.5"));
 }
 

@@ -1,5 +1,7 @@
 #include "engine/lab/rig/scenario/touch_scene.h"
 
+#include "base/input_error.h"
+#include "base/one_line.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf.h"
@@ -29,7 +31,14 @@ scene::Scene touch_scene(const std::string &name, const device::Workspace &works
 }
 
 contact::HapticSurface haptic_surface_of(const scene::Scene &scene) {
-    return contact::HapticSurface(scene.surface, scene.shapes);
+    contact::HapticSurface surface(scene.surface, scene.shapes);
+    if (surface.report().triangles_kept == 0 && surface.shapes().empty()) {
+        throw InputError(one_line(scene.file.string(), 1000) +
+                         ": has nothing to touch: its triangles, " +
+                         std::to_string(surface.report().triangles_given) +
+                         " in number, are all too thin to have a normal; export it again");
+    }
+    return surface;
 }
 
 } // namespace springdrive::rig

@@ -17,6 +17,7 @@ namespace springdrive::rig {
                                        scene::LoadProgress *progress = nullptr);
 
 /// Prepares the haptic surface of a scene.
+/// @throw InputError naming the file if none of its triangles can be touched.
 [[nodiscard]] contact::HapticSurface haptic_surface_of(const scene::Scene &scene);
 
 } // namespace springdrive::rig

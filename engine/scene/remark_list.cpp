@@ -1,0 +1,68 @@
+#include "engine/scene/remark_list.h"
+
+#include <algorithm>
+
+namespace springdrive::scene {
+
+namespace {
+
+constexpr std::size_t kNamesInFull = 3;
+
+} // namespace
+
+void RemarkList::add(const std::string &text) { ++group_of("", nullptr, text).count; }
+
+void RemarkList::add_of(const std::string &owner, const void *identity, const std::string &text) {
+    group_of(owner, identity, text);
+}
+
+void RemarkList::add_of(const std::string &owner, const void *identity, std::size_t number,
+                        const std::string &text) {
+    Group &group = group_of(owner, identity, text);
+    group.has_number = true;
+    group.number += number;
+}
+
+RemarkList::Group &RemarkList::group_of(const std::string &owner, const void *identity,
+                                        const std::string &text) {
+    const std::size_t end_of_kind = std::min(owner.find(' '), owner.size());
+    const std::string kind = owner.substr(0, end_of_kind);
+    const auto [entry, is_new] = index_.try_emplace({kind, text}, groups_.size());
+    if (is_new) {
+        groups_.push_back({.kind = kind, .text = text});
+    }
+    Group &group = groups_[entry->second];
+    if (end_of_kind == owner.size() || (identity != nullptr && identity == group.last_identity)) {
+        return group;
+    }
+    group.last_identity = identity;
+    ++group.count;
+    if (group.first_names.size() < kNamesInFull) {
+        group.first_names.push_back(owner.substr(end_of_kind + 1));
+    }
+    return group;
+}
+
+std::vector<std::string> RemarkList::lines() const {
+    std::vector<std::string> lines;
+    for (const Group &group : groups_) {
+        if (lines.size() + 1 == kMaxRemarkLines && groups_.size() > kMaxRemarkLines) {
+            lines.push_back("and " + std::to_string(groups_.size() - lines.size()) +
+                            " more remarks");
+            break;
+        }
+        std::string line = group.kind + (group.first_names.size() > 1 ? "s" : "");
+        for (std::size_t i = 0; i < group.first_names.size(); ++i) {
+            line += (i == 0 ? " " : ", ") + group.first_names[i];
+        }
+        if (group.count > kNamesInFull && !group.first_names.empty()) {
+            line += " and " + std::to_string(group.count - kNamesInFull) + " more";
+        }
+        line += (line.empty() ? "" : ": ") +
+                (group.has_number ? std::to_string(group.number) + " " : "") + group.text;
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
+} // namespace springdrive::scene
