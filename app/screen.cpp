@@ -56,7 +56,7 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
         std::cerr << "springdrive: " << window_.font_remark() << '\n';
     }
     show_scene();
-    renderer_.upload(std::numeric_limits<double>::infinity()); // the first frame shows it
+    upload(std::numeric_limits<double>::infinity()); // the first frame shows it
 }
 
 void Screen::take_orders() {
@@ -74,7 +74,7 @@ void Screen::draw_frame() {
     if (shown_scene_ != session_.scenes().id()) {
         show_scene();
     }
-    renderer_.upload(kUploadPerFrame_s);
+    upload(kUploadPerFrame_s);
     const Layout places = current_layout();
     mouse_.apply(session_, camera_, places.scene_view);
     window_.clear();
@@ -104,8 +104,18 @@ void Screen::show_scene() {
     camera_.frame(scene.lower_m, upper_m,
                   places.scene_view.size.x / std::max(1.0F, places.scene_view.size.y));
     shown_scene_ = session_.scenes().id();
-    for (const std::string &remark : scene.remarks) {
-        std::cerr << "springdrive: " << scene.file.filename().string() << ": " << remark << '\n';
+    print(scene.remarks);
+}
+
+void Screen::upload(double duration_s) {
+    renderer_.upload(duration_s);
+    print(renderer_.take_remarks());
+}
+
+void Screen::print(const std::vector<std::string> &remarks) const {
+    for (const std::string &remark : remarks) {
+        std::cerr << "springdrive: " << session_.scenes().now().scene.file.filename().string()
+                  << ": " << remark << '\n';
     }
 }
 

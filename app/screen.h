@@ -11,6 +11,8 @@
 #include "engine/session/session.h"
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace springdrive::app {
 
@@ -28,6 +30,8 @@ private:
     [[nodiscard]] Layout current_layout() const;
     void take_orders();
     void show_scene();
+    void upload(double duration_s); ///< of the scene to the graphics card, for about that long
+    void print(const std::vector<std::string> &remarks) const; ///< on the scene
     void draw_scene(const Rectangle &view);
     [[nodiscard]] ViewState view_state() const;
 

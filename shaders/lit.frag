@@ -8,6 +8,13 @@ in vec2 base_coordinate;
 uniform sampler2D base_texture; // sRGB, decoded by the sampler
 uniform vec3 eye_m;
 uniform float glow; // 0: lit by the lights only, 1: the base colour itself
+#ifdef TRANSLUCENT
+#define EMISSIVE
+#endif
+#ifdef EMISSIVE
+uniform vec3 emission; // linear
+uniform sampler2D emissive_texture;
+#endif
 
 out vec4 pixel;
 
@@ -53,5 +60,8 @@ void main() {
         n = -n;
     }
     vec3 linear = lit(base.rgb, n, normalize(eye_m - world_position_m));
+#ifdef EMISSIVE
+    linear += emission * texture(emissive_texture, base_coordinate).rgb;
+#endif
     pixel = vec4(pow(linear, vec3(1.0 / 2.2)), base.a);
 }

@@ -41,6 +41,7 @@ struct Renderer::Frame {
 Renderer::Renderer()
     : background_("background", shaders::fullscreen_vert, shaders::background_frag),
       lit_("lit", shaders::lit_vert, shaders::lit_frag),
+      lit_emissive_("lit, emissive", shaders::lit_vert, shaders::lit_frag, "EMISSIVE"),
       lit_translucent_("lit, translucent", shaders::lit_vert, shaders::lit_frag, "TRANSLUCENT") {
     check_gl("setting up the renderer");
 }
@@ -51,6 +52,7 @@ void Renderer::upload(double duration_s) {
     }
     const bool done = next_scene_->upload(duration_s);
     check_gl("uploading the scene");
+    remarks_ = next_scene_->take_remarks();
     if (done) {
         scene_ = std::move(*next_scene_);
         next_scene_.reset();
@@ -111,6 +113,9 @@ void Renderer::draw_background() const {
 }
 
 void Renderer::draw_scene_and_linkage(const Frame &frame) const {
+    begin(lit_emissive_, frame.view_projection, frame.eye_m);
+    lit_emissive_.set("emissive_texture", 1);
+    scene_.draw_opaque_emissive(lit_emissive_);
     begin(lit_, frame.view_projection, frame.eye_m);
     scene_.draw_opaque();
     painter_.draw(lit_, frame.linkage);
@@ -137,7 +142,8 @@ void Renderer::draw_markers(const Frame &frame) const {
 
 void Renderer::draw_translucent(const Frame &frame) const {
     begin(lit_translucent_, frame.view_projection, frame.eye_m);
-    scene_.draw_translucent(frame.forward);
+    lit_translucent_.set("emissive_texture", 1);
+    scene_.draw_translucent(lit_translucent_, frame.forward);
 }
 
 } // namespace springdrive::app

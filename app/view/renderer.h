@@ -12,6 +12,9 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace springdrive::app {
 
@@ -37,6 +40,9 @@ public:
     /// @throw std::runtime_error if OpenGL cannot hold it; the previous scene is then kept.
     void upload(double duration_s);
 
+    /// Remarks on how the scene being uploaded is drawn, each once.
+    [[nodiscard]] std::vector<std::string> take_remarks() { return std::exchange(remarks_, {}); }
+
     /// Draws only into the viewport of the bound framebuffer. Leaves depth test, blending, culling
     /// and scissor test off, and no vertex array bound.
     /// @param pixel_scale framebuffer pixels per layout pixel, 2 on a high-density screen
@@ -53,10 +59,12 @@ private:
 
     Program background_;
     Program lit_;
+    Program lit_emissive_;
     Program lit_translucent_;
     SolidPainter painter_;
     SceneMeshes scene_;
     std::optional<SceneMeshes> next_scene_; ///< being uploaded
+    std::vector<std::string> remarks_;
     Floor floor_;
     VertexArray no_vertices_;
 };

@@ -74,6 +74,38 @@ struct EncodedImage {
     std::span<const unsigned char> bytes;
 };
 
+/// Reads emission and its texture. That is drawn at the coordinates of the base colour's, if there
+/// is one.
+void read_emission(const tinygltf::Material &source, const std::string &place, BaseColour &colour) {
+    if (source.emissiveFactor.size() != colour.emission.size()) {
+        throw InputError(place + ": emissiveFactor has " +
+                         std::to_string(source.emissiveFactor.size()) + " numbers; it takes 3");
+    }
+    std::copy(source.emissiveFactor.begin(), source.emissiveFactor.end(), colour.emission.begin());
+    const auto strength = source.extensions.find("KHR_materials_emissive_strength");
+    if (strength != source.extensions.end() && strength->second.IsObject() &&
+        strength->second.Get("emissiveStrength").IsNumber()) {
+        for (double &part : colour.emission) {
+            part *= strength->second.Get("emissiveStrength").GetNumberAsDouble();
+        }
+    }
+    require_drawable(colour.emission, place + ": emissiveFactor");
+    if (source.emissiveTexture.index < 0 || colour.emission == std::array{0.0, 0.0, 0.0}) {
+        return;
+    }
+    BaseColour placed;
+    read_texture(source.emissiveTexture, placed);
+    if (colour.texture < 0) {
+        colour.texture_set = placed.texture_set;
+        colour.transform = placed.transform;
+    } else if (colour.texture_set != placed.texture_set || colour.transform != placed.transform) {
+        colour.emission = {0.0, 0.0, 0.0};
+        colour.emission_left_out = true;
+        return;
+    }
+    colour.emissive_texture = placed.texture;
+}
+
 /// "'wood.png'", by its file or else its name; else its number.
 std::string name_of(const tinygltf::Image &image, int index) {
     if (!image.uri.empty() && !is_data_uri(image.uri)) {
@@ -220,12 +252,19 @@ BaseColour read_base_colour(const tinygltf::Model &model, int material) {
     if (source.pbrMetallicRoughness.baseColorTexture.index >= 0) {
         read_texture(source.pbrMetallicRoughness.baseColorTexture, colour);
     }
+    read_emission(source, "material " + std::to_string(material), colour);
     colour.alpha_mode = source.alphaMode == "BLEND"  ? AlphaMode::blend
                         : source.alphaMode == "MASK" ? AlphaMode::mask
                                                      : AlphaMode::opaque;
     colour.alpha_cutoff = source.alphaCutoff;
     colour.double_sided = source.doubleSided;
     return colour;
+}
+
+int TextureLibrary::find_or_load_emissive(const BaseColour &colour, RemarkList &remarks) {
+    BaseColour emissive;
+    emissive.texture = colour.emissive_texture;
+    return find_or_load(emissive, remarks);
 }
 
 int TextureLibrary::find_or_load(const BaseColour &colour, RemarkList &remarks) {
@@ -251,7 +290,7 @@ int TextureLibrary::find_or_load(const BaseColour &colour, RemarkList &remarks) 
         texture = decode(encoded.bytes, kMaxPixels - pixels_, problem);
     }
     if (!problem.empty()) {
-        remarks.add_of("image " + name_of(image, source.source), nullptr,
+        remarks.add_of("image " + name_of(image, source.source), &image,
                        "left out, as it " + problem);
         return -1;
     }

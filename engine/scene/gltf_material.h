@@ -27,6 +27,7 @@ struct TextureTransform {
     std::array<double, 2> scale{1.0, 1.0};
 
     [[nodiscard]] std::array<double, 2> operator()(double u, double v) const;
+    [[nodiscard]] bool operator==(const TextureTransform &) const = default;
 };
 
 struct BaseColour {
@@ -34,13 +35,17 @@ struct BaseColour {
     int texture = -1;                                 ///< index into the model's textures
     int texture_set = 0;                              ///< n of TEXCOORD_n
     TextureTransform transform;
+    std::array<double, 3> emission{0.0, 0.0, 0.0}; ///< linear
+    int emissive_texture = -1;      ///< index into the model's textures; placed as the other one
+    bool emission_left_out = false; ///< its texture is placed differently from the other one
     AlphaMode alpha_mode = AlphaMode::opaque;
     double alpha_cutoff = 0.5; ///< of AlphaMode::mask
     bool double_sided = false;
 };
 
 /// @param material index into the model's materials; −1 gives glTF's default material
-/// @throw InputError for a material that does not exist or has too few numbers.
+/// @throw InputError for a material that does not exist, has too few numbers, or numbers that are
+///        not finite.
 [[nodiscard]] BaseColour read_base_colour(const tinygltf::Model &model, int material);
 
 /// The textures of a scene, each decoded once for each way in which its alpha is used.
@@ -54,6 +59,9 @@ public:
     ///         be decoded: then `remarks` gains the reason, once for each texture.
     /// @throw InputError for references to textures, images or samplers that do not exist.
     int find_or_load(const BaseColour &colour, RemarkList &remarks);
+
+    /// The same for the texture of its emission, whose alpha is ignored.
+    int find_or_load_emissive(const BaseColour &colour, RemarkList &remarks);
 
     /// Whether any of its pixels is not opaque. @pre `find_or_load` returned it
     [[nodiscard]] bool has_alpha(int texture) const {

@@ -237,6 +237,33 @@ bool has_alpha(const VisualMesh &mesh) {
                                [](const VisualVertex &v) { return v.colour[3] < kOpaque; });
 }
 
+/// Textures and emission of `mesh`.
+void add_textures(const PlacedPrimitive &primitive, TextureLibrary &textures, RemarkList &remarks,
+                  VisualMesh &mesh) {
+    const PlacedMesh &node = *primitive.node;
+    const BaseColour &colour = primitive.colour;
+    const bool has_emissive_texture = colour.emissive_texture >= 0;
+    mesh.texture = textures.find_or_load(colour, remarks);
+    mesh.emissive_texture = textures.find_or_load_emissive(colour, remarks);
+    if ((mesh.texture >= 0 || mesh.emissive_texture >= 0) &&
+        primitive.geometry->texture_coordinate.empty()) {
+        mesh.texture = -1;
+        mesh.emissive_texture = -1;
+        remarks.add_of(node.label, &node,
+                       "it has a texture but no TEXCOORD_" + std::to_string(colour.texture_set) +
+                           "; it is drawn without the texture");
+    }
+    if (colour.emission_left_out) {
+        remarks.add_of(node.label, &node,
+                       "its emission is left out, as its texture is placed differently from that "
+                       "of the base colour");
+    }
+    if (!has_emissive_texture || mesh.emissive_texture >= 0) {
+        std::ranges::transform(colour.emission, mesh.emission.begin(),
+                               [](double part) { return static_cast<float>(part); });
+    }
+}
+
 Vector3 centre_of(const VisualMesh &mesh) {
     Vector3 sum_m = Vector3::Zero();
     for (const VisualVertex &vertex : mesh.vertices) {
@@ -346,14 +373,7 @@ std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureL
     VisualMesh mesh;
     mesh.name = primitive.node->name;
     mesh.double_sided = primitive.colour.double_sided;
-    mesh.texture = textures.find_or_load(primitive.colour, remarks);
-    if (mesh.texture >= 0 && primitive.geometry->texture_coordinate.empty()) {
-        mesh.texture = -1;
-        remarks.add_of(primitive.node->label, primitive.node,
-                       "it has a texture but no TEXCOORD_" +
-                           std::to_string(primitive.colour.texture_set) +
-                           "; it is drawn without the texture");
-    }
+    add_textures(primitive, textures, remarks, mesh);
     if (primitive.geometry->normal.empty() && primitive.normals.empty()) {
         add_flat(primitive, mesh);
     } else {

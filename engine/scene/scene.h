@@ -26,8 +26,10 @@ struct VisualVertex {
 struct VisualMesh {
     std::string name; ///< the glTF node's name
     std::vector<VisualVertex> vertices;
-    std::vector<std::uint32_t> indices; ///< three a triangle
-    int texture = -1;                   ///< index into Scene::textures, −1 for none
+    std::vector<std::uint32_t> indices;              ///< three a triangle
+    int texture = -1;                                ///< index into Scene::textures, −1 for none
+    std::array<float, 3> emission{0.0F, 0.0F, 0.0F}; ///< light of its own, linear
+    int emissive_texture = -1;                       ///< multiplies it; at the same coordinates
     bool double_sided = false;
     bool translucent = false;          ///< by its colours or its texture
     Vector3 centre_m{Vector3::Zero()}; ///< of its vertices

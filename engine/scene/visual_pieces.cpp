@@ -42,6 +42,8 @@ private:
         VisualMesh &piece = pieces_.emplace_back();
         piece.name = mesh_.name;
         piece.texture = mesh_.texture;
+        piece.emission = mesh_.emission;
+        piece.emissive_texture = mesh_.emissive_texture;
         piece.double_sided = mesh_.double_sided;
     }
 

@@ -151,6 +151,11 @@ TEST(GltfMaterial, ColoursBeyondSinglePrecisionAreRefused) {
     EXPECT_EQ(line_of_failure(builder.gltf()),
               "node 'picture': material 0: baseColorFactor is 1e+39; a colour is from 0 to 1, and "
               "must be finite in single precision");
+    builder.materials = {R"({"emissiveFactor": [1, 1, 1], "extensions":
+                             {"KHR_materials_emissive_strength": {"emissiveStrength": 1e39}}})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "node 'picture': material 0: emissiveFactor is 1e+39; a colour is from 0 to 1, and "
+              "must be finite in single precision");
 }
 
 TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {
@@ -207,6 +212,55 @@ TEST(GltfMaterial, TextureTransformMayChooseTheSetToo) {
                  R"(, "texCoord": 3, "extensions": {"KHR_texture_transform": {"texCoord": 0}})"));
     EXPECT_EQ(scene.meshes.front().texture, 0);
     EXPECT_FLOAT_EQ(scene.meshes.front().vertices[0].texture_coordinate[1], 0.5F);
+}
+
+/// The textured triangle with a black base and emission; `base` stands in pbrMetallicRoughness.
+GltfBuilder emissive(const std::string &base, const std::string &texture_members = "") {
+    GltfBuilder builder = textured(embedded_image());
+    builder.materials = {R"({"emissiveFactor": [0.25, 0.5, 1], "emissiveTexture": {"index": 0)" +
+                         texture_members + R"(}, "pbrMetallicRoughness": {)" + base + "}}"};
+    return builder;
+}
+
+const std::array<float, 3> kEmission{0.25F, 0.5F, 1.0F};
+const std::array<float, 3> kDark{0.0F, 0.0F, 0.0F};
+
+TEST(GltfMaterial, EmissionComesThroughWithItsTexture) {
+    EXPECT_EQ(load(one_triangle()).meshes.front().emission, kDark);
+    const VisualMesh alone = load(emissive(R"("baseColorFactor": [0, 0, 0, 1])")).meshes.front();
+    EXPECT_EQ(alone.emission, kEmission);
+    EXPECT_EQ(alone.texture, -1);
+    EXPECT_EQ(alone.emissive_texture, 0);
+    EXPECT_FLOAT_EQ(alone.vertices[0].texture_coordinate[1], 0.5F);
+    const Scene both = load(emissive(R"("baseColorTexture": {"index": 0})"));
+    EXPECT_EQ(both.meshes.front().emission, kEmission);
+    EXPECT_EQ(both.meshes.front().texture, 0);
+    EXPECT_EQ(both.meshes.front().emissive_texture, 0);
+    EXPECT_TRUE(both.remarks.empty() || !has_remark(both, "emission"));
+}
+
+TEST(GltfMaterial, EmissionIsMultipliedByItsStrength) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.materials = {R"({"emissiveFactor": [0.25, 0.5, 1], "extensions":
+                             {"KHR_materials_emissive_strength": {"emissiveStrength": 2.5}}})"};
+    const std::array<float, 3> strong{0.625F, 1.25F, 2.5F};
+    EXPECT_EQ(load(builder).meshes.front().emission, strong);
+}
+
+TEST(GltfMaterial, EmissionWhoseTextureCannotBeDrawnIsLeftOut) {
+    const Scene elsewhere = load(emissive(R"("baseColorTexture": {"index": 0})",
+                                          R"(, "extensions": {"KHR_texture_transform":
+                                              {"scale": [2, 2]}})"));
+    EXPECT_EQ(elsewhere.meshes.front().emission, kDark);
+    EXPECT_TRUE(has_remark(elsewhere, "node 'picture': its emission is left out, as its texture is "
+                                      "placed differently from that of the base colour"));
+    GltfBuilder missing = emissive("");
+    missing.images = {R"({"uri": "none.png"})"};
+    EXPECT_EQ(load(missing).meshes.front().emission, kDark);
+    EXPECT_TRUE(has_remark(load(missing), "image 'none.png': left out"));
+    const Scene without = load(emissive("", R"(, "texCoord": 1)"));
+    EXPECT_EQ(without.meshes.front().emission, kDark);
+    EXPECT_TRUE(has_remark(without, "node 'picture': it has a texture but no TEXCOORD_1"));
 }
 
 TEST(GltfMaterial, DoubleSidedComesThrough) {

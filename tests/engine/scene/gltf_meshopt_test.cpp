@@ -4,6 +4,8 @@
 
 #include <meshoptimizer.h>
 
+#include <random>
+
 namespace springdrive::scene {
 namespace {
 
@@ -152,6 +154,25 @@ TEST(GltfMeshopt, WhatCannotBeIsRefusedByName) {
         std::string text = with_fallback_buffer(square(encoded_triangles(), "TRIANGLES"));
         text.replace(text.find(one.from), std::string_view(one.from).size(), one.to);
         EXPECT_EQ(line_of_failure(text), one.line);
+    }
+}
+
+TEST(GltfMeshopt, DamagedDataEndInASceneOrInOneLine) {
+    const GltfBuilder builder = square(encoded_triangles(), "TRIANGLES");
+    std::mt19937_64 random(11);
+    for (int trial = 0; trial < 1000; ++trial) {
+        GltfBuilder damaged = builder;
+        for (std::uint64_t flips = 1 + random() % 3; flips > 0; --flips) {
+            damaged.buffer[random() % damaged.buffer.size()] = static_cast<char>(random() % 256);
+        }
+        try {
+            for (const Vector3 &vertex_m :
+                 load_bytes(with_fallback_buffer(damaged)).surface.vertices_m) {
+                ASSERT_TRUE(vertex_m.allFinite());
+            }
+        } catch (const InputError &error) {
+            ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+        }
     }
 }
 
