@@ -10,6 +10,10 @@ namespace springdrive::scene {
 
 /// Loads a glTF file and places it in the device's frame.
 ///
+/// Its buffers and images may be in the file itself, or in files in its folder and those below; no
+/// other file is opened. Draco and meshopt compression are decoded; skins, morph targets and
+/// animations are left out. Of materials, base colour and emission are drawn.
+///
 /// Fitted uniformly, largest that fits into 60 % of the workspace, centred there, unless the
 /// file's scene or asset says `"extras": {"units": "m"}`: then its coordinates are metres in the
 /// device frame as they stand.

@@ -139,10 +139,21 @@ std::vector<IndicesWithoutView> take_indices_without_view(json &document) {
     return taken;
 }
 
-/// Takes out what is read elsewhere or not needed, so that tinygltf opens no file, and refuses no
-/// skin or animation that is valid in a later extension.
+/// Takes an array out of the document, so that tinygltf does not see it.
+json take_array(json &document, const char *name) {
+    const auto found = document.find(name);
+    if (found == document.end()) {
+        return json::array();
+    }
+    json array = std::move(*found);
+    document.erase(found);
+    return array;
+}
+
+/// Takes out what is not needed, so that tinygltf refuses no skin or animation that is valid in a
+/// later extension.
 void take_out_unneeded(json &document) {
-    for (const char *name : {"buffers", "images", "skins", "animations", "cameras", "extensions"}) {
+    for (const char *name : {"skins", "animations", "cameras", "extensions"}) {
         document.erase(name);
     }
 }
@@ -245,8 +256,8 @@ tinygltf::Model read_model(const std::filesystem::path &file, RemarkList &remark
     check_members(document);
     check_versions_and_extensions(document);
     remark_on_left_out(document, remarks);
-    const json buffers = document.value("buffers", json::array());
-    const json images = document.value("images", json::array());
+    const json buffers = take_array(document, "buffers"); // may be most of the file
+    const json images = take_array(document, "images");
     take_out_unneeded(document);
     const std::vector<IndicesWithoutView> taken = take_indices_without_view(document);
     tinygltf::Model model = parse(std::exchange(document, {}).dump());
