@@ -1,5 +1,6 @@
 #include "app/demo.h"
 
+#include "app/commands/output_files.h"
 #include "app/ending_signal.h"
 #include "app/frame_pace.h"
 #include "app/open_session.h"
@@ -42,7 +43,9 @@ bool run_demo(const DemoOptions &options) {
     play(options, session, screen);
     session.stop();
     if (!options.screenshot.empty()) {
-        screen.window().write_screenshot(options.screenshot);
+        write_output(
+            options.screenshot.string(),
+            [&](std::ostream &out) { screen.window().write_screenshot(out); }, options.existing);
     }
     if (options.unattended()) {
         session::write_session_report(std::cout, session);

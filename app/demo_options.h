@@ -1,6 +1,7 @@
 // Options of the demo, as plain values.
 #pragma once
 
+#include "base/new_file.h"
 #include "engine/session/session_options.h"
 
 #include <filesystem>
@@ -11,7 +12,8 @@ struct DemoOptions {
     session::SessionOptions session;
     int frames = 0;       ///< end after this many; 0: no limit
     double seconds = 0.0; ///< end after this time (in lockstep: frame time); 0: no limit
-    std::filesystem::path screenshot; ///< empty: none
+    std::filesystem::path screenshot;   ///< empty: none
+    Existing existing = Existing::keep; ///< of the screenshot
     int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale
     int height = 0;
     double scale = 0.0; ///< of text and panels; 0: the display's own

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -257,9 +257,9 @@ void Window::on_drop(GLFWwindow *window, int count, const char **paths) {
     self->dropped_.assign(paths, paths + count);
 }
 
-void Window::write_screenshot(const std::filesystem::path &file) const {
+void Window::write_screenshot(std::ostream &out) const {
     if (last_frame_.empty()) {
-        throw InputError(file.string() + ": no frame has been drawn yet");
+        throw InputError("--screenshot: no frame has been drawn yet");
     }
     const std::size_t row = static_cast<std::size_t>(last_frame_size_.width) * 3;
     std::vector<unsigned char> top_down(last_frame_.size());
@@ -267,17 +267,11 @@ void Window::write_screenshot(const std::filesystem::path &file) const {
         const auto from = last_frame_.end() - static_cast<std::ptrdiff_t>((y + 1) * row);
         std::copy_n(from, row, top_down.begin() + static_cast<std::ptrdiff_t>(y * row));
     }
-    std::ofstream stream(file, std::ios::binary);
     const auto append = [](void *to, void *bytes, int size) {
-        static_cast<std::ofstream *>(to)->write(static_cast<const char *>(bytes), size);
+        static_cast<std::ostream *>(to)->write(static_cast<const char *>(bytes), size);
     };
-    stbi_write_png_to_func(append, &stream, last_frame_size_.width, last_frame_size_.height, 3,
+    stbi_write_png_to_func(append, &out, last_frame_size_.width, last_frame_size_.height, 3,
                            top_down.data(), static_cast<int>(row));
-    stream.close();
-    if (!stream) {
-        throw InputError(file.string() +
-                         ": cannot be written; check its folder, its permissions and the disk");
-    }
 }
 
 } // namespace springdrive::app

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,8 @@ public:
     /// Files dropped on the window since the last call.
     [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
 
-    /// Writes the last frame that `end_frame` showed. @throw InputError if the file cannot be
-    /// written.
-    void write_screenshot(const std::filesystem::path &file) const;
+    /// Writes the last frame that `end_frame` showed, as PNG. @throw InputError if there is none.
+    void write_screenshot(std::ostream &out) const;
 
     /// Why text may be missing letters; empty when the font was found.
     [[nodiscard]] const std::string &font_remark() const { return font_remark_; }

@@ -1,6 +1,7 @@
 #include "base/strict_toml.h"
 
 #include "base/input_error.h"
+#include "base/input_file.h"
 
 #include <fmt/core.h>
 #include <toml++/toml.h>
@@ -28,6 +29,9 @@ struct StrictTomlTable::Contents {
 };
 
 namespace {
+
+/// Far above any device or tuning; a record also keeps its device file in a header of 1 MB.
+constexpr std::uintmax_t kMaxBytes = 1U << 20U;
 
 std::string plain(double value) { return fmt::format("{:g}", value); }
 
@@ -73,10 +77,7 @@ StrictTomlTable::StrictTomlTable(StrictTomlTable &&) noexcept = default;
 StrictTomlTable &StrictTomlTable::operator=(StrictTomlTable &&) noexcept = default;
 
 StrictTomlTable StrictTomlTable::read(const std::filesystem::path &file) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored)) {
-        throw InputError(file.string() + ": is a folder; name a TOML file");
-    }
+    check_input_file(file, "a TOML file", kMaxBytes);
     std::ifstream stream(file, std::ios::binary);
     if (!stream) {
         throw InputError(file.string() + ": cannot be opened; check the name and its permissions");

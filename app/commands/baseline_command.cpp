@@ -29,6 +29,7 @@ struct TypedBaseline {
     std::optional<double> dR_Ohm;
     double margin = limits::AutoTuneRequest{}.margin;
     std::string csv; ///< empty: a table for people
+    Existing existing = Existing::keep;
 };
 
 /// The default settings, or those of them with the given values; with all three given, that one.
@@ -58,7 +59,7 @@ void run(const TypedBaseline &typed) {
     loops::StabilityCase which;
     which.device = device::read_device_file(typed.device_file);
     check_range("--margin", typed.margin, 1.0, 10.0);
-    check_writable(typed.csv);
+    check_outputs({{typed.device_file}, {}, {typed.csv}}, typed.existing);
     const std::vector<limits::ServoSetting> settings = settings_of(typed, which.device);
     std::vector<limits::DriveComparison> all;
     {
@@ -68,7 +69,8 @@ void run(const TypedBaseline &typed) {
         });
     }
     write_report([&](std::ostream &out) { limits::write_comparison_table(out, all); },
-                 {{typed.csv, [&](std::ostream &out) { limits::write_comparison_csv(out, all); }}});
+                 {{typed.csv, [&](std::ostream &out) { limits::write_comparison_csv(out, all); }}},
+                 typed.existing);
 }
 
 } // namespace
@@ -91,6 +93,7 @@ void add_baseline_command(CLI::App &app) {
                     "factor by which all gains may still grow, 1 to 10 [1.3]")
         ->type_name("FACTOR");
     add_output_option(baseline, "--csv", typed->csv, "CSV");
+    add_force_option(baseline, typed->existing);
     baseline.footer(
         fmt::format("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those "
                     "along the vertical at ({:g}°).",

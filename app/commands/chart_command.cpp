@@ -29,6 +29,7 @@ struct TypedChart {
     std::filesystem::path tuning_file; ///< empty: the default tuning
     std::vector<std::string> only;     ///< empty: all charts
     int repeats = charts::ChartSetting{}.repeats;
+    Existing existing = Existing::keep;
 };
 
 charts::ChartSetting setting_of(const TypedChart &typed) {
@@ -54,6 +55,13 @@ std::string footnote(const charts::ChartSetting &setting, const std::string &mac
 void make_charts(const TypedChart &typed) {
     const charts::ChartSetting setting = setting_of(typed);
     make_output_folder(typed.out);
+    RunFiles files{{typed.device_file, typed.tuning_file}, {}, {}};
+    for (const charts::ChartMaker &maker : charts::kCharts) {
+        if (is_asked_for(typed, maker.name)) {
+            add_chart_files(files, typed.out, maker.name);
+        }
+    }
+    check_outputs(files, typed.existing);
     const std::string machine = machine_name();
     ProgressLine line;
     std::vector<Chart> pictures;
@@ -64,14 +72,15 @@ void make_charts(const TypedChart &typed) {
         const charts::SpeedAccuracyChart chart =
             maker.make(setting, [&](double share) { line.show(maker.name, share); });
         write_output((typed.out / (chart.name + ".csv")).string(),
-                     [&](std::ostream &out) { charts::write_chart_csv(out, chart, machine); });
+                     [&](std::ostream &out) { charts::write_chart_csv(out, chart, machine); },
+                     typed.existing);
         pictures.push_back({asset_folder() / "figures" / "speed_accuracy.gnuplot",
                             speed_accuracy_marks(chart, footnote(setting, machine)).assignments(),
                             typed.out, chart.name + ".csv", chart.name + ".svg"});
     }
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         line.show("pictures", static_cast<double>(i) / static_cast<double>(pictures.size()));
-        draw(pictures[i]);
+        draw(pictures[i], typed.existing);
     }
 }
 
@@ -103,6 +112,7 @@ void add_chart_command(CLI::App &app) {
                      "repetitions of each timing, from 1 to " + std::to_string(kMaxRepeats) + " [" +
                          std::to_string(typed->repeats) + "]")
         ->type_name("N");
+    add_force_option(*chart, typed->existing);
     add_device_file_option(*chart, typed->device_file);
     add_tuning_file_option(*chart, typed->tuning_file);
     chart->callback([typed] { make_charts(*typed); });

@@ -27,6 +27,7 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     demo.add_option("--record", typed.session.options.record,
                     "record every servo tick; see springdrive export")
         ->type_name("FILE");
+    add_force_option(demo, options.existing);
     demo.add_option("--width", options.width, "of the window, with --height [1280]")
         ->type_name("PIXELS");
     demo.add_option("--height", options.height, "of the window, with --width [720]")
@@ -47,8 +48,6 @@ void check(const DemoOptions &options) {
     if (options.scale != 0.0 && !(options.scale >= 0.5 && options.scale <= 5.0)) {
         throw InputError("--scale must be from 0.5 to 5");
     }
-    check_writable(options.screenshot);
-    check_other_file(options.screenshot, options.session.record);
     if (options.session.lockstep && !options.unattended()) {
         throw InputError("--lockstep needs --frames or --seconds to end, as it does not "
                          "use the clock");
@@ -59,7 +58,9 @@ void run(const TypedDemo &typed) {
     DemoOptions options = typed.options;
     options.session = typed.session.session();
     options.session.plays_script = options.unattended();
+    options.session.existing_record = options.existing;
     check(options);
+    check_outputs(typed.session.files({options.screenshot}), options.existing);
     if (!run_demo(options)) {
         throw CLI::RuntimeError(1);
     }

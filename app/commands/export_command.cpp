@@ -22,6 +22,7 @@ struct TypedExport {
     std::string npy;
     std::string mat;
     bool list = false;
+    Existing existing = Existing::keep;
     record::ExportSelection selection;
 };
 
@@ -48,10 +49,12 @@ int formats(const TypedExport &typed) {
 
 template <typename Export>
 record::ExportSummary export_to(const std::string &where, record::RecordReader &record,
-                                const record::ExportSelection &selection, Export &&write) {
+                                const TypedExport &typed, Export &&write) {
     record::ExportSummary summary;
     try {
-        write_output(where, [&](std::ostream &out) { summary = write(record, selection, out); });
+        write_output(
+            where, [&](std::ostream &out) { summary = write(record, typed.selection, out); },
+            typed.existing);
     } catch (const InputError &error) {
         const std::string what = error.what();
         const std::string name = where == "-" ? "standard output" : where;
@@ -73,20 +76,18 @@ void run(const TypedExport &typed) {
     if (!(typed.selection.from_s <= typed.selection.to_s)) {
         throw InputError("--from must not be after --to; give the earlier time first");
     }
-    for (const std::string &output : {typed.csv, typed.npy, typed.mat}) {
-        check_other_file(output, typed.record);
-    }
     if (typed.mat == "-") {
         throw InputError("--mat: writes to a file only; --csv and --npy can write to -");
     }
+    check_outputs({{typed.record}, {}, {typed.csv, typed.npy, typed.mat}}, typed.existing);
     static_cast<void>(record::selected_columns(record.header(), typed.selection.columns));
     record::ExportSummary summary;
     if (!typed.csv.empty()) {
-        summary = export_to(typed.csv, record, typed.selection, record::export_csv);
+        summary = export_to(typed.csv, record, typed, record::export_csv);
     } else if (!typed.npy.empty()) {
-        summary = export_to(typed.npy, record, typed.selection, record::export_npy);
+        summary = export_to(typed.npy, record, typed, record::export_npy);
     } else {
-        summary = record::export_mat(record, typed.selection, typed.mat);
+        summary = record::export_mat(record, typed.selection, typed.mat, typed.existing);
     }
     print(std::cerr, "springdrive: {} rows of {} columns, from {}\n", summary.rows, summary.columns,
           summary.ending.text());
@@ -105,6 +106,7 @@ void add_export_command(CLI::App &app) {
         ->type_name("FILE|-");
     command.add_option("--mat", typed->mat, "a variable for each column, MATLAB and Octave")
         ->type_name("FILE");
+    add_force_option(command, typed->existing);
     command
         .add_option("--columns", typed->selection.columns,
                     "only these, in this order; tip_* stands for all with this prefix [all]")

@@ -31,6 +31,7 @@ struct TypedFigures {
     std::filesystem::path tuning_file; ///< empty: the default tuning
     std::vector<double> q_deg = default_joint_angles_deg();
     double resistance_spread = FigureSetting{}.resistance_spread;
+    Existing existing = Existing::keep;
 };
 
 /// If friction can hold half of the force of the transpose map, it affects directions as well.
@@ -68,19 +69,24 @@ FigureSetting setting_of(const TypedFigures &typed) {
 void make_figures(const TypedFigures &typed) {
     const FigureSetting setting = setting_of(typed);
     make_output_folder(typed.out);
+    RunFiles files{{typed.device_file, typed.tuning_file}, {}, {}};
+    for (const FigureMaker &maker : kFigures) {
+        add_chart_files(files, typed.out, maker.name);
+    }
+    check_outputs(files, typed.existing);
     ProgressLine line;
     std::vector<Chart> charts;
     for (const FigureMaker &maker : kFigures) {
         const std::string name(maker.name);
         const Figure figure = maker.make(setting, [&](double share) { line.show(name, share); });
         write_output((typed.out / (name + ".csv")).string(),
-                     [&](std::ostream &out) { out << figure.csv; });
+                     [&](std::ostream &out) { out << figure.csv; }, typed.existing);
         charts.push_back({asset_folder() / "figures" / (name + ".gnuplot"),
                           figure.marks.assignments(), typed.out, name + ".csv", name + ".svg"});
     }
     for (const Chart &chart : charts) {
         line.show(chart.svg, 1.0);
-        draw(chart);
+        draw(chart, typed.existing);
     }
 }
 
@@ -94,6 +100,7 @@ void add_figures_command(CLI::App &app) {
     figures->add_option("--out", typed->out, "the folder to write to; created if missing")
         ->type_name("DIR")
         ->required();
+    add_force_option(*figures, typed->existing);
     add_device_file_option(*figures, typed->device_file);
     add_tuning_file_option(*figures, typed->tuning_file);
     add_joint_angles_option(*figures, typed->q_deg);

@@ -29,6 +29,7 @@ struct TypedInspect {
     std::string json; ///< empty: text for people
     bool no_model = false;
     bool fresh = false;
+    Existing existing = Existing::keep;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -45,6 +46,7 @@ model_selection::ModelSelection model_of_scene(const TypedInspect &typed, const 
 }
 
 void run(const TypedInspect &typed) {
+    check_outputs({{typed.device_file}, typed.scene, {typed.json}}, typed.existing);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const auto start = std::chrono::steady_clock::now();
     const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
@@ -65,7 +67,8 @@ void run(const TypedInspect &typed) {
         report.model = &*model;
     }
     write_report([&](std::ostream &out) { write_inspect_table(out, report); },
-                 {{typed.json, [&](std::ostream &out) { write_inspect_json(out, report); }}});
+                 {{typed.json, [&](std::ostream &out) { write_inspect_json(out, report); }}},
+                 typed.existing);
 }
 
 } // namespace
@@ -82,6 +85,7 @@ void add_inspect_command(CLI::App &app) {
         ->required();
     add_device_file_option(inspect, typed->device_file);
     add_output_option(inspect, "--json", typed->json, "JSON");
+    add_force_option(inspect, typed->existing);
     inspect.add_flag("--no-model", typed->no_model,
                      "do not measure which model the scene would get, which takes seconds");
     inspect.add_flag("--fresh", typed->fresh,

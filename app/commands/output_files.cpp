@@ -1,6 +1,7 @@
 #include "app/commands/output_files.h"
 
 #include "base/input_error.h"
+#include "engine/scene/gltf_named_files.h"
 
 #include <CLI/CLI.hpp>
 
@@ -10,12 +11,15 @@
 #include <fcntl.h>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <system_error>
 #include <unistd.h>
 
 namespace springdrive::app {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 /// 0 on success.
 int error_of_closing(int descriptor) {
@@ -26,26 +30,61 @@ int error_of_closing(int descriptor) {
     return error;
 }
 
+/// A file that is not an open one of this process, such as /dev/stdout sent to a file: it appears
+/// under its name when it is complete.
+bool appears_complete(const fs::path &resolved) {
+    std::error_code ignored;
+    const fs::file_type type = fs::status(resolved, ignored).type();
+    return !resolved.string().starts_with("/proc/") &&
+           (type == fs::file_type::regular || type == fs::file_type::not_found);
+}
+
 /// The error of writing to `output`; 0 for none. It is tried if that leaves no trace, as
 /// permissions alone do not suffice.
-int error_of_writing(const std::filesystem::path &output, const std::filesystem::path &folder) {
+int error_of_writing(const fs::path &output) {
     std::error_code problem;
-    const std::filesystem::file_type type = std::filesystem::status(output, problem).type();
-    if (type == std::filesystem::file_type::none) { // for example, its name is too long
+    const fs::file_type type = fs::status(output, problem).type();
+    if (type == fs::file_type::none) { // for example, its name is too long
         return problem.value();
     }
-    if (type == std::filesystem::file_type::regular) {
-        return error_of_closing(open(output.c_str(), O_WRONLY | O_CLOEXEC));
-    }
-    if (type != std::filesystem::file_type::not_found) { // opening a pipe would end its reader
+    if (!appears_complete(output)) { // opening a pipe would end its reader
         return access(output.c_str(), W_OK) == 0 ? 0 : errno;
     }
-    std::string beside = folder / ".springdrive_XXXXXX";
+    if (type == fs::file_type::regular) {
+        if (const int error = error_of_closing(open(output.c_str(), O_WRONLY | O_CLOEXEC))) {
+            return error;
+        }
+    }
+    std::string beside = output.parent_path() / ".springdrive_XXXXXX";
     const int error = error_of_closing(mkstemp(beside.data()));
     if (error == 0) {
         unlink(beside.c_str());
     }
     return error;
+}
+
+void check_writable(const fs::path &output, const fs::path &resolved) {
+    std::error_code problem;
+    if (!fs::is_directory(resolved.parent_path(), problem)) {
+        throw InputError(output.string() + ": its folder does not exist; create it first");
+    }
+    if (fs::is_directory(resolved, problem)) {
+        throw InputError(output.string() + ": is a folder; name a file");
+    }
+    if (const int error = error_of_writing(resolved); error != 0) {
+        throw InputError(output.string() + ": cannot be written: " +
+                         std::generic_category().message(error) + "; name another file");
+    }
+}
+
+/// Whether both names lead to one regular file, or would.
+bool are_same_file(const fs::path &output, const fs::path &other) {
+    std::error_code ignored;
+    const fs::path resolved = resolved_name(output);
+    if (!fs::exists(resolved, ignored)) {
+        return resolved == resolved_name(other);
+    }
+    return fs::is_regular_file(resolved, ignored) && fs::equivalent(output, other, ignored);
 }
 
 } // namespace
@@ -57,33 +96,50 @@ CLI::Option *add_output_option(CLI::App &command, const std::string &option, std
         ->type_name("FILE|-");
 }
 
-void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input) {
-    if (output.empty() || input.empty()) {
-        return;
-    }
+void add_force_option(CLI::App &command, Existing &existing) {
+    command.add_flag_callback(
+        "--force", [&existing] { existing = Existing::replace; }, "replace existing files");
+}
+
+void check_outputs(const RunFiles &files, Existing existing) {
+    std::vector<fs::path> read = files.read;
+    read.push_back(files.scene);
     std::error_code ignored;
-    if (std::filesystem::equivalent(output, input, ignored) ||
-        std::filesystem::weakly_canonical(output, ignored) ==
-            std::filesystem::weakly_canonical(input, ignored)) {
-        throw InputError(output.string() + ": is the record itself; give another name");
+    if (std::ranges::any_of(files.written,
+                            [&](const fs::path &file) { return fs::exists(file, ignored); })) {
+        const std::vector<fs::path> named = scene::gltf::files_named_in(files.scene);
+        read.insert(read.end(), named.begin(), named.end());
+    }
+    std::vector<fs::path> checked;
+    for (const fs::path &output : files.written) {
+        if (output.empty() || output == "-") {
+            continue;
+        }
+        for (const fs::path &input : read) {
+            if (!input.empty() && are_same_file(output, input)) {
+                throw InputError(output.string() + ": is also read" +
+                                 (input == output ? "" : ", as " + input.string()) +
+                                 "; give another name");
+            }
+        }
+        for (const fs::path &other : checked) {
+            if (are_same_file(output, other)) {
+                throw InputError(output.string() + ": is named for two outputs; give another name");
+            }
+        }
+        const fs::path resolved = resolved_name(output);
+        check_writable(output, resolved);
+        if (existing == Existing::keep && appears_complete(resolved) &&
+            fs::exists(resolved, ignored)) {
+            throw InputError(exists_text(output));
+        }
+        checked.push_back(output);
     }
 }
 
-void check_writable(const std::filesystem::path &output) {
-    if (output.empty() || output == "-") {
-        return;
-    }
-    const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
-    std::error_code problem;
-    if (!std::filesystem::is_directory(folder, problem)) {
-        throw InputError(output.string() + ": its folder does not exist; create it first");
-    }
-    if (std::filesystem::is_directory(output, problem)) {
-        throw InputError(output.string() + ": is a folder; name a file");
-    }
-    if (const int error = error_of_writing(output, folder); error != 0) {
-        throw InputError(output.string() + ": cannot be written: " +
-                         std::generic_category().message(error) + "; name another file");
+void add_chart_files(RunFiles &files, const fs::path &folder, std::string_view name) {
+    for (const char *ending : {".csv", ".svg"}) {
+        files.written.push_back(folder / (std::string(name) + ending));
     }
 }
 
@@ -99,7 +155,7 @@ void make_output_folder(const std::filesystem::path &folder) {
     }
 }
 
-void write_output(const std::string &where, const Writer &write) {
+void write_output(const std::string &where, const Writer &write, Existing existing) {
     if (where == "-") {
         write(std::cout);
         if (!std::cout.flush()) {
@@ -108,24 +164,32 @@ void write_output(const std::string &where, const Writer &write) {
         }
         return;
     }
-    std::ofstream file(where, std::ios::binary);
+    std::optional<NewFile> created;
+    if (appears_complete(resolved_name(where))) {
+        created.emplace(where);
+    }
+    std::ofstream file(created ? created->temporary() : fs::path(where), std::ios::binary);
     if (!file) {
         throw InputError(where + ": cannot be created; check that its folder exists and its "
                                  "permissions");
     }
     write(file);
-    if (!file.flush()) {
+    file.close();
+    if (!file) {
         throw InputError(where + ": cannot be written completely; is the disk full?");
+    }
+    if (created) {
+        created->publish(existing);
     }
 }
 
-void write_report(const Writer &table, const std::vector<ReportFile> &files) {
+void write_report(const Writer &table, const std::vector<ReportFile> &files, Existing existing) {
     if (std::ranges::all_of(files, [](const ReportFile &file) { return file.where.empty(); })) {
-        write_output("-", table);
+        write_output("-", table, existing);
     }
     for (const ReportFile &file : files) {
         if (!file.where.empty()) {
-            write_output(file.where, file.write);
+            write_output(file.where, file.write, existing);
         }
     }
 }

@@ -1,10 +1,14 @@
-// Output of commands: to files that the user names, or to standard output.
+// Output of commands: to files that the user names, or to standard output. Nothing is overwritten
+// unasked: an input never, another file only with --force.
 #pragma once
+
+#include "base/new_file.h"
 
 #include <filesystem>
 #include <functional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -21,22 +25,34 @@ using Writer = std::function<void(std::ostream &)>;
 CLI::Option *add_output_option(CLI::App &command, const std::string &option, std::string &where,
                                const std::string &what);
 
-/// @throw InputError if the file `output`, about to be written, is the file `input`; either may be
-///        empty or not exist.
-void check_other_file(const std::filesystem::path &output, const std::filesystem::path &input);
+/// `--force`, without which existing files are kept.
+void add_force_option(CLI::App &command, Existing &existing);
 
-/// Leaves `output` as it is, whether or not it exists. Empty and "-" are fine.
-/// @throw InputError if it cannot be written, or its folder does not exist, to detect this before
-///        a long run.
-void check_writable(const std::filesystem::path &output);
+/// The files of a run, to be checked before it: names may be empty, and those of outputs "-".
+struct RunFiles {
+    std::vector<std::filesystem::path> read;
+    std::filesystem::path scene; ///< read with the files that it names
+    std::vector<std::filesystem::path> written;
+};
+
+/// Leaves all files as they are. Standard output, pipes and devices are fine as outputs; two names
+/// are the same file if links or spellings lead to one.
+/// @throw InputError for an output that is also an input or another output; that exists and is to
+///        be kept; that cannot be written, or whose folder does not exist.
+void check_outputs(const RunFiles &files, Existing existing);
+
+/// Adds NAME.csv and NAME.svg in `folder` to what is written.
+void add_chart_files(RunFiles &files, const std::filesystem::path &folder, std::string_view name);
 
 /// Creates the folder that `--out` names, if it does not exist.
 /// @throw InputError if it cannot be created or written to.
 void make_output_folder(const std::filesystem::path &folder);
 
-/// Lets `write` fill the file, or standard output where `where` is "-".
-/// @throw InputError if the file cannot be created or written completely.
-void write_output(const std::string &where, const Writer &write);
+/// Lets `write` fill the file, or standard output where `where` is "-". A regular file appears when
+/// it is complete.
+/// @throw InputError if the file exists and is to be kept, or cannot be created or written
+///        completely; an existing one is then as it was.
+void write_output(const std::string &where, const Writer &write, Existing existing);
 
 /// A report in a format for programs, such as CSV.
 struct ReportFile {
@@ -46,6 +62,6 @@ struct ReportFile {
 
 /// Writes the requested `files`; if there are none, the table for people to standard output.
 /// @throw InputError as `write_output`.
-void write_report(const Writer &table, const std::vector<ReportFile> &files);
+void write_report(const Writer &table, const std::vector<ReportFile> &files, Existing existing);
 
 } // namespace springdrive::app

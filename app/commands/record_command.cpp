@@ -24,6 +24,7 @@ struct TypedRecord {
     TypedSession session;
     double seconds = 10.0;
     std::string json;
+    Existing existing = Existing::keep;
 };
 
 /// Until the time is over, termination is requested, or the record cannot continue.
@@ -48,9 +49,9 @@ void run(const TypedRecord &typed) {
     if (options.record == "-") {
         throw InputError("record: writes to a file only; springdrive export can write to -");
     }
-    check_writable(typed.json);
-    check_other_file(typed.json, options.record);
+    check_outputs(typed.session.files({typed.json}), typed.existing);
     options.plays_script = true;
+    options.existing_record = typed.existing;
     session::Session session = open_session(options);
     note_ending_signals();
     session.start();
@@ -61,8 +62,9 @@ void run(const TypedRecord &typed) {
         session::write_session_report(std::cout, session);
     }
     if (!typed.json.empty()) {
-        write_output(typed.json,
-                     [&](std::ostream &out) { session::write_session_json(out, session); });
+        write_output(
+            typed.json, [&](std::ostream &out) { session::write_session_json(out, session); },
+            typed.existing);
     }
     const bool recorded = session::record_is_whole(session, std::cerr);
     if (session::was_stopped(session, std::cerr) || !recorded) {
@@ -76,13 +78,12 @@ void add_record_command(CLI::App &app) {
     CLI::App &record = *app.add_subcommand(
         "record", "a session without a window, recording every servo tick to a file");
     const auto typed = std::make_shared<TypedRecord>();
-    record
-        .add_option("file", typed->session.options.record,
-                    "the record to write; must not exist yet")
+    record.add_option("file", typed->session.options.record, "the record to write")
         ->type_name("FILE")
         ->required();
     record.add_option("--seconds", typed->seconds, "duration [10]")->type_name("S");
     add_output_option(record, "--json", typed->json, "timing statistics of the servo");
+    add_force_option(record, typed->existing);
     typed->session.add_to(record);
     record.footer(
         "The hand follows a scripted touch, or --path. See springdrive export and replay.");

@@ -22,6 +22,7 @@ struct TypedReplay {
     std::filesystem::path record;
     TuningOptions tuning;
     std::string csv;
+    Existing existing = Existing::keep;
 };
 
 bool asks_for_a_tuning(const TuningOptions &typed) {
@@ -73,7 +74,7 @@ void report(std::ostream &out, const record::RecordReader &record, const record:
 
 void run(const TypedReplay &typed) {
     record::RecordReader record(typed.record);
-    check_other_file(typed.csv, typed.record);
+    check_outputs({{typed.record, typed.tuning.file}, {}, {typed.csv}}, typed.existing);
     const record::RecordHeader &header = record.header();
     const bool asks = asks_for_a_tuning(typed.tuning);
     record::Replay replay(
@@ -82,7 +83,9 @@ void run(const TypedReplay &typed) {
     if (typed.csv.empty()) {
         replay_all(record, replay, nullptr);
     } else {
-        write_output(typed.csv, [&](std::ostream &out) { replay_all(record, replay, &out); });
+        write_output(
+            typed.csv, [&](std::ostream &out) { replay_all(record, replay, &out); },
+            typed.existing);
     }
     report(typed.csv == "-" ? std::cerr : std::cout, record, replay);
     if (replay.replayed() == 0) {
@@ -102,6 +105,7 @@ void add_replay_command(CLI::App &app) {
     const auto typed = std::make_shared<TypedReplay>();
     command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
     add_output_option(command, "--csv", typed->csv, "recorded and replayed e_W");
+    add_force_option(command, typed->existing);
     typed->tuning.add_to(command);
     command.footer("Exits with 1 if any bit differs. With a tuning, shows instead what it would "
                    "have\ncommanded for the same motion.");

@@ -20,6 +20,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -40,6 +41,11 @@ struct TypedStability {
     bool table = false;
     std::string csv;  ///< of the table; empty: Markdown for people
     std::string json; ///< empty: text for people
+    Existing existing = Existing::keep;
+
+    [[nodiscard]] RunFiles files(std::vector<std::filesystem::path> written) const {
+        return {{loop.device_file, loop.tuning_file}, {}, std::move(written)};
+    }
 };
 
 StabilityReport report_of(const TypedStability &typed) {
@@ -65,9 +71,11 @@ StabilityReport report_of(const TypedStability &typed) {
 }
 
 void write_stability(const TypedStability &typed) {
+    check_outputs(typed.files({typed.json}), typed.existing);
     const StabilityReport report = report_of(typed);
     write_report([&](std::ostream &out) { write_stability_table(out, report); },
-                 {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}});
+                 {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}},
+                 typed.existing);
     if (!report.is_stable()) {
         throw CLI::RuntimeError(kUnstable);
     }
@@ -154,17 +162,17 @@ void draw_map(const TypedStability &typed) {
     if (typed.out.extension() != ".svg") {
         throw InputError("--out " + typed.out.string() + ": must be a file that ends in .svg");
     }
-    check_writable(typed.out);
+    check_outputs(typed.files({typed.out, numbers_of_map(typed.out)}), typed.existing);
     std::vector<limits::MapCell> cells;
     {
         ProgressLine line;
         cells = limits::stability_map(which, x, y, [&](double share) { line.show("map", share); });
     }
-    draw_stability_map(typed.out, setting_of(which, x, y), x, y, cells);
+    draw_stability_map(typed.out, setting_of(which, x, y), x, y, cells, typed.existing);
 }
 
 void write_table(const TypedStability &typed) {
-    check_writable(typed.csv);
+    check_outputs(typed.files({typed.csv}), typed.existing);
     const loops::StabilityCase which = typed.loop.stability_case();
     std::vector<limits::MethodLimit> lines;
     {
@@ -173,7 +181,8 @@ void write_table(const TypedStability &typed) {
     }
     write_report(
         [&](std::ostream &out) { limits::write_method_limits(out, lines); },
-        {{typed.csv, [&](std::ostream &out) { limits::write_method_limits_csv(out, lines); }}});
+        {{typed.csv, [&](std::ostream &out) { limits::write_method_limits_csv(out, lines); }}},
+        typed.existing);
 }
 
 void run(const TypedStability &typed) {
@@ -232,6 +241,7 @@ void add_stability_command(CLI::App &app) {
     add_output_option(stability, "--csv", typed->csv, "the table as CSV, with all digits,")
         ->needs(table);
     add_output_option(stability, "--json", typed->json, "JSON")->excludes(map)->excludes(table);
+    add_force_option(stability, typed->existing);
     stability.footer(
         "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"
         "Its limits:            springdrive stability --vary kp\n"

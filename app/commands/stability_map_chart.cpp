@@ -51,6 +51,10 @@ std::string instead_of_a_line(const std::string &line, std::size_t stable, std::
 
 } // namespace
 
+std::filesystem::path numbers_of_map(std::filesystem::path svg) {
+    return svg.replace_extension(".csv");
+}
+
 std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
                               const std::vector<limits::MapCell> &cells) {
     std::string csv = fmt::format("{},{},largest_eigenvalue,stable_simulated,remaining_m_per_s\n",
@@ -69,10 +73,10 @@ std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y
 
 void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
                         const limits::MapAxis &x, const limits::MapAxis &y,
-                        const std::vector<limits::MapCell> &cells) {
-    std::filesystem::path csv = svg;
-    csv.replace_extension(".csv");
-    write_output(csv.string(), [&](std::ostream &out) { out << stability_map_csv(x, y, cells); });
+                        const std::vector<limits::MapCell> &cells, Existing existing) {
+    const std::filesystem::path csv = numbers_of_map(svg);
+    write_output(
+        csv.string(), [&](std::ostream &out) { out << stability_map_csv(x, y, cells); }, existing);
     ChartMarks marks;
     marks.add("heading", "Stability over " + std::string(x.parameter->symbol) + " and " +
                              std::string(y.parameter->symbol));
@@ -89,7 +93,8 @@ void draw_stability_map(const std::filesystem::path &svg, const MapSetting &sett
     const std::filesystem::path folder =
         svg.parent_path().empty() ? std::filesystem::path(".") : svg.parent_path();
     draw({asset_folder() / "figures" / "stability_map.gnuplot", marks.assignments(), folder,
-          csv.filename().string(), svg.filename().string()});
+          csv.filename().string(), svg.filename().string()},
+         existing);
 }
 
 } // namespace springdrive::app

@@ -38,6 +38,7 @@ struct TypedStiffness {
     std::optional<double> hold_N;
     std::optional<double> seconds;
     std::string csv; ///< empty: a table for people
+    Existing existing = Existing::keep;
 };
 
 /// The device with the given motors.
@@ -87,9 +88,9 @@ void sweep(const TypedStiffness &typed) {
     drive.delay_periods = typed.delay_periods;
     const std::vector<loops::StiffnessPoint> points =
         loops::stiffness_sweep(drive, range_of(typed));
-    write_report(
-        [&](std::ostream &out) { write_stiffness_report(out, device, drive, points); },
-        {{typed.csv, [&](std::ostream &out) { loops::write_stiffness_csv(out, points); }}});
+    write_report([&](std::ostream &out) { write_stiffness_report(out, device, drive, points); },
+                 {{typed.csv, [&](std::ostream &out) { loops::write_stiffness_csv(out, points); }}},
+                 typed.existing);
 }
 
 void hold(const TypedStiffness &typed) {
@@ -105,10 +106,12 @@ void hold(const TypedStiffness &typed) {
     options.seconds = typed.seconds.value_or(600.0);
     const std::vector<limits::ThermalRow> rows = limits::thermal_hold(device, options);
     write_report([&](std::ostream &out) { limits::write_thermal_table(out, rows); },
-                 {{typed.csv, [&](std::ostream &out) { limits::write_thermal_csv(out, rows); }}});
+                 {{typed.csv, [&](std::ostream &out) { limits::write_thermal_csv(out, rows); }}},
+                 typed.existing);
 }
 
 void run(const TypedStiffness &typed) {
+    check_outputs({{typed.device_file, typed.tuning.file}, {}, {typed.csv}}, typed.existing);
     if (typed.hold_N) {
         hold(typed);
     } else {
@@ -161,6 +164,7 @@ void add_stiffness_command(CLI::App &app) {
     add_sweep_options(stiffness, *typed);
     add_hold_options(stiffness, *typed);
     add_output_option(stiffness, "--csv", typed->csv, "CSV");
+    add_force_option(stiffness, typed->existing);
     stiffness.footer("Phases are those of -τ/θ: a spring has 0°, a damper +90°.");
     stiffness.callback([typed] { run(*typed); });
 }

@@ -45,6 +45,7 @@ struct TypedTouch {
     std::vector<CLI::Option *> of_a_made_path; ///< which do not apply to a file's path
     std::string csv;
     std::string json;
+    Existing existing = Existing::keep;
     bool is_strict = false;
 };
 
@@ -92,6 +93,10 @@ std::vector<Vector3> tips_of_file(const TypedTouch &typed, double period_s) {
 
 TouchReport touch(TypedTouch typed) {
     check(typed);
+    const bool is_made = rig::touch_path_named(typed.path).has_value();
+    check_outputs(
+        {{typed.device_file, is_made ? "" : typed.path}, typed.scene, {typed.csv, typed.json}},
+        typed.existing);
     typed.how.period_s = servo::servo_period_s(typed.servo_hz);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
@@ -139,7 +144,8 @@ void run(const TypedTouch &typed) {
     const TouchReport report = touch(typed);
     write_report([&](std::ostream &out) { write_touch_table(out, report); },
                  {{typed.csv, [&](std::ostream &out) { write_touch_csv(out, report); }},
-                  {typed.json, [&](std::ostream &out) { write_touch_json(out, report); }}});
+                  {typed.json, [&](std::ostream &out) { write_touch_json(out, report); }}},
+                 typed.existing);
     const rig::TouchFindings &found = report.findings;
     if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
         std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
@@ -194,6 +200,7 @@ void add_touch_command(CLI::App &app) {
                       "every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, "
                       "constraints, ns of the update)");
     add_output_option(touch, "--json", typed->json, "the results");
+    add_force_option(touch, typed->existing);
     touch.add_flag("--strict", typed->is_strict,
                    "exit with 1 if there was a pop-through or a stuck step");
     touch.footer("Times are of the first of three identical runs; the best of all three shows the "

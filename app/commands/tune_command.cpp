@@ -29,6 +29,7 @@ struct TypedTune {
     double margin = limits::AutoTuneRequest{}.margin;
     std::string kinematics{control::name_of(control::MotionMap::transpose)};
     std::string out; ///< empty: standard output, after the report
+    Existing existing = Existing::keep;
 };
 
 limits::AutoTuneRequest request_of(const TypedTune &typed) {
@@ -58,7 +59,7 @@ std::string description_of(const TypedTune &typed, const limits::AutoTuned &foun
 
 void run(const TypedTune &typed) {
     const limits::AutoTuneRequest request = request_of(typed);
-    check_writable(typed.out);
+    check_outputs({{typed.device_file}, {}, {typed.out}}, typed.existing);
     limits::AutoTuned found;
     {
         ProgressLine line;
@@ -68,10 +69,13 @@ void run(const TypedTune &typed) {
         });
     }
     write_tuned(typed.out.empty() ? std::cerr : std::cout, found);
-    write_output(typed.out.empty() ? "-" : typed.out, [&](std::ostream &out) {
-        control::write_tuning_file(out,
-                                   {found.tuning, description_of(typed, found), found.margins});
-    });
+    write_output(
+        typed.out.empty() ? "-" : typed.out,
+        [&](std::ostream &out) {
+            control::write_tuning_file(out,
+                                       {found.tuning, description_of(typed, found), found.margins});
+        },
+        typed.existing);
 }
 
 } // namespace
@@ -91,6 +95,7 @@ void add_tune_command(CLI::App &app) {
     add_motion_map_option(tune, "--kinematics", typed->kinematics);
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         ->type_name("FILE.toml");
+    add_force_option(tune, typed->existing);
     tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "
                 "mine.toml");
     tune.callback([typed] { run(*typed); });

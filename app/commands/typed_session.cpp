@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <set>
+#include <utility>
 
 namespace springdrive::app {
 
@@ -110,6 +111,11 @@ session::SessionOptions TypedSession::session() const {
             "--plant-model; give one or the other");
     }
     return session;
+}
+
+RunFiles TypedSession::files(std::vector<std::filesystem::path> written) const {
+    written.push_back(options.record);
+    return {{options.device.file, tuning.file, options.path}, options.scene, std::move(written)};
 }
 
 } // namespace springdrive::app

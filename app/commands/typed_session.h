@@ -2,10 +2,12 @@
 #pragma once
 
 #include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
 #include "engine/session/session_options.h"
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -40,6 +42,10 @@ struct TypedSession {
     /// The options of the session.
     /// @throw InputError for options with which no session can run.
     [[nodiscard]] session::SessionOptions session() const;
+
+    /// What it reads and writes.
+    /// @param written  beside the record
+    [[nodiscard]] RunFiles files(std::vector<std::filesystem::path> written) const;
 };
 
 } // namespace springdrive::app

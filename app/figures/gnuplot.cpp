@@ -110,6 +110,15 @@ std::string last_line(const std::string &text) {
     return text.substr(first, last + 1 - first);
 }
 
+/// In gnuplot's single quotes, in which the only escape is a doubled quote.
+std::string in_single_quotes(std::string_view text) {
+    std::string inside;
+    for (const char c : text) {
+        inside += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
+    }
+    return "'" + inside + "'";
+}
+
 bool is_whole(const std::filesystem::path &svg) {
     std::ifstream file(svg, std::ios::binary);
     const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -126,19 +135,14 @@ void ChartMarks::add(std::string_view name, double number) {
 }
 
 void ChartMarks::add(std::string_view name, std::string_view text) {
-    std::string quoted;
-    for (const char c : text) {
-        // In single quotes the only escape of gnuplot is a doubled quote.
-        quoted += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
-    }
-    assignments_ += fmt::format("{} = '{}'; ", name, quoted);
+    assignments_ += fmt::format("{} = {}; ", name, in_single_quotes(text));
 }
 
-void draw(const Chart &chart) {
+void draw(const Chart &chart, Existing existing) {
     const std::filesystem::path svg = chart.folder / chart.svg;
-    std::error_code ignored; // then it cannot be replaced either, which gnuplot reports
-    std::filesystem::remove(svg, ignored);
-    const std::string files = "csv = '" + chart.csv + "'; svg = '" + chart.svg + "'; ";
+    NewFile drawn(svg);
+    const std::string files = "csv = " + in_single_quotes(chart.csv) +
+                              "; svg = " + in_single_quotes(drawn.temporary().string()) + "; ";
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
     const Ending ending = run({"gnuplot", "-d", "-e", files + chart.assignments,
@@ -157,10 +161,11 @@ void draw(const Chart &chart) {
     if (!WIFEXITED(ending.wait_status) || WEXITSTATUS(ending.wait_status) != 0) {
         throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.error));
     }
-    if (!is_whole(svg)) {
+    if (!is_whole(drawn.temporary())) {
         throw InputError(svg.string() + ": gnuplot did not write it completely; is the disk full, "
                                         "or gnuplot built without SVG?");
     }
+    drawn.publish(existing);
 }
 
 } // namespace springdrive::app

@@ -1,6 +1,8 @@
 // Charts drawn by the gnuplot program.
 #pragma once
 
+#include "base/new_file.h"
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -28,10 +30,10 @@ struct Chart {
     std::string svg;
 };
 
-/// Draws a chart; an existing one of that name is replaced. No shell is involved, so any folder
-/// name works.
+/// Draws a chart, which appears when it is complete. No shell is involved, so any folder name
+/// works.
 /// @throw InputError if gnuplot is missing, or if it fails or leaves an incomplete file, with its
-///        last message.
-void draw(const Chart &chart);
+///        last message, or if there is a chart of that name that is to be kept.
+void draw(const Chart &chart, Existing existing);
 
 } // namespace springdrive::app

@@ -1,4 +1,6 @@
 #include "app/panels/stability_tab.h"
+#include "base/input_error.h"
+#include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
 
@@ -123,11 +125,19 @@ void StabilityTabState::save() {
         return;
     }
     const std::string name = name_of_new_tuning();
-    std::ofstream file(name, std::ios::binary);
-    control::write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
-    message_ = file.flush()
-                   ? "saved as " + name
-                   : name + ": cannot be written; check the folder's permissions and the disk";
+    try {
+        NewFile written(name);
+        std::ofstream file(written.temporary(), std::ios::binary);
+        control::write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
+        file.close();
+        if (!file) {
+            throw InputError(name + ": cannot be written completely; is the disk full?");
+        }
+        written.publish(Existing::keep);
+        message_ = "saved as " + name;
+    } catch (const InputError &error) {
+        message_ = error.what();
+    }
 }
 
 std::optional<control::Tuning> StabilityTabState::take_new_tuning() {

@@ -1,6 +1,7 @@
 #include "device/simulated/hand_path.h"
 
 #include "base/input_error.h"
+#include "base/input_file.h"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,9 @@
 namespace springdrive::simulated {
 
 namespace {
+
+/// Days of ticks; all points are held in memory.
+constexpr std::uintmax_t kMaxBytes = 2'000'000'000;
 
 /// No hand is farther away: a larger value is in the wrong unit.
 constexpr double kFarthest_m = 5.0;
@@ -63,6 +67,7 @@ HandPath::HandPath(std::vector<Point> points) : points_(std::move(points)) {
 }
 
 HandPath HandPath::read_csv(const std::filesystem::path &file, Header header) {
+    check_input_file(file, "a CSV file", kMaxBytes);
     std::ifstream stream(file);
     if (!stream) {
         throw InputError(file.string() + ": cannot be opened; check the name and its permissions");

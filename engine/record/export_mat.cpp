@@ -119,33 +119,26 @@ bool write_variables(RecordReader &record, const record::TimeRange &range, std::
 } // namespace
 
 ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
-                         const std::filesystem::path &file) {
+                         const std::filesystem::path &file, Existing existing) {
     const auto columns = selected_columns(record.header(), selection.columns);
     const record::TimeRange range(record.header(), selection);
     const std::uint64_t rows = record::count_rows(record, range);
     const ExportSummary summary{rows, columns.size(), record.ending()};
     check_sizes(columns, rows);
-    if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
-        throw InputError(file.string() + ": is not a regular file; choose another name");
-    }
     std::uint64_t min_bytes = 128; // the file's header
     for (const RecordColumn &column : columns) {
         min_bytes += bytes_in_file(column, rows);
     }
-    // Written under a temporary name, so that an existing file is replaced only on success.
-    const std::filesystem::path unfinished = file.string() + ".unfinished";
+    NewFile written(file);
     std::error_code error;
     // The library does not report a full disk; the file's size shows it.
-    if (write_variables(record, range, rows, columns, unfinished) &&
-        std::filesystem::file_size(unfinished, error) >= min_bytes && !error) {
-        std::filesystem::rename(unfinished, file, error);
-        if (!error) {
-            return summary;
-        }
+    if (!write_variables(record, range, rows, columns, written.temporary()) ||
+        std::filesystem::file_size(written.temporary(), error) < min_bytes || error) {
+        throw InputError(file.string() + ": cannot be written; check its folder, permissions and "
+                                         "free disk space");
     }
-    std::filesystem::remove(unfinished, error);
-    throw InputError(file.string() + ": cannot be written; check its folder, permissions and free "
-                                     "disk space");
+    written.publish(existing);
+    return summary;
 }
 
 } // namespace springdrive::record

@@ -5,6 +5,7 @@
 // file in pieces. CSV and NPY use constant memory; MAT holds a few columns at a time.
 #pragma once
 
+#include "base/new_file.h"
 #include "engine/record/record_reader.h"
 
 #include <cstdint>
@@ -45,9 +46,9 @@ ExportSummary export_csv(RecordReader &record, const ExportSelection &selection,
 /// One structured array with a field per column: np.load(file)["tip_x_m"].
 ExportSummary export_npy(RecordReader &record, const ExportSelection &selection, std::ostream &out);
 
-/// One variable per column, N×1. Replaces an existing file only on success.
+/// One variable per column, N×1. An existing file, if it may be replaced, is so only on success.
 /// @throw InputError also for more rows than a variable can have, 2 GB.
 ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
-                         const std::filesystem::path &file);
+                         const std::filesystem::path &file, Existing existing = Existing::keep);
 
 } // namespace springdrive::record

@@ -56,14 +56,46 @@ void check_columns(const RecordHeader &header) {
     }
 }
 
+/// The start of the file `path`.
+std::vector<std::byte> header_bytes(const RecordHeader &header, const std::filesystem::path &path) {
+    const std::string text = to_json(header);
+    if (text.size() > kMaxHeaderBytes) {
+        throw InputError(path.string() + ": cannot be written: its header, with the device file, "
+                                         "is larger than 1 MB; give a smaller device file");
+    }
+    std::vector<std::byte> bytes(kMagic.size() + 4 + text.size() + 4);
+    const std::span inside = std::span(bytes).subspan(kMagic.size() + 4, text.size());
+    std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
+    store(bytes.data() + kMagic.size(), static_cast<std::uint32_t>(text.size()));
+    std::ranges::copy(std::as_bytes(std::span(text)), inside.begin());
+    store(bytes.data() + bytes.size() - 4, crc32_of(inside));
+    return bytes;
+}
+
 } // namespace
 
-RecordWriter::RecordWriter(const std::filesystem::path &path, const RecordHeader &header)
+RecordWriter::RecordWriter(const std::filesystem::path &path, const RecordHeader &header,
+                           Existing existing)
     : path_(path), row_bytes_(header.row_bytes), chunk_rows_(header.chunk_rows) {
     check_columns(header);
     chunk_.resize(kChunkHeadBytes + std::size_t{row_bytes_} * chunk_rows_);
-    descriptor_ = create(path);
-    write_header(header);
+    const std::vector<std::byte> bytes = header_bytes(header, path);
+    if (existing == Existing::keep) {
+        descriptor_ = create(path);
+        write_header(bytes, path);
+        return;
+    }
+    // The old record is there until the new one can be read; the rows follow under its name.
+    NewFile file(path);
+    descriptor_ = ::open(file.temporary().c_str(), O_WRONLY | O_CLOEXEC);
+    write_header(bytes, file.temporary());
+    try {
+        file.publish(existing);
+    } catch (const InputError &) {
+        ::close(descriptor_);
+        descriptor_ = -1;
+        throw;
+    }
 }
 
 RecordWriter::~RecordWriter() {
@@ -74,22 +106,14 @@ RecordWriter::~RecordWriter() {
     }
 }
 
-void RecordWriter::write_header(const RecordHeader &header) {
-    const std::string json = to_json(header);
-    if (json.size() > kMaxHeaderBytes) {
-        drop_file();
-        throw InputError(path_.string() + ": cannot be written: its header, with the device file, "
-                                          "is larger than 1 MB; give a smaller device file");
-    }
-    std::vector<std::byte> bytes(kMagic.size() + 4 + json.size() + 4);
-    const std::span text = std::span(bytes).subspan(kMagic.size() + 4, json.size());
-    std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
-    store(bytes.data() + kMagic.size(), static_cast<std::uint32_t>(json.size()));
-    std::ranges::copy(std::as_bytes(std::span(json)), text.begin());
-    store(bytes.data() + bytes.size() - 4, crc32_of(text));
+/// @param file  removed if the disk is full
+void RecordWriter::write_header(std::span<const std::byte> bytes,
+                                const std::filesystem::path &file) {
     const int error = write_all(descriptor_, bytes);
     if (error != 0) {
-        drop_file();
+        ::close(descriptor_);
+        descriptor_ = -1;
+        ::unlink(file.c_str());
         throw InputError(path_.string() + ": cannot be written: " + reason(error) +
                          "; nothing was recorded");
     }
@@ -157,12 +181,6 @@ void RecordWriter::append(std::span<const std::byte> bytes) {
         end_at_last_chunk(error);
     }
     bytes_in_file_ += bytes.size();
-}
-
-void RecordWriter::drop_file() noexcept {
-    ::close(descriptor_);
-    descriptor_ = -1;
-    ::unlink(path_.c_str());
 }
 
 void RecordWriter::end_at_last_chunk(int error) {

@@ -8,6 +8,7 @@
 // last complete chunk.
 #pragma once
 
+#include "base/new_file.h"
 #include "engine/record/record_header.h"
 #include "engine/servo/servo_sample.h"
 
@@ -26,9 +27,12 @@ public:
     static constexpr std::size_t kLongestNote = std::size_t{1} << 20U; ///< bytes
 
     /// Creates the file, with its header.
-    /// @param header  made by `record_header`
-    /// @throw InputError if the file exists already or cannot be written; no file is left behind.
-    RecordWriter(const std::filesystem::path &path, const RecordHeader &header);
+    /// @param header    made by `record_header`
+    /// @param existing  whether a file of that name is replaced, once the header is written
+    /// @throw InputError if the file exists and is kept, or cannot be written; no file is left
+    ///        behind, and an existing one is as it was.
+    RecordWriter(const std::filesystem::path &path, const RecordHeader &header,
+                 Existing existing = Existing::keep);
     /// Closes and ignores errors; call `close` to get them.
     ~RecordWriter();
     RecordWriter(const RecordWriter &) = delete;
@@ -52,9 +56,8 @@ public:
     [[nodiscard]] std::uint64_t bytes_in_file() const { return bytes_in_file_; }
 
 private:
-    void write_header(const RecordHeader &header);
+    void write_header(std::span<const std::byte> bytes, const std::filesystem::path &file);
     void append(std::span<const std::byte> bytes);
-    void drop_file() noexcept;
     [[noreturn]] void end_at_last_chunk(int error);
 
     std::filesystem::path path_;

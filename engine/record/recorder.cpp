@@ -16,9 +16,10 @@ constexpr std::chrono::milliseconds kOldestRow{30};
 
 Recorder::~Recorder() { stop(); }
 
-void Recorder::start(const std::filesystem::path &path, const RecordHeader &header, Mode mode) {
+void Recorder::start(const std::filesystem::path &path, const RecordHeader &header, Mode mode,
+                     Existing existing) {
     stop();
-    writer_ = std::make_unique<RecordWriter>(path, header);
+    writer_ = std::make_unique<RecordWriter>(path, header, existing);
     mode_ = mode;
     ring_.drain([](const servo::ServoSample &) {});
     lost_before_ = ring_.lost();

@@ -28,15 +28,18 @@ std::filesystem::path name_of_part(const std::filesystem::path &first, std::size
 Recording::Recording(ServoRun &servo)
     : servo_(servo), recorder_(std::make_unique<record::Recorder>(servo.servo().record_ring())) {}
 
-void Recording::begin(const std::filesystem::path &file, const record::RecordHeader &header) {
+void Recording::begin(const std::filesystem::path &file, const record::RecordHeader &header,
+                      Existing existing) {
     recorder_->start(file, header,
                      servo_.is_in_lockstep() ? record::Recorder::Mode::pumped
-                                             : record::Recorder::Mode::own_thread);
+                                             : record::Recorder::Mode::own_thread,
+                     existing);
     servo_.servo().feed_recorder(true);
 }
 
-void Recording::start(const std::filesystem::path &file, const record::RecordHeader &header) {
-    begin(file, header);
+void Recording::start(const std::filesystem::path &file, const record::RecordHeader &header,
+                      Existing existing) {
+    begin(file, header, existing);
     parts_ = {file};
     ended_ = {};
 }
@@ -65,7 +68,7 @@ std::filesystem::path Recording::begin_part(const record::RecordHeader &header) 
     }
     std::filesystem::path file = name_of_part(parts_.front(), number);
     try {
-        begin(file, header);
+        begin(file, header, Existing::keep);
     } catch (const InputError &error) {
         ended_.error = error.what();
         throw;

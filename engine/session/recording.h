@@ -20,8 +20,10 @@ public:
     explicit Recording(ServoRun &servo);
 
     /// Records every tick from now on. A running recording is stopped first.
+    /// @param existing  whether a file of that name is replaced; further parts replace none
     /// @throw InputError if the file cannot be created
-    void start(const std::filesystem::path &file, const record::RecordHeader &header);
+    void start(const std::filesystem::path &file, const record::RecordHeader &header,
+               Existing existing = Existing::keep);
     void stop();
 
     /// In lockstep: writes the new samples.
@@ -50,7 +52,8 @@ public:
     [[nodiscard]] const std::vector<std::filesystem::path> &parts() const { return parts_; }
 
 private:
-    void begin(const std::filesystem::path &file, const record::RecordHeader &header);
+    void begin(const std::filesystem::path &file, const record::RecordHeader &header,
+               Existing existing);
 
     ServoRun &servo_;
     std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring

@@ -59,7 +59,7 @@ Session::~Session() = default;
 
 void Session::start(const std::function<void()> &on_thread) {
     if (!options_.record.empty()) {
-        start_recording(options_.record);
+        start_recording(options_.record, options_.existing_record);
     }
     has_started_ = true;
     on_thread_ = on_thread;
@@ -113,8 +113,8 @@ record::RecordHeader Session::header_of_record() const {
     return header;
 }
 
-void Session::start_recording(const std::filesystem::path &file) {
-    recording_->start(file, header_of_record());
+void Session::start_recording(const std::filesystem::path &file, Existing existing) {
+    recording_->start(file, header_of_record(), existing);
     reported_failure_ = false; // noted in each record
 }
 

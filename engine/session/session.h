@@ -60,7 +60,7 @@ public:
     void measure_model(bool fresh = false);
 
     /// Records every tick from now on. @throw InputError if the file cannot be created.
-    void start_recording(const std::filesystem::path &file);
+    void start_recording(const std::filesystem::path &file, Existing existing = Existing::keep);
 
     /// Changes the rate from the next tick on; the record continues in the same file.
     /// @throw InputError for a rate that servo or device do not support; it is then unchanged

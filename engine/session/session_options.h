@@ -1,6 +1,7 @@
 // Options of a session, with or without a window.
 #pragma once
 
+#include "base/new_file.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
@@ -33,7 +34,8 @@ struct SessionOptions {
     std::optional<int> cpu;    ///< the processor of the servo's thread
     std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
     std::filesystem::path record;       ///< empty: nothing is recorded until requested
-    std::string program_version;        ///< for records, and for cached model choices
+    Existing existing_record = Existing::keep;
+    std::string program_version; ///< for records, and for cached model choices
 };
 
 } // namespace springdrive::session

@@ -118,10 +118,10 @@ TEST_F(Record, MistakesAreSaidInOneLine) {
     expect_refusal({"export", file, "--mat", "/dev/null"}, "/dev/null");
     expect_refusal({"export", file, "--mat", "-"}, "--mat");
     const std::string before = testing::contents_of(file);
-    expect_refusal({"export", file, "--csv", file}, "record itself");
-    expect_refusal({"export", file, "--npy", file}, "record itself");
-    expect_refusal({"export", file, "--mat", folder / "." / "touch.rec"}, "record itself");
-    expect_refusal({"replay", file, "--csv", file}, "record itself");
+    expect_refusal({"export", file, "--csv", file}, "is also read");
+    expect_refusal({"export", file, "--npy", file}, "is also read");
+    expect_refusal({"export", file, "--mat", folder / "." / "touch.rec"}, "is also read");
+    expect_refusal({"replay", file, "--csv", file}, "is also read");
     EXPECT_TRUE(testing::contents_of(file) == before);
     expect_refusal({"export", file, "--mat", folder / "no/such.mat"}, "such.mat");
 }

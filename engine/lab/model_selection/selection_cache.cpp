@@ -2,16 +2,14 @@
 
 #include "base/input_error.h"
 #include "base/machine_name.h"
+#include "base/new_file.h"
 #include "base/sha256.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/model_selection/selection_json.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <ios>
-#include <system_error>
 
 namespace springdrive::model_selection {
 
@@ -133,16 +131,15 @@ bool write_model_selection(const std::filesystem::path &folder, const std::strin
     try {
         std::filesystem::create_directories(folder);
         const std::filesystem::path file = file_of(folder, key);
-        const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
         const nlohmann::ordered_json json{{"key", key}, {"choice", json_of(choice)}};
-        std::error_code failed;
-        if (write_all(unfinished, json.dump(2) + "\n")) {
-            std::filesystem::rename(unfinished, file, failed);
-            if (!failed) {
-                return true;
-            }
+        if (std::filesystem::is_symlink(file)) {
+            std::filesystem::remove(file); // what it leads to is not ours to replace
         }
-        std::filesystem::remove(unfinished, failed);
+        NewFile written(file);
+        if (write_all(written.temporary(), json.dump(2) + "\n")) {
+            written.publish(Existing::replace);
+            return true;
+        }
     } catch (const std::exception &) {
         return false; // the cache is optional
     }

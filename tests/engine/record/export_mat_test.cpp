@@ -48,7 +48,8 @@ TEST(ExportMat, PreservesEveryBitOfAllColumns) {
         const auto file = folder / (std::to_string(rows) + ".rec");
         testing::write_record(file, 1000.0, samples);
         RecordReader reader(file);
-        EXPECT_EQ(export_mat(reader, {}, folder / "a.mat").rows, rows);
+        EXPECT_EQ(export_mat(reader, {}, folder / "a.mat", Existing::replace).rows, rows);
+        EXPECT_NE(complaint_of([&] { (void)export_mat(reader, {}, folder / "a.mat"); }), "");
         const auto variables = read_mat(folder / "a.mat");
         EXPECT_EQ(variables.size(), reader.header().columns.size());
         for (const RecordColumn &column : reader.header().columns) {

@@ -121,6 +121,26 @@ TEST(RecordWriter, NeverReplacesAFile) {
     EXPECT_EQ(contents_of(file), "precious");
 }
 
+TEST(RecordWriter, ReplacesAFileIfAskedOnceTheHeaderIsWritten) {
+    const auto folder = fresh_folder("writer_replaces");
+    const auto file = folder / "a.rec";
+    testing::write_file(file, "old");
+    RecordHeader header = record_header(testing::kServo_hz);
+    header.device_toml = std::string(std::size_t{2} << 20U, 'x');
+    EXPECT_NE(complaint_of([&] { RecordWriter(file, header, Existing::replace); }), "");
+    EXPECT_EQ(contents_of(file), "old");
+    RecordWriter writer(file, record_header(testing::kServo_hz), Existing::replace);
+    EXPECT_EQ(take_apart(contents_of(file)).chunks.size(), 0U); // a record, so far without rows
+    writer.write({});
+    writer.close();
+    EXPECT_EQ(take_apart(contents_of(file)).chunks.size(), 1U);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+    EXPECT_EQ(complaint_of([] {
+                  RecordWriter("/dev/null", record_header(testing::kServo_hz), Existing::replace);
+              }),
+              "/dev/null: is not a regular file; give another name");
+}
+
 TEST(RecordWriter, ReportsAMissingFolder) {
     const auto file = fresh_folder("writer_folder") / "none" / "a.rec";
     const std::string said =

@@ -1,0 +1,46 @@
+// A file that appears under its name only when it is complete.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace springdrive {
+
+/// What happens to a file that exists under the name of an output.
+enum class Existing : std::uint8_t { keep, replace };
+
+/// Where a file of this name is or would be: absolute, with every symbolic link followed, also one
+/// to a file that does not exist. Links of /proc to open files are not followed.
+[[nodiscard]] std::filesystem::path resolved_name(const std::filesystem::path &name);
+
+/// Written under another name in the same folder, and renamed once complete: a file that was there
+/// before is lost neither to a failure nor to another program that creates it meanwhile.
+class NewFile {
+public:
+    /// Creates the empty file under its temporary name.
+    /// @throw InputError if it cannot be created, or if something other than a regular file has the
+    ///        name.
+    explicit NewFile(const std::filesystem::path &name);
+    /// Removes the temporary file, unless it was published.
+    ~NewFile();
+    NewFile(const NewFile &) = delete;
+    NewFile &operator=(const NewFile &) = delete;
+
+    /// To be written, and closed before `publish`.
+    [[nodiscard]] const std::filesystem::path &temporary() const { return temporary_; }
+
+    /// Gives the file its name; one that is replaced passes its permissions on.
+    /// @throw InputError if a file exists that is to be kept, or it cannot be renamed.
+    void publish(Existing existing);
+
+private:
+    std::filesystem::path shown_; ///< as it was typed
+    std::filesystem::path name_;
+    std::filesystem::path temporary_; ///< empty once published
+};
+
+/// "FILE: exists; use --force to replace it".
+[[nodiscard]] std::string exists_text(const std::filesystem::path &file);
+
+} // namespace springdrive

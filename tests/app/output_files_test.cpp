@@ -1,0 +1,238 @@
+// Covers app/commands/output_files.cpp, and from outside that every command keeps to it.
+#include "app/commands/output_files.h"
+
+#include "tests/support/complaint.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::complaint_of;
+using testing::contents_of;
+
+void write(const fs::path &file, const std::string &text) { std::ofstream(file) << text; }
+
+/// A small scene whose buffer and image are files of their own.
+void write_scene(const fs::path &folder) {
+    write(folder / "s.gltf",
+          R"({"asset":{"version":"2.0"},"buffers":[{"uri":"b%20in.bin","byteLength":36}],)"
+          R"("images":[{"uri":"i.png"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+          R"("min":[0,0,0],"max":[0.1,0.1,0]}],"meshes":[{"primitives":[{"attributes":)"
+          R"({"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0})");
+    const std::vector<float> corners{0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
+    std::ofstream(folder / "b in.bin", std::ios::binary)
+        .write(reinterpret_cast<const char *>(corners.data()), 36);
+    write(folder / "i.png", "image");
+}
+
+std::string complaint(const RunFiles &files, Existing existing) {
+    return complaint_of([&] { check_outputs(files, existing); });
+}
+
+TEST(OutputFiles, AreNeverInputs) {
+    const fs::path folder = testing::fresh_folder("output_is_input");
+    write(folder / "in", "in");
+    fs::create_symlink("in", folder / "link");
+    fs::create_hard_link(folder / "in", folder / "hard");
+    for (const Existing existing : {Existing::keep, Existing::replace}) {
+        for (const char *name : {"in", "link", "hard", "./in", "../output_is_input/in"}) {
+            const fs::path output = folder / name;
+            EXPECT_NE(complaint({{folder / "in"}, {}, {output}}, existing).find("is also read"),
+                      std::string::npos)
+                << name;
+        }
+    }
+    EXPECT_EQ(contents_of(folder / "in"), "in");
+}
+
+TEST(OutputFiles, AreNoFilesThatAGltfNames) {
+    const fs::path folder = testing::fresh_folder("output_is_buffer");
+    write_scene(folder);
+    for (const char *name : {"s.gltf", "b in.bin", "i.png"}) {
+        EXPECT_NE(complaint({{}, folder / "s.gltf", {folder / name}}, Existing::replace)
+                      .find("is also read"),
+                  std::string::npos)
+            << name;
+    }
+    EXPECT_EQ(complaint({{}, folder / "s.gltf", {folder / "out"}}, Existing::replace), "");
+}
+
+TEST(OutputFiles, AreNotEachOther) {
+    const fs::path folder = testing::fresh_folder("output_is_output");
+    fs::create_symlink("new", folder / "dangling");
+    for (const char *name : {"new", "./new", "dangling"}) {
+        EXPECT_NE(complaint({{}, {}, {folder / "new", folder / name}}, Existing::replace)
+                      .find("is named for two outputs"),
+                  std::string::npos)
+            << name;
+    }
+    EXPECT_EQ(complaint({{}, {}, {"/dev/null", "/dev/null", "", "", "-"}}, Existing::keep), "");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+TEST(OutputFiles, ReplaceOnlyIfAsked) {
+    const fs::path folder = testing::fresh_folder("output_exists");
+    write(folder / "old", "old");
+    fs::create_symlink("old", folder / "link");
+    for (const char *name : {"old", "link"}) {
+        const std::string file = folder / name;
+        EXPECT_EQ(complaint({{}, {}, {file}}, Existing::keep),
+                  file + ": exists; use --force to replace it");
+        EXPECT_EQ(complaint({{}, {}, {file}}, Existing::replace), "");
+    }
+    EXPECT_NE(complaint({{}, {}, {folder}}, Existing::replace), "");
+    const auto write_new = [](std::ostream &out) { out << "new"; };
+    EXPECT_THROW(write_output(folder / "old", write_new, Existing::keep), InputError);
+    EXPECT_EQ(contents_of(folder / "old"), "old");
+    EXPECT_THROW(write_output(
+                     folder / "old",
+                     [](std::ostream &out) {
+                         out << "half";
+                         throw InputError("failed");
+                     },
+                     Existing::replace),
+                 InputError);
+    EXPECT_EQ(contents_of(folder / "old"), "old");
+    write_output(folder / "link", write_new, Existing::replace);
+    EXPECT_EQ(contents_of(folder / "old"), "new");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+}
+
+/// Every option that writes a file, with inputs of the same run in `folder`.
+struct WritingCommand {
+    std::vector<std::string> words;
+    std::vector<std::string> outputs; ///< names that the words mention, or that they imply
+};
+
+std::vector<WritingCommand> writing_commands(const fs::path &folder) {
+    const std::string scene = folder / "s.gltf";
+    const std::string device = folder / "d.toml";
+    const auto file = [&](const char *name) { return (folder / name).string(); };
+    return {
+        {{"inspect", scene, "--no-model", "--device-file", device, "--json", file("o")}, {"o"}},
+        {{"touch", scene, "--device-file", device, "--csv", file("o")}, {"o"}},
+        {{"touch", scene, "--path", file("p.csv"), "--json", file("o")}, {"o"}},
+        {{"record", file("o"), "--seconds", "0.1", "--lockstep", "--scene", scene}, {"o"}},
+        {{"record", file("new.rec"), "--seconds", "0.1", "--lockstep", "--json", file("o")}, {"o"}},
+        {{"replay", file("r.rec"), "--csv", file("o")}, {"o"}},
+        {{"export", file("r.rec"), "--csv", file("o")}, {"o"}},
+        {{"export", file("r.rec"), "--npy", file("o")}, {"o"}},
+        {{"export", file("r.rec"), "--mat", file("o")}, {"o"}},
+        {{"stiffness", "--device-file", device, "--csv", file("o")}, {"o"}},
+        {{"baseline", "--device-file", device, "--csv", file("o")}, {"o"}},
+        {{"stability", "--device-file", device, "--json", file("o")}, {"o"}},
+        {{"stability", "--table", "--csv", file("o")}, {"o"}},
+        {{"stability", "--map", "kp,dR", "--steps", "2", "--out", file("o.svg")},
+         {"o.svg", "o.csv"}},
+        {{"tune", "--device-file", device, "--out", file("o")}, {"o"}},
+        {{"demo", "--frames", "1", "--screenshot", file("o")}, {"o"}},
+        {{"demo", "--frames", "1", "--record", file("o")}, {"o"}},
+        {{"figures", "--out", folder}, {"fig2_stiffness.csv", "fig6_direction_error.svg"}},
+        {{"chart", "--only", "plant_models", "--out", folder}, {"plant_models.svg"}},
+    };
+}
+
+fs::path folder_of_inputs(const std::string &name) {
+    fs::path folder = testing::fresh_folder(name);
+    write_scene(folder);
+    fs::copy_file(SPRINGDRIVE_ASSET_DIR "/devices/phantom_1_0.toml", folder / "d.toml");
+    write(folder / "p.csv", "t,x,y,z\n0,0,0.06,0\n0.01,0,0.05,0\n");
+    EXPECT_EQ(testing::run_program({"record", folder / "r.rec", "--lockstep", "--seconds", "0.1"})
+                  .exit_status,
+              0);
+    return folder;
+}
+
+TEST(OutputFiles, OfEveryCommandAreKeptWithoutForce) {
+    const fs::path folder = folder_of_inputs("commands_keep");
+    for (const WritingCommand &command : writing_commands(folder)) {
+        for (const std::string &output : command.outputs) {
+            write(folder / output, "mine");
+            const auto before = std::distance(fs::directory_iterator(folder), {});
+            testing::expect_refused(testing::run_program(command.words),
+                                    (folder / output).string() +
+                                        ": exists; use --force to replace it");
+            EXPECT_EQ(contents_of(folder / output), "mine") << command.words[0];
+            EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), before);
+            fs::remove(folder / output);
+        }
+    }
+}
+
+TEST(OutputFiles, OfEveryCommandNeverReplaceAnInput) {
+    const fs::path folder = folder_of_inputs("commands_inputs");
+    const auto is_input = [](const std::string &word) {
+        return word.ends_with("s.gltf") || word.ends_with("d.toml") || word.ends_with("p.csv") ||
+               word.ends_with("r.rec");
+    };
+    int inputs = 0;
+    for (const WritingCommand &command : writing_commands(folder)) {
+        for (const std::string &input : command.words) {
+            if (!is_input(input) || !fs::exists(input)) {
+                continue;
+            }
+            const std::string before = contents_of(input);
+            const std::string name = command.outputs.front();
+            fs::create_hard_link(input, folder / name);
+            std::vector<std::string> words = command.words;
+            words.emplace_back("--force");
+            testing::expect_refused(testing::run_program(words), "is also read");
+            EXPECT_EQ(contents_of(input), before) << words[0];
+            fs::remove(folder / name);
+            ++inputs;
+        }
+    }
+    EXPECT_GT(inputs, 12);
+}
+
+TEST(OutputFiles, ReplaceWithForce) {
+    const fs::path folder = folder_of_inputs("commands_force");
+    for (WritingCommand command : writing_commands(folder)) {
+        if (command.words[0] == "figures" || command.words[0] == "baseline" ||
+            command.words[0] == "chart" || command.words[0] == "tune" ||
+            command.words[1] == "--table") {
+            continue; // the same code, but slow
+        }
+        write(folder / command.outputs.front(), "mine");
+        command.words.emplace_back("--force");
+        const testing::Ending ending = testing::run_program(command.words);
+        EXPECT_EQ(ending.exit_status, 0) << command.words[0] << ending.error;
+        EXPECT_NE(contents_of(folder / command.outputs.front()), "mine") << command.words[0];
+        for (const std::string &output : command.outputs) {
+            fs::remove(folder / output);
+        }
+        fs::remove(folder / "new.rec");
+    }
+    testing::expect_refused(
+        testing::run_program({"demo", "--frames", "1", "--screenshot", folder / "both", "--record",
+                              folder / "." / "both", "--force"}),
+        "is named for two outputs");
+    EXPECT_FALSE(fs::exists(folder / "both"));
+    // A scene that cannot be loaded costs no record.
+    testing::expect_refused(testing::run_program({"record", folder / "r.rec", "--force", "--scene",
+                                                  folder / "none.glb"}),
+                            "none.glb");
+    EXPECT_EQ(testing::run_program({"replay", folder / "r.rec"}).exit_status, 0);
+}
+
+TEST(OutputFiles, InputsThatDoNotEndAreRefused) {
+    for (const char *option : {"--device-file", "--tuning-file"}) {
+        testing::expect_refused(testing::run_program({"stiffness", option, "/dev/zero"}),
+                                "/dev/zero: is no ordinary file");
+    }
+    testing::expect_refused(testing::run_program({"touch", "sphere:1280", "--path", "/dev/zero"}),
+                            "/dev/zero: is no ordinary file");
+    testing::expect_refused(testing::run_program({"inspect", "/dev/zero"}), "/dev/zero");
+}
+
+} // namespace
+} // namespace springdrive::app

@@ -1,0 +1,99 @@
+// Covers base/new_file.cpp.
+#include "base/new_file.h"
+
+#include "tests/support/complaint.h"
+#include "tests/support/files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace springdrive {
+namespace {
+
+using testing::complaint_of;
+using testing::contents_of;
+
+std::ptrdiff_t files_in(const std::filesystem::path &folder) {
+    return std::distance(std::filesystem::directory_iterator(folder), {});
+}
+
+void write(const std::filesystem::path &file, const std::string &text) {
+    std::ofstream(file) << text;
+}
+
+TEST(NewFile, AppearsWhenItIsPublished) {
+    const std::filesystem::path folder = testing::fresh_folder("new_file");
+    {
+        NewFile file(folder / "a");
+        write(file.temporary(), "new");
+        EXPECT_FALSE(std::filesystem::exists(folder / "a"));
+        file.publish(Existing::keep);
+        EXPECT_EQ(contents_of(folder / "a"), "new");
+    }
+    EXPECT_EQ(files_in(folder), 1);
+}
+
+TEST(NewFile, LeavesNothingIfItIsNotPublished) {
+    const std::filesystem::path folder = testing::fresh_folder("new_file_dropped");
+    write(folder / "a", "old");
+    {
+        NewFile file(folder / "a");
+        write(file.temporary(), "half");
+    }
+    EXPECT_EQ(contents_of(folder / "a"), "old");
+    EXPECT_EQ(files_in(folder), 1);
+}
+
+TEST(NewFile, KeepsWhatAppearedMeanwhile) {
+    const std::filesystem::path folder = testing::fresh_folder("new_file_kept");
+    {
+        NewFile file(folder / "a");
+        write(file.temporary(), "new");
+        write(folder / "a", "of another program");
+        EXPECT_EQ(complaint_of([&] { file.publish(Existing::keep); }),
+                  (folder / "a").string() + ": exists; use --force to replace it");
+    }
+    EXPECT_EQ(contents_of(folder / "a"), "of another program");
+    EXPECT_EQ(files_in(folder), 1);
+}
+
+TEST(NewFile, ReplacesWhatALinkLeadsToWithItsPermissions) {
+    const std::filesystem::path folder = testing::fresh_folder("new_file_link");
+    write(folder / "a", "old");
+    std::filesystem::permissions(folder / "a", std::filesystem::perms(0640));
+    std::filesystem::create_symlink("a", folder / "link");
+    std::filesystem::create_hard_link(folder / "a", folder / "hard");
+    NewFile file(folder / "link");
+    write(file.temporary(), "new");
+    file.publish(Existing::replace);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+    EXPECT_EQ(contents_of(folder / "a"), "new");
+    EXPECT_EQ(std::filesystem::status(folder / "a").permissions(), std::filesystem::perms(0640));
+    EXPECT_EQ(contents_of(folder / "hard"), "old"); // another name of the old file
+}
+
+TEST(NewFile, IsNoDevice) {
+    EXPECT_EQ(complaint_of([] { NewFile("/dev/null"); }),
+              "/dev/null: is not a regular file; give another name");
+    EXPECT_NE(complaint_of([] { NewFile("/no/such/folder/a"); }), "");
+}
+
+TEST(ResolvedName, IsTheSameForAllSpellings) {
+    const std::filesystem::path folder =
+        std::filesystem::canonical(testing::fresh_folder("resolved_name"));
+    std::filesystem::create_directory(folder / "in");
+    std::filesystem::create_symlink(folder / "in", folder / "linked");
+    std::filesystem::create_symlink("in/none", folder / "dangling");
+    for (const char *spelled : {"in/none", "./in/../in/none", "in//none", "linked/none", "dangling",
+                                "linked/../dangling"}) {
+        EXPECT_EQ(resolved_name(folder / spelled), folder / "in" / "none") << spelled;
+    }
+    std::filesystem::create_symlink("loop", folder / "loop");
+    EXPECT_NO_THROW(static_cast<void>(resolved_name(folder / "loop")));
+    EXPECT_TRUE(resolved_name("/dev/stdout").string().starts_with("/proc/"));
+}
+
+} // namespace
+} // namespace springdrive
