@@ -1,14 +1,41 @@
 #include "engine/lab/rig/crossing_finder.h"
 
+#include "engine/contact/mesh/facet.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace springdrive::rig {
 
 namespace {
 
-/// See `goes_through` [m]. The proxy keeps 10 nm.
+/// A motion no farther than this beside a triangle goes through it [m]: a hundredth of what the
+/// proxy keeps, so that a gap between triangles that is too narrow for the proxy is none.
 constexpr double kRim_m = 1e-10;
+
+/// Round-off may shift a crossing by more, along a motion that is almost parallel to a triangle
+/// with almost parallel edges; up to half of what the proxy keeps is then taken for a crossing.
+constexpr double kMaxRim_m = 0.5 * contact::kClearance_m;
+
+constexpr double kUnitRoundOff = 0.5 * std::numeric_limits<double>::epsilon();
+
+/// By how far the computed crossing of a plane may be beside the true one [m].
+///
+/// A height n · (p − c) is the product of a difference (relative error u), a normal (cross product
+/// of differences, 4 u / sine, and normalised, 3 u) and a sum of three products (3 u): at most
+/// 11 u d / sine for a point at the distance d, here twice the largest of those that occur. The
+/// share of the motion is a ratio of heights, hence the slope; the point of that share, and its
+/// height beyond an edge, are rounded once more.
+double round_off_of_crossing_m(const PlainTriangle &triangle, const Vector3 &from_m,
+                               const Vector3 &to_m, double height_m) {
+    const double way_m = (to_m - from_m).norm();
+    const double farthest_m = (from_m - triangle.corners_m[0]).norm() + way_m;
+    const double height_error_m = 11.0 * kUnitRoundOff * farthest_m / triangle.sine();
+    const double largest_m = from_m.norm() + way_m;
+    return 2.0 *
+           (height_error_m * (1.0 + 2.0 * way_m / height_m) + 3.0 * kUnitRoundOff * largest_m);
+}
 
 /// Cells along the longest side of the box: 2 million in all at most.
 constexpr double kMaxCells = 128.0;
@@ -24,7 +51,11 @@ bool goes_through(const PlainTriangle &triangle, const Vector3 &from_m, const Ve
         return false;
     }
     const double share = from_height_m / (from_height_m - to_height_m);
-    return triangle.beyond_m(from_m + share * (to_m - from_m)) <= kRim_m;
+    const double beyond_m = triangle.beyond_m(from_m + share * (to_m - from_m));
+    return beyond_m <= kRim_m ||
+           (beyond_m <= kMaxRim_m &&
+            beyond_m <= round_off_of_crossing_m(triangle, from_m, to_m,
+                                                std::abs(from_height_m - to_height_m)));
 }
 
 CrossingFinder::CrossingFinder(std::span<const PlainTriangle> triangles) : triangles_(triangles) {
@@ -107,8 +138,8 @@ std::optional<std::size_t> CrossingFinder::crossed(const Vector3 &from_m,
     for (int part = 0; part < parts; ++part) {
         Eigen::AlignedBox3d box(Vector3(from_m + (to_m - from_m) * part / parts));
         box.extend(Vector3(from_m + (to_m - from_m) * (part + 1) / parts));
-        box.min().array() -= kRim_m;
-        box.max().array() += kRim_m;
+        box.min().array() -= kMaxRim_m;
+        box.max().array() += kMaxRim_m;
         if (!box.intersects(box_)) {
             continue;
         }

@@ -16,7 +16,8 @@ namespace springdrive::rig {
 
 /// Whether a straight motion goes through a triangle: of a closed surface from its front, of an
 /// open one from either side. A motion that passes the rim by less than 0.1 nm counts as one
-/// through it, so that no motion between two triangles is missed.
+/// through it, so that no motion between two triangles is missed; by more if round-off may shift
+/// the crossing by more, but not by 5 nm, half of what the proxy keeps.
 [[nodiscard]] bool goes_through(const PlainTriangle &triangle, const Vector3 &from_m,
                                 const Vector3 &to_m);
 

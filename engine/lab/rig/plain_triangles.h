@@ -27,14 +27,21 @@ struct PlainTriangle {
         return normal.dot(point_m - corners_m[0]);
     }
 
-    /// How far a point of its plane lies beyond the edge that it is farthest beyond; not positive
-    /// inside [m].
+    /// How far a point of its plane lies beyond an edge, or beyond the perpendicular at an end of
+    /// the longest edge, the greatest of these; not positive inside. It is at most the distance
+    /// from the triangle and at least half of it: the perpendiculars bound nothing that the edges
+    /// do not, but beyond the tip of a needle both edges are as near as its angle is small, 5 pm at
+    /// 10 nm from one of 0.06°.
     [[nodiscard]] double beyond_m(const Vector3 &point_m) const;
 
     /// From all of the triangle, whichever its side.
     [[nodiscard]] Away away(const Vector3 &point_m) const;
 
     [[nodiscard]] Eigen::AlignedBox3d bounds() const;
+
+    /// The sine of the angle between its two shorter edges, by which round-off turns its normal
+    /// the more the smaller it is.
+    [[nodiscard]] double sine() const;
 };
 
 /// @param facets  as preparation left them: with an area
