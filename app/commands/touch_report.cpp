@@ -3,9 +3,12 @@
 #include "base/degrees.h"
 #include "base/print.h"
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace springdrive::app {
 
@@ -40,6 +43,15 @@ Json optional_json(const std::optional<std::size_t> &value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
+Json standstill_json(const rig::Standstill &standstill, double servo_hz) {
+    if (standstill.steps == 0) {
+        return nullptr;
+    }
+    return {{"steps", standstill.steps},
+            {"s", static_cast<double>(standstill.steps) / servo_hz},
+            {"first_step", standstill.first}};
+}
+
 Json value_json(const rig::Maximum &maximum, double factor) {
     return maximum.step ? Json(maximum.value * factor) : Json(nullptr);
 }
@@ -64,6 +76,41 @@ void print_times(std::ostream &out, const char *what, std::size_t steps, const r
     row(*minimum);
 }
 
+/// "29,956".
+std::string grouped(double number) {
+    std::string text = fmt::format("{:.0f}", number);
+    for (std::size_t at = text.size(); at > 3; at -= 3) {
+        text.insert(at - 3, ",");
+    }
+    return text;
+}
+
+/// What the sample says of the rate of lagging steps.
+void print_rate(std::ostream &out, const rig::TouchFindings &found) {
+    print(out, "lag over 1 µm          {:>8}   of {} steps, ", found.sampled_lagging,
+          grouped(static_cast<double>(found.sampled)));
+    if (found.sampled == found.in_contact) {
+        out << "all that were in contact";
+    } else {
+        print(out, "spread over {} in contact", grouped(static_cast<double>(found.in_contact)));
+    }
+    const double one_in = std::floor(1.0 / found.rate_not_excluded());
+    print(out, ": {} 1 in {} {} ({:.0f} %)\n",
+          found.sampled_lagging == 0 ? "a rate below" : "the rate is below", grouped(one_in),
+          found.sampled_lagging == 0 ? "could have been missed" : "of such steps",
+          100.0 * rig::kConfidence);
+}
+
+void print_standstill(std::ostream &out, const char *what, const rig::Standstill &standstill,
+                      double servo_hz) {
+    print(out, "{:<23}{:>8.3f}   {} steps", what, static_cast<double>(standstill.steps) / servo_hz,
+          standstill.steps);
+    if (standstill.steps > 0) {
+        print(out, " from step {}", standstill.first);
+    }
+    out << '\n';
+}
+
 void print_steps(std::ostream &out, const char *what, const std::vector<std::size_t> &steps) {
     if (steps.empty()) {
         return;
@@ -78,14 +125,21 @@ void print_steps(std::ostream &out, const char *what, const std::vector<std::siz
 } // namespace
 
 void write_touch_csv(std::ostream &out, const TouchReport &report) {
-    out << "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns\n";
+    out << "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns,lag,still\n";
+    std::size_t still = 0;
     for (std::size_t i = 0; i < report.run.steps.size(); ++i) {
         const rig::TouchStep &step = report.run.steps[i];
         print(out, "{:.9g}", static_cast<double>(i) / report.servo_hz);
         for (const Vector3 &vector : {step.tip_m, step.proxy_m, step.normal}) {
             print(out, ",{:.17g},{:.17g},{:.17g}", vector.x(), vector.y(), vector.z());
         }
-        print(out, ",{},{:.0f}\n", step.constraints, step.first_ns);
+        const bool stands = i > 0 && rig::looks_stuck(report.run.steps[i - 1], step);
+        still = stands ? still + 1 : 0;
+        print(out, ",{},{:.0f},", step.constraints, step.first_ns);
+        if (const std::optional<double> lag_m = report.findings.lag_of_step_m[i]) {
+            print(out, "{:.17g}", *lag_m);
+        }
+        print(out, ",{:.9g}\n", static_cast<double>(still) / report.servo_hz);
     }
 }
 
@@ -122,6 +176,13 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
     json["largest_unsettled_lag_m"] = value_json(found.unsettled_lag_m, 1.0);
     json["check_slack_m"] = report.check_slack_m;
     json["steps_checked"] = found.checked;
+    json["steps_sampled"] = found.sampled;
+    json["steps_to_sample"] = found.in_contact;
+    json["steps_sampled_lagging"] = found.sampled_lagging;
+    json["confidence"] = rig::kConfidence;
+    json["rate_not_excluded"] = found.rate_not_excluded();
+    json["longest_standstill"] = standstill_json(found.standstill, report.servo_hz);
+    json["longest_standstill_that_lags"] = standstill_json(found.stuck_for, report.servo_hz);
     json["steps_suspicious"] = found.suspicious;
     json["steps_suspicious_unchecked"] = found.suspicious_unchecked;
     json["steps_with_friction"] = found.with_friction;
@@ -169,8 +230,15 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
         print(out, "   which lag up to {:.3f} µm", 1e6 * found.unsettled_lag_m.value);
     }
     out << '\n';
-    print(out, "largest lag, µm        {:>8.3f}   of {} steps checked\n", 1e6 * found.lag_m.value,
+    print(out, "largest lag, µm        {:>8.3f}   of {} steps checked", 1e6 * found.lag_m.value,
           found.checked);
+    if (found.lag_m.step) {
+        print(out, ", in step {}", *found.lag_m.step);
+    }
+    out << '\n';
+    print_rate(out, found);
+    print_standstill(out, "longest standstill, s", found.standstill, report.servo_hz);
+    print_standstill(out, "  while lagging, s", found.stuck_for, report.servo_hz);
     print(out, "direction error, °     {:>8.3f}\n",
           kDegreesPerRadian * found.direction_error_rad.value);
     if (report.sphere_error_rad) {

@@ -62,16 +62,19 @@ TEST(TouchCommand, WritesEveryStepAsCsv) {
     std::istringstream lines(ending.out);
     std::string line;
     std::getline(lines, line);
-    EXPECT_EQ(line, "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns");
+    EXPECT_EQ(line, "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns,lag,still");
     int rows = 0;
     int touching = 0;
     while (std::getline(lines, line)) {
         std::istringstream cells(line);
         std::vector<double> row;
         for (std::string cell; std::getline(cells, cell, ',');) {
-            row.push_back(std::stod(cell));
+            row.push_back(cell.empty() ? -1.0 : std::stod(cell));
         }
-        ASSERT_EQ(row.size(), 12U);
+        ASSERT_EQ(row.size(), 14U);
+        EXPECT_EQ(row[12] >= 0.0, row[10] > 0.0); // each in contact is checked
+        EXPECT_LT(row[12], 1e-6);
+        EXPECT_LE(row[13], row[0] + 1e-9);
         EXPECT_NEAR(row[0], 1e-3 * rows, 1e-9);
         const double normal = row[7] * row[7] + row[8] * row[8] + row[9] * row[9];
         EXPECT_NEAR(normal, row[10] > 0.0 ? 1.0 : 0.0, 1e-12);
@@ -85,10 +88,28 @@ TEST(TouchCommand, WritesEveryStepAsCsv) {
 TEST(TouchCommand, PrintsATable) {
     const testing::Ending ending = touch({kSphere, "--steps", "500", "--seed", "7"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    for (const char *said : {"1280 of 1280", "slide", "seed 7", "in contact", "pop-throughs",
-                             "stuck", "largest lag", "error from sphere"}) {
+    for (const char *said :
+         {"1280 of 1280", "slide", "seed 7", "in contact", "pop-throughs", "stuck", "largest lag",
+          "error from sphere", "all that were in contact", "could have been missed (95 %)",
+          "longest standstill"}) {
         EXPECT_NE(ending.out.find(said), std::string::npos) << said << " in\n" << ending.out;
     }
+}
+
+TEST(TouchCommand, SaysWhatItCouldHaveMissed) {
+    const json few = figures({kSphere, "--steps", "3000", "--check", "100"});
+    EXPECT_EQ(few["steps_sampled"], 100);
+    EXPECT_GT(few["steps_to_sample"], 1000);
+    EXPECT_NEAR(few["rate_not_excluded"].get<double>(), 0.0295, 1e-4); // 1 − 0.05^(1/100)
+    EXPECT_EQ(few["confidence"], 0.95);
+    const json all = figures({kSphere, "--steps", "3000", "--check", "all"});
+    EXPECT_EQ(all["steps_sampled"], all["steps_to_sample"]);
+    EXPECT_EQ(all["steps_sampled"], all["steps_in_contact"]);
+    EXPECT_EQ(all["steps_sampled_lagging"], 0);
+    const testing::Ending table = touch({kSphere, "--steps", "3000", "--check", "100"});
+    EXPECT_NE(table.out.find("a rate below 1 in 33 could have been missed (95 %)"),
+              std::string::npos)
+        << table.out;
 }
 
 TEST(TouchCommand, FollowsAPathFromAFile) {
@@ -156,6 +177,8 @@ TEST(TouchCommand, SaysWhatIsWrongInOneLine) {
     testing::expect_refused(touch({kSphere, "--steps", "1000001"}), "--steps");
     testing::expect_refused(touch({kSphere, "--steps", "1.5"}), "--steps");
     testing::expect_refused(touch({kSphere, "--check", "-1"}), "--check");
+    testing::expect_refused(touch({kSphere, "--check", "any"}), "--check any");
+    testing::expect_refused(touch({kSphere, "--check", "1000001"}), "--check");
     testing::expect_refused(touch({kSphere, "--slack", "1e-12"}), "--slack");
     testing::expect_refused(touch({kSphere, "--slack", "6e-9"}), "--slack");
     testing::expect_refused(touch({kSphere, "--servo-hz", "249"}), "250");

@@ -24,7 +24,7 @@ constexpr double kFlat = 1e-7;
 constexpr double kBehind_m = 1e-12;
 
 /// Radius within which obstacles are listed before the list is renewed [m].
-constexpr double kListed_m = 1e-3;
+constexpr double kListed_m = 2e-4;
 
 } // namespace
 
@@ -57,22 +57,10 @@ Vector3 unopposed_part(const Vector3 &desired, std::span<const Vector3> pushes) 
 
 BruteForceProxy::BruteForceProxy(std::span<const PlainTriangle> triangles,
                                  std::span<const contact::AnalyticShape> shapes, double slack_m)
-    : triangles_(triangles), shapes_(shapes), slack_m_(slack_m) {
-    balls_.reserve(triangles.size());
-    for (const PlainTriangle &triangle : triangles) {
-        const Eigen::AlignedBox3d box = triangle.bounds();
-        balls_.push_back({box.center(), 0.5 * box.diagonal().norm()});
-    }
-}
+    : triangles_(triangles), shapes_(shapes), slack_m_(slack_m), nearby_(triangles) {}
 
 std::vector<std::size_t> BruteForceProxy::within(const Vector3 &centre_m, double radius_m) const {
-    std::vector<std::size_t> found;
-    for (std::size_t i = 0; i < balls_.size(); ++i) {
-        const double farthest_m = radius_m + balls_[i].radius_m;
-        if ((balls_[i].centre_m - centre_m).squaredNorm() <= farthest_m * farthest_m) {
-            found.push_back(i);
-        }
-    }
+    std::vector<std::size_t> found = nearby_.within(centre_m, radius_m);
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
         found.push_back(triangles_.size() + i);
     }

@@ -4,6 +4,7 @@
 
 #include "base/vector.h"
 #include "engine/contact/proxy/analytic_shape.h"
+#include "engine/lab/rig/nearby_triangles.h"
 #include "engine/lab/rig/plain_triangles.h"
 
 #include <cstddef>
@@ -49,11 +50,6 @@ public:
     [[nodiscard]] End walk(const Vector3 &from_m, const Vector3 &target_m, double reach_m) const;
 
 private:
-    struct Ball {
-        Vector3 centre_m;
-        double radius_m;
-    };
-
     /// Of a straight motion: how far it may go, and what stops it.
     struct Free {
         double length_m = 0.0;
@@ -74,7 +70,7 @@ private:
     std::span<const PlainTriangle> triangles_;
     std::span<const contact::AnalyticShape> shapes_;
     double slack_m_;
-    std::vector<Ball> balls_; ///< about each triangle
+    NearbyTriangles nearby_;
 };
 
 } // namespace springdrive::rig

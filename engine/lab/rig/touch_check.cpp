@@ -1,6 +1,8 @@
 #include "engine/lab/rig/touch_check.h"
 
+#include "base/parallel.h"
 #include "engine/lab/rig/crossing_finder.h"
+#include "engine/lab/rig/failure_rate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,25 +50,79 @@ std::vector<std::size_t> spread(const std::vector<std::size_t> &all, std::size_t
     return some;
 }
 
+/// What brute force says of one step.
+struct CheckedStep {
+    double lag_m = 0.0;
+    bool is_lowest = false;
+    std::optional<double> direction_error_rad;
+};
+
 /// Descends from where a step ended, and notes how far.
-void check_step(const TouchRun &run, std::size_t index, const BruteForceProxy &brute_force,
-                double reach_m, TouchFindings &findings) {
-    const TouchStep &step = run.steps[index];
+CheckedStep check_step(const TouchStep &step, const BruteForceProxy &brute_force, double reach_m) {
     const BruteForceProxy::End end = brute_force.walk(step.proxy_m, step.tip_m, reach_m);
-    const double lag_m = (end.point_m - step.proxy_m).norm();
+    CheckedStep checked{(end.point_m - step.proxy_m).norm(), end.is_lowest, std::nullopt};
+    const Vector3 force = end.point_m - step.tip_m;
+    if (step.is_touching() && force.norm() > kMinGap_m) {
+        checked.direction_error_rad = angle_rad(step.normal, force);
+    }
+    return checked;
+}
+
+/// In parts, between which progress is told.
+std::vector<CheckedStep> check_steps(const TouchRun &run, const std::vector<std::size_t> &steps,
+                                     const TouchedSurface &surface,
+                                     const TouchCheckOptions &options) {
+    constexpr std::size_t kParts = 100;
+    std::vector<CheckedStep> checked(steps.size());
+    if (steps.empty()) {
+        return checked;
+    }
+    const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
+    for (std::size_t part = 0; part < kParts; ++part) {
+        options.progress(static_cast<double>(part) / kParts);
+        const std::size_t first = steps.size() * part / kParts;
+        const std::size_t last = steps.size() * (part + 1) / kParts;
+        for_each_in_parallel(last - first, all_processors(), [&](std::size_t i) {
+            checked[first + i] =
+                check_step(run.steps[steps[first + i]], brute_force, options.reach_m);
+        });
+    }
+    options.progress(1.0);
+    return checked;
+}
+
+void note(const TouchRun &run, std::size_t index, const CheckedStep &checked,
+          TouchFindings &findings) {
+    const TouchStep &step = run.steps[index];
     ++findings.checked;
-    findings.given_up += end.is_lowest ? 0 : 1;
-    (step.settled ? findings.lag_m : findings.unsettled_lag_m).consider(lag_m, index);
-    if (lag_m > kLag_m) {
+    findings.given_up += checked.is_lowest ? 0 : 1;
+    findings.lag_of_step_m[index] = checked.lag_m;
+    (step.settled ? findings.lag_m : findings.unsettled_lag_m).consider(checked.lag_m, index);
+    if (checked.lag_m > kLag_m) {
         findings.lagging.push_back(index);
         if (index > 0 && looks_stuck(run.steps[index - 1], step)) {
             findings.stuck.push_back(index);
         }
     }
-    const Vector3 force = end.point_m - step.tip_m;
-    if (step.is_touching() && force.norm() > kMinGap_m) {
-        findings.direction_error_rad.consider(angle_rad(step.normal, force), index);
+    if (checked.direction_error_rad) {
+        findings.direction_error_rad.consider(*checked.direction_error_rad, index);
     }
+}
+
+/// Of steps in ascending order.
+Standstill longest_of(const std::vector<std::size_t> &steps) {
+    Standstill longest;
+    Standstill now;
+    for (const std::size_t step : steps) {
+        if (now.end() != step || now.steps == 0) {
+            now = {0, step};
+        }
+        ++now.steps;
+        if (now.steps > longest.steps) {
+            longest = now;
+        }
+    }
+    return longest;
 }
 
 } // namespace
@@ -107,21 +163,36 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
             }
         }
     }
-    std::vector<std::size_t> to_check = spread(in_contact, options.checks);
+    const std::vector<std::size_t> sample = spread(in_contact, options.checks);
     const std::vector<std::size_t> beside = spread(suspicious, options.max_suspicious);
-    findings.suspicious = suspicious.size();
-    findings.suspicious_unchecked = suspicious.size() - beside.size();
-    to_check.insert(to_check.end(), beside.begin(), beside.end());
     const std::vector<std::size_t> lost = spread(off_rest, options.max_suspicious);
+    findings.in_contact = in_contact.size();
+    findings.sampled = sample.size();
+    findings.suspicious = suspicious.size();
+    std::vector<std::size_t> to_check = sample;
+    to_check.insert(to_check.end(), beside.begin(), beside.end());
     to_check.insert(to_check.end(), lost.begin(), lost.end());
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());
 
-    const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
-    for (const std::size_t index : to_check) {
-        check_step(run, index, brute_force, options.reach_m, findings);
+    const std::vector<CheckedStep> checked = check_steps(run, to_check, surface, options);
+    findings.lag_of_step_m.resize(run.steps.size());
+    for (std::size_t i = 0; i < to_check.size(); ++i) {
+        note(run, to_check[i], checked[i], findings);
     }
+    const auto lags = [&](std::size_t step) { return findings.lag_of_step_m[step] > kLag_m; };
+    findings.sampled_lagging = static_cast<std::size_t>(std::ranges::count_if(sample, lags));
+    findings.suspicious_unchecked = static_cast<std::size_t>(std::ranges::count_if(
+        suspicious, [&](std::size_t step) { return !findings.lag_of_step_m[step]; }));
+    findings.standstill = longest_of(suspicious);
+    findings.stuck_for = longest_of(findings.stuck);
     return findings;
+}
+
+std::size_t default_checks() { return trials_to_exclude(kDetectedRate, kConfidence); }
+
+double TouchFindings::rate_not_excluded() const {
+    return rig::rate_not_excluded(sampled_lagging, sampled, kConfidence);
 }
 
 Maximum sphere_direction_error_rad(const TouchRun &run) {

@@ -7,6 +7,8 @@
 #include "engine/lab/rig/touch_run.h"
 
 #include <cstddef>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,11 +20,24 @@ inline constexpr double kLag_m = 1e-6;
 /// Tips nearer to the proxy than this tell too little of a direction [m].
 inline constexpr double kMinGap_m = 1e-5;
 
+/// A rate of lagging steps that the default number of checks detects, and how surely.
+inline constexpr double kDetectedRate = 1e-4;
+inline constexpr double kConfidence = 0.95;
+
+/// 29,956.
+[[nodiscard]] std::size_t default_checks();
+
+inline constexpr std::size_t kAllSteps = std::numeric_limits<std::size_t>::max();
+
 struct TouchCheckOptions {
-    std::size_t checks = 200;          ///< steps in contact to check, spread over all of them
-    std::size_t max_suspicious = 1000; ///< steps to check beside these, of each kind of suspicion
-    double reach_m = 0.0;              ///< what the proxy keeps from every surface
-    double slack_m = kMinSlack_m;      ///< see Downhill: lower ridges do not excuse a lag
+    /// Steps in contact to check, spread evenly over all of them; kAllSteps for every one.
+    std::size_t checks = default_checks();
+    /// Steps to check beside these, of each kind of suspicion.
+    std::size_t max_suspicious = default_checks();
+    double reach_m = 0.0;         ///< what the proxy keeps from every surface
+    double slack_m = kMinSlack_m; ///< see Downhill: lower ridges do not excuse a lag
+    /// Called with the share that is done, from the calling thread.
+    std::function<void(double)> progress = [](double) {};
 };
 
 /// The greatest of something, and the step it was found at.
@@ -38,6 +53,14 @@ struct Maximum {
     }
 };
 
+/// Consecutive steps in which the proxy stood still while the tip moved along the surface.
+struct Standstill {
+    std::size_t steps = 0;
+    std::size_t first = 0; ///< of them
+
+    [[nodiscard]] std::size_t end() const { return first + steps; }
+};
+
 /// What was touched, as the check sees it.
 struct TouchedSurface {
     std::vector<PlainTriangle> triangles;
@@ -49,7 +72,10 @@ struct TouchFindings {
     std::vector<std::size_t> stuck;        ///< that looked stuck, and lag
     std::vector<std::size_t> lagging;      ///< of those checked, the ones that lag
     std::vector<std::size_t> unsettled;    ///< flagged as unfinished by the proxy
-    std::size_t checked = 0;
+    std::size_t checked = 0;               ///< all that were
+    std::size_t in_contact = 0;            ///< without friction
+    std::size_t sampled = 0;               ///< of these, checked whatever they looked like
+    std::size_t sampled_lagging = 0;
     std::size_t suspicious = 0;           ///< looked stuck
     std::size_t suspicious_unchecked = 0; ///< of these, beyond the cap
     std::size_t given_up = 0;             ///< checks that reached their step limit
@@ -57,6 +83,12 @@ struct TouchFindings {
     Maximum lag_m;                        ///< of steps flagged as settled
     Maximum unsettled_lag_m;              ///< of the others
     Maximum direction_error_rad;
+    std::vector<std::optional<double>> lag_of_step_m; ///< of those checked
+    Standstill standstill; ///< the longest, right or wrong: at a corner it may be right
+    Standstill stuck_for;  ///< the longest of steps that lag
+
+    /// The rate of lagging steps that the sample does not exclude, with kConfidence.
+    [[nodiscard]] double rate_not_excluded() const;
 };
 
 /// Whether a step looks stuck: in contact as the step before, the tip moved on along the surface,
@@ -64,10 +96,11 @@ struct TouchFindings {
 [[nodiscard]] bool looks_stuck(const TouchStep &before, const TouchStep &step);
 
 /// Every step's path is checked against all triangles, but not against shapes. Of those in contact
-/// without friction, some are checked for lag, how far down the distance to the tip one can still
-/// get from where the proxy is, and for the angle between the contact's normal and that from the
-/// tip to where one gets. Beside these, those that look stuck, those that did not settle, and those
-/// that are free but not at the tip.
+/// without friction, some are checked for lag: how far down the distance to the tip the proxy could
+/// still get from where it is. The same steps are checked for the angle between the contact's
+/// normal and that from the tip to where it could get. Beside these, those that look stuck, those
+/// that did not settle, and those that are free but not at the tip.
+/// Uses all processors; the result does not depend on their number.
 [[nodiscard]] TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
                                         const TouchCheckOptions &options);
 

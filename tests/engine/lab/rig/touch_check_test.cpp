@@ -239,6 +239,76 @@ TEST(TouchCheck, SpreadsItsChecksOverTheStepsInContact) {
     EXPECT_EQ(found.lagging, std::vector<std::size_t>{99});
 }
 
+TEST(TouchCheck, SaysWhatRateItCouldHaveMissed) {
+    EXPECT_EQ(default_checks(), 29'956U);
+    // 40,000 steps in contact, of which 0, 40 or 4,000 lag.
+    for (const std::size_t every : {0U, 1000U, 10U}) {
+        TouchRun run;
+        for (std::size_t i = 0; i < 40'000; ++i) {
+            const double x_m = 1e-6 * static_cast<double>(i);
+            const bool lags = every > 0 && i % every == every / 2;
+            go_on(run, on_sheet(lags ? x_m - 5e-6 : x_m, x_m));
+        }
+        TouchCheckOptions how = options(4000);
+        how.max_suspicious = 0;
+        std::vector<double> shares;
+        how.progress = [&shares](double share) { shares.push_back(share); };
+        const TouchFindings some = check_touch(run, sheet(), how);
+        EXPECT_EQ(some.in_contact, 40'000U);
+        EXPECT_EQ(some.sampled, 4000U);
+        EXPECT_TRUE(std::ranges::is_sorted(shares));
+        EXPECT_EQ(shares.back(), 1.0);
+        const double rate = every > 0 ? 1.0 / static_cast<double>(every) : 0.0;
+        EXPECT_GE(some.rate_not_excluded(), rate);
+        EXPECT_LT(some.rate_not_excluded(), 1.5 * rate + 1e-3);
+        how.checks = kAllSteps;
+        const TouchFindings all = check_touch(run, sheet(), how);
+        EXPECT_EQ(all.sampled, 40'000U);
+        EXPECT_EQ(all.checked, 40'000U);
+        EXPECT_EQ(all.sampled_lagging, every > 0 ? 40'000U / every : 0U);
+        if (every == 0) {
+            EXPECT_NEAR(some.rate_not_excluded(), 3.0 / 4000, 2e-6);
+            EXPECT_NEAR(all.rate_not_excluded(), 3.0 / 40'000, 2e-7);
+        }
+    }
+    EXPECT_EQ(check_touch({}, sheet(), options()).rate_not_excluded(), 1.0);
+}
+
+TEST(TouchCheck, TellsTheLagOfEachStepThatItChecked) {
+    TouchRun run;
+    for (int i = 0; i < 10; ++i) {
+        go_on(run, on_sheet(1e-4 * i - 1e-6 * i * i, 1e-4 * i));
+    }
+    const TouchFindings all = check_touch(run, sheet(), options());
+    ASSERT_EQ(all.lag_of_step_m.size(), 10U);
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_NEAR(all.lag_of_step_m[static_cast<std::size_t>(i)].value_or(-1.0), 1e-6 * i * i,
+                    3e-9);
+    }
+    const TouchFindings some = check_touch(run, sheet(), options(2));
+    EXPECT_TRUE(some.lag_of_step_m[0] && some.lag_of_step_m[9] && !some.lag_of_step_m[5]);
+}
+
+TEST(TouchCheck, TellsTheLongestStandstill) {
+    // The proxy stands still in steps 3 to 5 and 8 to 14, and from 11 on so that it could move.
+    TouchRun run;
+    const TouchedSurface corner = sheet();
+    double proxy_m = 0.0;
+    for (int i = 0; i < 20; ++i) {
+        const bool stands = (i >= 3 && i <= 5) || (i >= 8 && i <= 14);
+        const bool creeps = i >= 8 && i <= 10; // by less than what counts as lag
+        const double tip_m = stands ? proxy_m + (creeps ? 0.3e-6 * (i - 7) : 1e-4 * i) : 1e-4 * i;
+        proxy_m = stands ? proxy_m : tip_m;
+        go_on(run, on_sheet(proxy_m, tip_m));
+    }
+    const TouchFindings found = check_touch(run, corner, options());
+    EXPECT_EQ(found.standstill.steps, 7U);
+    EXPECT_EQ(found.standstill.first, 8U);
+    EXPECT_EQ(found.stuck_for.steps, 4U);
+    EXPECT_EQ(found.stuck_for.first, 11U);
+    EXPECT_EQ(check_touch({}, sheet(), options()).standstill.steps, 0U);
+}
+
 TEST(TouchCheck, FindsPopThroughs) {
     TouchRun run;
     go_on(run, on_sheet(0.0, 0.0));
