@@ -21,8 +21,7 @@ namespace springdrive::scene::gltf {
 /// The file that a relative URI names. Nothing is opened; only symbolic links are resolved.
 /// @param folder of the scene's file
 /// @throw InputError for a URI that is not relative, and for a file that does not lie in `folder`
-/// or
-///        a folder within it, also by way of symbolic links.
+///        or a folder within it, also by way of symbolic links.
 [[nodiscard]] std::filesystem::path file_of(std::string_view uri,
                                             const std::filesystem::path &folder);
 

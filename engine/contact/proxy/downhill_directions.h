@@ -36,8 +36,10 @@ private:
     std::size_t size_ = 0;
 };
 
-/// For each facet of `near` that comes within `within_m` of a point: where its plane leads towards
-/// the target, and those of its edges that do and continue for at least `length_m`. RT-safe.
+/// Of the facets of `near` that come within `within_m` of a point: where their planes lead towards
+/// the target, if the first `length_m` of that is over the same facet or, at a rim, over none; and
+/// their edges that lead towards it and continue for that long. None where the mesh itself has a
+/// pit. RT-safe.
 /// @pre `near` covers the point
 [[nodiscard]] DownhillDirections
 downhill_directions(const HapticSurface &surface, const Neighbourhood &near, const Vector3 &point_m,
