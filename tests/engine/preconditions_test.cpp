@@ -39,9 +39,13 @@ TEST(PreconditionsDeathTest, OfOneNumber) {
                  "delay_periods >= 0.0, device/core/split_delay.h:");
     EXPECT_DEATH(static_cast<void>(device::split_delay(std::nan(""))), "delay_periods >= 0.0");
 
-    EXPECT_EQ(weld_vertices({Vector3::Zero()}, 1e-300).size(), 1U);
-    EXPECT_DEATH(static_cast<void>(weld_vertices({Vector3::Zero()}, 0.0)), "tolerance_m > 0.0");
-    EXPECT_DEATH(static_cast<void>(weld_vertices({Vector3::Zero()}, 1.0, 0)), "threads > 0");
+    PreparationAllowance allowance(1);
+    const auto weld = [&allowance](double tolerance_m, unsigned threads) {
+        return weld_vertices({Vector3::Zero()}, tolerance_m, allowance, threads).size();
+    };
+    EXPECT_EQ(weld(1e-300, 1), 1U);
+    EXPECT_DEATH(static_cast<void>(weld(0.0, 1)), "tolerance_m > 0.0");
+    EXPECT_DEATH(static_cast<void>(weld(1.0, 0)), "threads > 0");
 
     const std::uint32_t end = std::uint32_t{1} << 30U;
     EXPECT_EQ(NumberedBox(kUnitBox, end - 1).number(), end - 1);
@@ -52,8 +56,7 @@ TEST(PreconditionsDeathTest, OfOneNumber) {
 
 TEST(PreconditionsDeathTest, OfTwoNumbers) {
     const std::vector<Vector3> vertices_m{Vector3::Zero()};
-    const VertexGrid grid(vertices_m, 0.5, 1.0);
-    static_cast<void>(grid.home_of(0));
+    static_cast<void>(VertexGrid(vertices_m, 0.5, 1.0));
     EXPECT_DEATH(VertexGrid(vertices_m, 0.5, std::nextafter(1.0, 0.0)),
                  "cell_m >= 2.0 \\* reach_m");
 }
@@ -102,8 +105,8 @@ TEST(PreconditionsDeathTest, WhatIsLookedAtInDebugBuildsLetsThroughWhatMeetsIt) 
     EXPECT_EQ(lay_out_boxes(std::vector{kUnitBox, kUnitBox}, 1).order.size(), 2U);
     const std::vector<Vector3> vertices_m{Vector3::Zero(), Vector3::Zero()};
     VertexGrid grid(vertices_m, 0.5, 1.0);
-    grid.insert(0, grid.home_of(0));
-    grid.insert(1, grid.home_of(1)); // in the same cell
+    grid.insert(0);
+    grid.insert(1); // in the same cell
     const AnalyticShape sphere(Sphere{0.01}, Eigen::Isometry3d::Identity(), 0);
     EXPECT_EQ(sphere.nearest(Vector3::UnitX()).normal, Vector3::UnitX());
 }
@@ -124,8 +127,8 @@ TEST(PreconditionsDeathTest, WhatIsLookedAtInDebugBuildsStopsAtWhatDoesNot) {
 
     const std::vector<Vector3> vertices_m{Vector3::Zero()};
     VertexGrid grid(vertices_m, 0.5, 1.0);
-    grid.insert(0, grid.home_of(0));
-    EXPECT_DEATH(grid.insert(0, grid.home_of(0)), "engine/contact/mesh/vertex_grid.h");
+    grid.insert(0);
+    EXPECT_DEATH(grid.insert(0), "engine/contact/mesh/vertex_grid.h");
 
     const AnalyticShape sphere(Sphere{0.01}, Eigen::Isometry3d::Identity(), 0);
     EXPECT_DEATH(static_cast<void>(sphere.nearest(Vector3(0.0, std::nan(""), 0.0))), "allFinite");

@@ -5,6 +5,7 @@
 #include "base/vector.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/mesh_triangle.h"
+#include "engine/contact/mesh/preparation_allowance.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,9 +23,12 @@ struct ClosedCracks {
 /// vertex moves by more than the tolerance. Two corners of one triangle are never welded, neither
 /// directly nor through others: however fine a mesh, no triangle collapses.
 /// @param edges those of `triangles`
-/// @pre tolerance_m > 0
+/// @param threads the maximum number used; the result is the same for any number
+/// @pre tolerance_m > 0, threads > 0
+/// @throw InputError where it needs more steps than allowed
 [[nodiscard]] ClosedCracks close_cracks(const std::vector<MeshTriangle> &triangles,
                                         const EdgeTable &edges,
-                                        const std::vector<Vector3> &vertices_m, double tolerance_m);
+                                        const std::vector<Vector3> &vertices_m, double tolerance_m,
+                                        PreparationAllowance &allowance, unsigned threads);
 
 } // namespace springdrive::contact

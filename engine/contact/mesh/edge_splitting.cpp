@@ -36,11 +36,12 @@ struct Cut {
 class CutFinder {
 public:
     CutFinder(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
-              const std::vector<Vector3> &vertices_m, double tolerance_m)
+              const std::vector<Vector3> &vertices_m, double tolerance_m, unsigned threads)
         : triangles_(triangles), vertices_m_(vertices_m), tolerance_m_(tolerance_m),
-          rim_(triangles, edges, vertices_m), tree_(rim_.places_m()) {}
+          rim_(triangles, edges, vertices_m), tree_(rim_.places_m(), threads) {}
 
-    void append_cuts(const EdgeUse &use, std::vector<Cut> &cuts) const {
+    /// Returns the steps that it took and that dividing by these cuts will take.
+    std::uint64_t append_cuts(const EdgeUse &use, std::vector<Cut> &cuts) const {
         const MeshTriangle &triangle = triangles_[use.triangle()];
         const Vector3 &from_m = vertices_m_[triangle.vertices[use.side()]];
         const Vector3 &to_m = vertices_m_[triangle.vertices[(use.side() + 1) % 3]];
@@ -54,10 +55,12 @@ public:
             }
             return static_cast<double>(cuts.size() - before) > maximum;
         };
-        tree_.visit_along(from_m, to_m, tolerance_m_, is_one_too_many);
+        const std::uint64_t compared =
+            tree_.visit_along(from_m, to_m, tolerance_m_, is_one_too_many);
         if (static_cast<double>(cuts.size() - before) > maximum) {
             cuts.resize(before);
         }
+        return compared + kStepsPerPiece * (cuts.size() - before);
     }
 
 private:
@@ -68,25 +71,56 @@ private:
     PointTree tree_;
 };
 
-/// All cuts, those of one triangle next to each other, side by side and along each side.
-[[nodiscard]] std::vector<Cut> find_cuts(const CutFinder &finder, const EdgeTable &edges,
-                                         unsigned threads) {
-    std::vector<std::vector<Cut>> cuts_of_chunk(threads);
-    in_chunks(edges.vertices(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
-        edges.for_each(first, last, [&](const Edge &edge) {
-            if (edge.is_open()) {
-                finder.append_cuts(edge.uses.front(), cuts_of_chunk[chunk]);
-            }
-        });
+[[noreturn]] void refuse_cuts(const CutFinder &finder, const EdgeTable &edges,
+                              std::uint64_t taken_before, const PreparationAllowance &allowance) {
+    std::vector<EdgeUse> open;
+    edges.for_each([&](const Edge &edge) {
+        if (edge.is_open()) {
+            open.push_back(edge.uses.front());
+        }
     });
     std::vector<Cut> cuts;
-    for (const std::vector<Cut> &some : cuts_of_chunk) {
-        cuts.insert(cuts.end(), some.begin(), some.end());
-    }
-    std::ranges::sort(cuts, [](const Cut &a, const Cut &b) {
-        return std::tie(a.triangle, a.side, a.fraction, a.vertex) <
-               std::tie(b.triangle, b.side, b.fraction, b.vertex);
+    const double needed = estimated_steps(open.size(), [&](std::size_t i) {
+        cuts.clear();
+        return finder.append_cuts(open[i], cuts);
     });
+    allowance.refuse("divide triangles where vertices of others touch their edges",
+                     static_cast<double>(taken_before) + needed);
+}
+
+[[nodiscard]] bool is_before(const Cut &a, const Cut &b) {
+    return std::tie(a.triangle, a.side, a.fraction, a.vertex) <
+           std::tie(b.triangle, b.side, b.fraction, b.vertex);
+}
+
+/// All cuts, those of one triangle next to each other, side by side and along each side.
+[[nodiscard]] std::vector<Cut> find_cuts(const CutFinder &finder, const EdgeTable &edges,
+                                         PreparationAllowance &allowance, unsigned threads) {
+    const std::uint64_t taken_before = allowance.taken();
+    std::vector<std::vector<Cut>> cuts_of_chunk(threads);
+    in_chunks(edges.vertices(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
+        std::vector<Cut> &cuts = cuts_of_chunk[chunk];
+        StepCounter steps(allowance);
+        bool is_allowed = true;
+        edges.for_each(first, last, [&](const Edge &edge) {
+            if (edge.is_open() && is_allowed) {
+                is_allowed = steps.add(finder.append_cuts(edge.uses.front(), cuts));
+            }
+        });
+        if (is_allowed) {
+            std::ranges::sort(cuts, is_before);
+        }
+    });
+    if (allowance.is_exceeded()) {
+        refuse_cuts(finder, edges, taken_before, allowance);
+    }
+    std::vector<Cut> cuts;
+    for (std::vector<Cut> &some : cuts_of_chunk) {
+        const auto sorted = static_cast<std::ptrdiff_t>(cuts.size());
+        cuts.insert(cuts.end(), some.begin(), some.end());
+        some = {};
+        std::inplace_merge(cuts.begin(), cuts.begin() + sorted, cuts.end(), is_before);
+    }
     return cuts;
 }
 
@@ -131,10 +165,10 @@ private:
 
 SplitEdges split_edges(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
                        const std::vector<Vector3> &vertices_m, double tolerance_m,
-                       unsigned threads) {
-    SPRINGDRIVE_ASSERT(tolerance_m > 0.0);
-    const CutFinder finder(triangles, edges, vertices_m, tolerance_m);
-    const std::vector<Cut> cuts = find_cuts(finder, edges, threads);
+                       PreparationAllowance &allowance, unsigned threads) {
+    SPRINGDRIVE_ASSERT(tolerance_m > 0.0 && threads > 0);
+    const CutFinder finder(triangles, edges, vertices_m, tolerance_m, threads);
+    const std::vector<Cut> cuts = find_cuts(finder, edges, allowance, threads);
     SplitEdges split;
     for (auto first = cuts.begin(); first != cuts.end();) {
         const std::uint32_t index = first->triangle;

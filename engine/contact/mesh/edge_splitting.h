@@ -5,6 +5,7 @@
 #include "base/vector.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/mesh_triangle.h"
+#include "engine/contact/mesh/preparation_allowance.h"
 
 #include <cstddef>
 #include <vector>
@@ -20,9 +21,11 @@ struct SplitEdges {
 /// interiors, and divides their triangles accordingly. The pieces are appended to `triangles`,
 /// except one that replaces the whole, and keep its index in the soup.
 /// @param edges those of `triangles`; no longer valid if anything was split
-/// @pre tolerance_m > 0
+/// @param threads the maximum number used; the result is the same for any number
+/// @pre tolerance_m > 0, threads > 0
+/// @throw InputError where it needs more steps than allowed; nothing was divided then
 [[nodiscard]] SplitEdges split_edges(std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
                                      const std::vector<Vector3> &vertices_m, double tolerance_m,
-                                     unsigned threads);
+                                     PreparationAllowance &allowance, unsigned threads);
 
 } // namespace springdrive::contact

@@ -73,11 +73,9 @@ std::span<const EdgeUse> EdgeTable::uses_of(std::uint32_t a, std::uint32_t b) co
     const std::uint32_t lower = std::min(a, b);
     const std::uint32_t upper = std::max(a, b);
     const EdgeUse *const end = uses_.data() + first_use_[lower + 1];
-    const EdgeUse *const first = std::lower_bound(
-        uses_.data() + first_use_[lower], end, upper,
-        [](const EdgeUse &use, std::uint32_t vertex) { return use.upper() < vertex; });
-    return {first,
-            std::find_if(first, end, [upper](const EdgeUse &use) { return use.upper() != upper; })};
+    const auto uses = std::ranges::equal_range(uses_.data() + first_use_[lower], end, upper, {},
+                                               [](const EdgeUse &use) { return use.upper(); });
+    return {uses.begin(), uses.end()};
 }
 
 std::size_t count_open(const EdgeTable &edges) {

@@ -63,6 +63,13 @@ public:
     /// The uses of the edge between two vertices; empty if there is no such edge.
     [[nodiscard]] std::span<const EdgeUse> uses_of(std::uint32_t a, std::uint32_t b) const;
 
+    /// A number below `uses()` that no other edge has.
+    /// @pre there is such an edge
+    [[nodiscard]] std::size_t first_use_of(std::uint32_t a, std::uint32_t b) const {
+        return static_cast<std::size_t>(uses_of(a, b).data() - uses_.data());
+    }
+    [[nodiscard]] std::size_t uses() const { return uses_.size(); }
+
     /// Calls `visit(edge)` for every edge whose lower vertex is in the range.
     template <typename Visit>
     void for_each(std::size_t first_vertex, std::size_t last_vertex, Visit visit) const {

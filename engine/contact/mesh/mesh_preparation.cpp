@@ -6,6 +6,7 @@
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/enclosed_volume.h"
 #include "engine/contact/mesh/mesh_topology.h"
+#include "engine/contact/mesh/preparation_allowance.h"
 #include "engine/contact/mesh/repeated_triangles.h"
 #include "engine/contact/mesh/surface_facets.h"
 #include "engine/contact/mesh/triangle_orientation.h"
@@ -65,7 +66,7 @@ enum class TriangleOutcome : std::uint8_t { degenerate, duplicate, merged, kept 
 class Preparation {
 public:
     Preparation(const TriangleSoup &soup, unsigned threads)
-        : soup_(soup), threads_(threads),
+        : soup_(soup), threads_(threads), allowance_(soup.triangles.size()),
           outcomes_(soup.triangles.size(), TriangleOutcome::degenerate),
           triangles_(welded_triangles()), edges_(triangles_, soup.vertices_m.size(), threads) {
         report_.triangles_given = soup.triangles.size();
@@ -90,8 +91,8 @@ public:
         if (report_.open_edges_given == 0) {
             return;
         }
-        const ClosedCracks closed =
-            close_cracks(triangles_, edges_, soup_.vertices_m, kCrackTolerance_m);
+        const ClosedCracks closed = close_cracks(triangles_, edges_, soup_.vertices_m,
+                                                 kCrackTolerance_m, allowance_, threads_);
         if (closed.moved_vertices > 0) {
             for (MeshTriangle &triangle : triangles_) {
                 for (std::uint32_t &vertex : triangle.vertices) {
@@ -100,8 +101,8 @@ public:
             }
             renew_edges();
         }
-        const SplitEdges split =
-            split_edges(triangles_, edges_, soup_.vertices_m, kCrackTolerance_m, threads_);
+        const SplitEdges split = split_edges(triangles_, edges_, soup_.vertices_m,
+                                             kCrackTolerance_m, allowance_, threads_);
         if (split.split_triangles > 0) {
             require_few(triangles_.size());
             renew_edges();
@@ -140,7 +141,7 @@ private:
     /// Triangles of three different finite vertices, welded.
     [[nodiscard]] std::vector<MeshTriangle> welded_triangles() {
         const std::vector<std::uint32_t> stands_for =
-            weld_vertices(soup_.vertices_m, kWeldTolerance_m, threads_);
+            weld_vertices(soup_.vertices_m, kWeldTolerance_m, allowance_, threads_);
         for (std::uint32_t vertex = 0; vertex < stands_for.size(); ++vertex) {
             report_.welded_vertices += stands_for[vertex] == vertex ? 0 : 1;
         }
@@ -214,6 +215,7 @@ private:
 
     const TriangleSoup &soup_;
     unsigned threads_;
+    PreparationAllowance allowance_;
     MeshReport report_;
     std::vector<TriangleOutcome> outcomes_;
     std::vector<MeshTriangle> triangles_;

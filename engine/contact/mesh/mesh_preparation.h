@@ -47,6 +47,7 @@ struct PreparedMesh {
 /// @param threads the maximum number used; the facets are the same for any number
 /// @throw std::invalid_argument if an index of the soup is out of range or it lacks materials: a
 ///        mistake of the program, since readers of files check this first.
+/// @throw InputError if that needs more steps than a PreparationAllowance has.
 /// @throw std::length_error if there are more than kMaxTriangles.
 [[nodiscard]] PreparedMesh prepare_mesh(const TriangleSoup &soup,
                                         unsigned threads = all_processors());

@@ -1,23 +1,34 @@
 #include "engine/contact/mesh/point_tree.h"
 
+#include "base/parallel.h"
+#include "base/wanted.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
 
 namespace springdrive::contact {
 
-PointTree::PointTree(const std::vector<Vector3> &points_m) {
+namespace {
+
+/// Threads take time to start.
+constexpr std::size_t kMinShared = 20'000;
+
+} // namespace
+
+PointTree::PointTree(const std::vector<Vector3> &points_m, unsigned threads) {
     nodes_.reserve(points_m.size());
     for (const Vector3 &point_m : points_m) {
         nodes_.push_back({point_m, static_cast<std::uint32_t>(nodes_.size())});
     }
-    build(0, nodes_.size());
+    build(0, nodes_.size(), threads);
 }
 
-void PointTree::build(std::size_t first, std::size_t last) {
+void PointTree::build(std::size_t first, std::size_t last, unsigned threads) {
     if (last - first < 2) {
         return;
     }
+    stop_if_given_up(first);
     Eigen::AlignedBox3d box;
     for (std::size_t i = first; i < last; ++i) {
         box.extend(nodes_[i].place_m);
@@ -32,8 +43,12 @@ void PointTree::build(std::size_t first, std::size_t last) {
         return a.place_m[axis] < b.place_m[axis];
     });
     nodes_[middle].axis = static_cast<std::uint32_t>(axis);
-    build(first, middle);
-    build(middle + 1, last);
+    // The halves may differ in work, so there are more parts than threads.
+    const bool is_shared = threads > 1 && last - first >= kMinShared;
+    const unsigned of_each = is_shared ? (threads + 1) / 2 : 1;
+    for_each_in_parallel(2, is_shared ? 2 : 1, [&](std::size_t half) {
+        half == 0 ? build(first, middle, of_each) : build(middle + 1, last, of_each);
+    });
 }
 
 std::pair<PointTree::Range, PointTree::Range> PointTree::halves(const Range &range,

@@ -13,15 +13,18 @@ namespace springdrive::contact {
 /// A k-d tree (Bentley 1975) kept in the order of its points, medians in the middle.
 class PointTree {
 public:
-    explicit PointTree(const std::vector<Vector3> &points_m);
+    explicit PointTree(const std::vector<Vector3> &points_m, unsigned threads = 1);
 
     /// Calls `visit(point, fraction, distance_m)` for points whose feet lie within the segment,
-    /// its ends excluded, no farther than `reach_m` from them, until it returns true.
+    /// its ends excluded, no farther than `reach_m` from them, until it returns true. Returns how
+    /// many points were compared.
     template <typename Visit>
-    void visit_along(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
-                     Visit visit) const {
+    std::uint64_t visit_along(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
+                              const Visit &visit) const {
+        std::uint64_t compared = 0;
         const Segment segment{from_m, to_m - from_m, reach_m};
-        visit_range({0, nodes_.size(), 0.0, 1.0}, segment, visit);
+        visit_range({0, nodes_.size(), 0.0, 1.0}, segment, visit, compared);
+        return compared;
     }
 
 private:
@@ -49,23 +52,26 @@ private:
         return range.first + (range.last - range.first) / 2;
     }
 
-    void build(std::size_t first, std::size_t last);
+    void build(std::size_t first, std::size_t last, unsigned threads);
 
     /// The two halves of a range about its middle node.
     [[nodiscard]] std::pair<Range, Range> halves(const Range &range, const Segment &segment) const;
 
     template <typename Visit>
-    bool visit_range(const Range &range, const Segment &segment, Visit &visit) const {
+    bool visit_range(const Range &range, const Segment &segment, const Visit &visit,
+                     std::uint64_t &compared) const {
         if (range.first == range.last || !(range.start <= range.end)) {
             return false;
         }
+        ++compared;
         const auto [lower, upper] = halves(range, segment);
         return visit_node(nodes_[middle_of(range)], segment, visit) ||
-               visit_range(lower, segment, visit) || visit_range(upper, segment, visit);
+               visit_range(lower, segment, visit, compared) ||
+               visit_range(upper, segment, visit, compared);
     }
 
     template <typename Visit>
-    static bool visit_node(const Node &node, const Segment &segment, Visit &visit) {
+    static bool visit_node(const Node &node, const Segment &segment, const Visit &visit) {
         const Vector3 offset = node.place_m - segment.from_m;
         const double fraction = offset.dot(segment.way_m) / segment.way_m.squaredNorm();
         const double distance_m = (offset - fraction * segment.way_m).norm();

@@ -58,24 +58,31 @@ std::vector<std::uint32_t> slivers_to_leave_out(const std::vector<MeshTriangle> 
                                                 const std::vector<Vector3> &vertices_m,
                                                 unsigned threads) {
     const std::vector<Sliver> slivers = find_slivers(triangles, vertices_m, threads);
-    std::vector<bool> is_left_out(slivers.empty() ? 0 : triangles.size(), false);
-    for (const Sliver &sliver : slivers) {
-        is_left_out[sliver.index] = !sliver.has_normal;
-    }
+    // By edge, so that many slivers at one edge do not look at each other.
+    std::vector<bool> has_gap(slivers.empty() ? 0 : edges.uses());
+    const auto leave_gap = [&](const VertexTriple &vertices) {
+        for (std::size_t side = 0; side < 3; ++side) {
+            has_gap[edges.first_use_of(vertices[side], vertices[(side + 1) % 3])] = true;
+        }
+    };
     const auto has_gap_beside = [&](const VertexTriple &vertices) {
         for (std::size_t side = 0; side < 3; ++side) {
-            const auto uses = edges.uses_of(vertices[side], vertices[(side + 1) % 3]);
-            if (std::ranges::any_of(
-                    uses, [&](const EdgeUse &use) { return is_left_out[use.triangle()]; })) {
+            if (has_gap[edges.first_use_of(vertices[side], vertices[(side + 1) % 3])]) {
                 return true;
             }
         }
         return false;
     };
+    for (const Sliver &sliver : slivers) {
+        if (!sliver.has_normal) {
+            leave_gap(triangles[sliver.index].vertices);
+        }
+    }
     std::vector<std::uint32_t> left_out;
     for (const Sliver &sliver : slivers) {
-        if (!sliver.has_normal || !has_gap_beside(triangles[sliver.index].vertices)) {
-            is_left_out[sliver.index] = true;
+        const VertexTriple &vertices = triangles[sliver.index].vertices;
+        if (!sliver.has_normal || !has_gap_beside(vertices)) {
+            leave_gap(vertices);
             left_out.push_back(sliver.index);
         }
     }

@@ -1,16 +1,54 @@
 #include "engine/contact/mesh/vertex_grid.h"
 
 #include "base/assertions.h"
+#include "base/parallel.h"
+#include "base/wanted.h"
 
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::contact {
 
-VertexGrid::VertexGrid(const std::vector<Vector3> &vertices_m, double reach_m, double cell_m)
+VertexGrid::VertexGrid(const std::vector<Vector3> &vertices_m, double reach_m, double cell_m,
+                       unsigned threads)
     : vertices_m_(vertices_m), reach_m_(reach_m), cells_per_m_(1.0 / cell_m),
-      slots_(std::bit_ceil(2 * vertices_m.size() + 2)), last_slot_(slots_.size() - 1) {
+      slots_(std::bit_ceil(vertices_m.size() + 1)), last_slot_(slots_.size() - 1),
+      homes_(vertices_m.size()), entries_(vertices_m.size()) {
     SPRINGDRIVE_ASSERT(cell_m >= 2.0 * reach_m);
+    in_chunks(homes_.size(), threads, [&](unsigned, std::size_t first, std::size_t last) {
+        for (std::size_t vertex = first; vertex < last; ++vertex) {
+            stop_if_given_up(vertex);
+            homes_[vertex] = home_of(static_cast<std::uint32_t>(vertex));
+        }
+    });
+    for_each_of_slots(threads, [&](std::uint32_t vertex) {
+        ++slots_[homes_[vertex].address.slot].first; // for now the size of its room
+    });
+    std::uint32_t total = 0;
+    for (Slot &slot : slots_) {
+        total += std::exchange(slot.first, total);
+    }
+}
+
+void VertexGrid::insert_all(unsigned threads) {
+    for_each_of_slots(threads, [&](std::uint32_t vertex) { insert(vertex); });
+}
+
+template <typename Visit> void VertexGrid::for_each_of_slots(unsigned threads, const Visit &visit) {
+    // Each thread looks at all vertices, which is quick, and visits those in its share of the
+    // slots, which are scattered in memory.
+    in_chunks(slots_.size(), threads, [&](unsigned, std::size_t first, std::size_t last) {
+        const auto count = static_cast<std::uint32_t>(homes_.size());
+        for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
+            stop_if_given_up(vertex);
+            prefetch(std::min(vertex + kAhead, count - 1));
+            const std::uint32_t slot = homes_[vertex].address.slot;
+            if (slot >= first && slot < last) {
+                visit(vertex);
+            }
+        }
+    });
 }
 
 VertexGrid::Home VertexGrid::home_of(std::uint32_t vertex) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "engine/contact/mesh/preparation_allowance.h"
 
 #include <cstdint>
 #include <vector>
@@ -13,7 +14,10 @@ namespace springdrive::contact {
 /// `tolerance_m` that represents itself. So no vertex moves by more than the tolerance, however
 /// long a chain of near neighbours is. Vertices that are not finite represent themselves.
 /// @pre tolerance_m > 0, threads > 0
+/// @throw InputError where it needs more steps than allowed
 [[nodiscard]] std::vector<std::uint32_t> weld_vertices(const std::vector<Vector3> &vertices_m,
-                                                       double tolerance_m, unsigned threads = 1);
+                                                       double tolerance_m,
+                                                       PreparationAllowance &allowance,
+                                                       unsigned threads = 1);
 
 } // namespace springdrive::contact

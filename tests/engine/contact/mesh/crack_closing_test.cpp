@@ -18,9 +18,16 @@ using testing::unshared;
 
 constexpr double kCrackTolerance_m = 5e-6;
 
-ClosedCracks closed_cracks(const TriangleSoup &soup) {
+ClosedCracks closed_cracks(const TriangleSoup &soup, PreparationAllowance &allowance,
+                           unsigned threads = 1) {
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
-    return close_cracks(triangles, edges_of(triangles), soup.vertices_m, kCrackTolerance_m);
+    return close_cracks(triangles, edges_of(triangles), soup.vertices_m, kCrackTolerance_m,
+                        allowance, threads);
+}
+
+ClosedCracks closed_cracks(const TriangleSoup &soup, unsigned threads = 1) {
+    PreparationAllowance allowance(soup.triangles.size());
+    return closed_cracks(soup, allowance, threads);
 }
 
 std::vector<VertexTriple> welded(const TriangleSoup &soup, const ClosedCracks &closed) {

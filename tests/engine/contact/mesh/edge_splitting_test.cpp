@@ -25,7 +25,9 @@ SplitOutcome after_splitting(const std::vector<VertexTriple> &triples,
                              const std::vector<Vector3> &vertices_m, unsigned threads = 1) {
     SplitOutcome outcome{mesh_of(triples), {}, {}};
     const EdgeTable edges = edges_of(outcome.triangles);
-    outcome.split = split_edges(outcome.triangles, edges, vertices_m, kSplitTolerance_m, threads);
+    PreparationAllowance allowance(triples.size());
+    outcome.split =
+        split_edges(outcome.triangles, edges, vertices_m, kSplitTolerance_m, allowance, threads);
     for (const MeshTriangle &triangle : outcome.triangles) {
         outcome.triples.push_back(triangle.vertices);
     }

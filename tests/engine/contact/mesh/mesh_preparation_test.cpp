@@ -1,7 +1,9 @@
 // Covers engine/contact/mesh/mesh_preparation.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
 
+#include "tests/engine/contact/mesh/dense_soups.h"
 #include "tests/engine/contact/mesh/meshes.h"
+#include "tests/support/complaint.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
@@ -367,6 +369,18 @@ TEST(MeshPreparation, AccountsForEveryTriangle) {
         }
         EXPECT_EQ(report.triangles_kept, kept.size());
     }
+}
+
+TEST(MeshPreparation, RefusesTrianglesThatTouchEachOtherEverywhere) {
+    std::mt19937_64 random(1);
+    const TriangleSoup soup = testing::soup_in_a_line(random, 6000);
+    const std::string complaint =
+        testing::complaint_of([&] { static_cast<void>(prepare_mesh(soup)); });
+    EXPECT_TRUE(complaint.starts_with("preparing its 6000 triangles for touch needs about "));
+    EXPECT_TRUE(complaint.find(" steps, most of them to divide triangles where vertices of others "
+                               "touch their edges; at most 2006 million are allowed: ") !=
+                std::string::npos)
+        << complaint;
 }
 
 TEST(MeshPreparation, LeavesAMobiusStripTwoSided) {

@@ -70,6 +70,27 @@ TEST(PointTree, StopsWhenToldTo) {
     EXPECT_EQ(visits, 3);
 }
 
+TEST(PointTree, IsTheSameForAnyNumberOfThreads) {
+    std::mt19937_64 random(1);
+    std::vector<Vector3> points_m;
+    while (points_m.size() < 50'000) {
+        points_m.push_back(random_vector(random, 0.1));
+    }
+    const auto order = [&](unsigned threads) {
+        std::vector<std::uint32_t> found;
+        PointTree(points_m, threads)
+            .visit_along(Vector3::Zero(), Vector3::Constant(0.1), 0.02,
+                         [&](std::uint32_t point, double, double) {
+                             found.push_back(point);
+                             return false;
+                         });
+        return found;
+    };
+    EXPECT_GT(order(1).size(), 100U);
+    EXPECT_EQ(order(2), order(1));
+    EXPECT_EQ(order(3), order(1));
+}
+
 TEST(PointTree, FindsNothingWhenEmpty) {
     EXPECT_TRUE(found_along(PointTree({}), Vector3::Zero(), Vector3::UnitX(), 1.0).empty());
 }

@@ -62,6 +62,21 @@ TEST(SurfaceFacets, KeepsOneOfTwoSliversSideBySide) {
     }
 }
 
+TEST(SurfaceFacets, LeavesOutOneOfABookOfSlivers) {
+    // All share the edge from 0 to 1.
+    constexpr std::uint32_t kLeaves = 20'000;
+    TriangleSoup soup;
+    soup.vertices_m = {{0.0, 0.0, 0.0}, {0.01, 0.0, 0.0}};
+    for (std::uint32_t i = 0; i < kLeaves; ++i) {
+        soup.vertices_m.emplace_back(0.01 * (i + 1) / (kLeaves + 1), 0.9 * kMinHeight_m, 0.0);
+        soup.triangles.push_back({0, 1, i + 2});
+    }
+    EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{0});
+    // One without a normal leaves the gap first.
+    soup.vertices_m.back().y() = 0.0;
+    EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{kLeaves - 1});
+}
+
 TEST(SurfaceFacets, LeavesOutAllThatHaveNoNormal) {
     EXPECT_EQ(slivers(rows({0.01, 1e-12, 1e-12, 0.0, 0.01})).size(), 6U);
 }

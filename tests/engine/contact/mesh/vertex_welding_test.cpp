@@ -1,4 +1,4 @@
-// Covers engine/contact/mesh/vertex_welding.cpp.
+// Covers engine/contact/mesh/vertex_welding.cpp and vertex_grid.cpp.
 #include "engine/contact/mesh/vertex_welding.h"
 
 #include "tests/engine/contact/mesh/soups.h"
@@ -16,15 +16,20 @@ using testing::random_vector;
 
 constexpr double kWeldTolerance_m = 1e-7;
 
+std::vector<std::uint32_t> welded(const std::vector<Vector3> &vertices_m, double tolerance_m) {
+    PreparationAllowance allowance(vertices_m.size());
+    return weld_vertices(vertices_m, tolerance_m, allowance);
+}
+
 TEST(VertexWelding, KeepsVerticesThatAreFarApart) {
     const std::vector<Vector3> vertices = {{0, 0, 0}, {3e-7, 0, 0}, {0, -3e-7, 0}, {0, 0, 1}};
     const std::vector<std::uint32_t> expected = {0, 1, 2, 3};
-    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m), expected);
+    EXPECT_EQ(welded(vertices, kWeldTolerance_m), expected);
 }
 
 TEST(VertexWelding, FindsPositiveAndNegativeZeroEqual) {
     const std::vector<Vector3> vertices = {{0.0, 0.0, 0.0}, {-0.0, -0.0, -0.0}};
-    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m)[1], 0U);
+    EXPECT_EQ(welded(vertices, kWeldTolerance_m)[1], 0U);
 }
 
 TEST(VertexWelding, MovesNoVertexByMoreThanTheToleranceAlongAChain) {
@@ -33,7 +38,7 @@ TEST(VertexWelding, MovesNoVertexByMoreThanTheToleranceAlongAChain) {
     for (int i = 0; i < 100; ++i) {
         chain.emplace_back(0.7 * kWeldTolerance_m * i, 0.0, 0.0);
     }
-    const std::vector<std::uint32_t> stands_for = weld_vertices(chain, kWeldTolerance_m);
+    const std::vector<std::uint32_t> stands_for = welded(chain, kWeldTolerance_m);
     for (std::size_t i = 0; i < chain.size(); ++i) {
         EXPECT_LE((chain[stands_for[i]] - chain[i]).norm(), kWeldTolerance_m);
     }
@@ -49,11 +54,23 @@ TEST(VertexWelding, FindsTheCopiesOfScatteredVerticesWhereverTheyLie) {
     for (std::uint32_t i = 0; i < kCount; ++i) {
         vertices.emplace_back(vertices[i] + 0.99 * kWeldTolerance_m * random_direction(random));
     }
-    const std::vector<std::uint32_t> stands_for = weld_vertices(vertices, kWeldTolerance_m);
+    const std::vector<std::uint32_t> stands_for = welded(vertices, kWeldTolerance_m);
     for (std::uint32_t i = 0; i < kCount; ++i) {
         ASSERT_EQ(stands_for[i], i);
         ASSERT_EQ(stands_for[kCount + i], i);
     }
+}
+
+TEST(VertexWelding, IsTheSameForAnyNumberOfThreads) {
+    std::mt19937_64 random(1);
+    std::vector<Vector3> vertices;
+    for (int i = 0; i < 3000; ++i) {
+        vertices.push_back(random_vector(random, 1e-6));
+    }
+    PreparationAllowance allowance(vertices.size());
+    const std::vector<std::uint32_t> one = welded(vertices, kWeldTolerance_m);
+    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m, allowance, 2), one);
+    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m, allowance, 5), one);
 }
 
 TEST(VertexWelding, LeavesVerticesThatAreNotFiniteAlone) {
@@ -62,7 +79,7 @@ TEST(VertexWelding, LeavesVerticesThatAreNotFiniteAlone) {
     const std::vector<Vector3> vertices = {
         {kNaN, 0, 0}, {kNaN, 0, 0}, {kInfinity, 0, 0}, {0, 0, 1e300}, {0, 0, 1e300}};
     const std::vector<std::uint32_t> expected = {0, 1, 2, 3, 3};
-    EXPECT_EQ(weld_vertices(vertices, kWeldTolerance_m), expected);
+    EXPECT_EQ(welded(vertices, kWeldTolerance_m), expected);
 }
 
 } // namespace
