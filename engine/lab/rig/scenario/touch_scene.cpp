@@ -6,7 +6,9 @@
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf.h"
 
+#include <new>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace springdrive::rig {
@@ -31,10 +33,19 @@ scene::Scene touch_scene(const std::string &name, const device::Workspace &works
 }
 
 contact::HapticSurface haptic_surface_of(const scene::Scene &scene) {
-    contact::HapticSurface surface(scene.surface, scene.shapes);
+    const std::string place = one_line(scene.file.string(), 1000) + ": ";
+    const auto prepared = [&] {
+        try {
+            return contact::HapticSurface(scene.surface, scene.shapes);
+        } catch (const InputError &error) {
+            throw InputError(place + error.what());
+        } catch (const std::bad_alloc &) {
+            throw InputError(place + "needs more memory than there is; simplify it");
+        }
+    };
+    contact::HapticSurface surface = prepared();
     if (surface.report().triangles_kept == 0 && surface.shapes().empty()) {
-        throw InputError(one_line(scene.file.string(), 1000) +
-                         ": has nothing to touch: its triangles, " +
+        throw InputError(place + "has nothing to touch: its triangles, " +
                          std::to_string(surface.report().triangles_given) +
                          " in number, are all too thin to have a normal; export it again");
     }

@@ -17,7 +17,9 @@ namespace springdrive::rig {
                                        scene::LoadProgress *progress = nullptr);
 
 /// Prepares the haptic surface of a scene.
-/// @throw InputError naming the file if none of its triangles can be touched.
+/// @throw InputError naming the file, if none of its triangles can be touched, or for what takes
+/// too
+///        many steps or too much memory.
 [[nodiscard]] contact::HapticSurface haptic_surface_of(const scene::Scene &scene);
 
 } // namespace springdrive::rig

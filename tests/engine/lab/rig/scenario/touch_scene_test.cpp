@@ -1,0 +1,23 @@
+// Covers engine/lab/rig/scenario/touch_scene.cpp.
+#include "engine/lab/rig/scenario/touch_scene.h"
+
+#include "tests/engine/contact/mesh/dense_soups.h"
+#include "tests/support/complaint.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::rig {
+namespace {
+
+TEST(TouchScene, NamesTheFileWhoseSurfaceIsTooMuchWork) {
+    std::mt19937_64 random(1);
+    scene::Scene scene;
+    scene.file = "folder/line.glb";
+    scene.surface = testing::soup_in_a_line(random, 6000);
+    EXPECT_TRUE(testing::complaint_of([&] {
+                    static_cast<void>(haptic_surface_of(scene));
+                }).starts_with("folder/line.glb: preparing its 6000 triangles for touch needs "));
+}
+
+} // namespace
+} // namespace springdrive::rig
