@@ -31,6 +31,8 @@ namespace {
 constexpr std::array<int, 7> kRates_Hz{250, 500, 1000, 2000, 4000, 10'000, 20'000};
 
 constexpr int kFrequencies = 12; ///< of the sweep at each rate
+constexpr double kMinJudged_Hz = 2.0;
+constexpr double kMaxJudged_Hz = 100.0;
 
 rig::Cost per_millisecond(const rig::Cost &tick, int rate_Hz) {
     const double ticks = 1e-3 * rate_Hz;

@@ -20,13 +20,9 @@ namespace springdrive::charts {
 [[nodiscard]] SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
                                                             const ChartProgress &progress);
 
-/// The band in which the stiffness is compared with (12): above it the hand holds the tip rather
-/// than perceives its stiffness.
-inline constexpr double kMinJudged_Hz = 2.0;
-inline constexpr double kMaxJudged_Hz = 100.0;
-
-/// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies of the band, at least
-/// two, evenly spaced on a logarithmic scale.
+/// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies from 2 to 100 Hz, at
+/// least two, evenly spaced on a logarithmic scale. Above, the hand holds the tip rather than
+/// perceives its stiffness.
 [[nodiscard]] double stiffness_error(const loops::SpringDrive &drive, int points);
 
 /// The largest angle between normal and force over all normals in the plane of the links, base

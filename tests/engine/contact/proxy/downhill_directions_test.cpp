@@ -36,35 +36,61 @@ std::vector<Vector3> directions(const TriangleSoup &soup, const Vector3 &point_m
     return {found.begin(), found.end()};
 }
 
-TEST(DownhillDirections, LeadTowardsTheTargetAlongFacetsAndEdges) {
+bool has(const std::vector<Vector3> &directions, const Vector3 &wanted) {
+    return std::ranges::any_of(directions, [&](const Vector3 &direction) {
+        return (direction - wanted.normalized()).norm() < 1e-9;
+    });
+}
+
+TEST(DownhillDirections, LeadAlongEdgesWhereEveryFacetLeadsToTheNext) {
     const Vector3 target_m(0, -2e-3, 0);
     const std::vector<Vector3> found = directions(saddle(), {0, 1e-8, 0}, target_m);
-    // One for each of the four facets, and each edge that leads down, from both of its facets.
-    EXPECT_EQ(found.size(), 8U);
+    EXPECT_EQ(found.size(), 4U); // each edge that leads down, from both of its facets
+    EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
+    EXPECT_TRUE(has(found, {0, -1e-4, -1e-3}));
     for (const Vector3 &direction : found) {
         EXPECT_NEAR(direction.norm(), 1.0, 1e-15);
         EXPECT_GT(direction.dot(target_m), 0.0);
     }
-    const Vector3 down = Vector3(0, -1e-4, 1e-3).normalized();
-    EXPECT_EQ(std::ranges::count_if(
-                  found, [&](const Vector3 &one) { return (one - down).norm() < 1e-14; }),
-              2);
-    const Vector3 up = Vector3(1e-3, 1e-4, 0).normalized();
-    EXPECT_TRUE(
-        std::ranges::none_of(found, [&](const Vector3 &one) { return (one - up).norm() < 1e-6; }));
+}
+
+TEST(DownhillDirections, LeadAcrossTheFacetThatTheTargetIsUnder) {
+    const Vector3 target_m(2e-3, -2e-3, 2e-3);
+    const std::vector<Vector3> found = directions(saddle(), {0, 1e-8, 0}, target_m);
+    const Vector3 normal = Vector3(0, -1e-4, 1e-3).cross(Vector3(1e-3, 1e-4, 0)).normalized();
+    const Vector3 to_target_m = target_m - Vector3(0, 1e-8, 0);
+    EXPECT_TRUE(has(found, to_target_m - normal.dot(to_target_m) * normal));
+    EXPECT_TRUE(has(found, {1e-3, 1e-4, 0}));
+    EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
+    EXPECT_EQ(found.size(), 5U);
+}
+
+TEST(DownhillDirections, LeadOverTheRim) {
+    TriangleSoup soup;
+    testing::add_triangle(soup, {Vector3(0, 0, -1e-3), Vector3(0, 0, 1e-3), Vector3(1e-3, 0, 0)});
+    const std::vector<Vector3> found = directions(soup, {0, 1e-8, 0}, {-1e-3, -1e-3, 0});
+    EXPECT_TRUE(has(found, -Vector3::UnitX()));
+}
+
+TEST(DownhillDirections, AreNoneInAPit) {
+    TriangleSoup soup;
+    const std::vector<Vector3> rim{
+        {1e-3, 1e-4, 0}, {0, 2e-4, 1e-3}, {-1e-3, 1e-4, 0}, {0, 3e-4, -1e-3}};
+    for (std::size_t i = 0; i < rim.size(); ++i) {
+        testing::add_triangle(soup, {Vector3::Zero(), rim[(i + 1) % rim.size()], rim[i]});
+    }
+    EXPECT_TRUE(directions(soup, {0, 1.5e-8, 0}, {1e-5, -2e-3, 1e-5}).empty());
 }
 
 TEST(DownhillDirections, LeaveOutWhatIsFarAndWhatEnds) {
     EXPECT_TRUE(directions(saddle(), {0, 1e-4, 0}, {0, -2e-3, 0}).empty());
-    // Beside an edge, a facet only: the edge that is passed there leads both ways.
+    // Halfway along an edge it leads on, from both of its facets.
     const Vector3 on_edge_m = 0.5 * Vector3(0, -1e-4, 1e-3) + Vector3(0, 1e-8, 0);
-    EXPECT_EQ(directions(saddle(), on_edge_m, {0, -2e-3, 0.5e-3}).size(), 4U);
+    EXPECT_EQ(directions(saddle(), on_edge_m, {0, -2e-3, 0.5e-3}).size(), 2U);
     // At the end of an edge nothing leads on along it.
     const Vector3 end_m = Vector3(0, -1e-4, 1e-3) + Vector3(0, 1e-8, 0);
     const std::vector<Vector3> found = directions(saddle(), end_m, {0, -2e-3, 5e-3});
-    const Vector3 along = Vector3(0, -1e-4, 1e-3).normalized();
-    EXPECT_TRUE(std::ranges::none_of(
-        found, [&](const Vector3 &one) { return (one - along).norm() < 1e-9; }));
+    EXPECT_FALSE(has(found, {0, -1e-4, 1e-3}));
 }
 
 } // namespace

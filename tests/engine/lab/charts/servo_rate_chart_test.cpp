@@ -18,6 +18,10 @@ loops::SpringDrive drive_at(double rate_Hz, double delay) {
     return {testing::phantom_1_0().motor[1], control::Tuning{}, 1.0 / rate_Hz, delay};
 }
 
+// The band that the header states.
+constexpr double kMinJudged_Hz = 2.0;
+constexpr double kMaxJudged_Hz = 100.0;
+
 /// The same error from the sampled closed form, instead of the simulated motor.
 double predicted_error(const loops::SpringDrive &drive, int points) {
     double sum = 0.0;
