@@ -73,9 +73,10 @@ std::span<const EdgeUse> EdgeTable::uses_of(std::uint32_t a, std::uint32_t b) co
     const std::uint32_t lower = std::min(a, b);
     const std::uint32_t upper = std::max(a, b);
     const EdgeUse *const end = uses_.data() + first_use_[lower + 1];
-    const auto uses = std::ranges::equal_range(uses_.data() + first_use_[lower], end, upper, {},
-                                               [](const EdgeUse &use) { return use.upper(); });
-    return {uses.begin(), uses.end()};
+    const auto upper_of = [](const EdgeUse &use) { return use.upper(); };
+    const EdgeUse *const first =
+        std::ranges::lower_bound(uses_.data() + first_use_[lower], end, upper, {}, upper_of);
+    return {first, std::ranges::upper_bound(first, end, upper, {}, upper_of)};
 }
 
 std::size_t count_open(const EdgeTable &edges) {
