@@ -47,19 +47,19 @@ std::optional<unsigned> hexadecimal_digit(char c) {
 }
 
 /// The value of each base64 digit, −1 for other bytes.
-std::array<std::int8_t, 256> base64_values() {
+std::array<int, 256> base64_values() {
     constexpr std::string_view kDigits =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::array<std::int8_t, 256> values{};
+    std::array<int, 256> values{};
     values.fill(-1);
     for (std::size_t i = 0; i < kDigits.size(); ++i) {
-        values[static_cast<unsigned char>(kDigits[i])] = static_cast<std::int8_t>(i);
+        values[static_cast<unsigned char>(kDigits[i])] = static_cast<int>(i);
     }
     return values;
 }
 
 Bytes decode_base64(std::string_view text) {
-    static const std::array<std::int8_t, 256> kValues = base64_values();
+    static const std::array<int, 256> kValues = base64_values();
     while (text.ends_with('=')) {
         text.remove_suffix(1);
     }

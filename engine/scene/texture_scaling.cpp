@@ -41,7 +41,8 @@ Texture scaled_down(const Texture &texture, int max_side) {
         const Covered rows = covered_by(y, from_height, height);
         for (std::size_t x = 0; x < width; ++x) {
             const Covered columns = covered_by(x, from_width, width);
-            const std::size_t count = (rows.end - rows.first) * (columns.end - columns.first);
+            const std::size_t count =
+                std::max<std::size_t>(1, (rows.end - rows.first) * (columns.end - columns.first));
             for (std::size_t channel = 0; channel < 4; ++channel) {
                 std::size_t sum = count / 2; // rounds to the nearest
                 for (std::size_t row = rows.first; row < rows.end; ++row) {

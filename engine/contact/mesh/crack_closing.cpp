@@ -71,7 +71,7 @@ private:
 
     /// Calls `visit(earlier, distance_m)`. Returns how many vertices were compared.
     template <typename Visit>
-    std::uint64_t visit_neighbours(std::uint32_t vertex, const Visit &visit) const {
+    [[nodiscard]] std::uint64_t visit_neighbours(std::uint32_t vertex, const Visit &visit) const {
         int neighbours = 0;
         return grid_.visit_earlier(vertex, [&](std::uint32_t earlier) {
             visit(earlier, (places_m_[vertex] - places_m_[earlier]).norm());

@@ -19,8 +19,8 @@ public:
     /// its ends excluded, no farther than `reach_m` from them, until it returns true. Returns how
     /// many points were compared.
     template <typename Visit>
-    std::uint64_t visit_along(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
-                              const Visit &visit) const {
+    [[nodiscard]] std::uint64_t visit_along(const Vector3 &from_m, const Vector3 &to_m,
+                                            double reach_m, const Visit &visit) const {
         std::uint64_t compared = 0;
         const Segment segment{from_m, to_m - from_m, reach_m};
         visit_range({0, nodes_.size(), 0.0, 1.0}, segment, visit, compared);

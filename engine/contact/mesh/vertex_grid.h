@@ -46,7 +46,7 @@ public:
     /// visit a vertex twice. Returns how many were compared.
     /// @pre vertices were inserted in ascending order
     template <typename Visit>
-    std::uint64_t visit_earlier(std::uint32_t vertex, const Visit &visit) const {
+    [[nodiscard]] std::uint64_t visit_earlier(std::uint32_t vertex, const Visit &visit) const {
         std::uint64_t compared = 0;
         const Home &home = homes_[vertex];
         if (visit_cell(home.address, vertex, visit, compared) || !home.is_near_wall) {

@@ -1,7 +1,5 @@
 #include "engine/contact/proxy/downhill_directions.h"
 
-#include <algorithm>
-
 namespace springdrive::contact {
 
 namespace {

@@ -11,6 +11,7 @@
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/neighbourhood.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -21,9 +22,12 @@ class DownhillDirections {
 public:
     static constexpr std::size_t kCapacity = 32;
 
-    /// Does nothing when the list is full.
+    /// Does nothing for a direction that is listed, or when the list is full.
     void add(const Vector3 &direction) noexcept {
-        if (size_ < kCapacity) {
+        const bool is_listed = std::any_of(begin(), end(), [&](const Vector3 &other) {
+            return (direction - other).squaredNorm() < 1e-20;
+        });
+        if (!is_listed && size_ < kCapacity) {
             directions_[size_++] = direction;
         }
     }

@@ -187,13 +187,6 @@ std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector
     });
 }
 
-std::optional<Stop> HapticSurface::stop(std::uint32_t obstacle, const Vector3 &from_m,
-                                        const Vector3 &to_m, double reach_m) const noexcept {
-    return obstacle < facets_.size()
-               ? facets_[obstacle].stop(from_m, to_m, reach_m)
-               : stop_at_shape(obstacle - facets_.size(), from_m, to_m, reach_m);
-}
-
 std::optional<Stop> HapticSurface::touch(std::uint32_t obstacle, const Vector3 &point_m,
                                          double reach_m, double within_m) const noexcept {
     if (obstacle < facets_.size()) {

@@ -79,10 +79,6 @@ public:
     void find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
                    Neighbourhood &near) const noexcept;
 
-    /// Where an obstacle stops the motion from `from_m` to `to_m`, if it does. RT-safe.
-    [[nodiscard]] std::optional<Stop> stop(std::uint32_t obstacle, const Vector3 &from_m,
-                                           const Vector3 &to_m, double reach_m) const noexcept;
-
     /// The plane in which a proxy touches an obstacle, if it is within `within_m` of touching.
     [[nodiscard]] std::optional<Stop> touch(std::uint32_t obstacle, const Vector3 &point_m,
                                             double reach_m, double within_m) const noexcept;

@@ -25,7 +25,7 @@ constexpr int kMaxJumps = 4;
 
 // A tick's path never overflows: every motion adds at most one point, a step out of a pit and
 // friction two more each.
-static_assert(ProxyPath::kCapacity >= 1 + SolverBudget::kMotions + 2 * kMaxJumps + 2);
+static_assert(ProxyPath::kCapacity >= 1 + SolverBudget::kMotions + std::size_t{2} * kMaxJumps + 2);
 
 /// A place counts as nearer if it is nearer by more than this, which is above round-off [m].
 constexpr double kNearer_m = 1e-12;
@@ -39,7 +39,7 @@ constexpr double kMaxJump_m = 2e-4;
 
 /// The first two motions out of a pit at a vertex [m]: away from the tip, and then along the
 /// surface, to where the clearance's rounding of the vertex has no effect.
-constexpr double kLift_m = 10.0 * kClearance_m;
+constexpr double kLift_m = 30.0 * kClearance_m;
 constexpr double kAside_m = 30.0 * kClearance_m;
 static_assert(kLift_m <= kLowRidge_m);
 
@@ -171,17 +171,16 @@ bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &
 }
 
 bool Proxy::leave_along(const Vector3 &direction, const ProxySolver &solver,
-                        const HapticSurface &surface, const Vector3 &tip_m) noexcept {
+                        const Vector3 &tip_m) noexcept {
     const Vector3 from_tip_m = rest_.point_m - tip_m;
     const double here_m = from_tip_m.norm();
     const Vector3 above_m = rest_.point_m + kLift_m / here_m * from_tip_m;
     const Vector3 beside_m = above_m + kAside_m * direction;
-    for (const ContactPlane &plane : rest_.held_by) { // a true corner, in nearly all cases
-        if (surface.stop(plane.obstacle, above_m, beside_m, reach_m_)) {
-            return false;
-        }
-    }
-    if (solver.first_stop(rest_.point_m, above_m) || solver.first_stop(above_m, beside_m)) {
+    const bool is_above_planes = std::ranges::all_of(rest_.held_by, [&](const ContactPlane &plane) {
+        return plane.height_m(beside_m) >= 0.0; // not so at a corner, in nearly all cases
+    });
+    if (!is_above_planes || solver.first_stop(rest_.point_m, above_m) ||
+        solver.first_stop(above_m, beside_m)) {
         return false;
     }
     const std::size_t before = path_.size();
@@ -206,7 +205,7 @@ bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface
     const DownhillDirections directions =
         downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m, kAside_m);
     return std::ranges::any_of(directions, [&](const Vector3 &direction) {
-        return leave_along(direction, solver, surface, tip_m);
+        return leave_along(direction, solver, tip_m);
     });
 }
 

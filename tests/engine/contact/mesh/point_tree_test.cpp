@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 namespace springdrive::contact {
 namespace {
@@ -15,12 +16,13 @@ using testing::random_vector;
 std::set<std::uint32_t> found_along(const PointTree &tree, const Vector3 &from_m,
                                     const Vector3 &to_m, double reach_m) {
     std::set<std::uint32_t> found;
-    tree.visit_along(from_m, to_m, reach_m, [&](std::uint32_t point, double fraction, double) {
-        EXPECT_TRUE(found.insert(point).second);
-        EXPECT_GT(fraction, 0.0);
-        EXPECT_LT(fraction, 1.0);
-        return false;
-    });
+    std::ignore =
+        tree.visit_along(from_m, to_m, reach_m, [&](std::uint32_t point, double fraction, double) {
+            EXPECT_TRUE(found.insert(point).second);
+            EXPECT_GT(fraction, 0.0);
+            EXPECT_LT(fraction, 1.0);
+            return false;
+        });
     return found;
 }
 
@@ -65,8 +67,8 @@ TEST(PointTree, FindsWhatASearchOfAllFinds) {
 TEST(PointTree, StopsWhenToldTo) {
     const PointTree tree(std::vector<Vector3>(1000, Vector3(0.5, 0.0, 0.0)));
     int visits = 0;
-    tree.visit_along(Vector3::Zero(), Vector3::UnitX(), 0.1,
-                     [&](std::uint32_t, double, double) { return ++visits == 3; });
+    std::ignore = tree.visit_along(Vector3::Zero(), Vector3::UnitX(), 0.1,
+                                   [&](std::uint32_t, double, double) { return ++visits == 3; });
     EXPECT_EQ(visits, 3);
 }
 
@@ -78,12 +80,12 @@ TEST(PointTree, IsTheSameForAnyNumberOfThreads) {
     }
     const auto order = [&](unsigned threads) {
         std::vector<std::uint32_t> found;
-        PointTree(points_m, threads)
-            .visit_along(Vector3::Zero(), Vector3::Constant(0.1), 0.02,
-                         [&](std::uint32_t point, double, double) {
-                             found.push_back(point);
-                             return false;
-                         });
+        std::ignore = PointTree(points_m, threads)
+                          .visit_along(Vector3::Zero(), Vector3::Constant(0.1), 0.02,
+                                       [&](std::uint32_t point, double, double) {
+                                           found.push_back(point);
+                                           return false;
+                                       });
         return found;
     };
     EXPECT_GT(order(1).size(), 100U);

@@ -45,7 +45,7 @@ bool has(const std::vector<Vector3> &directions, const Vector3 &wanted) {
 TEST(DownhillDirections, LeadAlongEdgesWhereEveryFacetLeadsToTheNext) {
     const Vector3 target_m(0, -2e-3, 0);
     const std::vector<Vector3> found = directions(saddle(), {0, 1e-8, 0}, target_m);
-    EXPECT_EQ(found.size(), 4U); // each edge that leads down, from both of its facets
+    EXPECT_EQ(found.size(), 2U);
     EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
     EXPECT_TRUE(has(found, {0, -1e-4, -1e-3}));
     for (const Vector3 &direction : found) {
@@ -62,7 +62,7 @@ TEST(DownhillDirections, LeadAcrossTheFacetThatTheTargetIsUnder) {
     EXPECT_TRUE(has(found, to_target_m - normal.dot(to_target_m) * normal));
     EXPECT_TRUE(has(found, {1e-3, 1e-4, 0}));
     EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
-    EXPECT_EQ(found.size(), 5U);
+    EXPECT_EQ(found.size(), 3U);
 }
 
 TEST(DownhillDirections, LeadOverTheRim) {
@@ -84,9 +84,9 @@ TEST(DownhillDirections, AreNoneInAPit) {
 
 TEST(DownhillDirections, LeaveOutWhatIsFarAndWhatEnds) {
     EXPECT_TRUE(directions(saddle(), {0, 1e-4, 0}, {0, -2e-3, 0}).empty());
-    // Halfway along an edge it leads on, from both of its facets.
+    // Halfway along an edge it leads on.
     const Vector3 on_edge_m = 0.5 * Vector3(0, -1e-4, 1e-3) + Vector3(0, 1e-8, 0);
-    EXPECT_EQ(directions(saddle(), on_edge_m, {0, -2e-3, 0.5e-3}).size(), 2U);
+    EXPECT_EQ(directions(saddle(), on_edge_m, {0, -2e-3, 0.5e-3}).size(), 1U);
     // At the end of an edge nothing leads on along it.
     const Vector3 end_m = Vector3(0, -1e-4, 1e-3) + Vector3(0, 1e-8, 0);
     const std::vector<Vector3> found = directions(saddle(), end_m, {0, -2e-3, 5e-3});
