@@ -60,7 +60,7 @@ public:
         if (static_cast<double>(cuts.size() - before) > maximum) {
             cuts.resize(before);
         }
-        return compared + kStepsPerPiece * (cuts.size() - before);
+        return kStepsPerNode * compared + kStepsPerPiece * (cuts.size() - before);
     }
 
 private:

@@ -59,14 +59,15 @@ std::pair<PointTree::Range, PointTree::Range> PointTree::halves(const Range &ran
     // A foot is within reach of its point. Twice that leaves room for round-off.
     const auto axis = static_cast<Eigen::Index>(nodes_[middle].axis);
     const double way = segment.way_m[axis];
+    const double inverse_way = segment.inverse_way_per_m[axis];
     const double to_wall = nodes_[middle].place_m[axis] - segment.from_m[axis];
     const double reach = 2.0 * segment.reach_m;
     if (way > 0.0) {
-        lower.end = std::min(lower.end, (to_wall + reach) / way);
-        upper.start = std::max(upper.start, (to_wall - reach) / way);
+        lower.end = std::min(lower.end, (to_wall + reach) * inverse_way);
+        upper.start = std::max(upper.start, (to_wall - reach) * inverse_way);
     } else if (way < 0.0) {
-        lower.start = std::max(lower.start, (to_wall + reach) / way);
-        upper.end = std::min(upper.end, (to_wall - reach) / way);
+        lower.start = std::max(lower.start, (to_wall + reach) * inverse_way);
+        upper.end = std::min(upper.end, (to_wall - reach) * inverse_way);
     } else {
         lower.last = to_wall + reach < 0.0 ? lower.first : lower.last;
         upper.first = to_wall - reach > 0.0 ? upper.last : upper.first;

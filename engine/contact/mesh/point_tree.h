@@ -22,7 +22,7 @@ public:
     [[nodiscard]] std::uint64_t visit_along(const Vector3 &from_m, const Vector3 &to_m,
                                             double reach_m, const Visit &visit) const {
         std::uint64_t compared = 0;
-        const Segment segment{from_m, to_m - from_m, reach_m};
+        const Segment segment(from_m, to_m, reach_m);
         visit_range({0, nodes_.size(), 0.0, 1.0}, segment, visit, compared);
         return compared;
     }
@@ -35,9 +35,15 @@ private:
     };
 
     struct Segment {
+        Segment(const Vector3 &from, const Vector3 &to, double reach)
+            : from_m(from), way_m(to - from), inverse_way_per_m(way_m.cwiseInverse()),
+              squared_way_m2(way_m.squaredNorm()), reach_m(reach) {}
+
         Vector3 from_m;
         Vector3 way_m;
-        double reach_m = 0.0;
+        Vector3 inverse_way_per_m;
+        double squared_way_m2;
+        double reach_m;
     };
 
     /// Nodes, and the part of the segment on which their feet may lie.
@@ -73,11 +79,25 @@ private:
     template <typename Visit>
     static bool visit_node(const Node &node, const Segment &segment, const Visit &visit) {
         const Vector3 offset = node.place_m - segment.from_m;
-        const double fraction = offset.dot(segment.way_m) / segment.way_m.squaredNorm();
+        const double along_m2 = offset.dot(segment.way_m);
+        if (!(along_m2 > 0.0)) {
+            return false;
+        }
+        // Most points are clearly too far away, which is seen without a division.
+        const double squared_m2 = offset.squaredNorm();
+        const double squared_beside_m4 = squared_m2 * segment.squared_way_m2 - along_m2 * along_m2;
+        const double clear_m2 = 2.0 * segment.reach_m * segment.reach_m + kRoundOff * squared_m2;
+        if (squared_beside_m4 > clear_m2 * segment.squared_way_m2) {
+            return false;
+        }
+        const double fraction = along_m2 / segment.squared_way_m2;
         const double distance_m = (offset - fraction * segment.way_m).norm();
         return fraction > 0.0 && fraction < 1.0 && distance_m <= segment.reach_m &&
                visit(node.point, fraction, distance_m);
     }
+
+    /// Above that of a difference of products.
+    static constexpr double kRoundOff = 1e-14;
 
     std::vector<Node> nodes_;
 };

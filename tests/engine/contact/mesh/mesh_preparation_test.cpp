@@ -378,7 +378,7 @@ TEST(MeshPreparation, RefusesTrianglesThatTouchEachOtherEverywhere) {
         testing::complaint_of([&] { static_cast<void>(prepare_mesh(soup)); });
     EXPECT_TRUE(complaint.starts_with("preparing its 6000 triangles for touch needs about "));
     EXPECT_TRUE(complaint.find(" steps, most of them to divide triangles where vertices of others "
-                               "touch their edges; at most 2006 million are allowed: ") !=
+                               "touch their edges; at most 2012 million are allowed: ") !=
                 std::string::npos)
         << complaint;
 }
