@@ -113,10 +113,10 @@ TEST(GltfMeshopt, TheOctahedralFilterGivesNormals) {
     GltfBuilder builder = one_triangle();
     add_compressed(builder, encoded_vertices(filtered.data(), 3, 4), 3, 4, "ATTRIBUTES",
                    "OCTAHEDRAL");
-    builder.accessors.push_back(R"({"bufferView": 1, "componentType": 5120, "normalized": true,
+    builder.accessors.emplace_back(R"({"bufferView": 1, "componentType": 5120, "normalized": true,
                                     "count": 3, "type": "VEC3"})");
-    builder.views[1].replace(builder.views[1].find("\"byteLength\": 12"), 16,
-                             "\"byteLength\": 12, \"byteStride\": 4");
+    builder.views[1].replace(builder.views[1].find(R"("byteLength": 12)"), 16,
+                             R"("byteLength": 12, "byteStride": 4)");
     builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]})"};
     const VisualMesh mesh = load_bytes(with_fallback_buffer(builder)).meshes.front();
     ASSERT_EQ(mesh.vertices.size(), 3U);
@@ -135,11 +135,11 @@ TEST(GltfMeshopt, WhatCannotBeIsRefusedByName) {
     };
     const std::string place = "buffer view 0: EXT_meshopt_compression: ";
     for (const Case &one : std::vector<Case>{
-             {"\"count\": 4, \"byteS", "\"count\": -4, \"byteS",
+             {R"("count": 4, "byteS)", R"("count": -4, "byteS)",
               place + "its count must be a whole number from 0"},
-             {"\"count\": 4, \"byteS", "\"count\": 70000000, \"byteS",
+             {R"("count": 4, "byteS)", R"("count": 70000000, "byteS)",
               place + "holds 70000000 elements; at most 60000000 are allowed"},
-             {"\"count\": 4, \"byteS", "\"count\": 400, \"byteS",
+             {R"("count": 4, "byteS)", R"("count": 400, "byteS)",
               place + "its compressed data are damaged; export it again"},
              {"\"byteStride\": 12", "\"byteStride\": 10",
               place + "mode 'ATTRIBUTES' with filter 'NONE' does not exist for 4 elements of 10 "

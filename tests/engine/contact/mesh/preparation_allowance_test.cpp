@@ -183,7 +183,7 @@ TEST(PreparationAllowance, EstimatesWhatDividingNeeds) {
     std::mt19937_64 random(1);
     for (int round = 0; round < 3; ++round) {
         const TriangleSoup soup = soup_in_a_line(random, 200);
-        const double needed = static_cast<double>(steps_for(soup));
+        const auto needed = static_cast<double>(steps_for(soup));
         const std::string complaint = complaint_about(soup, 2'000'000);
         const std::string before = "needs about ";
         const double said =

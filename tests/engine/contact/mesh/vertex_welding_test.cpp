@@ -64,6 +64,7 @@ TEST(VertexWelding, FindsTheCopiesOfScatteredVerticesWhereverTheyLie) {
 TEST(VertexWelding, IsTheSameForAnyNumberOfThreads) {
     std::mt19937_64 random(1);
     std::vector<Vector3> vertices;
+    vertices.reserve(3000);
     for (int i = 0; i < 3000; ++i) {
         vertices.push_back(random_vector(random, 1e-6));
     }

@@ -95,8 +95,8 @@ protected:
         for (int step = 0; step < kStepsOnAMesh; ++step) {
             tips_m.push_back(tip.advance());
             const Contact contact = proxy.update(surface, tips_m.back());
-            unsettled_ += contact.settled ? 0 : 1;
-            checked_ += contact.touching ? 1 : 0;
+            unsettled += contact.settled ? 0 : 1;
+            checked += contact.touching ? 1 : 0;
             const bool crosses = judge.crosses(proxy.path());
             const double lag_m = contact.touching && contact.settled
                                      ? judge.lag_m(contact.x0_m, tips_m.back())
@@ -117,23 +117,23 @@ protected:
         }
     }
 
-    long checked_ = 0;
-    long unsettled_ = 0;
+    long checked = 0;
+    long unsettled = 0;
 };
 
 TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
     const long wanted = testing::cases(150'000, 15'000'000);
     std::uint64_t seed = 1;
-    for (; checked_ < wanted; ++seed) {
+    for (; checked < wanted; ++seed) {
         hunt(seed);
         if (HasFatalFailure()) {
             return;
         }
     }
     std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled\n",
-                std::string(GetParam().name).c_str(), checked_, static_cast<int>(seed - 1),
-                unsettled_);
-    EXPECT_LT(unsettled_, checked_ / 100'000 + 2);
+                std::string(GetParam().name).c_str(), checked, static_cast<int>(seed - 1),
+                unsettled);
+    EXPECT_LT(unsettled, checked / 100'000 + 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ProxyHunt, ::testing::ValuesIn(testing::kHardMeshKinds),
