@@ -80,7 +80,7 @@ std::vector<MeshTriangle> replaced(const std::vector<MeshTriangle> &triangles,
     return result;
 }
 
-constexpr double kTolerance_m = 5e-6;
+constexpr double kClosedGap_m = 5e-6;
 
 /// The stages up to the closing of cracks.
 std::vector<MeshTriangle> closed_mesh(const TriangleSoup &soup, PreparationAllowance &allowance,
@@ -89,7 +89,7 @@ std::vector<MeshTriangle> closed_mesh(const TriangleSoup &soup, PreparationAllow
         testing::mesh_of(soup.triangles), weld_vertices(soup.vertices_m, 1e-7, allowance, threads));
     const EdgeTable edges(triangles, soup.vertices_m.size(), threads);
     return replaced(
-        triangles, close_cracks(triangles, edges, soup.vertices_m, kTolerance_m, allowance, threads)
+        triangles, close_cracks(triangles, edges, soup.vertices_m, kClosedGap_m, allowance, threads)
                        .stands_for);
 }
 
@@ -98,7 +98,7 @@ void run_stages(const TriangleSoup &soup, PreparationAllowance &allowance, unsig
     std::vector<MeshTriangle> triangles = closed_mesh(soup, allowance, threads);
     const EdgeTable edges(triangles, soup.vertices_m.size(), threads);
     static_cast<void>(
-        split_edges(triangles, edges, soup.vertices_m, kTolerance_m, allowance, threads));
+        split_edges(triangles, edges, soup.vertices_m, kClosedGap_m, allowance, threads));
 }
 
 std::uint64_t steps_for(const TriangleSoup &soup, unsigned threads = 1) {
