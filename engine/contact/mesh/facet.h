@@ -50,6 +50,7 @@ struct FacetSource {
     FacetSides sides = FacetSides::one;
     std::uint32_t triangle = 0; ///< its index in the soup
     std::uint16_t material = 0; ///< index into the soup's
+    bool is_crowded = false;    ///< many others share a vertex with it
 };
 
 /// Smallest of a triangle's three heights [m]; zero if it has no area.

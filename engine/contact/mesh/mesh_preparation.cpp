@@ -5,6 +5,7 @@
 #include "engine/contact/mesh/edge_splitting.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/enclosed_volume.h"
+#include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/mesh_topology.h"
 #include "engine/contact/mesh/preparation_allowance.h"
 #include "engine/contact/mesh/repeated_triangles.h"
@@ -130,6 +131,7 @@ public:
             slivers_to_leave_out(triangles_, edges_, soup_.vertices_m, threads_);
         PreparedMesh mesh;
         mesh.facets = make_facets(triangles_, slivers, topology, soup_, threads_);
+        report_.graded_fans = grade_fans(mesh.facets, triangles_, slivers, soup_.vertices_m.size());
         note_kept(slivers);
         report_outcomes();
         report_on(topology);
