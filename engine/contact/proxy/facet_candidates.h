@@ -3,6 +3,7 @@
 
 #include "engine/contact/proxy/neighbourhood.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,18 @@ public:
         if (squared_distance_m2 <= squared_radius_m2_ && size_ < capacity_) {
             found_[size_++] = {index, squared_distance_m2};
         }
+    }
+
+    /// Whether it is listed already; as near as its nearest part then.
+    [[nodiscard]] bool comes_nearer(std::uint32_t index, double squared_distance_m2) noexcept {
+        for (std::size_t i = 0; i < size_; ++i) {
+            if (found_[i].index == index) {
+                found_[i].squared_distance_m2 =
+                    std::min(found_[i].squared_distance_m2, squared_distance_m2);
+                return true;
+            }
+        }
+        return false;
     }
 
     [[nodiscard]] double squared_radius_m2() const noexcept { return squared_radius_m2_; }

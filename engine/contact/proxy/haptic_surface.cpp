@@ -3,12 +3,14 @@
 #include "base/assertions.h"
 #include "base/parallel.h"
 #include "base/wanted.h"
+#include "engine/contact/mesh/facet_boxes.h"
 #include "engine/contact/proxy/facet_candidates.h"
 
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -19,15 +21,6 @@ namespace {
 [[nodiscard]] std::uint64_t next_serial() {
     static std::atomic<std::uint64_t> last{0};
     return ++last;
-}
-
-[[nodiscard]] std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<FacetSource> &facets) {
-    std::vector<Eigen::AlignedBox3d> boxes(facets.size());
-    std::ranges::transform(facets, boxes.begin(), [](const FacetSource &facet) {
-        Eigen::AlignedBox3d box(facet.corners_m[0]);
-        return box.extend(facet.corners_m[1]).extend(facet.corners_m[2]);
-    });
-    return boxes;
 }
 
 /// Keeps the stop that comes first.
@@ -67,10 +60,25 @@ HapticSurface::HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shape
     PreparedMesh prepared = prepare_mesh(soup);
     report_ = std::move(prepared.report);
     materials_ = std::move(soup.materials);
-    tree_ = BoxTree(boxes_of(prepared.facets), all_processors());
+    const FacetBoxes boxes = boxes_of(prepared.facets);
+    tree_ = BoxTree(boxes.boxes_m, all_processors());
     facets_.reserve(prepared.facets.size());
-    for (const std::uint32_t source : tree_.order()) {
+    const bool has_cut = boxes.boxes_m.size() > prepared.facets.size();
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> index_of(has_cut ? prepared.facets.size() : 0, kNone);
+    facet_of_item_.reserve(has_cut ? boxes.boxes_m.size() : 0);
+    for (const std::uint32_t box : tree_.take_order()) {
         stop_if_given_up(facets_.size());
+        const std::uint32_t source = boxes.facet_of_box[box];
+        if (has_cut) {
+            const bool is_new = index_of[source] == kNone;
+            index_of[source] =
+                is_new ? static_cast<std::uint32_t>(facets_.size()) : index_of[source];
+            facet_of_item_.push_back(index_of[source]);
+            if (!is_new) {
+                continue;
+            }
+        }
         facets_.emplace_back(prepared.facets[source]);
         has_two_sided_ = has_two_sided_ || facets_.back().sides() == FacetSides::two;
     }
@@ -85,7 +93,8 @@ std::optional<SurfaceStop> HapticSurface::first_stop(const Vector3 &from_m, cons
                        static_cast<std::uint32_t>(facets_.size() + i));
     }
     const double searched = tree_.along(
-        from_m, to_m, reach_m, budget, [&](std::uint32_t index, double last_fraction) noexcept {
+        from_m, to_m, reach_m, budget, [&](std::uint32_t item, double last_fraction) noexcept {
+            const std::uint32_t index = facet_of(item);
             first.consider(facets_[index].stop(from_m, to_m, reach_m), index);
             return std::min(last_fraction, first.fraction());
         });
@@ -151,12 +160,15 @@ void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBu
     FacetCandidates found(radius_m,
                           has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
     const bool is_complete = tree_.within(
-        centre_m, radius_m, budget, [&](std::uint32_t index, double squared_distance_m2) noexcept {
+        centre_m, radius_m, budget, [&](std::uint32_t item, double squared_distance_m2) noexcept {
+            const std::uint32_t index = facet_of(item);
             // Read when all are found: prefetched until then.
             const char *facet = reinterpret_cast<const char *>(&facets_[index]);
             __builtin_prefetch(facet);
             __builtin_prefetch(facet + 64);
-            found.add(index, squared_distance_m2);
+            if (facet_of_item_.empty() || !found.comes_nearer(index, squared_distance_m2)) {
+                found.add(index, squared_distance_m2);
+            }
             return found.is_useful() ? found.squared_radius_m2() : -1.0;
         });
     near.begin(serial_, centre_m);
@@ -230,6 +242,7 @@ std::uint16_t HapticSurface::material_index(std::uint32_t obstacle) const noexce
 
 std::size_t HapticSurface::bytes() const noexcept {
     return facets_.capacity() * sizeof(Facet) + tree_.bytes() +
+           facet_of_item_.capacity() * sizeof(std::uint32_t) +
            shapes_.capacity() * sizeof(AnalyticShape) +
            materials_.capacity() * sizeof(SurfaceMaterial);
 }

@@ -119,13 +119,17 @@ private:
     [[nodiscard]] std::optional<Stop> stop_at_shape(std::size_t shape, const Vector3 &from_m,
                                                     const Vector3 &to_m,
                                                     double reach_m) const noexcept;
+    [[nodiscard]] std::uint32_t facet_of(std::uint32_t item) const noexcept {
+        return facet_of_item_.empty() ? item : facet_of_item_[item];
+    }
     [[nodiscard]] std::uint16_t material_index(std::uint32_t obstacle) const noexcept;
 
     std::vector<SurfaceMaterial> materials_;
     MeshReport report_;
-    std::vector<Facet> facets_; ///< in the order of the tree
+    std::vector<Facet> facets_; ///< in the order in which the tree comes to them
     bool has_two_sided_ = false;
     BoxTree tree_;
+    std::vector<std::uint32_t> facet_of_item_; ///< of the tree; empty where each is one's own
     std::vector<AnalyticShape> shapes_;
     std::uint64_t serial_ = 0;
 };
