@@ -144,7 +144,10 @@ TriangleSoup fillet(Random &random) {
 }
 
 TriangleSoup fan(Random &random) {
-    const int count = integer(random, 4, 80);
+    const bool is_large = one_in(random, 8);
+    const int count = is_large ? integer(random, 80, 600) : integer(random, 4, 80);
+    // Those with a round rim and equal sectors are smooth, unless there is noise.
+    const double jagged = is_large && one_in(random, 2) ? 0.0 : 1.0;
     const double radius_m = of_any_size(random, 5e-4, 1e-2);
     const double wave_m = radius_m * of_any_size(random, 1e-3, 2.0);
     const double height_m =
@@ -154,8 +157,8 @@ TriangleSoup fan(Random &random) {
     TriangleSoup soup;
     soup.vertices_m.emplace_back(Vector3::Zero());
     for (int i = 0; i < count; ++i) {
-        const double turn = kTurn * (i + between(random, -0.3, 0.3)) / count;
-        const double out_m = radius_m * between(random, 0.5, 1.0);
+        const double turn = kTurn * (i + jagged * between(random, -0.3, 0.3)) / count;
+        const double out_m = radius_m * (1.0 - jagged * between(random, 0.0, 0.5));
         soup.vertices_m.emplace_back(out_m * std::cos(turn),
                                      height_m + wave_m * std::cos(waves * turn) +
                                          between(random, -noise_m, noise_m),

@@ -29,7 +29,7 @@ struct HardMeshKind {
 /// Two planes that meet in a finely divided fillet, convex or concave, of triangles up to
 /// 1 : 10,000.
 [[nodiscard]] contact::TriangleSoup fillet(std::mt19937_64 &random);
-/// Triangles around one vertex: saddles, wavy cones, pits and spikes, sharp and blunt.
+/// Up to 600 triangles around one vertex: saddles, wavy cones, pits and spikes, sharp and blunt.
 [[nodiscard]] contact::TriangleSoup fan(std::mt19937_64 &random);
 /// Triangles at one edge.
 [[nodiscard]] contact::TriangleSoup book(std::mt19937_64 &random);

@@ -45,6 +45,7 @@ struct Facet::Crossing {
     const Vector3 &from_m;
     const Vector3 &to_m;
     double reach_m;
+    double last_fraction;
     double enters; ///< fraction of the motion where it enters the layer
     Vector3 enters_m;
     Vector3 leaves_m;
@@ -66,8 +67,9 @@ Facet::Facet(const FacetSource &source) noexcept
     SPRINGDRIVE_ASSERT_AUDIT(min_height_m(source.corners_m) > kRoundOff_m);
 }
 
-std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
-                                double reach_m) const noexcept {
+std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
+                                double last_fraction, int &effort_left) const noexcept {
+    effort_left -= kFacetEffort;
     double start_m = height_m(from_m);
     double end_m = height_m(to_m);
     double side = 1.0;
@@ -86,6 +88,9 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
     const Vector3 motion = to_m - from_m;
     const double descent_m = start_m - end_m;
     const double enters = start_m > reach_m ? (start_m - reach_m) / descent_m : 0.0;
+    if (enters > last_fraction) {
+        return std::nullopt;
+    }
     const double leaves = end_m < -reach_m ? (start_m + reach_m) / descent_m : 1.0;
     const double minimum = end_m < 0.0 ? start_m / descent_m : 1.0;
     const Vector3 enters_m = from_m + enters * motion;
@@ -112,11 +117,19 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m,
         }
         return plane_above(enters, side, kept_m);
     }
-    return stop_at_rim({from_m, to_m, reach_m, enters, enters_m, leaves_m, pierces});
+    if (effort_left <= 0) {
+        return Stop{enters};
+    }
+    return stop_at_rim({from_m, to_m, reach_m, last_fraction, enters, enters_m, leaves_m, pierces},
+                       effort_left);
 }
 
-std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept {
-    const auto nearest_m = [this](const Vector3 &point_m) { return nearest(point_m).point_m; };
+std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing, int &effort_left) const noexcept {
+    effort_left -= kRimEffort;
+    const auto nearest_m = [&](const Vector3 &point_m) {
+        effort_left -= kAdvanceEffort;
+        return nearest(point_m).point_m;
+    };
     if (!crossing.pierces) {
         // Computed exactly, since a slide along a neighbour's plane grazes this edge.
         double min_m = crossing.reach_m;
@@ -129,7 +142,8 @@ std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing) const noexcept 
         }
     }
     return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters,
-                            nearest_m(crossing.enters_m), crossing.reach_m, nearest_m);
+                            nearest_m(crossing.enters_m), crossing.reach_m, crossing.last_fraction,
+                            nearest_m);
 }
 
 std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,

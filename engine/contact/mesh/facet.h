@@ -60,9 +60,15 @@ struct FacetSource {
 /// touches the obstacle's offset where the motion ends, and excludes all of its inside.
 struct Stop {
     double fraction = 0.0;
-    Vector3 normal{Vector3::Zero()};
+    Vector3 normal{Vector3::Zero()}; ///< zero: it is not known whether anything is there
     double offset_m = 0.0;
 };
+
+/// What the parts of a search take, in the unit of a SearchBudget: a look at a facet's plane, at
+/// its rim, and a step towards it. Measured with facets that are not in the cache.
+inline constexpr int kFacetEffort = 1;
+inline constexpr int kRimEffort = 15;
+inline constexpr int kAdvanceEffort = 12;
 
 /// On two cache lines of its own; most motions need only the first, with the plane.
 class alignas(64) Facet {
@@ -72,8 +78,12 @@ public:
 
     /// Where the facet stops the motion from `from_m` to `to_m`, if it does. A motion that starts
     /// too near may not come nearer. Motions that start behind a one-sided facet pass. RT-safe.
+    /// @param last_fraction  of the motion that is of interest: a later stop may be missed
+    /// @param effort_left  is reduced by what this takes; where none is left, a motion near the rim
+    ///                     ends unknown where it comes within reach of the facet's plane
     [[nodiscard]] std::optional<Stop> stop(const Vector3 &from_m, const Vector3 &to_m,
-                                           double reach_m) const noexcept;
+                                           double reach_m, double last_fraction,
+                                           int &effort_left) const noexcept;
 
     /// The plane that touches the offset above a point, if the point is no farther than `within_m`
     /// from the offset, and on a side from which the facet can be touched. RT-safe.
@@ -107,7 +117,8 @@ public:
 
 private:
     struct Crossing;
-    [[nodiscard]] std::optional<Stop> stop_at_rim(const Crossing &crossing) const noexcept;
+    [[nodiscard]] std::optional<Stop> stop_at_rim(const Crossing &crossing,
+                                                  int &effort_left) const noexcept;
     [[nodiscard]] Stop plane_above(double fraction, double side, double kept_m) const noexcept {
         return {fraction, side * normal_, side * offset_m_ + kept_m};
     }
@@ -134,11 +145,13 @@ private:
 /// Advances a motion towards a convex obstacle, from one supporting plane to the next, until it
 /// touches (conservative advancement): `nearest(point)` is the obstacle's nearest point to it, and
 /// `nearest_m` that to where the motion starts. Every plane separates the obstacle from the part of
-/// the motion already passed, so nothing is stepped over. RT-safe.
+/// the motion already passed, so nothing is stepped over. A stop beyond `last_fraction` may be
+/// missed. RT-safe.
 template <typename Nearest>
-[[nodiscard]] std::optional<Stop>
-advance_to_touch(const Vector3 &from_m, const Vector3 &to_m, double start_fraction,
-                 Vector3 nearest_m, double reach_m, const Nearest &nearest) noexcept {
+[[nodiscard]] std::optional<Stop> advance_to_touch(const Vector3 &from_m, const Vector3 &to_m,
+                                                   double start_fraction, Vector3 nearest_m,
+                                                   double reach_m, double last_fraction,
+                                                   const Nearest &nearest) noexcept {
     // Converges quadratically in a head-on approach; a grazing one halves the remaining motion in
     // each step, and after 64 steps nothing remains.
     constexpr int kSteps = 64;
@@ -167,6 +180,9 @@ advance_to_touch(const Vector3 &from_m, const Vector3 &to_m, double start_fracti
             return stop;
         }
         fraction += (1.0 - fraction) * (distance_m - kept_m) / (distance_m - clear_m);
+        if (fraction > last_fraction) {
+            return std::nullopt;
+        }
         at_m = from_m + fraction * motion;
         nearest_m = nearest(at_m);
     }

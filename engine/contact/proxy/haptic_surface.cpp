@@ -28,7 +28,7 @@ class FirstStop {
 public:
     void consider(const std::optional<Stop> &stop, std::uint32_t obstacle) noexcept {
         if (stop && (!first_ || stop->fraction < first_->stop.fraction)) {
-            first_ = SurfaceStop{*stop, obstacle};
+            first_ = SurfaceStop{*stop, obstacle, !stop->normal.isZero(0.0)};
         }
     }
 
@@ -89,13 +89,15 @@ std::optional<SurfaceStop> HapticSurface::first_stop(const Vector3 &from_m, cons
                                                      SearchBudget &budget) const noexcept {
     FirstStop first;
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
-        first.consider(stop_at_shape(i, from_m, to_m, reach_m),
+        first.consider(stop_at_shape(i, from_m, to_m, reach_m, first.fraction()),
                        static_cast<std::uint32_t>(facets_.size() + i));
     }
     const double searched = tree_.along(
         from_m, to_m, reach_m, budget, [&](std::uint32_t item, double last_fraction) noexcept {
             const std::uint32_t index = facet_of(item);
-            first.consider(facets_[index].stop(from_m, to_m, reach_m), index);
+            first.consider(
+                facets_[index].stop(from_m, to_m, reach_m, first.fraction(), budget.effort_left),
+                index);
             return std::min(last_fraction, first.fraction());
         });
     if (searched < first.fraction()) {
@@ -109,13 +111,16 @@ std::optional<SurfaceStop> HapticSurface::first_stop(const Vector3 &from_m, cons
 
 std::optional<SurfaceStop> HapticSurface::first_stop(const Neighbourhood &near,
                                                      const Vector3 &from_m, const Vector3 &to_m,
-                                                     double reach_m) const noexcept {
+                                                     double reach_m,
+                                                     SearchBudget &budget) const noexcept {
     FirstStop first;
     near.for_each_in_the_way(from_m, to_m, reach_m, [&](std::uint32_t index) noexcept {
-        first.consider(facets_[index].stop(from_m, to_m, reach_m), index);
+        first.consider(
+            facets_[index].stop(from_m, to_m, reach_m, first.fraction(), budget.effort_left),
+            index);
     });
     for_each(near.shapes(), [&](std::size_t i) {
-        first.consider(stop_at_shape(i, from_m, to_m, reach_m),
+        first.consider(stop_at_shape(i, from_m, to_m, reach_m, first.fraction()),
                        static_cast<std::uint32_t>(facets_.size() + i));
     });
     return first.get();
@@ -162,6 +167,7 @@ void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBu
     const bool is_complete = tree_.within(
         centre_m, radius_m, budget, [&](std::uint32_t item, double squared_distance_m2) noexcept {
             const std::uint32_t index = facet_of(item);
+            budget.effort_left -= kFacetEffort;
             // Read when all are found: prefetched until then.
             const char *facet = reinterpret_cast<const char *>(&facets_[index]);
             __builtin_prefetch(facet);
@@ -185,8 +191,8 @@ void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBu
 }
 
 std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector3 &from_m,
-                                                 const Vector3 &to_m,
-                                                 double reach_m) const noexcept {
+                                                 const Vector3 &to_m, double reach_m,
+                                                 double last_fraction) const noexcept {
     const NearestOnShape start = shapes_[shape].nearest(from_m);
     if (start.distance_m < 0.0) {
         return std::nullopt; // starts inside: it may leave
@@ -194,9 +200,9 @@ std::optional<Stop> HapticSurface::stop_at_shape(std::size_t shape, const Vector
     if (start.distance_m >= reach_m && start.normal.dot(to_m - start.point_m) >= reach_m) {
         return std::nullopt; // the plane between them separates it from the whole motion
     }
-    return advance_to_touch(from_m, to_m, 0.0, start.point_m, reach_m, [&](const Vector3 &point_m) {
-        return shapes_[shape].nearest(point_m).point_m;
-    });
+    return advance_to_touch(
+        from_m, to_m, 0.0, start.point_m, reach_m, last_fraction,
+        [&](const Vector3 &point_m) { return shapes_[shape].nearest(point_m).point_m; });
 }
 
 std::optional<Stop> HapticSurface::touch(std::uint32_t obstacle, const Vector3 &point_m,

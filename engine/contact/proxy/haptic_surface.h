@@ -48,8 +48,9 @@ public:
     ///        too many shapes
     explicit HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes = {});
 
-    /// The first stop of a straight motion of a proxy with that reach, if there is one. RT-safe:
-    /// visits no more nodes of the tree than the budget has.
+    /// The first stop of a straight motion of a proxy with that reach, if there is one. Where the
+    /// budget runs out, the motion ends where it may be too near to what was not looked at.
+    /// RT-safe.
     [[nodiscard]] std::optional<SurfaceStop> first_stop(const Vector3 &from_m, const Vector3 &to_m,
                                                         double reach_m,
                                                         SearchBudget &budget) const noexcept;
@@ -57,7 +58,8 @@ public:
     /// The same for a motion that a neighbourhood of this surface covers. RT-safe.
     [[nodiscard]] std::optional<SurfaceStop> first_stop(const Neighbourhood &near,
                                                         const Vector3 &from_m, const Vector3 &to_m,
-                                                        double reach_m) const noexcept;
+                                                        double reach_m,
+                                                        SearchBudget &budget) const noexcept;
 
     /// Whether a motion from a place that a neighbourhood covers stays in it and is clear of its
     /// facets and of the given shapes. A quick, conservative test: true is certain. RT-safe.
@@ -117,8 +119,8 @@ public:
 
 private:
     [[nodiscard]] std::optional<Stop> stop_at_shape(std::size_t shape, const Vector3 &from_m,
-                                                    const Vector3 &to_m,
-                                                    double reach_m) const noexcept;
+                                                    const Vector3 &to_m, double reach_m,
+                                                    double last_fraction) const noexcept;
     [[nodiscard]] std::uint32_t facet_of(std::uint32_t item) const noexcept {
         return facet_of_item_.empty() ? item : facet_of_item_[item];
     }

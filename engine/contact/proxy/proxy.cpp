@@ -46,6 +46,9 @@ static_assert(kLift_m <= kLowRidge_m);
 /// Facets within this belong to the vertex [m].
 constexpr double kVertex_m = 3.0 * kClearance_m;
 
+/// Of an update after many that could not move.
+constexpr int kMaxEffort = 100 * SolverBudget::kEffort;
+
 /// Radius of the neighbourhood [m]: initial and maximum.
 constexpr double kInitialSearchRadius_m = 1e-3;
 constexpr double kMaxSearchRadius_m = 0.5;
@@ -97,7 +100,12 @@ void Proxy::update_neighbourhood(const HapticSurface &surface, const Vector3 &ti
 
 void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &centre_m,
                                  SolverBudget &budget) noexcept {
-    surface.find_near(centre_m, search_radius_m_, budget.search, near_);
+    // Without a list, an update still has most of its budget for its motions.
+    constexpr int kListEffort = SolverBudget::kEffort / 3;
+    SearchBudget part{std::min(kListEffort, budget.search.effort_left)};
+    budget.search.effort_left -= part.effort_left;
+    surface.find_near(centre_m, search_radius_m_, part, near_);
+    budget.search.effort_left += part.effort_left;
     // Enough facets to make a list worthwhile, and not so many that it overflows: on a surface
     // their number grows with the square of the radius.
     constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
@@ -106,7 +114,8 @@ void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &ce
     search_radius_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kMaxSearchRadius_m);
 }
 
-bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) const noexcept {
+bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m,
+                         SolverBudget &budget) const noexcept {
     if (rest_.is_touching() || !near_.covers(rest_.point_m, reach_m_) ||
         !near_.covers(tip_m, reach_m_)) {
         return false;
@@ -114,7 +123,8 @@ bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m) con
     const bool is_far_from_shapes =
         near_.size() == 0 &&
         surface.is_clear_of(near_.shapes(), near_, rest_.point_m, tip_m, reach_m_);
-    return is_far_from_shapes || !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_);
+    return is_far_from_shapes ||
+           !surface.first_stop(near_, rest_.point_m, tip_m, reach_m_, budget.search);
 }
 
 /// The result of `move_to_rest` in closed form, where only one face of one shape is involved.
@@ -221,7 +231,7 @@ bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface
         }
         has_settled = solver.solve(rest_, tip_m);
     }
-    return has_settled;
+    return has_settled && budget.has_any_left();
 }
 
 void Proxy::apply_friction(const ProxySolver &solver, const Rest &before,
@@ -261,9 +271,10 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         sticks_ = slides_ = false;
     }
     SolverBudget budget;
+    budget.search.effort_left = effort_;
     update_neighbourhood(surface, tip_m, budget);
     last_tip_m_ = tip_m;
-    if (moves_freely(surface, tip_m)) {
+    if (moves_freely(surface, tip_m, budget)) {
         rest_.point_m = tip_m;
         path_.add(tip_m);
         return free_contact(tip_m);
@@ -280,6 +291,9 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         follow(*slide);
     } else {
         has_settled = move_to_rest(solver, surface, tip_m, budget);
+        // Where hundreds of facets meet, that may not be enough to find any way.
+        const bool is_still = !has_settled && rest_.point_m == before.point_m;
+        effort_ = is_still ? std::min(2 * effort_, kMaxEffort) : SolverBudget::kEffort;
     }
     if (!rest_.is_touching()) {
         // A proxy that stopped in mid-air when the budget ran out exerts no force either.

@@ -55,8 +55,8 @@ private:
                               SolverBudget &budget) noexcept;
     void search_neighbourhood(const HapticSurface &surface, const Vector3 &centre_m,
                               SolverBudget &budget) noexcept;
-    [[nodiscard]] bool moves_freely(const HapticSurface &surface,
-                                    const Vector3 &tip_m) const noexcept;
+    [[nodiscard]] bool moves_freely(const HapticSurface &surface, const Vector3 &tip_m,
+                                    SolverBudget &budget) const noexcept;
     [[nodiscard]] std::optional<ShapeSlide> free_slide(const HapticSurface &surface,
                                                        const Vector3 &tip_m) const noexcept;
     void follow(const ShapeSlide &slide) noexcept;
@@ -78,7 +78,8 @@ private:
     bool slides_ = false; ///< against dynamic friction
     Vector3 last_tip_m_{Vector3::Zero()};
     Neighbourhood near_;
-    double search_radius_m_; ///< radius of the next neighbourhood
+    double search_radius_m_;             ///< radius of the next neighbourhood
+    int effort_ = SolverBudget::kEffort; ///< of the next update; see SearchBudget
     ProxyPath path_;
 };
 

@@ -103,19 +103,19 @@ bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
     ContactPlanes last_met;
     ContactPlanes planes = rest.held_by; // the goal stays above these
     NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
-    while (budget_.motions_left > 0) {
+    while (budget_.has_any_left()) {
         if ((goal.point_m - rest.point_m).squaredNorm() <= kStill_m * kStill_m) {
             // As far as these planes allow; which of them still touch?
             rest.held_by = goal.active;
             if (refresh(rest.held_by, rest.point_m)) {
                 return true;
             }
-            --budget_.motions_left;
+            budget_.take_motion();
             planes = rest.held_by;
             goal = nearest_point(target_m, planes, rest.point_m);
             continue;
         }
-        --budget_.motions_left;
+        budget_.take_motion();
         Vector3 end_m = goal.point_m;
         if (is_curved && goal.active.size() > 0) {
             if (const std::optional<Vector3> above_m = above_rest(planes, target_m)) {
@@ -172,10 +172,11 @@ std::optional<SurfaceStop> ProxySolver::first_stop(const Vector3 &from_m,
     }
     const double covered = near_.covered_fraction(from_m, to_m, reach_m_);
     if (covered == 1.0) {
-        return surface_.first_stop(near_, from_m, to_m, reach_m_);
+        return surface_.first_stop(near_, from_m, to_m, reach_m_, budget_.search);
     }
     const Vector3 leaves_m = from_m + covered * (to_m - from_m);
-    if (std::optional<SurfaceStop> hit = surface_.first_stop(near_, from_m, leaves_m, reach_m_)) {
+    if (std::optional<SurfaceStop> hit =
+            surface_.first_stop(near_, from_m, leaves_m, reach_m_, budget_.search)) {
         hit->stop.fraction *= covered;
         return hit;
     }

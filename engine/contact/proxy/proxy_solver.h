@@ -19,8 +19,20 @@ namespace springdrive::contact {
 /// target but on the right side of every surface, and the next tick continues from there.
 struct SolverBudget {
     static constexpr std::size_t kMotions = 96;
+    static constexpr int kEffort = 3000; ///< 30 µs
     int motions_left = static_cast<int>(kMotions);
-    SearchBudget search{20'000};
+    SearchBudget search{kEffort};
+
+    [[nodiscard]] bool has_any_left() const noexcept {
+        return motions_left > 0 && search.effort_left > 0;
+    }
+
+    /// A motion besides its search: the goal above its planes, and which of them still touch.
+    void take_motion() noexcept {
+        constexpr int kMotionEffort = 30;
+        --motions_left;
+        search.effort_left -= kMotionEffort;
+    }
 };
 
 /// Where a proxy is, and the planes that hold it there.

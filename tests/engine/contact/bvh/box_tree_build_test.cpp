@@ -61,7 +61,7 @@ TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
             visits.push_back(item);
             return 0.06 * 0.06;
         });
-        visits.push_back(static_cast<std::uint32_t>(budget.nodes_left));
+        visits.push_back(static_cast<std::uint32_t>(budget.effort_left));
         return visits;
     };
     const BoxTree of_one_thread(boxes, 1);
@@ -94,7 +94,7 @@ TEST(BoxTreeBuild, KeepsPointSearchesShort) {
         SearchBudget budget{1000};
         EXPECT_TRUE(tree.within(boxes[random() % boxes.size()].center(), 0.0, budget,
                                 [](std::uint32_t, double) { return 0.0; }));
-        nodes += 1000 - budget.nodes_left;
+        nodes += 1000 - budget.effort_left;
     }
     EXPECT_LT(nodes, 20 * 1000); // five levels hold 32,768
 }

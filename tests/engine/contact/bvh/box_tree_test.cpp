@@ -148,7 +148,7 @@ TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
         return std::min(last, 0.5 + 0.5e-3 * tree.order()[item] + 1e-6);
     });
     EXPECT_LE(visits, 2);
-    EXPECT_LT(unlimited().nodes_left - budget.nodes_left, 20);
+    EXPECT_LT(unlimited().effort_left - budget.effort_left, 20 * kNodeEffort);
 }
 
 TEST(BoxTree, AlongKeepsItsBudgetAndReportsHowFarItSearched) {
@@ -163,15 +163,15 @@ TEST(BoxTree, AlongKeepsItsBudgetAndReportsHowFarItSearched) {
             const double reach = motion.reach_m;
             Visited visited(tree);
             const int nodes = i % 30;
-            SearchBudget budget{nodes};
+            SearchBudget budget{nodes * kNodeEffort};
             const double stop_at = i % 3 == 0 ? 0.3 : 1.0;
             const double searched =
                 tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
                     visited.add(item);
                     return std::min(last, stop_at);
                 });
-            EXPECT_GE(budget.nodes_left, 0);
-            EXPECT_LE(budget.nodes_left, nodes);
+            EXPECT_GE(budget.effort_left, 0);
+            EXPECT_LE(budget.effort_left, nodes * kNodeEffort);
             EXPECT_GE(searched, 0.0);
             cut_short += searched < stop_at ? 1 : 0;
             for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
@@ -191,7 +191,7 @@ TEST(BoxTree, AlongSearchesFartherWithALargerBudget) {
     const BoxTree tree(boxes, 1);
     const Vector3 from = Vector3::Constant(-0.11);
     const auto searched_with = [&](int nodes) {
-        SearchBudget budget{nodes};
+        SearchBudget budget{nodes * kNodeEffort};
         return tree.along(from, -from, 1e-3, budget,
                           [](std::uint32_t, double last) { return last; });
     };
@@ -266,15 +266,15 @@ TEST(BoxTree, WithinKeepsItsBudgetAndReportsWhetherItSufficed) {
     const auto nothing = [](std::uint32_t, double) { return 0.03 * 0.03; };
     SearchBudget whole = unlimited();
     EXPECT_TRUE(tree.within(Vector3::Zero(), 0.03, whole, nothing));
-    const int needed = unlimited().nodes_left - whole.nodes_left;
+    const int needed = unlimited().effort_left - whole.effort_left;
     EXPECT_GT(needed, 5);
     SearchBudget just_enough{needed};
     EXPECT_TRUE(tree.within(Vector3::Zero(), 0.03, just_enough, nothing));
-    EXPECT_EQ(just_enough.nodes_left, 0);
-    for (int nodes = 0; nodes < needed; ++nodes) {
-        SearchBudget too_little{nodes};
+    EXPECT_EQ(just_enough.effort_left, 0);
+    for (int effort = 0; effort < needed; effort += kNodeEffort) {
+        SearchBudget too_little{effort};
         EXPECT_FALSE(tree.within(Vector3::Zero(), 0.03, too_little, nothing));
-        EXPECT_EQ(too_little.nodes_left, 0);
+        EXPECT_EQ(too_little.effort_left, 0);
     }
 }
 
@@ -315,7 +315,7 @@ TEST(BoxTree, TerminatesForAnyQuery) {
             tree.within(from, other, budget, count);
             tree.within(Vector3::Zero(), value, budget, count);
             tree.within(to, 0.01, budget, [](std::uint32_t, double) { return NAN; });
-            EXPECT_LE(unlimited().nodes_left - budget.nodes_left, 6 * 1001);
+            EXPECT_LE(unlimited().effort_left - budget.effort_left, 6 * 1001 * kNodeEffort);
         }
     }
 }

@@ -28,10 +28,17 @@ double allowed(double height_m, double reach_m = kClearance_m) {
     return (height_m - reach_m) / 0.04;
 }
 
+/// With as much effort as it takes.
+std::optional<Stop> stop_of(const Facet &facet, const Vector3 &from, const Vector3 &to,
+                            double reach_m) {
+    int effort_left = 1'000'000;
+    return facet.stop(from, to, reach_m, 1.0, effort_left);
+}
+
 /// Fraction of a motion that is allowed; -1 where all of it is.
 double fraction(const Facet &facet, const Vector3 &from, const Vector3 &to,
                 double reach_m = kClearance_m) {
-    const std::optional<Stop> stop = facet.stop(from, to, reach_m);
+    const std::optional<Stop> stop = stop_of(facet, from, to, reach_m);
     return stop ? stop->fraction : -1.0;
 }
 
@@ -44,14 +51,14 @@ TEST(Facet, FacesTheSideFromWhichItIsWoundCounterClockwise) {
 TEST(Facet, WithOneSideStopsMotionsFromTheFrontOnly) {
     const Facet one = facet(FacetSides::one);
     EXPECT_NEAR(fraction(one, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
-    EXPECT_FALSE(one.stop(below(0.001, 0.001), above(0.001, 0.001), kClearance_m));
+    EXPECT_FALSE(stop_of(one, below(0.001, 0.001), above(0.001, 0.001), kClearance_m));
 }
 
 TEST(Facet, WithTwoSidesStopsMotionsFromEither) {
     const Facet two = facet(FacetSides::two);
     EXPECT_NEAR(fraction(two, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
     EXPECT_NEAR(fraction(two, below(0.001, 0.001), above(0.001, 0.001)), allowed(0.03), 1e-12);
-    EXPECT_EQ(two.stop(below(0.001, 0.001), above(0.001, 0.001), kClearance_m)->normal,
+    EXPECT_EQ(stop_of(two, below(0.001, 0.001), above(0.001, 0.001), kClearance_m)->normal,
               -Vector3::UnitZ());
 }
 
@@ -68,8 +75,8 @@ TEST(Facet, StopsWhatIsTooNearAndComesNearerHoweverSlowly) {
     for (const FacetSides sides : {FacetSides::one, FacetSides::two}) {
         // By half of the slack at a time: together they may use up the slack, and no more.
         double height_m = kClearance_m;
-        while (!facet(sides).stop(above(0.001, 0.001, height_m),
-                                  above(0.001, 0.001, height_m - 0.5 * kSlack_m), kClearance_m)) {
+        while (!stop_of(facet(sides), above(0.001, 0.001, height_m),
+                        above(0.001, 0.001, height_m - 0.5 * kSlack_m), kClearance_m)) {
             height_m -= 0.5 * kSlack_m;
             ASSERT_GT(height_m, kClearance_m - 1.1 * kSlack_m);
         }
@@ -88,7 +95,8 @@ TEST(Facet, LetsWhatIsTooNearMoveAlongAndAway) {
 TEST(Facet, KeepsWhatStartsTooNearAtItsOwnDistance) {
     const Facet one = facet(FacetSides::one);
     const auto offset = [&](double height_m) {
-        return one.stop(above(0.001, 0.001, height_m), below(0.001, 0.001), kClearance_m)->offset_m;
+        return stop_of(one, above(0.001, 0.001, height_m), below(0.001, 0.001), kClearance_m)
+            ->offset_m;
     };
     EXPECT_DOUBLE_EQ(offset(0.5 * kClearance_m), 0.5 * kClearance_m);
     EXPECT_DOUBLE_EQ(offset(kClearance_m - 0.9 * kLostByRoundOff_m), kClearance_m);
@@ -100,7 +108,7 @@ TEST(Facet, ReachesPastItsEdgesByTheReachAndNoMore) {
     for (const double reach_m : {kClearance_m, 0.5e-3}) {
         const Facet one = facet(FacetSides::one);
         const auto is_crossed_at = [&](double x, double y) {
-            return one.stop(above(x, y), below(x, y), reach_m).has_value();
+            return stop_of(one, above(x, y), below(x, y), reach_m).has_value();
         };
         EXPECT_TRUE(is_crossed_at(0.01, -0.999 * reach_m));
         EXPECT_FALSE(is_crossed_at(0.01, -1.001 * reach_m));
@@ -123,6 +131,63 @@ TEST(Facet, LetsPassWhatSlidesOverItsEdgeOnANeighboursPlane) {
                       -1);
         }
     }
+}
+
+TEST(Facet, MissesOnlyStopsBeyondTheFractionOfInterest) {
+    std::mt19937_64 random(2);
+    int missed = 0;
+    int found = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Facet two =
+            facet(FacetSides::two, {random_vector(random, 0.01), random_vector(random, 0.01),
+                                    random_vector(random, 0.01)});
+        const Vector3 from = random_vector(random, 0.01);
+        const Vector3 to = random_vector(random, 0.01);
+        const std::optional<Stop> expected = stop_of(two, from, to, 1e-3);
+        if (!expected) {
+            continue;
+        }
+        int effort_left = 1'000'000;
+        const double last = i % 2 == 0 ? expected->fraction : 0.999 * expected->fraction;
+        const std::optional<Stop> stop = two.stop(from, to, 1e-3, last, effort_left);
+        if (i % 2 == 0) {
+            ASSERT_TRUE(stop);
+        }
+        if (stop) {
+            ++found;
+            ASSERT_EQ(stop->fraction, expected->fraction);
+            ASSERT_EQ(stop->normal, expected->normal);
+        } else {
+            ++missed;
+        }
+    }
+    EXPECT_GT(found, 1000);
+    EXPECT_GT(missed, 1000); // or it would save nothing
+}
+
+/// Without effort a motion may end early, never late, and then says that it does not know.
+TEST(Facet, WithoutEffortStopsNoLater) {
+    std::mt19937_64 random(3);
+    int unknown = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Facet two =
+            facet(FacetSides::two, {random_vector(random, 0.01), random_vector(random, 0.01),
+                                    random_vector(random, 0.01)});
+        const Vector3 from = random_vector(random, 0.01);
+        const Vector3 to = random_vector(random, 0.01);
+        const std::optional<Stop> expected = stop_of(two, from, to, 1e-3);
+        int effort_left = 0;
+        const std::optional<Stop> stop = two.stop(from, to, 1e-3, 1.0, effort_left);
+        ASSERT_LT(effort_left, 0);
+        ASSERT_GE(effort_left, -kFacetEffort);
+        if (stop && stop->normal.isZero(0.0)) {
+            ++unknown;
+            ASSERT_LE(stop->fraction, expected ? expected->fraction : 1.0);
+        } else {
+            ASSERT_EQ(stop.has_value(), expected.has_value());
+        }
+    }
+    EXPECT_GT(unknown, 100);
 }
 
 /// The smallest distance of a motion from a triangle between two fractions, by brute force.
@@ -150,7 +215,7 @@ TEST(Facet, StopsEveryMotionWhereItFirstComesWithinReach) {
             continue;
         }
         const Facet two = facet(FacetSides::two, triangle);
-        const std::optional<Stop> stop = two.stop(from, to, reach_m);
+        const std::optional<Stop> stop = stop_of(two, from, to, reach_m);
         // 400 samples of 20 mm miss the lowest point by 25 µm at most, and its distance by less
         // than 25² µm² / 2 reach.
         const double unsure_m = 25e-6 * 25e-6 / reach_m;

@@ -51,7 +51,7 @@ TEST(Neighbourhood, MissesNothingThatStopsAMotionWithinIt) {
             ASSERT_TRUE(near.covers(from, kClearance_m));
             SearchBudget budget{1'000'000};
             const auto expected = surface.first_stop(from, to, kClearance_m, budget);
-            const auto found = surface.first_stop(near, from, to, kClearance_m);
+            const auto found = surface.first_stop(near, from, to, kClearance_m, budget);
             ASSERT_EQ(expected.has_value(), found.has_value());
             if (expected) {
                 ++stopped;

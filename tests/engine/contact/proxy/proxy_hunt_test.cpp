@@ -97,6 +97,12 @@ protected:
             const Contact contact = proxy.update(surface, tips_m.back());
             unsettled += contact.settled ? 0 : 1;
             checked += contact.touching ? 1 : 0;
+            if (!contact.settled) {
+                const double before_m = (proxy.path()[0] - tips_m.back()).norm();
+                const double after_m = (contact.x0_m - tips_m.back()).norm();
+                ASSERT_LE(after_m, before_m + kNearer_m) << mesh.name << ", seed " << seed << ", step " << step;
+                still += before_m - after_m < kNearer_m ? 1 : 0;
+            }
             const bool crosses = judge.crosses(proxy.path());
             const double lag_m = contact.touching && contact.settled
                                      ? judge.lag_m(contact.x0_m, tips_m.back())
@@ -119,6 +125,7 @@ protected:
 
     long checked = 0;
     long unsettled = 0;
+    long still = 0; ///< of those, came no nearer
 };
 
 TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
@@ -130,10 +137,11 @@ TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
             return;
         }
     }
-    std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled\n",
+    std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled, %ld of them still\n",
                 std::string(GetParam().name).c_str(), checked, static_cast<int>(seed - 1),
-                unsettled);
-    EXPECT_LT(unsettled, checked / 100'000 + 2);
+                unsettled, still);
+    // Tips that leap to anywhere on the mesh need more than one update has.
+    EXPECT_LT(unsettled, checked / 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ProxyHunt, ::testing::ValuesIn(testing::kHardMeshKinds),
