@@ -16,19 +16,24 @@ void Neighbourhood::add(std::uint32_t index, const Facet &facet) noexcept {
 }
 
 void Neighbourhood::add_side(std::uint32_t index, double side, const Facet &facet) noexcept {
-    normal_x_[size_] = side * facet.normal().x();
-    normal_y_[size_] = side * facet.normal().y();
-    normal_z_[size_] = side * facet.normal().z();
-    offset_m_[size_] = side * facet.offset_m();
-    index_[static_cast<std::size_t>(size_)] = index;
+    const int lane = size_ % kAtOnce;
+    const auto row = static_cast<std::size_t>(size_ / kAtOnce);
+    Planes &planes = planes_[row];
+    planes.normal_x[lane] = side * facet.normal().x();
+    planes.normal_y[lane] = side * facet.normal().y();
+    planes.normal_z[lane] = side * facet.normal().z();
+    planes.offset_m[lane] = side * facet.offset_m();
+    index_[row][static_cast<std::size_t>(lane)] = index;
     ++size_;
 }
 
 void Neighbourhood::complete(double radius_m) noexcept {
     radius_m_ = radius_m;
     for (int i = size_; i % kAtOnce != 0; ++i) {
-        normal_x_[i] = normal_y_[i] = normal_z_[i] = 0.0;
-        offset_m_[i] = -1.0; // every point is a metre above its plane
+        Planes &planes = planes_[static_cast<std::size_t>(i / kAtOnce)];
+        const int lane = i % kAtOnce;
+        planes.normal_x[lane] = planes.normal_y[lane] = planes.normal_z[lane] = 0.0;
+        planes.offset_m[lane] = -1.0; // every point is a metre above its plane
     }
 }
 

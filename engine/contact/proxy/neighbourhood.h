@@ -72,13 +72,11 @@ public:
     void for_each_in_the_way(const Vector3 &from_m, const Vector3 &to_m, double reach_m,
                              const Visit &visit) const noexcept {
         const double clear_m = reach_m - kSlack_m;
-        for (int first = 0; first < size_; first += kAtOnce) {
-            const Heights starts_m = heights_m(first, from_m);
-            const Heights ends_m = heights_m(first, to_m);
+        for (std::size_t row = 0; row < rows(); ++row) {
+            const Heights starts_m = planes_[row].heights_m(from_m);
+            const Heights ends_m = planes_[row].heights_m(to_m);
             const Heights min_m = starts_m.min(ends_m) + far_if_positive(-starts_m);
-            for_each_below(clear_m, min_m, [&](int i) {
-                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)]);
-            });
+            for_each_below(clear_m, min_m, [&](std::size_t i) { visit(index_[row][i]); });
         }
     }
 
@@ -87,12 +85,11 @@ public:
     template <typename Visit>
     void for_each_shallower(const Vector3 &tip_m, double min_depth_m,
                             const Visit &visit) const noexcept {
-        for (int first = 0; first < size_; first += kAtOnce) {
-            const Heights tips_m = heights_m(first, tip_m);
+        for (std::size_t row = 0; row < rows(); ++row) {
+            const Heights tips_m = planes_[row].heights_m(tip_m);
             const Heights depths_m = far_if_positive(tips_m) - tips_m;
-            for_each_below(min_depth_m, depths_m, [&](int i) {
-                visit(index_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)],
-                      depths_m[i]);
+            for_each_below(min_depth_m, depths_m, [&](std::size_t i) {
+                visit(index_[row][i], depths_m[static_cast<int>(i)]);
             });
         }
     }
@@ -105,17 +102,28 @@ public:
     }
 
 private:
-    /// Facets that are tested together; the list is padded with entries that never stop a motion.
+    /// Facets that are tested together; the last row is padded with entries that never stop a
+    /// motion.
     static constexpr int kAtOnce = 8;
     static_assert(kCapacity % kAtOnce == 0);
+    static constexpr std::size_t kRows = kCapacity / kAtOnce;
     using Heights = Eigen::Array<double, kAtOnce, 1>;
-    using Coordinates = Eigen::Array<double, kCapacity, 1>;
 
-    [[nodiscard, gnu::always_inline]] Heights heights_m(int first,
-                                                        const Vector3 &point_m) const noexcept {
-        return normal_x_.segment<kAtOnce>(first) * point_m.x() +
-               normal_y_.segment<kAtOnce>(first) * point_m.y() +
-               normal_z_.segment<kAtOnce>(first) * point_m.z() - offset_m_.segment<kAtOnce>(first);
+    /// One array for each coordinate, so that the processor handles several facets at a time.
+    struct Planes {
+        Heights normal_x{Heights::Zero()};
+        Heights normal_y{Heights::Zero()};
+        Heights normal_z{Heights::Zero()};
+        Heights offset_m{Heights::Constant(-1.0)};
+
+        [[nodiscard, gnu::always_inline]] Heights heights_m(const Vector3 &point_m) const noexcept {
+            return normal_x * point_m.x() + normal_y * point_m.y() + normal_z * point_m.z() -
+                   offset_m;
+        }
+    };
+
+    [[nodiscard]] std::size_t rows() const noexcept {
+        return static_cast<std::size_t>(size_ + kAtOnce - 1) / kAtOnce;
     }
 
     /// Zero, or far beyond any distance: excludes entries on the wrong side without a branch for
@@ -130,7 +138,7 @@ private:
         if (values.minCoeff() < limit) { // usually none is
             for (int i = 0; i < kAtOnce; ++i) {
                 if (values[i] < limit) {
-                    visit(i);
+                    visit(static_cast<std::size_t>(i));
                 }
             }
         }
@@ -143,12 +151,8 @@ private:
     double radius_m_ = 0.0;
     int size_ = 0;
     ShapeSet shapes_ = 0;
-    // One array for each coordinate, so that the processor handles several facets at a time.
-    Coordinates normal_x_{Coordinates::Zero()};
-    Coordinates normal_y_{Coordinates::Zero()};
-    Coordinates normal_z_{Coordinates::Zero()};
-    Coordinates offset_m_{Coordinates::Constant(-1.0)};
-    std::array<std::uint32_t, kCapacity> index_{};
+    std::array<Planes, kRows> planes_;
+    std::array<std::array<std::uint32_t, kAtOnce>, kRows> index_{};
 };
 
 } // namespace springdrive::contact
