@@ -28,14 +28,10 @@ namespace {
     return to_next.cross(to_last);
 }
 
-/// The edges' directions away from the triangle, in its plane, each as long as its edge.
-using Outwards = std::array<Vector3, 3>;
-
-[[nodiscard]] Outwards outwards(const std::array<Vector3, 3> &corners_m,
-                                const Vector3 &normal) noexcept {
-    return {(corners_m[1] - corners_m[0]).cross(normal),
-            (corners_m[2] - corners_m[1]).cross(normal),
-            (corners_m[0] - corners_m[2]).cross(normal)};
+/// An edge's direction away from the triangle, in its plane, as long as the edge.
+[[nodiscard]] Vector3 outward(std::size_t edge, const std::array<Vector3, 3> &corners_m,
+                              const Vector3 &normal) noexcept {
+    return (corners_m[(edge + 1) % 3] - corners_m[edge]).cross(normal);
 }
 
 } // namespace
@@ -99,16 +95,16 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m, doub
 
     bool is_over_start = true;
     bool pierces = end_m < reach_m - kSlack_m;
-    const Outwards outward = outwards(corners_m_, normal_);
     for (std::size_t i = 0; i < 3; ++i) {
-        const double out_enters = outward[i].dot(enters_m - corners_m_[i]);
-        const double out_leaves = outward[i].dot(leaves_m - corners_m_[i]);
+        const Vector3 out = outward(i, corners_m_, normal_);
+        const double out_enters = out.dot(enters_m - corners_m_[i]);
+        const double out_leaves = out.dot(leaves_m - corners_m_[i]);
         const double nearer = std::min(out_enters, out_leaves);
-        if (nearer > 0.0 && nearer * nearer > reach_m * reach_m * outward[i].squaredNorm()) {
+        if (nearer > 0.0 && nearer * nearer > reach_m * reach_m * out.squaredNorm()) {
             return std::nullopt; // passes beyond this edge
         }
         is_over_start = is_over_start && out_enters <= 0.0;
-        pierces = pierces && outward[i].dot(lowest_point_m - corners_m_[i]) <= 0.0;
+        pierces = pierces && out.dot(lowest_point_m - corners_m_[i]) <= 0.0;
     }
     if (is_over_start) {
         const double kept_m = kept_distance_m(start_m, reach_m);
@@ -167,10 +163,9 @@ std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,
 }
 
 bool Facet::is_over(const Vector3 &point_m) const noexcept {
-    const Outwards outward = outwards(corners_m_, normal_);
-    return outward[0].dot(point_m - corners_m_[0]) <= 0.0 &&
-           outward[1].dot(point_m - corners_m_[1]) <= 0.0 &&
-           outward[2].dot(point_m - corners_m_[2]) <= 0.0;
+    return outward(0, corners_m_, normal_).dot(point_m - corners_m_[0]) <= 0.0 &&
+           outward(1, corners_m_, normal_).dot(point_m - corners_m_[1]) <= 0.0 &&
+           outward(2, corners_m_, normal_).dot(point_m - corners_m_[2]) <= 0.0;
 }
 
 } // namespace springdrive::contact

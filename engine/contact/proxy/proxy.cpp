@@ -180,24 +180,18 @@ bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &
     return true;
 }
 
-bool Proxy::leave_along(const Vector3 &direction, const ProxySolver &solver,
+bool Proxy::leave_along(const Vector3 &direction, const Vector3 &above_m, const ProxySolver &solver,
                         const Vector3 &tip_m) noexcept {
-    const Vector3 from_tip_m = rest_.point_m - tip_m;
-    const double here_m = from_tip_m.norm();
-    const Vector3 above_m = rest_.point_m + kLift_m / here_m * from_tip_m;
     const Vector3 beside_m = above_m + kAside_m * direction;
-    const bool is_above_planes = std::ranges::all_of(rest_.held_by, [&](const ContactPlane &plane) {
-        return plane.height_m(beside_m) >= 0.0; // not so at a corner, in nearly all cases
-    });
-    if (!is_above_planes || solver.first_stop(rest_.point_m, above_m) ||
-        solver.first_stop(above_m, beside_m)) {
+    if (solver.first_stop(above_m, beside_m)) {
         return false;
     }
     const std::size_t before = path_.size();
     path_.add(above_m);
     path_.add(beside_m);
     Rest there{beside_m, {}};
-    if (!solver.solve(there, tip_m) || (there.point_m - tip_m).norm() >= here_m - kNearer_m) {
+    if (!solver.solve(there, tip_m) ||
+        (there.point_m - tip_m).norm() >= (rest_.point_m - tip_m).norm() - kNearer_m) {
         path_.cut(before);
         return false;
     }
@@ -207,15 +201,21 @@ bool Proxy::leave_along(const Vector3 &direction, const ProxySolver &solver,
 
 bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface,
                          const Vector3 &tip_m) noexcept {
+    const Vector3 from_tip_m = rest_.point_m - tip_m;
     if (rest_.held_by.size() < 3 || reach_m_ > kClearance_m ||
         !near_.covers(rest_.point_m, kVertex_m) ||
-        (rest_.point_m - tip_m).squaredNorm() <= kLift_m * kLift_m) {
+        from_tip_m.squaredNorm() <= kLift_m * kLift_m) {
         return false;
     }
+    const Vector3 above_m = rest_.point_m + kLift_m / from_tip_m.norm() * from_tip_m;
     const DownhillDirections directions =
-        downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m, kAside_m);
+        downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m,
+                            MotionsAbove(rest_.held_by, above_m, kAside_m));
+    if (directions.begin() == directions.end() || solver.first_stop(rest_.point_m, above_m)) {
+        return false;
+    }
     return std::ranges::any_of(directions, [&](const Vector3 &direction) {
-        return leave_along(direction, solver, tip_m);
+        return leave_along(direction, above_m, solver, tip_m);
     });
 }
 

@@ -26,13 +26,14 @@ TriangleSoup saddle() {
 }
 
 std::vector<Vector3> directions(const TriangleSoup &soup, const Vector3 &point_m,
-                                const Vector3 &target_m) {
+                                const Vector3 &target_m, const ContactPlanes &planes = {}) {
     const HapticSurface surface(soup);
     Neighbourhood near;
     SearchBudget budget{1000};
     surface.find_near(point_m, 1e-3, budget, near);
     const DownhillDirections found =
-        downhill_directions(surface, near, point_m, target_m, kVertex_m, kLength_m);
+        downhill_directions(surface, near, point_m, target_m, kVertex_m,
+                            MotionsAbove(planes, point_m, kLength_m));
     return {found.begin(), found.end()};
 }
 
@@ -63,6 +64,14 @@ TEST(DownhillDirections, LeadAcrossTheFacetThatTheTargetIsUnder) {
     EXPECT_TRUE(has(found, {1e-3, 1e-4, 0}));
     EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
     EXPECT_EQ(found.size(), 3U);
+}
+
+TEST(DownhillDirections, LeaveOutWhatLeadsBelowAPlane) {
+    ContactPlanes planes;
+    planes.add({Vector3::UnitZ(), 0.0, 0});
+    const std::vector<Vector3> found = directions(saddle(), {0, 1e-8, 0}, {0, -2e-3, 0}, planes);
+    EXPECT_EQ(found.size(), 1U);
+    EXPECT_TRUE(has(found, {0, -1e-4, 1e-3}));
 }
 
 TEST(DownhillDirections, LeadOverTheRim) {
