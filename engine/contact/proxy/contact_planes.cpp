@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -51,8 +52,10 @@ public:
         return true;
     }
 
-    /// Whether every plane pushes (λ > 0, from R λ = y): none of them pulls the point down.
-    [[nodiscard]] bool pushes() const noexcept {
+    /// The least of the multipliers (R λ = y), or one of them that is not positive: then a plane
+    /// would have to pull the point down. Without planes, infinite.
+    [[nodiscard]] double least_push_m() const noexcept {
+        double least_m = std::numeric_limits<double>::infinity();
         Vector3 lambda = Vector3::Zero();
         for (int k = size_ - 1; k >= 0; --k) {
             double rest = y_m_[k];
@@ -60,11 +63,22 @@ public:
                 rest -= R_(k, j) * lambda[j];
             }
             lambda[k] = rest / R_(k, k);
+            least_m = std::min(least_m, lambda[k]);
             if (!(lambda[k] > 0.0)) {
-                return false;
+                return lambda[k];
             }
         }
-        return true;
+        return least_m;
+    }
+
+    /// The volume that the normals span: no larger than the sine between any of them and the plane
+    /// of the others.
+    [[nodiscard]] double volume() const noexcept {
+        double volume = 1.0;
+        for (int k = 0; k < size_; ++k) {
+            volume *= R_(k, k);
+        }
+        return volume;
     }
 
     [[nodiscard]] const Vector3 &point_m() const noexcept { return point_m_; }
@@ -76,6 +90,35 @@ private:
     Vector3 y_m_{Vector3::Zero()};
     int size_ = 0;
 };
+
+/// How far a point lies below the planes [m].
+[[nodiscard]] double violation_of(const ContactPlanes &planes, const Vector3 &point_m) noexcept {
+    double violation_m = 0.0;
+    for (const ContactPlane &plane : planes) {
+        violation_m = std::max(violation_m, -plane.height_m(point_m));
+    }
+    return violation_m;
+}
+
+/// The solution where all planes are active, as those that held the proxy before usually still are,
+/// and clearly so: nothing where `Search` might find a smaller set.
+///
+/// Where a set without plane k is exact to ε, x its point and x* that of all planes, then
+/// ½|x − x*|² <= ε Σ λ over the missing planes, by the Lagrangian at x*, and |x − x*| >= λₖ sₖ with
+/// the sine sₖ between nₖ and the plane of the others. So λₖ sₖ² <= 6 ε for the largest of them.
+[[nodiscard]] std::optional<Vector3> nearest_on_all(const Vector3 &tip_m,
+                                                    const ContactPlanes &planes) noexcept {
+    ActiveSet set(tip_m);
+    for (const ContactPlane &plane : planes) {
+        if (!set.add(plane)) {
+            return std::nullopt;
+        }
+    }
+    constexpr double kClear_m = 10.0 * kExact_m;
+    const bool is_clear = set.least_push_m() * set.volume() * set.volume() > kClear_m &&
+                          violation_of(planes, set.point_m()) <= kExact_m;
+    return is_clear ? std::optional(set.point_m()) : std::nullopt;
+}
 
 /// Tries every set of up to three planes, small sets first: the solution is the set whose planes
 /// all push and whose point lies above all other planes.
@@ -116,13 +159,10 @@ private:
                 return;
             }
         }
-        if (!set.pushes()) {
+        if (!(set.least_push_m() > 0.0)) {
             return;
         }
-        double violation_m = 0.0;
-        for (const ContactPlane &plane : planes_) {
-            violation_m = std::max(violation_m, -plane.height_m(set.point_m()));
-        }
+        const double violation_m = violation_of(planes_, set.point_m());
         if (violation_m < violation_m_) {
             violation_m_ = violation_m;
             best_.point_m = set.point_m();
@@ -151,6 +191,11 @@ NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
         const double depth_m = -planes[0].height_m(tip_m);
         return depth_m > 0.0 ? NearestPoint{tip_m + depth_m * planes[0].normal, planes}
                              : NearestPoint{tip_m, {}};
+    }
+    if (planes.size() <= 3) {
+        if (const std::optional<Vector3> point_m = nearest_on_all(tip_m, planes)) {
+            return {*point_m, planes};
+        }
     }
     const Search search(tip_m, planes);
     if (search.found()) {
