@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <optional>
 
 namespace springdrive::contact {
 
@@ -40,74 +39,84 @@ public:
           within_m_(within_m), motions_(motions) {}
 
     void consider(const Facet &facet) noexcept {
-        if (size_ < facets_.size() && may_come_within(within_m_, facet, point_m_)) {
-            facets_[size_++] = &facet;
+        if (size_ < fan_.size() && may_come_within(within_m_, facet, point_m_)) {
+            Leaf &leaf = fan_[size_++];
+            leaf.facet = &facet;
+            leaf.is_known = false;
         }
     }
 
-    [[nodiscard]] DownhillDirections directions() const noexcept {
+    [[nodiscard]] DownhillDirections directions() noexcept {
         DownhillDirections found;
         for (std::size_t i = 0; i < size_; ++i) {
-            add_plane(*facets_[i], found);
-            add_edges(*facets_[i], found);
+            add_plane(fan_[i], found);
+            add_edges(fan_[i], found);
         }
         return found;
     }
 
 private:
-    /// The point of a facet nearest to the proxy, if it belongs to the vertex.
-    [[nodiscard]] std::optional<Vector3> nearest_m(const Facet &facet) const noexcept {
-        const Vector3 nearest_m = facet.nearest(point_m_).point_m;
-        const bool is_near = (nearest_m - point_m_).squaredNorm() <= within_m_ * within_m_;
-        return is_near ? std::optional(nearest_m) : std::nullopt;
+    struct Leaf {
+        const Facet *facet;
+        bool is_known;     ///< what follows
+        bool is_near;      ///< whether it belongs to the vertex
+        Vector3 nearest_m; ///< to the proxy
+    };
+
+    /// Whether a facet belongs to the vertex; if it does, `nearest_m` is set from then on.
+    [[nodiscard]] bool is_near(Leaf &leaf) const noexcept {
+        if (!leaf.is_known) {
+            const Facet &facet = *leaf.facet;
+            leaf.nearest_m = facet.is_over(point_m_)
+                                 ? Vector3(point_m_ - facet.height_m(point_m_) * facet.normal())
+                                 : facet.nearest(point_m_).point_m;
+            leaf.is_near = (leaf.nearest_m - point_m_).squaredNorm() <= within_m_ * within_m_;
+            leaf.is_known = true;
+        }
+        return leaf.is_near;
     }
 
-    [[nodiscard]] bool is_over_any(const Vector3 &point_m) const noexcept {
-        return std::any_of(facets_.begin(), facets_.begin() + size_, [&](const Facet *facet) {
-            return facet->is_over(point_m) && nearest_m(*facet);
+    [[nodiscard]] bool is_over_any(const Vector3 &point_m) noexcept {
+        return std::any_of(fan_.begin(), fan_.begin() + size_, [&](Leaf &leaf) {
+            return leaf.facet->is_over(point_m) && is_near(leaf);
         });
     }
 
-    void add_plane(const Facet &facet, DownhillDirections &found) const noexcept {
+    void add_plane(Leaf &leaf, DownhillDirections &found) noexcept {
+        const Facet &facet = *leaf.facet;
         const Vector3 along_m = to_target_m_ - facet.normal().dot(to_target_m_) * facet.normal();
         const double distance_m = along_m.norm();
         const Vector3 along = along_m / distance_m;
-        if (distance_m <= kMinLength_m || !motions_.contain(along)) {
-            return;
-        }
-        if (const std::optional<Vector3> from_m = nearest_m(facet)) {
-            const Vector3 end_m = *from_m + motions_.length_m() * along;
+        if (distance_m > kMinLength_m && motions_.contain(along) && is_near(leaf)) {
+            const Vector3 end_m = leaf.nearest_m + motions_.length_m() * along;
             if (facet.is_over(end_m) || !is_over_any(end_m)) {
                 found.add(along);
             }
         }
     }
 
-    void add_edges(const Facet &facet, DownhillDirections &found) const noexcept {
+    void add_edges(Leaf &leaf, DownhillDirections &found) const noexcept {
+        const std::array<Vector3, 3> &corners_m = leaf.facet->corners_m();
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vector3 &start_m = facet.corners_m()[i];
-            const Vector3 edge = facet.corners_m()[(i + 1) % 3] - start_m;
+            const Vector3 edge = corners_m[(i + 1) % 3] - corners_m[i];
             const double edge_m = edge.norm();
             const Vector3 along = edge / edge_m;
             const double ahead_m = along.dot(to_target_m_); // but for `within_m_`
-            if ((ahead_m > -within_m_ && motions_.contain(along)) ||
-                (ahead_m < within_m_ && motions_.contain(-along))) {
-                add_edge(facet, start_m, along, edge_m, found);
+            if (((ahead_m > -within_m_ && motions_.contain(along)) ||
+                 (ahead_m < within_m_ && motions_.contain(-along))) &&
+                is_near(leaf)) {
+                add_edge(leaf.nearest_m, corners_m[i], along, edge_m, found);
             }
         }
     }
 
-    void add_edge(const Facet &facet, const Vector3 &start_m, const Vector3 &along, double edge_m,
-                  DownhillDirections &found) const noexcept {
-        const std::optional<Vector3> from_m = nearest_m(facet);
-        if (!from_m) {
+    void add_edge(const Vector3 &from_m, const Vector3 &start_m, const Vector3 &along,
+                  double edge_m, DownhillDirections &found) const noexcept {
+        const double passed_m = along.dot(from_m - start_m);
+        if ((start_m + passed_m * along - from_m).squaredNorm() > kOnEdge_m * kOnEdge_m) {
             return;
         }
-        const double passed_m = along.dot(*from_m - start_m);
-        if ((start_m + passed_m * along - *from_m).squaredNorm() > kOnEdge_m * kOnEdge_m) {
-            return;
-        }
-        const bool is_forward = along.dot(target_m_ - *from_m) > 0.0;
+        const bool is_forward = along.dot(target_m_ - from_m) > 0.0;
         const Vector3 direction = is_forward ? along : Vector3(-along);
         if ((is_forward ? edge_m - passed_m : passed_m) > motions_.length_m() &&
             motions_.contain(direction)) {
@@ -120,7 +129,7 @@ private:
     const Vector3 &target_m_;
     double within_m_;
     const MotionsAbove &motions_;
-    std::array<const Facet *, Neighbourhood::kCapacity> facets_;
+    std::array<Leaf, Neighbourhood::kCapacity> fan_;
     std::size_t size_ = 0;
 };
 
