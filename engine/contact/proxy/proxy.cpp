@@ -203,8 +203,7 @@ bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface
                          const Vector3 &tip_m) noexcept {
     const Vector3 from_tip_m = rest_.point_m - tip_m;
     if (rest_.held_by.size() < 3 || reach_m_ > kClearance_m ||
-        !near_.covers(rest_.point_m, kVertex_m) ||
-        from_tip_m.squaredNorm() <= kLift_m * kLift_m) {
+        !near_.covers(rest_.point_m, kVertex_m) || from_tip_m.squaredNorm() <= kLift_m * kLift_m) {
         return false;
     }
     const Vector3 above_m = rest_.point_m + kLift_m / from_tip_m.norm() * from_tip_m;

@@ -31,9 +31,8 @@ std::vector<Vector3> directions(const TriangleSoup &soup, const Vector3 &point_m
     Neighbourhood near;
     SearchBudget budget{1000};
     surface.find_near(point_m, 1e-3, budget, near);
-    const DownhillDirections found =
-        downhill_directions(surface, near, point_m, target_m, kVertex_m,
-                            MotionsAbove(planes, point_m, kLength_m));
+    const DownhillDirections found = downhill_directions(
+        surface, near, point_m, target_m, kVertex_m, MotionsAbove(planes, point_m, kLength_m));
     return {found.begin(), found.end()};
 }
 
