@@ -91,6 +91,7 @@ template <typename NextDirection, typename Depth>
 void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, Depth &&depth_m) {
     pen.leap_to(probe.outside(next()));
     bool has_entered = false;
+    Vector3 last_touch_m = Vector3::Zero();
     for (int misses = 0; misses < kMaxMisses && !pen.is_full();) {
         const Vector3 direction = next();
         const std::optional<Vector3> touch_m = probe.touch_from(direction);
@@ -98,10 +99,16 @@ void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, D
             pen.leap_to(probe.outside(direction));
         }
         if (!touch_m) {
+            if (has_entered) {
+                // It would get inside through a hole, and go on there without contact.
+                has_entered = false;
+                pen.leap_to(last_touch_m + kAbove_m * direction);
+            }
             ++misses;
             continue;
         }
         misses = 0;
+        last_touch_m = *touch_m;
         if (!has_entered) {
             has_entered = true;
             pen.leap_to(*touch_m + kAbove_m * direction);

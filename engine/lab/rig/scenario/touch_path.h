@@ -49,8 +49,7 @@ struct TouchPathOptions {
 /// As many tips as steps were asked for, the first in free space; the same for the same options.
 ///
 /// Slide and lissajous follow the surface as seen from outside; hidden parts are not touched.
-/// Across directions in which there is no surface they go straight, and where there is none at all,
-/// the tip stays outside.
+/// Where there is no surface on the way to the middle, the tip leaves and goes round outside.
 /// @param box  what the surface lies in, not empty
 [[nodiscard]] std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
                                               const Eigen::AlignedBox3d &box,
