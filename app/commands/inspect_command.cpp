@@ -80,7 +80,7 @@ void add_inspect_command(CLI::App &app) {
     const auto typed = std::make_shared<TypedInspect>();
     inspect
         .add_option("scene", typed->scene,
-                    "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles")
+                    "a glTF file, or sphere:N, bumpy:N, organic:N, scan:N or cad:N, of N triangles")
         ->type_name("FILE")
         ->required();
     add_device_file_option(inspect, typed->device_file);

@@ -207,7 +207,7 @@ void add_touch_command(CLI::App &app) {
     touch
         .add_option("scene", typed->scene,
                     "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles: 1280, 5120, "
-                    "... 1310720")
+                    "... 1310720; or scan:N or cad:N, of about N triangles: 1000 to 2000000")
         ->type_name("FILE")
         ->required();
     add_device_file_option(touch, typed->device_file);

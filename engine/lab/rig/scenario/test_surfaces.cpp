@@ -2,6 +2,8 @@
 
 #include "base/input_error.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/machined_surface.h"
+#include "engine/lab/rig/scenario/scanned_surface.h"
 
 #include <Eigen/Geometry>
 
@@ -25,9 +27,14 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::string_view kSphere = "sphere:";
 constexpr std::string_view kBumpy = "bumpy:";
 constexpr std::string_view kOrganic = "organic:";
+constexpr std::string_view kScan = "scan:";
+constexpr std::string_view kCad = "cad:";
 
 constexpr int kMinDivisions = 3;
 constexpr int kMaxDivisions = 8;
+
+constexpr std::size_t kMinTriangles = 1'000;
+constexpr std::size_t kMaxTriangles = 2'000'000;
 
 std::size_t triangles_after(int divisions) { return std::size_t{20} << (2 * divisions); }
 
@@ -97,14 +104,19 @@ void divide(contact::TriangleSoup &soup) {
     soup.triangles = std::move(finer);
 }
 
+std::optional<std::size_t> number_in(std::string_view text) {
+    std::size_t number = 0;
+    const char *end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
+}
+
 /// The number of divisions that gives the number of triangles in a name.
 int divisions_of(std::string_view name, std::string_view count) {
-    std::size_t triangles = 0;
-    const char *end = count.data() + count.size();
-    const auto [stop, error] = std::from_chars(count.data(), end, triangles);
+    const std::optional<std::size_t> triangles = number_in(count);
     std::string choices;
     for (int divisions = kMinDivisions; divisions <= kMaxDivisions; ++divisions) {
-        if (error == std::errc{} && stop == end && triangles == triangles_after(divisions)) {
+        if (triangles == triangles_after(divisions)) {
             return divisions;
         }
         choices += (choices.empty()              ? ""
@@ -113,6 +125,16 @@ int divisions_of(std::string_view name, std::string_view count) {
                    std::to_string(triangles_after(divisions));
     }
     throw InputError(std::string(name) + ": triangles must be " + choices);
+}
+
+/// The number of triangles in a name, for surfaces of any number.
+std::size_t triangles_of(std::string_view name, std::string_view count) {
+    const std::optional<std::size_t> triangles = number_in(count);
+    if (!triangles || *triangles < kMinTriangles || *triangles > kMaxTriangles) {
+        throw InputError(std::string(name) + ": triangles must be from " +
+                         std::to_string(kMinTriangles) + " to " + std::to_string(kMaxTriangles));
+    }
+    return *triangles;
 }
 
 } // namespace
@@ -186,6 +208,12 @@ std::optional<contact::TriangleSoup> test_surface_named(std::string_view name) {
     if (name.starts_with(kOrganic)) {
         return organic_surface(divisions_of(name, name.substr(kOrganic.size())),
                                kTestOrganicScale_m);
+    }
+    if (name.starts_with(kScan)) {
+        return scanned_surface(triangles_of(name, name.substr(kScan.size())), kTestScanSeed);
+    }
+    if (name.starts_with(kCad)) {
+        return machined_surface(triangles_of(name, name.substr(kCad.size())));
     }
     return std::nullopt;
 }

@@ -3,7 +3,7 @@
 
 #include "engine/contact/mesh/triangle_soup.h"
 
-#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -13,6 +13,7 @@ inline constexpr double kTestSphereRadius_m = 0.05;
 inline constexpr double kTestBumpHeight_m = 0.5e-3;
 inline constexpr double kTestBumpLength_m = 6e-3;
 inline constexpr double kTestOrganicScale_m = 0.04; ///< of the unit of `organic_shape`
+inline constexpr std::uint64_t kTestScanSeed = 1;
 
 /// An icosahedron whose triangles are divided into four again and again, each time pushed out to a
 /// sphere about the origin. Closed, wound outwards, vertices shared.
@@ -31,7 +32,8 @@ inline constexpr double kTestOrganicScale_m = 0.04; ///< of the unit of `organic
 [[nodiscard]] contact::TriangleSoup solid_box(const Vector3 &lower_m, const Vector3 &upper_m);
 
 /// What `sphere:N`, `bumpy:N` and `organic:N` name, with N triangles: 1280, 5120, 20480, 81920,
-/// 327680 or 1310720. Nothing for a name that does not begin so.
+/// 327680 or 1310720; or `scan:N` (`scanned_surface`) and `cad:N` (`machined_surface`), with about
+/// N, from 1000 to 2000000. Nothing for a name that does not begin so.
 /// @throw InputError for another N.
 [[nodiscard]] std::optional<contact::TriangleSoup> test_surface_named(std::string_view name);
 

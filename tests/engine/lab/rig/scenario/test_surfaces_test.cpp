@@ -3,41 +3,19 @@
 
 #include "base/input_error.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
+#include "tests/engine/lab/rig/scenario/soup_measures.h"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
-#include <set>
 #include <string>
-#include <utility>
 
 namespace springdrive::rig {
 namespace {
 
-/// Every edge is run through once each way: closed, and wound alike all over.
-bool is_closed(const contact::TriangleSoup &soup) {
-    std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-    for (const auto &t : soup.triangles) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (!edges.emplace(t[i], t[(i + 1) % 3]).second) {
-                return false;
-            }
-        }
-    }
-    return std::ranges::all_of(edges, [&](const auto &edge) {
-        return edges.contains({edge.second, edge.first});
-    });
-}
-
-double volume_m3(const contact::TriangleSoup &soup) {
-    double sum = 0.0;
-    for (const auto &[a, b, c] : soup.triangles) {
-        sum += soup.vertices_m[a].cross(soup.vertices_m[b]).dot(soup.vertices_m[c]);
-    }
-    return sum / 6.0;
-}
+using testing::is_closed;
+using testing::volume_m3;
 
 TEST(TestSurfaces, SphereIsClosedRoundAndEven) {
     for (int divisions = 0; divisions <= 5; ++divisions) {
@@ -121,6 +99,8 @@ TEST(TestSurfaces, AreFoundByName) {
     EXPECT_EQ(test_surface_named("sphere:1280")->triangles.size(), 1280U);
     EXPECT_EQ(test_surface_named("bumpy:5120")->triangles.size(), 5120U);
     EXPECT_EQ(test_surface_named("organic:1280")->triangles.size(), 1280U);
+    EXPECT_GT(test_surface_named("scan:1280")->triangles.size(), 1200U);
+    EXPECT_GT(test_surface_named("cad:1280")->triangles.size(), 1200U);
     EXPECT_FALSE(test_surface_named("sphere").has_value());
     EXPECT_FALSE(test_surface_named("sphere.gltf").has_value());
     EXPECT_TRUE(names_test_sphere("sphere:1280"));
@@ -133,6 +113,18 @@ TEST(TestSurfaces, AreFoundByName) {
         } catch (const InputError &error) {
             EXPECT_NE(std::string(error.what()).find("1310720"), std::string::npos);
             EXPECT_EQ(std::string(error.what()).find(name), 0U);
+        }
+    }
+}
+
+TEST(TestSurfaces, OfAnyNumberHaveALeastAndALargest) {
+    for (const char *name :
+         {"scan:", "scan:999", "scan:2000001", "cad:1e6", "cad:99999999999999999999"}) {
+        try {
+            static_cast<void>(test_surface_named(name));
+            FAIL() << name;
+        } catch (const InputError &error) {
+            EXPECT_EQ(error.what(), std::string(name) + ": triangles must be from 1000 to 2000000");
         }
     }
 }
