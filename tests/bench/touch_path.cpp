@@ -1,7 +1,10 @@
 #include "tests/bench/touch_path.h"
 
+#include "engine/lab/rig/scenario/machined_surface.h"
+#include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -11,6 +14,12 @@ namespace springdrive::bench {
 namespace {
 
 constexpr double kMeanSpeed_m_per_s = 0.1;
+
+/// Over a hole and beside it, as the proxy is not straight above its tip, a tip is lifted to this
+/// height, within that angle.
+constexpr double kLifted_m = 0.5e-3;
+constexpr double kBesideHole_rad = 0.03;
+constexpr double kLifting_rad = 0.02;
 
 /// The figure at a phase [rad]; one turn of the longitude for each 2π. The ratio of the frequencies
 /// is the golden ratio, so that the figure never closes.
@@ -31,14 +40,36 @@ double mean_length_per_phase() {
     return length / (kSteps * kStep);
 }
 
-double surface_radius_m(Relief relief, const Vector3 &direction) {
-    if (relief == Relief::smooth) {
-        return rig::kTestSphereRadius_m;
-    }
+double bumpy_radius_m(const Vector3 &direction) {
     const Vector3 phase =
         2.0 * std::numbers::pi / rig::kTestBumpLength_m * rig::kTestSphereRadius_m * direction;
     return rig::kTestSphereRadius_m +
            rig::kTestBumpHeight_m * std::sin(phase.x()) * std::sin(phase.y()) * std::sin(phase.z());
+}
+
+double surface_radius_m(Relief relief, const Vector3 &direction) {
+    switch (relief) {
+    case Relief::smooth:
+        break;
+    case Relief::bumpy:
+        return bumpy_radius_m(direction);
+    case Relief::scanned:
+        return rig::scanned_body_radius_m(direction);
+    case Relief::machined:
+        return rig::machined_body_radius_m(direction);
+    }
+    return rig::kTestSphereRadius_m;
+}
+
+/// 0 over a hole and beside it, 1 where none is near.
+double pressing(const std::vector<rig::ScanHole> &holes, const Vector3 &direction) {
+    double share = 1.0;
+    for (const rig::ScanHole &hole : holes) {
+        const double angle_rad = std::acos(std::clamp(direction.dot(hole.direction), -1.0, 1.0));
+        const double beside_rad = angle_rad - hole.half_angle_rad - kBesideHole_rad;
+        share = std::min(share, std::clamp(beside_rad / kLifting_rad, 0.0, 1.0));
+    }
+    return share;
 }
 
 /// From `low_m` to `high_m` and back, slowly and out of step with the figure.
@@ -73,7 +104,19 @@ std::vector<Vector3> lissajous_directions(int updates) {
 }
 
 std::vector<Vector3> pressed_tips_m(Relief relief, const std::vector<Vector3> &directions) {
-    return tips_m(relief, directions, -2e-3, -1e-3);
+    std::vector<Vector3> tips = tips_m(relief, directions, -2e-3, -1e-3);
+    if (relief != Relief::scanned) {
+        return tips;
+    }
+    const std::vector<rig::ScanHole> holes = rig::scan_holes(rig::kTestScanSeed);
+    for (std::size_t i = 0; i < tips.size(); ++i) {
+        const double share = pressing(holes, directions[i]);
+        if (share < 1.0) {
+            const double lifted_m = surface_radius_m(relief, directions[i]) + kLifted_m;
+            tips[i] = share * tips[i] + (1.0 - share) * lifted_m * directions[i];
+        }
+    }
+    return tips;
 }
 
 std::vector<Vector3> free_tips_m(Relief relief, const std::vector<Vector3> &directions) {

@@ -7,7 +7,8 @@
 
 namespace springdrive::bench {
 
-enum class Relief { smooth, bumpy };
+/// That of `sphere:N`, `bumpy:N`, `scan:N` and `cad:N`.
+enum class Relief { smooth, bumpy, scanned, machined };
 
 inline constexpr double kServoPeriod_s = 1e-3;
 
@@ -15,7 +16,8 @@ inline constexpr double kServoPeriod_s = 1e-3;
 /// `kTestSphereRadius_m` has a mean speed of 0.1 m/s.
 [[nodiscard]] std::vector<Vector3> lissajous_directions(int updates);
 
-/// Tips 1 to 2 mm under the true surface in these directions.
+/// Tips 1 to 2 mm under the true surface in these directions; over the holes of a scan the tip is
+/// lifted off it, so that the proxy does not get inside.
 [[nodiscard]] std::vector<Vector3> pressed_tips_m(Relief relief,
                                                   const std::vector<Vector3> &directions);
 
