@@ -121,12 +121,16 @@ std::optional<Stop> Facet::stop(const Vector3 &from_m, const Vector3 &to_m, doub
 }
 
 std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing, int &effort_left) const noexcept {
-    effort_left -= kRimEffort;
     const auto nearest_m = [&](const Vector3 &point_m) {
-        effort_left -= kAdvanceEffort;
+        effort_left -= kNearestEffort;
         return nearest(point_m).point_m;
     };
+    const Vector3 start_m = nearest_m(crossing.enters_m);
+    if (is_parted(crossing.enters_m, crossing.to_m, start_m, crossing.reach_m)) {
+        return std::nullopt;
+    }
     if (!crossing.pierces) {
+        effort_left -= kGrazingEffort;
         // Computed exactly, since a slide along a neighbour's plane grazes this edge.
         double min_m = crossing.reach_m;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -137,9 +141,8 @@ std::optional<Stop> Facet::stop_at_rim(const Crossing &crossing, int &effort_lef
             return std::nullopt;
         }
     }
-    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters,
-                            nearest_m(crossing.enters_m), crossing.reach_m, crossing.last_fraction,
-                            nearest_m);
+    return advance_to_touch(crossing.from_m, crossing.to_m, crossing.enters, start_m,
+                            crossing.reach_m, crossing.last_fraction, nearest_m);
 }
 
 std::optional<Stop> Facet::touch(const Vector3 &point_m, double reach_m,

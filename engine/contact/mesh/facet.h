@@ -65,10 +65,11 @@ struct Stop {
 };
 
 /// What the parts of a search take, in the unit of a SearchBudget: a look at a facet's plane, at
-/// its rim, and a step towards it. Measured with facets that are not in the cache.
+/// the nearest point of it, as in each step towards it, and how near a motion comes to its edges.
+/// Measured with facets that are not in the cache.
 inline constexpr int kFacetEffort = 1;
-inline constexpr int kRimEffort = 15;
-inline constexpr int kAdvanceEffort = 12;
+inline constexpr int kNearestEffort = 12;
+inline constexpr int kGrazingEffort = 12;
 
 /// On two cache lines of its own; most motions need only the first, with the plane.
 class alignas(64) Facet {
@@ -140,6 +141,18 @@ private:
 /// use it up again in every step.
 [[nodiscard]] inline double nearest_allowed_m(double kept_m, double reach_m) noexcept {
     return kept_m < reach_m ? kept_m - kRoundOff_m : reach_m - kSlack_m;
+}
+
+/// Whether the plane between a convex obstacle and the start of a motion keeps all of the motion
+/// far enough from the obstacle.
+/// @param nearest_m  the obstacle's point nearest to the start
+[[nodiscard]] inline bool is_parted(const Vector3 &from_m, const Vector3 &to_m,
+                                    const Vector3 &nearest_m, double reach_m) noexcept {
+    const Vector3 gap = from_m - nearest_m;
+    const double distance_m = gap.norm();
+    const double kept_m = kept_distance_m(distance_m, reach_m);
+    return gap.dot(to_m - nearest_m) >=
+           distance_m * std::min(nearest_allowed_m(kept_m, reach_m), distance_m);
 }
 
 /// Advances a motion towards a convex obstacle, from one supporting plane to the next, until it
