@@ -136,7 +136,8 @@ public:
             const double enough = enough_from(level_ + 1);
             const bool is_enough = fraction <= enough;
             const double next =
-                is_enough ? halving_to(fraction) : std::max(enough, ring_to(fraction));
+                std::min(is_enough ? halving_to(fraction) : std::max(enough, ring_to(fraction)),
+                         fraction - kMinRing_m / shortest_m_);
             if (!has_room(fraction, next)) {
                 break;
             }
@@ -188,10 +189,9 @@ private:
         return std::min({square, within, std::max(longest, enough_from(level_ + 2))});
     }
 
-    /// Whether a ring's triangles would not be too low.
+    /// Whether the triangles within a ring would not be too thin.
     [[nodiscard]] bool has_room(double fraction, double next) const {
-        return (fraction - next) * shortest_m_ >= kMinRing_m &&
-               2.0 * next * shortest_m_ * sector() >= kMinRing_m;
+        return next > 0.0 && fraction > next && 2.0 * next * shortest_m_ * sector() >= kMinRing_m;
     }
 
     void add_ring(double outer, double inner) {
@@ -268,6 +268,30 @@ private:
     facet.corners_m = corners_m;
     facet.is_crowded = false;
     return facet;
+}
+
+/// Parts of a fan whose spokes are about as long: of a fan from a vertex of its own outline the
+/// first and the last are short. On the spoke between two parts the rings of one do not meet those
+/// of the other, which leaves no gap on a straight line.
+[[nodiscard]] std::vector<TriangleFan> divided_by_length(const TriangleFan &fan) {
+    constexpr double kAboutAsLong = 8.0;
+    std::vector<TriangleFan> parts;
+    double min_m = 0.0;
+    double max_m = 0.0;
+    for (std::size_t i = 0; i < fan.facets.size(); ++i) {
+        const double first_m = fan.spoke_m(i).norm();
+        const double last_m = fan.spoke_m(i + 1).norm();
+        min_m = std::min({min_m, first_m, last_m});
+        max_m = std::max({max_m, first_m, last_m});
+        if (parts.empty() || max_m > kAboutAsLong * min_m) {
+            parts.push_back({fan.apex_m, {fan.rim_m[i]}, {}});
+            min_m = std::min(first_m, last_m);
+            max_m = std::max(first_m, last_m);
+        }
+        parts.back().rim_m.push_back(fan.rim_m[i + 1]);
+        parts.back().facets.push_back(fan.facets[i]);
+    }
+    return parts;
 }
 
 /// Links the triangles at one vertex to those that follow them.
@@ -400,21 +424,23 @@ std::size_t grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshT
         for (const FanTriangle &member : members) {
             facets[member.facet].is_crowded = true;
         }
-        FanChains(std::move(members), facets).for_each_fan([&](const TriangleFan &fan) {
-            if (fan.facets.size() < kMinGradedFan) {
-                return;
+        FanChains(std::move(members), facets).for_each_fan([&](const TriangleFan &whole) {
+            bool is_graded = false;
+            for (const TriangleFan &fan : divided_by_length(whole)) {
+                const std::optional<std::vector<RingTriangle>> rings =
+                    fan.facets.size() < kMinGradedFan ? std::nullopt : rings_of(fan);
+                if (!rings) {
+                    continue;
+                }
+                is_graded = true;
+                for (const std::uint32_t facet : fan.facets) {
+                    is_replaced[facet] = true;
+                }
+                for (const RingTriangle &triangle : *rings) {
+                    graded.push_back(facet_of(triangle, fan, facets));
+                }
             }
-            const std::optional<std::vector<RingTriangle>> rings = rings_of(fan);
-            if (!rings) {
-                return;
-            }
-            ++count;
-            for (const std::uint32_t facet : fan.facets) {
-                is_replaced[facet] = true;
-            }
-            for (const RingTriangle &triangle : *rings) {
-                graded.push_back(facet_of(triangle, fan, facets));
-            }
+            count += is_graded ? 1 : 0;
         });
     }
     if (count > 0) {

@@ -127,7 +127,8 @@ TEST(FanGrading, KeepsWhereSmoothFansAreWithFewTrianglesAtTheVertex) {
             const std::vector<FacetSource> before = given.facets;
             ASSERT_EQ(grade_fans(given.facets, given.triangles, {}, given.vertices), 1U)
                 << shape.slope << " " << count;
-            EXPECT_LE(count_at(given.apex_m, given.facets), std::min(52U, (count + 1) / 2)) << shape.slope << " " << count;
+            EXPECT_LE(count_at(given.apex_m, given.facets), std::min(52U, (count + 1) / 2))
+                << shape.slope << " " << count;
             EXPECT_LE(given.facets.size(), 9 * count);
             // Round-off of points within 0.2 m.
             const double allowed_m = kGradingError_m + 1e-15;
@@ -198,6 +199,33 @@ TEST(FanGrading, KeepsMaterialsApart) {
         of_material[facet.material].push_back(facet);
     }
     EXPECT_NEAR(area_m2(of_material[0]), area_m2(of_material[1]), 1e-9 * area_m2(of_material[0]));
+}
+
+/// As CAD systems divide a round face: from a vertex of its outline, so that the first and the last
+/// triangles are small.
+TEST(FanGrading, GradesAFanFromAVertexOfItsOutline) {
+    constexpr std::uint32_t kCount = 3000;
+    constexpr double kRadius_m = 5e-3;
+    Given given;
+    const auto rim_m = [&](std::uint32_t i) {
+        const double phi = 2.0 * std::numbers::pi * i / (kCount + 2);
+        return Vector3(kRadius_m * std::cos(phi), 0.02, kRadius_m * std::sin(phi));
+    };
+    given.apex_m = rim_m(0);
+    given.vertices = kCount + 2;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        given.triangles.push_back({{0, i + 2, i + 1}, i});
+        given.facets.push_back({{given.apex_m, rim_m(i + 2), rim_m(i + 1)}, FacetSides::one, i});
+    }
+    const double area_before_m2 = area_m2(given.facets);
+    const std::vector<FacetSource> before = given.facets;
+    EXPECT_EQ(grade_fans(given.facets, given.triangles, {}, given.vertices), 1U);
+    EXPECT_LE(count_at(given.apex_m, given.facets), 250U);
+    EXPECT_NEAR(area_m2(given.facets), area_before_m2, 1e-9 * area_before_m2);
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_LE(distance_m(before[random() % before.size()], given.facets, random), 1e-15);
+    }
 }
 
 /// A triangle that was left out does not shift those that follow.
