@@ -21,7 +21,7 @@ constexpr double kFarthestTip_m = 1e3;
 constexpr double kLowRidge_m = 1e-5;
 
 /// Maximum number of steps in a tick, over a ridge or out of a pit, to a nearer place of rest.
-constexpr int kMaxJumps = 4;
+constexpr int kMaxJumps = 14;
 
 // A tick's path never overflows: every motion adds at most one point, a step out of a pit and
 // friction two more each.
@@ -49,9 +49,13 @@ constexpr double kVertex_m = 3.0 * kClearance_m;
 /// Of an update after many that could not move.
 constexpr int kMaxEffort = 100 * SolverBudget::kEffort;
 
-/// Radius of the neighbourhood [m]: initial and maximum.
+/// Radius of the neighbourhood [m]: initial, minimum besides the proxy's reach, and maximum.
 constexpr double kInitialSearchRadius_m = 1e-3;
+constexpr double kMinSearchRadius_m = 4e-6;
 constexpr double kMaxSearchRadius_m = 0.5;
+
+/// Where the neighbourhood was too small to be of use, how fast it is allowed to be larger again.
+constexpr double kRetryGrowth = 1.1;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
     return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
@@ -84,6 +88,7 @@ void Proxy::update_neighbourhood(const HapticSurface &surface, const Vector3 &ti
     if (rest_.held_by.size() == 0) {
         search_radius_m_ = std::max(search_radius_m_, 2.0 * needed_m);
     } else if (search_radius_m_ < 2.0 * needed_m) {
+        search_radius_m_ *= kRetryGrowth;
         return; // too fast among too many facets for a list to be worthwhile
     }
     // Centred ahead of the proxy, so that it lasts; but not so far that it might reach other facets
@@ -111,7 +116,8 @@ void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &ce
     constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
     const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * search_radius_m_;
     const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
-    search_radius_m_ = std::min(seen_m * std::clamp(growth, 0.7, 1.5), kMaxSearchRadius_m);
+    search_radius_m_ = std::clamp(seen_m * std::clamp(growth, 0.7, 1.5),
+                                  reach_m_ + kMinSearchRadius_m, kMaxSearchRadius_m);
 }
 
 bool Proxy::moves_freely(const HapticSurface &surface, const Vector3 &tip_m,
@@ -221,10 +227,13 @@ bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface
 bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
                          const Vector3 &tip_m, SolverBudget &budget) noexcept {
     bool has_settled = solver.solve(rest_, tip_m);
-    if (rest_.is_touching() && !near_.covers(rest_.point_m, reach_m_)) {
-        search_neighbourhood(surface, rest_.point_m, budget); // it has moved far
-    }
-    for (int i = 0; i < kMaxJumps && has_settled && rest_.is_touching(); ++i) {
+    for (int i = 0; has_settled && rest_.is_touching() && budget.has_any_left(); ++i) {
+        if (i == kMaxJumps) {
+            return false;
+        }
+        if (!near_.covers(rest_.point_m, std::max(reach_m_, kVertex_m))) {
+            search_neighbourhood(surface, rest_.point_m, budget); // it has moved far
+        }
         if (!jump_to_nearer_rest(solver, surface, tip_m) && !leave_vertex(solver, surface, tip_m)) {
             break;
         }
