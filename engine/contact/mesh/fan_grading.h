@@ -18,8 +18,8 @@ namespace springdrive::contact {
 /// As many triangles at a vertex fit into the list that the proxy keeps of its neighbourhood.
 inline constexpr std::size_t kMinGradedFan = 48;
 
-/// A graded fan is no farther than this from the given one, anywhere [m]: well within the clearance,
-/// so that a proxy beside the one does not cross the other.
+/// A graded fan is no farther than this from the given one, anywhere [m]: well within the
+/// clearance, so that a proxy beside the one does not cross the other.
 inline constexpr double kGradingError_m = 0.3 * kClearance_m;
 
 /// Grades the fans of at least kMinGradedFan triangles of one material and the same sides,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace springdrive::contact {
 
@@ -279,7 +280,8 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         sticks_ = slides_ = false;
     }
     SolverBudget budget;
-    budget.search.effort_left = effort_;
+    const int effort = std::exchange(effort_, SolverBudget::kEffort);
+    budget.search.effort_left = effort;
     update_neighbourhood(surface, tip_m, budget);
     last_tip_m_ = tip_m;
     if (moves_freely(surface, tip_m, budget)) {
@@ -299,9 +301,10 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
         follow(*slide);
     } else {
         has_settled = move_to_rest(solver, surface, tip_m, budget);
-        // Where hundreds of facets meet, that may not be enough to find any way.
-        const bool is_still = !has_settled && rest_.point_m == before.point_m;
-        effort_ = is_still ? std::min(2 * effort_, kMaxEffort) : SolverBudget::kEffort;
+        if (!has_settled && rest_.point_m == before.point_m) {
+            // Where hundreds of facets meet, more is needed to find any way.
+            effort_ = std::min(2 * effort, kMaxEffort);
+        }
     }
     if (!rest_.is_touching()) {
         // A proxy that stopped in mid-air when the budget ran out exerts no force either.

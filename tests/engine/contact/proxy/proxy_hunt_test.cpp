@@ -100,7 +100,8 @@ protected:
             if (!contact.settled) {
                 const double before_m = (proxy.path()[0] - tips_m.back()).norm();
                 const double after_m = (contact.x0_m - tips_m.back()).norm();
-                ASSERT_LE(after_m, before_m + kNearer_m) << mesh.name << ", seed " << seed << ", step " << step;
+                ASSERT_LE(after_m, before_m + kNearer_m)
+                    << mesh.name << ", seed " << seed << ", step " << step;
                 still += before_m - after_m < kNearer_m ? 1 : 0;
             }
             const bool crosses = judge.crosses(proxy.path());
