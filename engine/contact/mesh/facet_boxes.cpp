@@ -38,7 +38,7 @@ constexpr double kCutRoundOff_m = 1e-15;
 /// A convex polygon: a facet cut by the sides of a box.
 class CutFacet {
 public:
-    explicit CutFacet(const FacetSource &facet) : size_(3) {
+    explicit CutFacet(const FacetSource &facet) {
         std::ranges::copy(facet.corners_m, corners_m_.begin());
     }
 
@@ -78,7 +78,7 @@ private:
     /// Each of six cuts adds at most one corner.
     static constexpr std::size_t kCapacity = 3 + 6;
     std::array<Vector3, kCapacity> corners_m_;
-    std::size_t size_;
+    std::size_t size_ = 3;
 };
 
 /// The part of a facet in a box.
@@ -95,7 +95,7 @@ private:
     const Vector3 margin = Vector3::Constant(
         kCutRoundOff_m *
         (1.0 + limits.min().cwiseAbs().cwiseMax(limits.max().cwiseAbs()).maxCoeff()));
-    return FacetBox(box.min() - margin, box.max() + margin);
+    return {box.min() - margin, box.max() + margin};
 }
 
 /// The best cut of a box in two.

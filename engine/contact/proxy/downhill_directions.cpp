@@ -56,6 +56,7 @@ public:
     }
 
 private:
+    /// Set before it is read. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
     struct Leaf {
         const Facet *facet;
         bool is_known;     ///< what follows
