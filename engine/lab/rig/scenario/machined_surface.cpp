@@ -132,7 +132,7 @@ private:
     }
 
     /// The vertices of a corner where the rounding of an edge along `axis` begins.
-    Row corner_arc(int corner, std::size_t axis) const {
+    [[nodiscard]] Row corner_arc(int corner, std::size_t axis) const {
         const std::vector<Row> &rows = corner_rows_[static_cast<std::size_t>(corner)];
         if (axis == 0) {
             return rows.back();
@@ -161,7 +161,7 @@ private:
     }
 
     /// Around the flat face.
-    std::array<std::uint32_t, 4> face_corners(std::size_t axis, int side) const {
+    [[nodiscard]] std::array<std::uint32_t, 4> face_corners(std::size_t axis, int side) const {
         const int first = 1 << ((axis + 1) % 3);
         const int second = 1 << ((axis + 2) % 3);
         const int common = side > 0 ? 1 << axis : 0;

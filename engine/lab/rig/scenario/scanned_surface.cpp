@@ -72,13 +72,14 @@ public:
         : amplitude_(rms * std::sqrt(2.0 / (count * kPerLength))) {
         for (const double length : lengths) {
             for (int i = 0; i < kPerLength; ++i) {
-                waves_.push_back({2.0 * std::numbers::pi / length * draws.direction(),
-                                  draws.between(0.0, 2.0 * std::numbers::pi)});
+                const Vector3 direction = draws.direction();
+                waves_.emplace_back(2.0 * std::numbers::pi / length * direction,
+                                    draws.between(0.0, 2.0 * std::numbers::pi));
             }
         }
     }
 
-    double at(const Vector3 &place) const {
+    [[nodiscard]] double at(const Vector3 &place) const {
         double sum = 0.0;
         for (const auto &[wave_vector, phase] : waves_) {
             sum += std::sin(wave_vector.dot(place) + phase);
@@ -131,8 +132,10 @@ public:
         }
     }
 
-    const SphereTriangulation &mesh() const { return mesh_; }
-    bool is_measured(std::size_t triangle) const { return known_[triangle].is_measured; }
+    [[nodiscard]] const SphereTriangulation &mesh() const { return mesh_; }
+    [[nodiscard]] bool is_measured(std::size_t triangle) const {
+        return known_[triangle].is_measured;
+    }
 
 private:
     struct Known {
@@ -146,7 +149,7 @@ private:
         bool operator<(const Waiting &other) const { return weight < other.weight; }
     };
 
-    bool is_in_hole(const Vector3 &direction) const {
+    [[nodiscard]] bool is_in_hole(const Vector3 &direction) const {
         return std::ranges::any_of(holes_, [&](const ScanHole &hole) {
             const double outside_rad =
                 angle_between(direction, hole.direction) - hole.half_angle_rad;

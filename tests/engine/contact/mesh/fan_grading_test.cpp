@@ -55,8 +55,8 @@ Given fan_of(std::uint32_t count, const RimShape &shape, std::mt19937_64 &random
         // Each begins at another of its corners.
         VertexTriple vertices = {0, 1 + next, 1 + i};
         Corners corners_m = {apex_m, rim_m[next], rim_m[i]};
-        std::ranges::rotate(vertices, vertices.begin() + i % 3);
-        std::ranges::rotate(corners_m, corners_m.begin() + i % 3);
+        std::rotate(vertices.begin(), vertices.begin() + i % 3, vertices.end());
+        std::rotate(corners_m.begin(), corners_m.begin() + i % 3, corners_m.end());
         given.triangles.push_back({vertices, i});
         given.facets.push_back({corners_m, FacetSides::two, i});
     }

@@ -23,7 +23,7 @@ const contact::TriangleSoup &machined() {
 }
 
 TEST(MachinedSurface, HasAboutAsManyTrianglesAsAsked) {
-    for (const std::size_t triangles : {1000, 1280, 5000, 20'000, 100'000, 300'000}) {
+    for (const std::size_t triangles : {1000U, 1280U, 5000U, 20'000U, 100'000U, 300'000U}) {
         const contact::TriangleSoup soup = machined_surface(triangles);
         const auto wanted = static_cast<double>(triangles);
         EXPECT_NEAR(static_cast<double>(soup.triangles.size()), wanted,
