@@ -40,6 +40,7 @@ constexpr FanShape kFans[]{
     {"pit", 0.3},
     {"saddle", 0.0, 0.2},
     {"jagged saddle", 0.0, 0.2, 0.0, 0.2},
+    {"rough", 0.0, 0.0, 0.04},
     {"crumpled", 0.0, 0.0, 0.04, 0.2},
 };
 constexpr std::uint32_t kCounts[]{100, 1'000, 10'000, 50'000};
@@ -100,7 +101,7 @@ std::vector<Vector3> tips_over_fan() {
 double lag_m(contact::Proxy proxy, const contact::HapticSurface &surface, const Vector3 &tip_m,
              const Vector3 &proxy_m) {
     contact::Contact contact;
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 100; ++i) {
         contact = proxy.update(surface, tip_m);
         if (contact.settled) {
             break;

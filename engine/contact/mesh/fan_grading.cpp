@@ -27,6 +27,19 @@ constexpr double kMinRing_m = 2.0 * kClearance_m;
 /// overlap those of few others.
 constexpr double kMaxAroundLongRing = 500.0;
 
+/// Where more sectors than this are left, kCoarseGradingError_m applies: their edges are too blunt
+/// to be felt, but a proxy that crosses hundreds in a tick takes too long.
+constexpr std::size_t kManySectors = 500;
+
+/// Radius of the core of a rough fan [m]: whatever replaces it is within its diameter.
+constexpr double kCore_m = 0.5 * kCoarseGradingError_m;
+
+/// Rough fans of fewer triangles have no core.
+constexpr std::size_t kMinRoughFan = 200;
+
+/// By which part of their distance from the vertex the rings of a core follow each other.
+constexpr double kCoreRing = 0.15;
+
 /// Rings are longer where a fan would become more than this many triangles for each given one.
 constexpr std::size_t kMaxGrowth = 8;
 
@@ -123,6 +136,7 @@ public:
             const Vector3 first_m = fan.spoke_m(i);
             const Vector3 last_m = fan.spoke_m(i + 1);
             shortest_m_ = std::min({shortest_m_, first_m.norm(), last_m.norm()});
+            longest_m_ = std::max({longest_m_, first_m.norm(), last_m.norm()});
             turn_ += std::atan2(first_m.cross(last_m).norm(), first_m.dot(last_m));
         }
     }
@@ -132,16 +146,30 @@ public:
         const std::size_t most = kMaxGrowth * fan_.facets.size();
         double fraction = 1.0;
         while (sectors() > kFewest && triangles_.size() <= most) {
+            if (fraction <= core()) {
+                is_coarse_ = true;
+                const double next = (1.0 - kCoreRing) * fraction;
+                add_halving_ring(fraction, next);
+                ++level_;
+                fraction = next;
+                continue;
+            }
             // Half as many sectors are near enough from here on.
-            const double enough = enough_from(level_ + 1);
+            const double enough = std::max(enough_from(level_ + 1), core());
             const bool is_enough = fraction <= enough;
             const double next =
                 std::min(is_enough ? halving_to(fraction) : std::max(enough, ring_to(fraction)),
                          fraction - kMinRing_m / shortest_m_);
             if (!has_room(fraction, next)) {
-                break;
+                if (core() == 0.0 || sectors() < kMinGradedFan) {
+                    break;
+                }
+                add_ring(fraction, core());
+                fraction = core();
+                continue;
             }
             if (is_enough) {
+                is_coarse_ = is_coarse_ || fraction > kGradingError_m / error_m(level_ + 1);
                 add_halving_ring(fraction, next);
                 ++level_;
             } else {
@@ -156,6 +184,9 @@ public:
         return std::move(triangles_);
     }
 
+    /// Whether they are farther than kGradingError_m from the given ones.
+    [[nodiscard]] bool is_coarse() const { return is_coarse_; }
+
 private:
     [[nodiscard]] std::size_t sectors() const {
         return SpokesOfLevel(fan_.facets.size(), level_).sectors();
@@ -164,13 +195,23 @@ private:
     /// The angle of a sector [rad].
     [[nodiscard]] double sector() const { return turn_ / static_cast<double>(sectors()); }
 
+    /// How far what has the spokes of a level is from the rim [m].
+    [[nodiscard]] double error_m(unsigned level) {
+        while (errors_m_.size() <= level) {
+            errors_m_.push_back(2.0 * rim_error_m(fan_, static_cast<unsigned>(errors_m_.size())));
+        }
+        return errors_m_[level];
+    }
+
     /// The fraction of the spokes up to which those of a level are near enough.
     [[nodiscard]] double enough_from(unsigned level) {
-        while (enough_from_.size() <= level) {
-            const auto next = static_cast<unsigned>(enough_from_.size());
-            enough_from_.push_back(kGradingError_m / (2.0 * rim_error_m(fan_, next)));
-        }
-        return enough_from_[level];
+        const bool are_many = SpokesOfLevel(fan_.facets.size(), level).sectors() > kManySectors;
+        return (are_many ? kCoarseGradingError_m : kGradingError_m) / error_m(level);
+    }
+
+    /// The fraction of the spokes up to which anything is near enough.
+    [[nodiscard]] double core() const {
+        return fan_.facets.size() < kMinRoughFan ? 0.0 : kCore_m / longest_m_;
     }
 
     /// How far the next ring may be.
@@ -235,20 +276,40 @@ private:
     const TriangleFan &fan_;
     double max_around_long_ring_;
     double shortest_m_ = std::numeric_limits<double>::infinity();
-    double turn_ = 0.0;               ///< of all sectors [rad]
-    std::vector<double> enough_from_; ///< by level
+    double longest_m_ = 0.0;
+    double turn_ = 0.0;            ///< of all sectors [rad]
+    std::vector<double> errors_m_; ///< by level
+    bool is_coarse_ = false;
     unsigned level_ = 0;
     std::vector<RingTriangle> triangles_;
 };
 
-[[nodiscard]] std::optional<std::vector<RingTriangle>> rings_of(const TriangleFan &fan) {
+struct FanRings {
+    std::vector<RingTriangle> triangles; ///< empty if the fan stays as it is
+    bool is_coarse = false;
+};
+
+[[nodiscard]] FanRings rings_of(const TriangleFan &fan) {
+    if (fan.facets.size() < kMinGradedFan) {
+        return {};
+    }
     const auto count = static_cast<double>(fan.facets.size());
     for (double around = kMaxAroundLongRing;; around *= 2.0) {
-        std::optional<std::vector<RingTriangle>> triangles = FanGrading(fan, around).triangles();
-        if (triangles || around > count) {
-            return triangles;
+        FanGrading grading(fan, around);
+        std::optional<std::vector<RingTriangle>> triangles = grading.triangles();
+        if (triangles) {
+            return {std::move(*triangles), grading.is_coarse()};
+        }
+        if (around > count) {
+            return {};
         }
     }
+}
+
+/// Whether it comes from a ring that reaches far in.
+[[nodiscard]] bool is_long(const RingTriangle &triangle) {
+    const auto [inner, outer] = std::ranges::minmax(triangle, {}, &RingPoint::fraction);
+    return inner.fraction < 0.5 * outer.fraction && inner.fraction > 0.0;
 }
 
 [[nodiscard]] FacetSource facet_of(const RingTriangle &triangle, const TriangleFan &fan,
@@ -266,7 +327,7 @@ private:
     }
     FacetSource facet = given[fan.facets[(first + last) / 2]];
     facet.corners_m = corners_m;
-    facet.is_crowded = false;
+    facet.is_crowded = is_long(triangle);
     return facet;
 }
 
@@ -413,37 +474,39 @@ find_fans(const std::vector<MeshTriangle> &triangles, const std::vector<std::uin
 
 } // namespace
 
-std::size_t grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
-                       const std::vector<std::uint32_t> &left_out, std::size_t vertices) {
+GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
+                      const std::vector<std::uint32_t> &left_out, std::size_t vertices) {
     std::map<std::uint32_t, std::vector<FanTriangle>> fans =
         find_fans(triangles, left_out, vertices);
     std::vector<FacetSource> graded;
     std::vector<bool> is_replaced(fans.empty() ? 0 : facets.size());
-    std::size_t count = 0;
+    GradedFans count;
     for (auto &[apex, members] : fans) {
         for (const FanTriangle &member : members) {
             facets[member.facet].is_crowded = true;
         }
         FanChains(std::move(members), facets).for_each_fan([&](const TriangleFan &whole) {
             bool is_graded = false;
+            bool is_coarse = false;
             for (const TriangleFan &fan : divided_by_length(whole)) {
-                const std::optional<std::vector<RingTriangle>> rings =
-                    fan.facets.size() < kMinGradedFan ? std::nullopt : rings_of(fan);
-                if (!rings) {
+                const FanRings rings = rings_of(fan);
+                if (rings.triangles.empty()) {
                     continue;
                 }
                 is_graded = true;
+                is_coarse = is_coarse || rings.is_coarse;
                 for (const std::uint32_t facet : fan.facets) {
                     is_replaced[facet] = true;
                 }
-                for (const RingTriangle &triangle : *rings) {
+                for (const RingTriangle &triangle : rings.triangles) {
                     graded.push_back(facet_of(triangle, fan, facets));
                 }
             }
-            count += is_graded ? 1 : 0;
+            count.all += is_graded ? 1 : 0;
+            count.coarse += is_coarse ? 1 : 0;
         });
     }
-    if (count > 0) {
+    if (count.all > 0) {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < facets.size(); ++i) {
             if (!is_replaced[i]) {

@@ -4,6 +4,7 @@
 // Near its vertex each of them is within reach of the proxy, and a long thin triangle fills no more
 // than a sliver of its box; either way a search looks at most of them. A graded fan has rings about
 // its vertex, with ever fewer triangles towards it: as few as the shape of the surface allows.
+// Where it is rough, they become few within a micrometre of the vertex.
 #pragma once
 
 #include "engine/contact/mesh/facet.h"
@@ -22,15 +23,24 @@ inline constexpr std::size_t kMinGradedFan = 48;
 /// clearance, so that a proxy beside the one does not cross the other.
 inline constexpr double kGradingError_m = 0.3 * kClearance_m;
 
+/// No farther than this where a fan is rough near its vertex, or would still have hundreds of
+/// triangles there: a thirtieth of what a device resolves [m].
+inline constexpr double kCoarseGradingError_m = 1e-6;
+
+/// Numbers of graded fans.
+struct GradedFans {
+    std::size_t all = 0;
+    std::size_t coarse = 0; ///< with an error of more than kGradingError_m
+};
+
 /// Grades the fans of at least kMinGradedFan triangles of one material and the same sides,
-/// connected over their common edges, where that leads to fewer triangles at the vertex. Rough fans
+/// connected over their common edges, where that leads to fewer triangles at the vertex. Others
 /// stay as they are, and crowded. The new facets come last, and each names one of the triangles
 /// that it lies on.
 /// @param facets     one for each triangle that is not left out, in order; replaced
 /// @param left_out   indices of triangles, in ascending order
 /// @param vertices   their number
-/// @return the number of fans that were graded
-std::size_t grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
-                       const std::vector<std::uint32_t> &left_out, std::size_t vertices);
+GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
+                      const std::vector<std::uint32_t> &left_out, std::size_t vertices);
 
 } // namespace springdrive::contact

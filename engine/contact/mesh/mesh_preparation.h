@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "engine/contact/mesh/facet.h"
+#include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/triangle_soup.h"
 
 #include <cstddef>
@@ -28,7 +29,7 @@ struct MeshReport {
     std::size_t split_triangles = 0;      ///< divided where vertices of others touch their edges
     std::size_t welded_vertices = 0;      ///< replaced by another at the same place
     std::size_t closed_cracks = 0;        ///< vertices moved to others across a crack
-    std::size_t graded_fans = 0;          ///< see fan_grading.h
+    GradedFans graded_fans;               ///< triangles at one vertex, divided anew
     double largest_move_m = 0.0;          ///< of a vertex or an edge, to close a crack
     std::size_t open_edges_given = 0;     ///< used by one triangle only, before cracks were closed
     std::size_t open_edges = 0;           ///< and after

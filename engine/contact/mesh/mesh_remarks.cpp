@@ -68,6 +68,11 @@ std::vector<std::string> remarks_on(const MeshReport &report,
     if (report.closed_cracks + report.split_triangles > 0) {
         remarks.push_back(on_closing(report));
     }
+    if (report.graded_fans.coarse > 0) {
+        remarks.push_back(counted(report.graded_fans.coarse, "fan", "has", "have") +
+                          " hundreds of triangles at one vertex: divided anew, within " +
+                          micrometres(kCoarseGradingError_m));
+    }
     if (report.merged_triangles > 0) {
         remarks.push_back(counted(report.merged_triangles, "triangle", "is", "are") +
                           " given in both windings: touched from both sides");

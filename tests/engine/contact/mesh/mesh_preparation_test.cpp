@@ -271,7 +271,7 @@ TEST(MeshPreparation, ClosesTJunctionsOfSinglePrecision) {
         EXPECT_EQ(mesh.report.closed_components, 1U);
         EXPECT_EQ(mesh.report.components, 1U);
         EXPECT_EQ(mesh.report.split_triangles, 4U);
-        if (mesh.report.graded_fans == 0) { // of the divided triangles
+        if (mesh.report.graded_fans.all == 0) { // of the divided triangles
             EXPECT_EQ(static_cast<int>(mesh.facets.size()),
                       10 + 4 * (cells - 1) + 2 * cells * cells);
         }

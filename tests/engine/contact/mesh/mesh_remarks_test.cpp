@@ -58,6 +58,16 @@ TEST(MeshRemarks, SaysWhatWasDoneToCloseCracks) {
     EXPECT_NE(remarks_on(report, {}).front().find("4 are open now"), std::string::npos);
 }
 
+TEST(MeshRemarks, SaysWhereFansBecameCoarse) {
+    MeshReport report;
+    report.graded_fans = {3, 0};
+    EXPECT_TRUE(remarks_on(report, {}).empty());
+    report.graded_fans.coarse = 2;
+    ASSERT_EQ(remarks_on(report, {}).size(), 1U);
+    EXPECT_EQ(remarks_on(report, {}).front(),
+              "2 fans have hundreds of triangles at one vertex: divided anew, within 1.0 µm");
+}
+
 TEST(MeshRemarks, SaysWhatWasTurnedAndWhatHasTwoSides) {
     MeshReport report;
     report.flipped_triangles = 1;
