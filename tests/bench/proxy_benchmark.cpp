@@ -53,7 +53,16 @@ std::vector<Row> all_rows() {
 }
 
 /// The least share of updates in contact: over the holes of a scan the tip is lifted.
-double min_touching(Relief relief) { return relief == Relief::scanned ? 0.8 : 1.0; }
+double min_touching(Relief relief) {
+    switch (relief) {
+    case Relief::scanned:
+        return 0.8;
+    case Relief::machined:
+        return 0.9999; // an update whose effort ended may have stopped above the surface
+    default:
+        return 1.0;
+    }
+}
 
 /// The number of tips for each measurement, the path's first ones.
 struct Counts {

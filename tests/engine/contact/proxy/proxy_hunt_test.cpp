@@ -193,6 +193,41 @@ TEST(ProxyAtAVertex, IsNotHeldWhereTheMeshLeadsDown) {
     EXPECT_GT(touching, 20'000); // not vacuous
 }
 
+/// Of a scan: a pit 10.27 nm from the vertex, in which each facet's nearest point is 2 nm beside
+/// the edge that leads down.
+TEST(ProxyAtAVertex, LeavesAlongAnEdgeBesideThePit) {
+    constexpr double kNm = 1e-9;
+    TriangleSoup soup;
+    soup.vertices_m = {{0.0, 0.0, 0.0},
+                       {-886006.049 * kNm, 147040.27 * kNm, -68234.4543 * kNm},
+                       {-475109.2 * kNm, 201370.605 * kNm, 334700.556 * kNm},
+                       {-262413.55 * kNm, 131290.679 * kNm, 755656.824 * kNm},
+                       {274972.38 * kNm, 165576.408 * kNm, 430917.239 * kNm},
+                       {432597.723 * kNm, -39913.0089 * kNm, -253653.385 * kNm},
+                       {21818.0132 * kNm, 96461.1377 * kNm, -939662.0 * kNm},
+                       {-389616.569 * kNm, -190103.167 * kNm, -405011.453 * kNm}};
+    for (std::uint32_t i = 0; i < 7; ++i) {
+        soup.triangles.push_back({0, 1 + i, 1 + (i + 1) % 7});
+    }
+    soup.material_of_triangle.assign(7, 0);
+    soup.materials = {{"vertex", 0.0}};
+    const HapticSurface surface(soup);
+    const Judge judge(soup);
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    for (int i = 0; i < 200; ++i) {
+        const Vector3 tip_m(13.726e-6 + 1e-6 * one(random), -1739.4e-6,
+                            62.970e-6 + 1e-6 * one(random));
+        Proxy proxy;
+        proxy.reset(kNm * Vector3(0.405309898 + 0.01 * one(random),
+                                  10.1778074 + 0.1 * (1.0 + one(random)),
+                                  -1.2807643 + 0.01 * one(random)));
+        const Contact contact = proxy.update(surface, tip_m);
+        EXPECT_TRUE(contact.settled);
+        EXPECT_LT(judge.lag_m(contact.x0_m, tip_m), kNearer_m) << i;
+    }
+}
+
 TEST(Shrink, LeavesTheTrianglesThatItTakes) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::scan(random);
