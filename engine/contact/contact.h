@@ -24,7 +24,8 @@ struct Contact {
 
     // Of the first of the constraints, if touching.
     Vector3 surface_m{Vector3::Zero()};   ///< the point of the surface nearest to x₀
-    Vector3 barycentric{Vector3::Zero()}; ///< of that point in its triangle; zero on a shape
+    Vector3 barycentric{Vector3::Zero()}; ///< of that point in the facet touched, which may be a
+                                          ///< part of the triangle; zero on a shape
     std::uint32_t triangle = 0;           ///< of the soup; on a shape the soup's size + its index
     std::uint16_t material = 0;           ///< index into the surface's materials
 };

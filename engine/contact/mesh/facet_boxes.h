@@ -20,7 +20,7 @@ struct FacetBoxes {
     std::vector<std::uint32_t> facet_of_box;
 };
 
-/// At most this many boxes more than facets: they take 32 bytes and half a microsecond each.
+/// At most this many boxes more than facets: they take 32 bytes and some microseconds each.
 inline constexpr std::size_t kMaxMoreBoxes = 500'000;
 
 /// At least one box for each facet; the boxes of a facet cover it.

@@ -20,7 +20,7 @@ namespace {
 /// A fan ends in this many triangles at its vertex, or a few more.
 constexpr std::size_t kFewest = 12;
 
-/// No new triangle is lower than this [m], where the given ones are not.
+/// How high the rings' triangles are, at least [m]: about that. Not those of a core.
 constexpr double kMinRing_m = 2.0 * kClearance_m;
 
 /// With more triangles around than this, a ring is short at first, so that its triangles' boxes
@@ -37,7 +37,9 @@ constexpr double kCore_m = 0.5 * kCoarseGradingError_m;
 /// Rough fans of fewer triangles have no core.
 constexpr std::size_t kMinRoughFan = 200;
 
-/// By which part of their distance from the vertex the rings of a core follow each other.
+/// By which part of their distance from the vertex the rings of a core follow each other. Where the
+/// rim is jagged some triangles are folded over, which opens nothing: the surface has the same rim
+/// as before.
 constexpr double kCoreRing = 0.15;
 
 /// Rings are longer where a fan would become more than this many triangles for each given one.
@@ -49,6 +51,7 @@ struct FanTriangle {
     std::uint32_t to = 0;
     std::uint32_t apex = 0; ///< which corner of the facet is at the vertex
     std::uint32_t facet = 0;
+    bool is_own = false; ///< whether it is part of this vertex' fans, and of no other's
 };
 
 /// Triangles at one vertex, each next to the one before it.
@@ -355,7 +358,8 @@ struct FanRings {
     return parts;
 }
 
-/// Links the triangles at one vertex to those that follow them.
+/// Links the triangles at one vertex to those that follow them, across edges that no other triangle
+/// uses: such an edge must stay, or there would be a gap below the other.
 class FanChains {
 public:
     FanChains(std::vector<FanTriangle> triangles, const std::vector<FacetSource> &facets)
@@ -379,7 +383,7 @@ public:
     template <typename Visit> void for_each_fan(const Visit &visit) {
         for (const bool is_open : {true, false}) {
             for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-                if (next_[i] != kTaken && (!is_open || !has_previous_[i])) {
+                if (triangles_[i].is_own && next_[i] != kTaken && (!is_open || !has_previous_[i])) {
                     visit(take(i));
                 }
             }
@@ -409,7 +413,8 @@ private:
     [[nodiscard]] bool belong_together(std::uint32_t a, std::uint32_t b) const {
         const FacetSource &one = facets_[triangles_[a].facet];
         const FacetSource &other = facets_[triangles_[b].facet];
-        return one.material == other.material && one.sides == other.sides;
+        return triangles_[a].is_own && triangles_[b].is_own && one.material == other.material &&
+               one.sides == other.sides;
     }
 
     [[nodiscard]] TriangleFan take(std::uint32_t i) {
@@ -434,7 +439,7 @@ private:
     std::vector<bool> has_previous_;
 };
 
-/// The triangles at vertices where many meet, by vertex; each triangle at one of them only.
+/// The triangles at vertices where many meet, by vertex; each is the own of one of them only.
 [[nodiscard]] std::map<std::uint32_t, std::vector<FanTriangle>>
 find_fans(const std::vector<MeshTriangle> &triangles, const std::vector<std::uint32_t> &left_out,
           std::size_t vertices) {
@@ -463,13 +468,29 @@ find_fans(const std::vector<MeshTriangle> &triangles, const std::vector<std::uin
                 apex = corner;
             }
         }
-        if (uses[vertices_of[apex]] >= kMinGradedFan) {
-            fans[vertices_of[apex]].push_back(
-                {vertices_of[(apex + 1) % 3], vertices_of[(apex + 2) % 3], apex, facet});
+        for (std::uint32_t corner = 0; corner < 3; ++corner) {
+            if (uses[vertices_of[corner]] >= kMinGradedFan) {
+                fans[vertices_of[corner]].push_back({vertices_of[(corner + 1) % 3],
+                                                     vertices_of[(corner + 2) % 3], corner, facet,
+                                                     corner == apex});
+            }
         }
         ++facet;
     }
     return fans;
+}
+
+/// The triangles at each vertex; those with most of them first.
+[[nodiscard]] std::vector<std::vector<FanTriangle>>
+largest_first(std::map<std::uint32_t, std::vector<FanTriangle>> &fans) {
+    std::vector<std::vector<FanTriangle>> sorted;
+    sorted.reserve(fans.size());
+    for (auto &[apex, members] : fans) {
+        sorted.push_back(std::move(members));
+    }
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const auto &a, const auto &b) { return a.size() > b.size(); });
+    return sorted;
 }
 
 } // namespace
@@ -481,30 +502,34 @@ GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTr
     std::vector<FacetSource> graded;
     std::vector<bool> is_replaced(fans.empty() ? 0 : facets.size());
     GradedFans count;
-    for (auto &[apex, members] : fans) {
+    const auto grade = [&](const TriangleFan &whole) {
+        bool is_graded = false;
+        bool is_coarse = false;
+        for (const TriangleFan &fan : divided_by_length(whole)) {
+            stop_if_given_up(graded.size());
+            const FanRings rings = rings_of(fan);
+            if (rings.triangles.empty()) {
+                continue;
+            }
+            is_graded = true;
+            is_coarse = is_coarse || rings.is_coarse;
+            for (const std::uint32_t facet : fan.facets) {
+                is_replaced[facet] = true;
+            }
+            for (const RingTriangle &triangle : rings.triangles) {
+                graded.push_back(facet_of(triangle, fan, facets));
+            }
+        }
+        count.all += is_graded ? 1 : 0;
+        count.coarse += is_coarse ? 1 : 0;
+    };
+    for (std::vector<FanTriangle> &members : largest_first(fans)) {
         for (const FanTriangle &member : members) {
             facets[member.facet].is_crowded = true;
         }
-        FanChains(std::move(members), facets).for_each_fan([&](const TriangleFan &whole) {
-            bool is_graded = false;
-            bool is_coarse = false;
-            for (const TriangleFan &fan : divided_by_length(whole)) {
-                const FanRings rings = rings_of(fan);
-                if (rings.triangles.empty()) {
-                    continue;
-                }
-                is_graded = true;
-                is_coarse = is_coarse || rings.is_coarse;
-                for (const std::uint32_t facet : fan.facets) {
-                    is_replaced[facet] = true;
-                }
-                for (const RingTriangle &triangle : rings.triangles) {
-                    graded.push_back(facet_of(triangle, fan, facets));
-                }
-            }
-            count.all += is_graded ? 1 : 0;
-            count.coarse += is_coarse ? 1 : 0;
-        });
+        if (graded.size() < kMaxGradedFacets) {
+            FanChains(std::move(members), facets).for_each_fan(grade);
+        }
     }
     if (count.all > 0) {
         std::size_t kept = 0;

@@ -19,13 +19,16 @@ namespace springdrive::contact {
 /// As many triangles at a vertex fit into the list that the proxy keeps of its neighbourhood.
 inline constexpr std::size_t kMinGradedFan = 48;
 
-/// A graded fan is no farther than this from the given one, anywhere [m]: well within the
-/// clearance, so that a proxy beside the one does not cross the other.
+/// A graded fan is no farther than this from the given one, unless it is coarse [m]: well within
+/// the clearance, so that a proxy beside the one does not cross the other.
 inline constexpr double kGradingError_m = 0.3 * kClearance_m;
 
 /// No farther than this where a fan is rough near its vertex, or would still have hundreds of
 /// triangles there: a thirtieth of what a device resolves [m].
 inline constexpr double kCoarseGradingError_m = 1e-6;
+
+/// The largest fans are graded first, until they have become this many facets.
+inline constexpr std::size_t kMaxGradedFacets = 1'000'000;
 
 /// Numbers of graded fans.
 struct GradedFans {

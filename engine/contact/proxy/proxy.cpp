@@ -73,6 +73,7 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
         rest_ = {tip_m, {}};
         sticks_ = slides_ = false;
         last_tip_m_ = tip_m;
+        effort_ = SolverBudget::kEffort;
     }
 }
 
@@ -106,7 +107,7 @@ void Proxy::update_neighbourhood(const HapticSurface &surface, const Vector3 &ti
 
 void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &centre_m,
                                  SolverBudget &budget) noexcept {
-    // Without a list, an update still has most of its budget for its motions.
+    // What is left is for the motions, which do without a list if need be.
     constexpr int kListEffort = SolverBudget::kEffort / 3;
     SearchBudget part{std::min(kListEffort, budget.search.effort_left)};
     budget.search.effort_left -= part.effort_left;

@@ -100,7 +100,13 @@ bool ProxySolver::solve(Rest &rest, const Vector3 &target_m) const noexcept {
     const bool is_curved = reach_m_ > kClearance_m || !surface_.shapes().empty();
     const double max_m = (target_m - rest.point_m).norm();
     SlideExtrapolation extrapolation;
+    // What holds the proxy if it has to stop early: else the force would fail for a tick.
     ContactPlanes last_met;
+    for (const ContactPlane &plane : rest.held_by) {
+        if (plane.height_m(target_m) < 0.0) {
+            last_met.add(plane);
+        }
+    }
     ContactPlanes planes = rest.held_by; // the goal stays above these
     NearestPoint goal = nearest_point(target_m, planes, rest.point_m);
     while (budget_.has_any_left()) {

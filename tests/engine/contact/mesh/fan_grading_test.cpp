@@ -232,6 +232,46 @@ TEST(FanGrading, LeavesSmallAndRoughFansButCallsThoseOfManyCrowded) {
     EXPECT_TRUE(std::ranges::none_of(small.facets, &FacetSource::is_crowded));
 }
 
+/// A third triangle stands on one of the spokes. It belongs to another, larger fan, which has its
+/// own vertex; the spoke stays, so that nothing passes below it.
+TEST(FanGrading, KeepsASpokeOnWhichAThirdTriangleStands) {
+    std::mt19937_64 random(9);
+    Given given = fan_of(2001, {.slope = -0.3}, random);
+    const std::size_t own = given.facets.size();
+    const std::uint32_t foot = 1 + 751; // at the rim, and dissolved without the third triangle
+    const Vector3 foot_m = given.facets[751].corners_m[1]; // begins at its second
+    const Vector3 spoke_m = foot_m - given.apex_m;
+    const auto top = static_cast<std::uint32_t>(given.vertices++);
+    const Vector3 top_m = given.apex_m + spoke_m + 5e-3 * spoke_m.unitOrthogonal();
+    const auto add = [&](const VertexTriple &vertices, const Corners &corners_m) {
+        given.triangles.push_back({vertices, static_cast<std::uint32_t>(given.facets.size())});
+        given.facets.push_back(
+            {corners_m, FacetSides::two, static_cast<std::uint32_t>(given.facets.size())});
+    };
+    add({0, foot, top}, {given.apex_m, foot_m, top_m});
+    Vector3 last_m = top_m + Vector3(1e-3, 0.0, 0.0);
+    for (std::uint32_t i = 0; i < 2100; ++i) { // the larger fan
+        const double phi = 2.0 * std::numbers::pi * (i + 1) / 2100;
+        const Vector3 next_m = top_m + 1e-3 * Vector3(std::cos(phi), std::sin(phi), 0.0);
+        const auto first = static_cast<std::uint32_t>(given.vertices++);
+        add({top, first, first + 1}, {top_m, last_m, next_m});
+        last_m = next_m;
+    }
+    ++given.vertices;
+    ASSERT_LT(testing::distance_to_triangle(given.facets[750].corners_m, foot_m), 1e-15);
+    EXPECT_GE(grade_fans(given.facets, given.triangles, {}, given.vertices).all, 2U);
+    for (double share = 0.001; share < 1.0; share *= 1.3) {
+        const Vector3 on_spoke_m = given.apex_m + share * spoke_m;
+        double min_m = INFINITY;
+        for (const FacetSource &facet : given.facets) {
+            if (facet.triangle < own) {
+                min_m = std::min(min_m, testing::distance_to_triangle(facet.corners_m, on_spoke_m));
+            }
+        }
+        EXPECT_LE(min_m, 1e-15) << share; // round-off of corners within 0.2 m
+    }
+}
+
 TEST(FanGrading, KeepsMaterialsApart) {
     std::mt19937_64 random(5);
     Given given = fan_of(200, {}, random);
