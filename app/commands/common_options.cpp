@@ -132,6 +132,14 @@ void EffectOptions::add_to(CLI::App &command) {
         ->type_name("EFFECT,...")
         ->delimiter(',')
         ->check(CLI::IsMember(names));
+    command
+        .add_option(
+            "--device-seed", device_seed,
+            "which device of its kind is simulated: motors and current sensors drawn within "
+            "the device file's tolerances; 0 is the file's own, with ideal sensors")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1'000'000'000))
+        ->capture_default_str();
 }
 
 simulated::PlantEffects EffectOptions::effects() const {

@@ -79,10 +79,11 @@ struct TuningOptions {
     [[nodiscard]] control::Tuning tuning() const;
 };
 
-/// `--without` and `--with`: which effects the simulated device has.
+/// `--without`, `--with` and `--device-seed`: which effects the simulated device has.
 struct EffectOptions {
     std::vector<std::string> without;
     std::vector<std::string> with;
+    std::uint64_t device_seed = 0;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);

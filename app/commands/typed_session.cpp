@@ -103,6 +103,7 @@ session::SessionOptions TypedSession::session() const {
     session.tuning = tuning.tuning();
     remark_on_margins(tuning.file, options.servo_hz, options.delay_periods);
     session.effects = effects.effects();
+    session.device_seed = effects.device_seed;
     session.model = model.options(tuning);
     const bool chooses_plant = session.model.automatic || session.model.plant;
     if (chooses_plant && !(effects.without.empty() && effects.with.empty())) {

@@ -33,8 +33,26 @@ MotorParameters read_motor(StrictTomlTable &table) {
     motor.thermal.winding_time_s = table.number("winding_time_s", {0.1, 1e4});
     motor.thermal.motor_time_s = table.number("motor_time_s", {1.0, 1e5});
     motor.thermal.max_winding_C = table.number("greatest_winding_C", {40.0, 300.0});
+    // Not in older files, as records hold them.
+    if (table.has("resistance_tolerance")) {
+        motor.resistance_tolerance = table.number("resistance_tolerance", {0.0, 0.5});
+    }
+    if (table.has("torque_constant_tolerance")) {
+        motor.torque_constant_tolerance = table.number("torque_constant_tolerance", {0.0, 0.5});
+    }
     table.refuse_unknown_keys();
     return motor;
+}
+
+CurrentSensing read_current_sensing(StrictTomlTable table) {
+    CurrentSensing sensing;
+    sensing.resolution_A = table.number("resolution_A", {0.0, 1.0});
+    sensing.noise_A = table.number("noise_A", {0.0, 1.0});
+    sensing.max_offset_A = table.number("greatest_offset_A", {0.0, 1.0});
+    sensing.gain_tolerance = table.number("gain_tolerance", {0.0, 0.2});
+    sensing.is_shared = table.integer("shared_with_amplifier", 0, 1) == 1;
+    table.refuse_unknown_keys();
+    return sensing;
 }
 
 PhantomGeometry read_geometry(StrictTomlTable linkage) {
@@ -185,6 +203,10 @@ DeviceDescription read_device(StrictTomlTable file) {
         device.motor.fill(device.motor.front());
     }
     device.amplifier = read_amplifier(file.table("amplifier"), device.motor);
+
+    if (file.has("current_sensing")) { // not in older files
+        device.current_sensing = read_current_sensing(file.table("current_sensing"));
+    }
 
     StrictTomlTable encoder = file.table("encoder");
     device.encoder_counts_per_turn = encoder.integer("counts_per_turn", 4, 100'000);

@@ -65,6 +65,16 @@ struct StructuralCompliance {
     double damping_Ns_per_m = 0.0;
 };
 
+/// How the winding currents are measured: by the amplifiers, for (6), and by a converter, for the
+/// servo.
+struct CurrentSensing {
+    double resolution_A = 0.0; ///< of the converter
+    double noise_A = 0.0;      ///< r.m.s. of the converter, each period's independent
+    double max_offset_A = 0.0; ///< either way, constant
+    double gain_tolerance = 0.0;
+    bool is_shared = true; ///< one sensor for amplifier and converter: their errors are the same
+};
+
 struct DeviceDescription {
     std::string name;
     PhantomGeometry geometry;
@@ -74,6 +84,7 @@ struct DeviceDescription {
     StructuralCompliance structure;
     std::array<MotorParameters, 3> motor;
     AmplifierParameters amplifier;
+    CurrentSensing current_sensing;
     int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4 decoding
     Workspace workspace;
     WorkspaceEdge edge;

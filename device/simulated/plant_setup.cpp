@@ -66,14 +66,32 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
 std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
                                                    const SimulationOptions &options) {
     std::array<device::MotorParameters, 3> motors = description.motor;
+    const DrawnDevice drawn = drawn_device(description, options.device_seed);
     for (std::size_t j = 0; j < motors.size(); ++j) {
+        const DrawnMotor &own = drawn.motor[j];
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
+        if (options.effects.motor_tolerances) {
+            motors[j].resistance_Ohm *= own.resistance_share;
+            motors[j].torque_constant_Nm_per_A *= own.torque_constant_share;
+        }
+        motors[j].commutator_phase_rad =
+            options.effects.commutator_phase ? own.commutator_phase_rad : 0.0;
         motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
         if (options.dynamics != PlantDynamics::electromechanical) {
             motors[j].inductance_H = 0.0; // stores no energy
         }
     }
     return motors;
+}
+
+/// Ideal where they are switched off, or for the device of the file.
+std::array<MotorSensing, 3> sensing(const device::DeviceDescription &description,
+                                    const SimulationOptions &options) {
+    if (!options.effects.current_sensing || options.device_seed == 0) {
+        return {};
+    }
+    const DrawnDevice drawn = drawn_device(description, options.device_seed);
+    return {drawn.motor[0].sensing, drawn.motor[1].sensing, drawn.motor[2].sensing};
 }
 
 /// Initial temperatures of winding and housing.
@@ -143,6 +161,7 @@ PlantParts plant_parts(const device::DeviceDescription &description,
             options.dynamics == PlantDynamics::coupling ? 0.0 : options.hand.mass_kg,
             linkage_plant(description, options),
             true_motors(description, options),
+            sensing(description, options),
             {temperature(description.motor[0], options), temperature(description.motor[1], options),
              temperature(description.motor[2], options)}};
 }

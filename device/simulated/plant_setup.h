@@ -2,6 +2,7 @@
 #pragma once
 
 #include "device/core/device_file.h"
+#include "device/simulated/drawn_device.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/simulation_options.h"
 
@@ -25,9 +26,10 @@ struct PlantParts {
     double longest_step_s = 0.0;
     double hand_mass_kg = 0.0; ///< 0 if the dynamics have no masses
     LinkagePlant linkage;      ///< with rotors, enabled effects and the load at the tip
-    /// True parameters: R differs from the data sheet by `resistance_share`; ripple and inductance
-    /// as enabled.
+    /// True parameters: R differs from the data sheet by `resistance_share`, and as drawn; ripple
+    /// and inductance as enabled.
     std::array<device::MotorParameters, 3> motor;
+    std::array<MotorSensing, 3> sensing;
     std::array<device::WindingTemperature, 3> temperature; ///< initial
     std::uint32_t number = 0; ///< sequence number of the published parts
 };

@@ -23,7 +23,10 @@ Vector3 limited(const Vector3 &vector, double max_norm) {
 SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
     : description_(description), options_(options), parts_(plant_parts(description, options)),
-      wanted_parts_(parts_), hand_target_(start_tip_m), temperature_(parts_.temperature) {
+      wanted_parts_(parts_), hand_target_(start_tip_m),
+      temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
+                                                   CurrentConverter(3 * options.device_seed + 1),
+                                                   CurrentConverter(3 * options.device_seed + 2)} {
     linkage_.q_rad = start_angles(description, options, start_tip_m);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
@@ -120,17 +123,22 @@ device::Measurement SimulatedPhantom::read() noexcept {
     return measurement();
 }
 
-device::Measurement SimulatedPhantom::measurement() const noexcept {
+double SimulatedPhantom::clock_s() const noexcept {
+    return clock_base_s_ +
+           static_cast<double>(periods_ - clock_base_periods_) * options_.servo_period_s;
+}
+
+device::Measurement SimulatedPhantom::measurement() noexcept {
     device::Measurement measured;
     for (std::size_t motor = 0; motor < 3; ++motor) {
         const auto j = static_cast<Eigen::Index>(motor);
         measured.counts[motor] = static_cast<std::int32_t>(
             std::lround((truth_.theta_rad[j] - count_zero_rad_[j]) * counts_per_rad_));
+        measured.current_A[j] =
+            converter_[motor].reading_A(parts_.sensing[motor], truth_.current_A[j]);
     }
-    measured.current_A = truth_.current_A;
     measured.number = periods_;
-    measured.time_s = clock_base_s_ +
-                      static_cast<double>(periods_ - clock_base_periods_) * options_.servo_period_s;
+    measured.time_s = clock_s();
     if (!connected_) {
         measured.arrival = device::Arrival::absent;
         measured.health = device::DeviceHealth::lost;
@@ -142,7 +150,7 @@ void SimulatedPhantom::set_period(double period_s) {
     SimulationOptions wanted = options_;
     wanted.servo_period_s = period_s;
     check_options(description_, wanted);
-    clock_base_s_ = measurement().time_s;
+    clock_base_s_ = clock_s();
     clock_base_periods_ = periods_;
     options_.servo_period_s = period_s;
     for (device::WindingTemperature &motor : temperature_) {
@@ -280,9 +288,12 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
         return {}; // no current at any speed
     }
     const bool drives = spring.mode == device::CommandMode::drive;
-    const double e_W_V = drives ? spring.e_W_V[j] : 0.0;
-    const double cancelled_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
-                                            description_.amplifier.max_cancelled_Ohm);
+    const double set_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
+                                      description_.amplifier.max_cancelled_Ohm);
+    // (6) with the current that the amplifier's sensor reads.
+    const SensorError &sensor = parts_.sensing[index].amplifier;
+    const double cancelled_Ohm = sensor.gain * set_Ohm;
+    const double e_W_V = (drives ? spring.e_W_V[j] : 0.0) + set_Ohm * sensor.offset_A;
     return at_once ? device::spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
                    : device::spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }

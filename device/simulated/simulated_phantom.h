@@ -22,6 +22,7 @@
 
 #include "base/latest_value.h"
 #include "device/core/haptic_device.h"
+#include "device/simulated/current_converter.h"
 #include "device/simulated/free_tip.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/plant_setup.h"
@@ -107,7 +108,8 @@ public:
 private:
     using CurrentSteps = std::array<device::CurrentStep, 3>;
 
-    [[nodiscard]] device::Measurement measurement() const noexcept;
+    [[nodiscard]] device::Measurement measurement() noexcept;
+    [[nodiscard]] double clock_s() const noexcept;
     void activate(const PlantParts &parts) noexcept;
     void take_over(const PlantParts &wanted) noexcept;
     [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
@@ -141,6 +143,7 @@ private:
     LinkageState linkage_;
     std::array<FrictionMode, 3> friction_mode_{};
     std::array<device::WindingTemperature, 3> temperature_;
+    std::array<CurrentConverter, 3> converter_;
     Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last period
     Truth truth_;
     PlantCommand written_; ///< last

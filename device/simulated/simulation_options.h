@@ -32,9 +32,13 @@ struct PlantEffects {
     bool winding_heat = true;           ///< R(T); if off, windings stay at 25 °C
     bool commutation_ripple = true;     ///< R(θ)
     bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
+    // With a `device_seed` only:
+    bool motor_tolerances = true; ///< of R and k_T, each motor its own
+    bool commutator_phase = true; ///< of the ripple, against the encoder's zero
+    bool current_sensing = true;  ///< resolution, noise, offset and gain of the current sensors
 
     [[nodiscard]] static constexpr PlantEffects none() {
-        return {false, false, false, false, false, false, false, false};
+        return {false, false, false, false, false, false, false, false, false, false, false};
     }
 };
 
@@ -45,7 +49,7 @@ struct PlantEffect {
 };
 
 /// The list of all effects, read by command line and tests.
-inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
+inline constexpr std::array<PlantEffect, 11> kPlantEffects{{
     {"gravity", &PlantEffects::gravity},
     {"viscous_friction", &PlantEffects::viscous_friction},
     {"coulomb_friction", &PlantEffects::coulomb_friction},
@@ -54,6 +58,9 @@ inline constexpr std::array<PlantEffect, 8> kPlantEffects{{
     {"winding_heat", &PlantEffects::winding_heat},
     {"commutation_ripple", &PlantEffects::commutation_ripple},
     {"structural_compliance", &PlantEffects::structural_compliance},
+    {"motor_tolerances", &PlantEffects::motor_tolerances},
+    {"commutator_phase", &PlantEffects::commutator_phase},
+    {"current_sensing", &PlantEffects::current_sensing},
 }};
 
 struct SimulationOptions {
@@ -73,6 +80,9 @@ struct SimulationOptions {
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R relative to its data sheet's
     double ambient_C = device::kReferenceTemperature_C;
+    /// Which device of its kind it is: its motors' and sensors' deviations are drawn from this. 0
+    /// is the device that its file describes, with ideal sensors.
+    std::uint64_t device_seed = 0;
 };
 
 } // namespace springdrive::simulated

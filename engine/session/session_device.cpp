@@ -59,6 +59,7 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     simulation.servo_period_s = request.period_s;
     simulation.delay_periods = options_.delay_periods;
     simulation.effects = options_.effects;
+    simulation.device_seed = options_.device_seed;
     const std::optional<model_selection::ModelSelection> before =
         servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);

@@ -52,6 +52,21 @@ TEST_F(Record, IsReplayedToTheLastBit) {
     EXPECT_EQ(ending.out.find("differs"), std::string::npos) << ending.out;
 }
 
+TEST_F(Record, OfADrawnDeviceIsReplayedToo) {
+    const std::string drawn = make("drawn.rec", {"--device-seed", "7"});
+    const testing::Ending ending = testing::run_program({"replay", drawn});
+    EXPECT_EQ(ending.out.find("differs"), std::string::npos) << ending.out;
+    const auto currents = [](const std::string &record) {
+        return testing::run_program({"export", record, "--csv", "-", "--columns", "current*"}).out;
+    };
+    EXPECT_EQ(currents(drawn), currents(make("again.rec", {"--device-seed", "7"})));
+    EXPECT_NE(currents(drawn), currents(make("other.rec", {"--device-seed", "8"})));
+    EXPECT_EQ(currents(make("nominal.rec")),
+              currents(make("without.rec", {"--device-seed", "7", "--without",
+                                            "motor_tolerances,commutator_phase,current_sensing"})));
+    expect_refusal({"record", folder / "no.rec", "--device-seed", "-3"}, "--device-seed");
+}
+
 TEST_F(Record, ByTheClockIsReplayedToo) {
     const std::string file = folder / "clock.rec";
     const testing::Ending recorded = testing::run_program(

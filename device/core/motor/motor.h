@@ -25,7 +25,10 @@ struct MotorParameters {
     double resistance_rise_per_K = 0.0; ///< of R(T), relative to R at 25 °C
     double commutation_ripple = 0.0;    ///< of R(θ): amplitude as a share of R
     int commutator_segments = 0;        ///< ripples per turn
+    double commutator_phase_rad = 0.0;  ///< of the ripple at θ = 0; unknown of a real motor
     ThermalParameters thermal;
+    double resistance_tolerance = 0.0;      ///< of R, as a share of it, either way
+    double torque_constant_tolerance = 0.0; ///< of k_T
 };
 
 /// Limits of the amplifiers' settings; the three amplifiers are identical.

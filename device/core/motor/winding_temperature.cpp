@@ -21,8 +21,8 @@ double winding_resistance_Ohm(const MotorParameters &motor, double winding_C, do
     if (motor.commutation_ripple == 0.0) {
         return mean_Ohm;
     }
-    return mean_Ohm *
-           (1.0 + motor.commutation_ripple * std::cos(motor.commutator_segments * theta_rad));
+    const double phase_rad = motor.commutator_segments * theta_rad + motor.commutator_phase_rad;
+    return mean_Ohm * (1.0 + motor.commutation_ripple * std::cos(phase_rad));
 }
 
 double min_resistance_Ohm(const MotorParameters &motor, double winding_C) {

@@ -60,6 +60,121 @@ TEST(SimulatedPhantom, AHeldRotorRendersTheSeriesSpringAndDamper) {
     }
 }
 
+/// A device with a seed, of which only motors and sensors deviate.
+SimulationOptions drawn(std::uint64_t seed) {
+    SimulationOptions options = held();
+    options.effects.motor_tolerances = true;
+    options.effects.commutator_phase = true;
+    options.effects.commutation_ripple = true;
+    options.effects.current_sensing = true;
+    options.device_seed = seed;
+    return options;
+}
+
+/// With the rotor held, e_W + R̂ (g i + o) = R i: what the amplifier's sensor reads is fed back.
+TEST(SimulatedPhantom, ADrawnDeviceHasItsOwnMotorsAndSensors) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        for (const bool is_shared : {true, false}) {
+            device::DeviceDescription description = testing::phantom_1_0();
+            description.current_sensing.is_shared = is_shared;
+            SimulatedPhantom device(description, drawn(seed), testing::kOffCentre_m);
+            const DrawnDevice own = drawn_device(description, seed);
+            const double R_hat_Ohm = 1.2;
+            const Vector3 e_W_V(0.4, -0.3, 0.2);
+            Vector3 mean_A = Vector3::Zero();
+            constexpr int kMeasured = 4000;
+            for (int k = -50; k < kMeasured; ++k) { // settled after some 3 time constants of 0.3 ms
+                const device::Measurement read = device.advance(voltage(e_W_V, R_hat_Ohm));
+                mean_A += k < 0 ? Vector3::Zero() : Vector3(read.current_A / kMeasured);
+            }
+            const SimulatedPhantom::Truth &truth = device.truth();
+            for (Eigen::Index j = 0; j < 3; ++j) {
+                const device::MotorParameters &motor =
+                    description.motor[static_cast<std::size_t>(j)];
+                const DrawnMotor &deviation = own.motor[static_cast<std::size_t>(j)];
+                const double R_Ohm =
+                    deviation.resistance_share * motor.resistance_Ohm *
+                    (1.0 + motor.commutation_ripple *
+                               std::cos(motor.commutator_segments * truth.theta_rad[j] +
+                                        deviation.commutator_phase_rad));
+                const SensorError &amplifier = deviation.sensing.amplifier;
+                const double expected_A = (e_W_V[j] + R_hat_Ohm * amplifier.offset_A) /
+                                          (R_Ohm - R_hat_Ohm * amplifier.gain);
+                // The hand yields by 1 µm per kN.
+                EXPECT_NEAR(truth.current_A[j], expected_A, 1e-6 * std::abs(expected_A));
+                // The mean of noise and rounding: five standard errors.
+                const SensorError &converter = deviation.sensing.converter;
+                const double scatter_A = std::hypot(
+                    deviation.sensing.noise_A, deviation.sensing.resolution_A / std::sqrt(12.0));
+                EXPECT_NEAR(mean_A[j], converter.gain * expected_A + converter.offset_A,
+                            5.0 * scatter_A / std::sqrt(kMeasured));
+            }
+        }
+    }
+}
+
+TEST(SimulatedPhantom, DrawnTorqueConstantsMakeTorqueAndBackEmf) {
+    const std::uint64_t seed = 3;
+    const device::DeviceDescription description = testing::phantom_1_0();
+    const DrawnDevice own = drawn_device(description, seed);
+    const device::DeviceCommand command = voltage(Vector3(0.4, -0.3, 0.2), 1.2);
+    SimulatedPhantom pressing(description, drawn(seed), testing::kOffCentre_m);
+    for (int k = 0; k < 100; ++k) {
+        pressing.advance(command);
+    }
+    const SimulatedPhantom::Truth &truth = pressing.truth();
+    Vector3 torque_Nm;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        torque_Nm[j] = description.geometry.transmission_ratio[j] *
+                       own.motor[static_cast<std::size_t>(j)].torque_constant_share *
+                       description.motor[static_cast<std::size_t>(j)].torque_constant_Nm_per_A *
+                       truth.current_A[j];
+    }
+    const Vector3 q_rad = device::joint_from_motor(description.geometry, truth.theta_rad);
+    const Matrix3 J = device::joint_jacobian(description.geometry, q_rad);
+    const Vector3 force_N = J.transpose().inverse() * torque_Nm;
+    EXPECT_LT((truth.hand_force_N + force_N).norm(), 1e-4 * force_N.norm());
+
+    // Open windings with R̂ = 0 and e_W = 0 brake with k_T²/R: the current of a turning rotor.
+    SimulationOptions turning = drawn(seed);
+    turning.hand = {};
+    SimulatedPhantom braking(description, turning, testing::kOffCentre_m);
+    braking.set_in_motion(Vector3(0.5, 0.5, 0.5), Vector3::Zero());
+    for (int k = 0; k < 3; ++k) {
+        braking.advance(device::DeviceCommand::braking());
+    }
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double k_T = own.motor[static_cast<std::size_t>(j)].torque_constant_share *
+                           description.motor[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
+        const SimulatedPhantom::Truth &moving = braking.truth();
+        // The current lags by L/R, a tenth of a millisecond, in which the speed changes by some
+        // hundredths.
+        EXPECT_NEAR(-moving.current_A[j] * moving.resistance_Ohm[j] /
+                        moving.theta_rate_rad_per_s[j] / k_T,
+                    1.0, 0.02)
+            << j;
+    }
+}
+
+TEST(SimulatedPhantom, SwitchesDeviationsOffOneByOne) {
+    const device::DeviceDescription description = testing::phantom_1_0();
+    const auto resistance_Ohm = [&](const SimulationOptions &options) {
+        SimulatedPhantom device(description, options, testing::kOffCentre_m);
+        device.advance(device::DeviceCommand::braking());
+        return device.truth().resistance_Ohm;
+    };
+    SimulationOptions options = drawn(4);
+    const Vector3 with_all = resistance_Ohm(options);
+    options.effects.commutator_phase = false;
+    const Vector3 without_phase = resistance_Ohm(options);
+    options.effects.motor_tolerances = false;
+    const Vector3 nominal = resistance_Ohm(options);
+    options.device_seed = 0;
+    EXPECT_EQ(nominal, resistance_Ohm(options));
+    EXPECT_GT((with_all - without_phase).norm(), 1e-3);
+    EXPECT_GT((without_phase - nominal).norm(), 1e-3);
+}
+
 TEST(SimulatedPhantom, AnOverCancelledWindingGrowsExponentially) {
     // dR < 0 (docs/design.md, "Where methods fail"): the current grows as e^(|dR| t/L) until the
     // rail.
