@@ -38,6 +38,9 @@ namespace {
 /// different facets of the same vertex may differ by.
 constexpr double kNearer_m = 0.1 * kClearance_m;
 
+/// The proxy does not move by less than this [m]: kStill_m in proxy_solver.cpp.
+constexpr double kTakenForRoundOff_m = 1e-11;
+
 constexpr int kStepsOnAMesh = 1500;
 
 /// What a mesh is checked with. It shares no code with the proxy but the preparation of the mesh.
@@ -57,15 +60,19 @@ public:
     }
 
     /// By how much the proxy could be nearer to the tip [m]. Brute force comes closer to the mesh
-    /// by its slack, which lets it into a wedge of 0.0004 rad by nanometres: of a lag that grows in
-    /// proportion to the slack, what would be left without it.
+    /// by its slack, which lets it into a wedge of 0.0004 rad by nanometres, and so do the
+    /// distances that the proxy takes for round-off: a lag that grows with the slack is reduced by
+    /// what the two explain.
     [[nodiscard]] double lag_m(const Vector3 &proxy_m, const Vector3 &tip_m) const {
         const double lag_m = lag_by_m(brute_force_, proxy_m, tip_m);
         if (lag_m <= kNearer_m) {
             return lag_m;
         }
         const double with_twice_m = lag_by_m(with_more_slack_, proxy_m, tip_m);
-        return with_twice_m < 3.0 * lag_m ? 2.0 * lag_m - with_twice_m : lag_m;
+        const double growth = std::max(0.0, (with_twice_m - lag_m) / rig::kMinSlack_m);
+        return with_twice_m < 3.0 * lag_m
+                   ? lag_m - growth * (rig::kMinSlack_m + kTakenForRoundOff_m)
+                   : lag_m;
     }
 
 private:
