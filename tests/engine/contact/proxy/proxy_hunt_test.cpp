@@ -75,6 +75,22 @@ public:
                    : lag_m;
     }
 
+    /// Whether it is between two sheets that hardly leave it room: there the clearance makes pits
+    /// of picometres out of which no detour leads, and brute force comes by its slack.
+    [[nodiscard]] bool is_squeezed(const Vector3 &proxy_m) const {
+        std::vector<Vector3> pushes;
+        for (const rig::PlainTriangle &triangle : triangles_) {
+            const rig::Away away = triangle.away(proxy_m);
+            if (away.distance_m < 1.5 * kClearance_m) {
+                pushes.push_back(away.direction);
+            }
+        }
+        return std::ranges::any_of(pushes, [&](const Vector3 &push) {
+            return std::ranges::any_of(
+                pushes, [&](const Vector3 &other) { return push.dot(other) < -0.5; });
+        });
+    }
+
 private:
     [[nodiscard]] static double lag_by_m(const rig::BruteForceProxy &brute_force,
                                          const Vector3 &proxy_m, const Vector3 &tip_m) {
@@ -128,6 +144,10 @@ protected:
             const double lag_m = contact.touching && contact.settled
                                      ? judge.lag_m(contact.x0_m, tips_m.back())
                                      : 0.0;
+            if (!crosses && lag_m > kNearer_m && judge.is_squeezed(contact.x0_m)) {
+                ++squeezed;
+                continue;
+            }
             if (crosses || lag_m > kNearer_m) {
                 const std::string file =
                     ::testing::TempDir() + mesh.name.substr(0, 4) + std::to_string(seed) + ".obj";
@@ -146,7 +166,8 @@ protected:
 
     long checked = 0;
     long unsettled = 0;
-    long still = 0; ///< of those, came no nearer
+    long still = 0;    ///< of those, came no nearer
+    long squeezed = 0; ///< could be nearer, but for a slot as narrow as the clearance
 };
 
 TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
@@ -158,9 +179,11 @@ TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
             return;
         }
     }
-    std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled, %ld of them still\n",
+    std::printf("counts: %s %ld steps in contact on %d meshes, %ld unsettled, %ld of them still; "
+                "%ld held in a slot\n",
                 std::string(GetParam().name).c_str(), checked, static_cast<int>(seed - 1),
-                unsettled, still);
+                unsettled, still, squeezed);
+    EXPECT_LE(squeezed, checked / 10'000);
     // Tips that leap to anywhere on the mesh need more than one update has.
     EXPECT_LT(unsettled, checked / 100);
 }
