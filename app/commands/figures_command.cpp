@@ -94,8 +94,8 @@ void make_figures(const TypedFigures &typed) {
 
 void add_figures_command(CLI::App &app) {
     CLI::App *figures = app.add_subcommand(
-        "figures", "figures 2, 3, 5 and 6 of the paper, measured and predicted, and "
-                   "the direction error over frequency, as SVG and CSV");
+        "figures", "figures 2, 5 and 6 of the paper, measured and predicted, figure 3 and the "
+                   "direction error over frequency, computed, as SVG and CSV");
     const auto typed = std::make_shared<TypedFigures>();
     figures->add_option("--out", typed->out, "the folder to write to; created if missing")
         ->type_name("DIR")

@@ -37,7 +37,7 @@ using FigureProgress = std::function<void(double)>;
 /// Fig. 2: K_θ over frequency, by (12), sampled, measured, and of the unmodified motor.
 [[nodiscard]] Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &progress);
 
-/// Fig. 3: the tip's stiffness under both maps.
+/// Fig. 3: the tip's stiffness under both maps, computed by (21) and (27).
 [[nodiscard]] Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress);
 
 /// Fig. 5: the forces of both maps against a wall above the device.
@@ -47,7 +47,7 @@ using FigureProgress = std::function<void(double)>;
 [[nodiscard]] Figure direction_error_figure(const FigureSetting &setting,
                                             const FigureProgress &progress);
 
-/// Fig. 7, beyond the paper: the direction error of both maps over frequency.
+/// Fig. 7, beyond the paper: the direction error of both maps over frequency, computed.
 [[nodiscard]] Figure direction_over_frequency_figure(const FigureSetting &setting,
                                                      const FigureProgress &progress);
 

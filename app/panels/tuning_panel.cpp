@@ -182,6 +182,10 @@ void show_consequences(const session::Session &session) {
         now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
         ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
                            now.alpha_bound_rad2_per_m2);
+        if (ImGui::IsItemHovered()) {
+            ImGui::SetTooltip("the gains of a motor exceed its tuning, so that its margin is smaller;\n"
+                              "the loop's own stability limit lies higher");
+        }
     }
 }
 

@@ -63,7 +63,9 @@ inline constexpr std::array<Parameter, 6> kParameters{{
     {"lambda_rad_per_s", "lambda", "λ", "rad/s", &Tuning::lambda_rad_per_s, 100.0, 5000.0, true,
      "(12)", "cutoff of the velocity filter: higher is lighter in free space and noisier"},
     {"alpha_rad2_per_m2", "alpha", "α", "rad²/m²", &Tuning::alpha_rad2_per_m2, 0.0, 20000.0, false,
-     "(23)", "scale of the transpose map when set by hand; above the bound (29) it goes unstable"},
+     "(23)",
+     "scale of the transpose map when set by hand; above the bound (29) a motor's gains exceed "
+     "its tuning"},
     {"eta", "eta", "η", "–", &Tuning::eta, 0.0, 1.0, false, "(30)",
      "0 rigid, 1 free space: the stiffness is scaled by 1 − η on top of the surface's own η"},
 }};
