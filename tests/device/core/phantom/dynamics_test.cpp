@@ -7,11 +7,15 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdio>
 #include <limits>
+#include <optional>
 #include <random>
 #include <type_traits>
 
@@ -243,6 +247,49 @@ TEST(DynamicsOfThePremium15, AreThosePublished) {
         ASSERT_LT((gravity_torque_Nm(moments, q) - published.gravity_Nm(q[1], q[2])).norm(),
                   kRoundOff);
     }
+}
+
+/// The tip's apparent mass, as a hand feels it that guides the tip along x, y or z: the diagonal of
+/// J⁻ᵀ (M + N² J_m) J⁻¹ [g].
+Vector3 apparent_mass_g(const DeviceDescription &device, const Vector3 &q_rad) {
+    Matrix3 M = mass_matrix(linkage_moments(device.geometry, device.inertia, 0.0), q_rad);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const double N = device.geometry.transmission_ratio[j];
+        M(j, j) += N * N * device.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
+    }
+    const Matrix3 J_inverse = joint_jacobian(device.geometry, q_rad).inverse();
+    return 1e3 * (J_inverse.transpose() * M * J_inverse).diagonal();
+}
+
+void expect_within_half_a_gram(const Vector3 &found_g, const Vector3 &stated_g, const char *where) {
+    std::printf("%s: x %.1f g, y %.1f g, z %.1f g\n", where, found_g.x(), found_g.y(), found_g.z());
+    EXPECT_LT((found_g - stated_g).cwiseAbs().maxCoeff(), 0.5) << where;
+}
+
+/// The figures of docs/plant.md: the data sheet's 75 g hold in some directions and places only.
+TEST(ApparentMass, OfThePhantom10DependsOnDirectionAndPlace) {
+    const DeviceDescription device = testing::phantom_1_0();
+    expect_within_half_a_gram(apparent_mass_g(device, Vector3::Zero()), {81.0, 52.6, 37.3},
+                              "zero pose");
+    expect_within_half_a_gram(apparent_mass_g(device, default_pose_rad()), {157.3, 74.1, 50.3},
+                              "default pose");
+    constexpr double kShare = 0.6; // of the workspace, within reach
+    constexpr int kPoints = 9;
+    Vector3 least_g = Vector3::Constant(HUGE_VAL);
+    Vector3 greatest_g = Vector3::Zero();
+    for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
+        const Vector3 place(i % kPoints, i / kPoints % kPoints, i / kPoints / kPoints);
+        const Vector3 share = place / (kPoints - 1) - Vector3::Constant(0.5);
+        const std::optional<Vector3> q_rad = joint_angles_rad(
+            device.geometry,
+            device.workspace.centre_m + kShare * share.cwiseProduct(device.workspace.size_m));
+        ASSERT_TRUE(q_rad);
+        const Vector3 mass_g = apparent_mass_g(device, *q_rad);
+        least_g = least_g.cwiseMin(mass_g);
+        greatest_g = greatest_g.cwiseMax(mass_g);
+    }
+    expect_within_half_a_gram(least_g, {50.3, 49.7, 34.3}, "least within 60 % of the workspace");
+    expect_within_half_a_gram(greatest_g, {182.6, 103.3, 68.6}, "greatest");
 }
 
 } // namespace
