@@ -14,7 +14,8 @@ struct StabilityGrid {
     static constexpr int kColumns = 36;
     static constexpr int kRows = 18;
     static constexpr double kMin_K_P_V_per_rad = 0.5;
-    static constexpr double kMax_K_P_V_per_rad = 200.0;
+    static constexpr double kMax_K_P_V_per_rad =
+        control::parameter_of(&control::Tuning::K_P_V_per_rad).maximum;
     static constexpr double kMin_dR_Ohm = 0.02;
     static constexpr double kMax_dR_Ohm = 2.0;
 

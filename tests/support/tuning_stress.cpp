@@ -21,6 +21,10 @@ constexpr double kChanges_hz = 10'000.0;
 constexpr double kSceneShare = 0.0004; // of the changes: about four per second
 constexpr std::uint32_t kSerials = 40;
 constexpr std::uint64_t kMaxReported = 5;
+/// The smallest value of a logarithmic parameter whose range begins at 0, as a share of its
+/// maximum. Transitions follow the mean of the values, for K_P 500/ln(1e20) = 11 V/rad, which is
+/// stable, so that the device is in contact with voltage on.
+constexpr double kSmallest = 1e-20;
 constexpr double kPress_s = 0.15; // down, and as long up: in a new scene around the tip the proxy
                                   // starts free
 const Vector3 kFree_m(0.0, 0.02, 0.0);
@@ -80,13 +84,13 @@ void TuningStress::publish() {
     control::Tuning &tuning = inputs_.tuning;
     for (const control::Parameter &parameter : control::kParameters) {
         const double x = share(random_);
+        const double minimum = std::max(parameter.minimum, kSmallest * parameter.maximum);
         tuning.*parameter.value =
-            parameter.logarithmic
-                ? std::clamp(parameter.minimum * std::pow(parameter.maximum / parameter.minimum, x),
-                             parameter.minimum, parameter.maximum)
-                : parameter.minimum + x * (parameter.maximum - parameter.minimum);
+            parameter.logarithmic ? std::clamp(minimum * std::pow(parameter.maximum / minimum, x),
+                                               parameter.minimum, parameter.maximum)
+                                  : parameter.minimum + x * (parameter.maximum - parameter.minimum);
     }
-    tuning.K_D_Vs_per_rad = tuning.K_P_V_per_rad / 200.0;
+    tuning.K_D_Vs_per_rad = tuning.K_P_V_per_rad / 500.0;
     tuning.eta = tuning.alpha_rad2_per_m2 / 20'000.0;
     tuning.map = serial % 2 == 0 ? control::MotionMap::transpose : control::MotionMap::inverse;
     tuning.alpha_mode = static_cast<control::AlphaMode>(serial % 3);
@@ -139,7 +143,7 @@ void TuningStress::check_set(const servo::ServoSample &sample) {
                static_cast<std::uint32_t>(tuning.alpha_mode) == serial % 3,
            sample, "a map of another set");
     // Related parameters move together, within the tolerance of the transition's end.
-    expect(std::abs(tuning.K_D_Vs_per_rad / 0.1 - tuning.K_P_V_per_rad / 20.0) < 1e-5 &&
+    expect(std::abs(tuning.K_D_Vs_per_rad - tuning.K_P_V_per_rad / 500.0) < 1e-5 &&
                std::abs(tuning.eta - tuning.alpha_rad2_per_m2 / 20'000.0) < 1e-5,
            sample, "K_D or η of another set");
     expect(!sample.contact.touching || sample.contact.eta == surface_eta(sample.scene_id), sample,

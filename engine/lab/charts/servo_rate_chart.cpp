@@ -50,9 +50,8 @@ constexpr const char *kCostLabel =
 
 /// λ, clamped to its range.
 double scaled_lambda(const control::Tuning &tuning, double factor) {
-    const auto parameter = std::ranges::find(
-        control::kParameters, &control::Tuning::lambda_rad_per_s, &control::Parameter::value);
-    return std::clamp(factor * tuning.lambda_rad_per_s, parameter->minimum, parameter->maximum);
+    const control::Parameter &parameter = control::parameter_of(&control::Tuning::lambda_rad_per_s);
+    return std::clamp(factor * tuning.lambda_rad_per_s, parameter.minimum, parameter.maximum);
 }
 
 constexpr double kPeriod_s = 1e-3; ///< of the timed servo

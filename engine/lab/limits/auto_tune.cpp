@@ -16,21 +16,17 @@ namespace {
 
 constexpr double kMaxMargin = 10.0;
 
-const control::Parameter &parameter(double control::Tuning::*value) {
-    return *std::find_if(control::kParameters.begin(), control::kParameters.end(),
-                         [value](const control::Parameter &each) { return each.value == value; });
-}
-
-/// A pair of K_D and λ, each as a fraction of its range: λ on a logarithmic scale, K_D by its
-/// square root, to resolve small values.
+/// A pair of K_D and λ, each as a fraction of its range: λ on a logarithmic scale, K_D by its cube
+/// root, to resolve small values.
 struct Place {
     double K_D = 0.0;
     double lambda = 0.0;
 
     [[nodiscard]] loops::Gains gains(double K_P) const {
-        const control::Parameter &of_K_D = parameter(&control::Tuning::K_D_Vs_per_rad);
-        const control::Parameter &of_lambda = parameter(&control::Tuning::lambda_rad_per_s);
-        return {K_P, of_K_D.minimum + K_D * K_D * (of_K_D.maximum - of_K_D.minimum),
+        const control::Parameter &of_K_D = control::parameter_of(&control::Tuning::K_D_Vs_per_rad);
+        const control::Parameter &of_lambda =
+            control::parameter_of(&control::Tuning::lambda_rad_per_s);
+        return {K_P, of_K_D.minimum + K_D * K_D * K_D * (of_K_D.maximum - of_K_D.minimum),
                 of_lambda.minimum * std::pow(of_lambda.maximum / of_lambda.minimum, lambda)};
     }
 };

@@ -17,7 +17,8 @@ namespace springdrive::limits {
 struct AutoTuneRequest {
     loops::StabilityCase which; ///< of its tuning, dR, the map and the source of α are kept
     double margin = 1.3;        ///< the factor by which K_P and K_D could be larger; at least 1
-    double max_K_P_V_per_rad = 20.0; ///< the limit of tuning files and panels
+    /// By default the limit of tuning files and panels.
+    double max_K_P_V_per_rad = control::parameter_of(&control::Tuning::K_P_V_per_rad).maximum;
 };
 
 struct AutoTuned {

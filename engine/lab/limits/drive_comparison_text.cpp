@@ -93,7 +93,7 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
     out << "Along the vertical: stiffness and rate-hardness in N/mm, mass in free space in g, the "
            "force of one\nencoder count in N. \"As quiet\": one count changes its force no more "
            "than the spring drive's.\nA + marks where a current drive is better than the spring "
-           "drive.\nSearched: K_P up to 1000 V/rad, more than tuning files allow, K_D up to 0.1 "
+           "drive.\nSearched: K_P up to 1000 V/rad, more than tuning files allow, K_D up to 1 "
            "V·s/rad, λ up to 5000 rad/s,\nK up to 1e6 N/m, B from 0.1 to 300 N·s/m. The motors' "
            "peak current limits rate-hardness.\n\n"
            "| servo | drive ";

@@ -98,13 +98,14 @@ public:
         for (int i = 0; i < kGrid; ++i) {
             const double share = static_cast<double>(i) / (kGrid - 1);
             for (int j = 0; j < kGrid; ++j) {
-                const loops::Gains pair{0.0, 0.1 * share * share,
+                const loops::Gains pair{0.0, share * share * share,
                                         100.0 *
                                             std::pow(50.0, static_cast<double>(j) / (kGrid - 1))};
                 const auto holds = [&](double K_P) {
                     return all_stable({K_P, pair.K_D_Vs_per_rad, pair.lambda_rad_per_s});
                 };
-                double K_P = 20.0;
+                constexpr double kMax_K_P = 500.0;
+                double K_P = kMax_K_P;
                 while (K_P > std::max(best, 0.01) && !holds(K_P)) {
                     K_P /= kStep;
                 }
@@ -112,7 +113,7 @@ public:
                     continue;
                 }
                 double fails = K_P * kStep;
-                for (int halving = 0; halving < 4 && K_P < 20.0; ++halving) {
+                for (int halving = 0; halving < 4 && K_P < kMax_K_P; ++halving) {
                     const double middle = 0.5 * (K_P + fails);
                     (holds(middle) ? K_P : fails) = middle;
                 }
@@ -130,7 +131,7 @@ public:
         for (int i = 0; i < kGrid * kGrid; ++i) {
             const int row = i / kGrid;
             const double share = static_cast<double>(row) / (kGrid - 1);
-            which.tuning.K_D_Vs_per_rad = 0.1 * share * share;
+            which.tuning.K_D_Vs_per_rad = share * share * share;
             which.tuning.lambda_rad_per_s =
                 100.0 * std::pow(50.0, static_cast<double>(i % kGrid) / (kGrid - 1));
             bool rests =

@@ -67,7 +67,7 @@ TEST_F(FoundTuning, HasTheRequestedMarginAndNoMore) {
     EXPECT_GE(found.margins.gain, request.margin * (1.0 - 1e-3));
     EXPECT_TRUE(holds(which, found.margins.gain));
     EXPECT_FALSE(holds(which, found.margins.gain * 1.002));
-    if (found.taken_back == 0.0 && found.tuning.K_P_V_per_rad < 20.0) {
+    if (found.taken_back == 0.0 && found.tuning.K_P_V_per_rad < request.max_K_P_V_per_rad) {
         EXPECT_LT(found.margins.gain, request.margin * 1.05);
     }
 }

@@ -24,8 +24,8 @@ SpringDrive random_drive(std::mt19937 &random) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     drive.tuning.dR_Ohm = std::exp(between(std::log(0.02), std::log(2.0)));
-    drive.tuning.K_P_V_per_rad = between(0.5, 20.0);
-    drive.tuning.K_D_Vs_per_rad = between(0.0, 0.1);
+    drive.tuning.K_P_V_per_rad = between(0.5, 500.0);
+    drive.tuning.K_D_Vs_per_rad = between(0.0, 1.0);
     drive.tuning.lambda_rad_per_s = std::exp(between(std::log(100.0), std::log(5000.0)));
     drive.period_s = 1.0 / between(500.0, 10000.0);
     drive.delay_periods = std::uniform_int_distribution<int>(0, 2)(random);

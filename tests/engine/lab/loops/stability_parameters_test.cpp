@@ -1,6 +1,7 @@
 // Covers engine/lab/loops/stability_parameters.cpp.
 #include "engine/lab/loops/stability_parameters.h"
 
+#include "engine/control/tuning.h"
 #include "tests/support/devices.h"
 #include "tests/support/stability_cases.h"
 
@@ -55,6 +56,17 @@ TEST(StabilityParameters, SearchWithinTheirRange) {
         EXPECT_LT(parameter.from, parameter.to) << parameter.name;
         EXPECT_EQ(what_is_wrong_with(parameter, parameter.from), "") << parameter.name;
         EXPECT_EQ(what_is_wrong_with(parameter, parameter.to), "") << parameter.name;
+    }
+}
+
+/// So that a limit that is found can also be set, in a file and by a slider.
+TEST(StabilityParameters, AreSearchedNoFurtherThanGainsCanBeSet) {
+    for (const control::Parameter &parameter : control::kParameters) {
+        if (parameter.value == &control::Tuning::K_P_V_per_rad ||
+            parameter.value == &control::Tuning::K_D_Vs_per_rad) {
+            EXPECT_GE(parameter.maximum, stability_parameter_named(parameter.option)->to)
+                << parameter.name;
+        }
     }
 }
 
