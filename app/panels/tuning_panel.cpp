@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/panels/look.h"
+#include "app/panels/presets.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
@@ -38,7 +39,7 @@ const char *digits_for(const control::Parameter &parameter) {
     if (parameter.maximum >= 1000.0) {
         return "%.0f";
     }
-    return parameter.maximum <= 0.5 ? "%.4f" : "%.3f";
+    return parameter.logarithmic && parameter.maximum <= 1.0 ? "%.4f" : "%.3f";
 }
 
 /// The number beside the slider. It becomes active on Enter or when the field loses focus.
@@ -108,18 +109,27 @@ bool edit_choice(const char *label, Enum &value, const std::array<const char *, 
     return changed;
 }
 
-/// One button per tuning in assets/tunings.
-bool choose_preset(control::Tuning &tuning) {
+/// One button per label of the presets.
+bool choose_preset(const session::Session &session, control::Tuning &tuning) {
     bool changed = false;
-    for (const char *name : {"soft", "firm", "stiffest"}) {
-        if (ImGui::Button(name)) {
+    for (const char *label : kPresetLabels) {
+        const std::string file = preset_file(label, session.servo().rate_hz(),
+                                             session.device().device().delay_periods());
+        ImGui::BeginDisabled(file.empty());
+        if (ImGui::Button(label)) {
             try {
-                tuning = control::read_tuning_file(asset_folder() / "tunings" /
-                                                   (std::string(name) + ".toml"));
+                tuning = control::read_tuning_file(asset_folder() / "tunings" / (file + ".toml"));
                 changed = true;
             } catch (const InputError &) {
                 // The folder was removed while the program runs: the button does nothing.
             }
+        }
+        ImGui::EndDisabled();
+        if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+            ImGui::SetTooltip("%s", file.empty()
+                                        ? "no tuning is stored for this servo rate and delay:\n"
+                                          "find the stiffest in the Stability tab"
+                                        : ("assets/tunings/" + file + ".toml").c_str());
         }
         ImGui::SameLine();
     }
@@ -183,8 +193,9 @@ void show_consequences(const session::Session &session) {
         ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
                            now.alpha_bound_rad2_per_m2);
         if (ImGui::IsItemHovered()) {
-            ImGui::SetTooltip("the gains of a motor exceed its tuning, so that its margin is smaller;\n"
-                              "the loop's own stability limit lies higher");
+            ImGui::SetTooltip(
+                "the gains of a motor exceed its tuning, so that its margin is smaller;\n"
+                "the loop's own stability limit lies higher");
         }
     }
 }
@@ -192,7 +203,7 @@ void show_consequences(const session::Session &session) {
 void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
     control::Tuning tuning = session.servo().inputs().tuning;
     const float font = ImGui::GetFontSize();
-    bool changed = choose_preset(tuning);
+    bool changed = choose_preset(session, tuning);
     ImGui::SetNextItemWidth(9.0F * font);
     changed |= edit_choice("##map", tuning.map, control::kMotionMapLabels);
     ImGui::SameLine();

@@ -170,14 +170,15 @@ TEST(ServoLoop, ForceInFreeSpaceIsSmall) {
     for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
         EXPECT_LT(max_force_on_a_slow_hand_N("soft", axis), 0.05) << axis.transpose();
         EXPECT_LT(max_force_on_a_slow_hand_N("firm", axis), 0.05) << axis.transpose();
-        // The tuning "stiffest" trades transparency for stiffness: the force of a count is up to
+        // The stiffest tuning trades transparency for stiffness: the force of a count is up to
         // that of the inductive spring (4), K_L count N/l, largest at the base motor.
         const device::DeviceDescription device = testing::phantom_1_0();
         const double one_count_N = device::inductive_stiffness_Nm_per_rad(device.motor[0]) * 2.0 *
                                    std::numbers::pi / device.encoder_counts_per_turn *
                                    device.geometry.transmission_ratio[0] /
                                    device.geometry.upper_arm_m;
-        EXPECT_LT(max_force_on_a_slow_hand_N("stiffest", axis), one_count_N) << axis.transpose();
+        EXPECT_LT(max_force_on_a_slow_hand_N("stiffest_1kHz", axis), one_count_N)
+            << axis.transpose();
     }
 }
 
@@ -333,8 +334,8 @@ TEST(ServoLoop, AChangeOfTuningInContactCausesNoForceStep) {
         return control::read_tuning_file(testing::assets() / "tunings" /
                                          (std::string(name) + ".toml"));
     };
-    for (const auto &[from, to] : {std::pair("soft", "stiffest"), std::pair("stiffest", "soft"),
-                                   std::pair("soft", "firm")}) {
+    for (const auto &[from, to] : {std::pair("soft", "stiffest_1kHz"),
+                                   std::pair("stiffest_1kHz", "soft"), std::pair("soft", "firm")}) {
         Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
         rig.inputs.tuning = tuning(from);
         rig.run(kStartUp_s + 2.0);
@@ -357,7 +358,7 @@ TEST(ServoLoop, EveryTuningHoldsAContact) {
          {device::HandParameters{0.03, 1.0, 60.0, 5.0, 0.4},
           device::HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {
         for (const double eta : {0.0, 0.5, 0.9}) {
-            for (const char *name : {"soft", "firm", "stiffest"}) {
+            for (const char *name : {"soft", "firm", "stiffest_1kHz"}) {
                 simulated::SimulationOptions options =
                     following({{0.0, kStart_m},
                                {0.9, Vector3(0.0, -0.006, 0.0)},
