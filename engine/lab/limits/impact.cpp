@@ -9,8 +9,14 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 namespace springdrive::limits {
 
@@ -27,40 +33,93 @@ double motors_push_N(const loops::StabilityCase &which,
     return (J.transpose().inverse() * torque_Nm).y();
 }
 
+/// A simulated device that is observed many times in each servo period.
+class ObservedPlant final : public rig::Plant {
+public:
+    /// @param phantom  with a period of `which.period_s / steps` and no delay
+    ObservedPlant(simulated::SimulatedPhantom &phantom, const loops::StabilityCase &which,
+                  int steps, std::function<void()> observe)
+        : phantom_(phantom), delay_periods_(which.delay_periods), steps_(steps),
+          theta_rad_(phantom.truth().theta_rad), observe_(std::move(observe)) {
+        commands_.fill({device::DeviceCommand::braking(), Vector3::Zero()});
+    }
+
+    void advance(const simulated::PlantCommand &command) override {
+        std::shift_right(commands_.begin(), commands_.end(), 1);
+        commands_.front() = command;
+        for (int step = 0; step < steps_; ++step) {
+            const double to_come = delay_periods_ - static_cast<double>(step) / steps_;
+            const auto age = static_cast<std::size_t>(std::ceil(std::max(0.0, to_come)));
+            const std::array<std::int32_t, 3> counts = phantom_.advance(commands_.at(age)).counts;
+            theta_rad_ =
+                phantom_.description().rad_per_count() * Vector3(counts[0], counts[1], counts[2]);
+            observe_();
+        }
+    }
+
+    [[nodiscard]] Vector3 theta_rad() const override { return theta_rad_; }
+
+private:
+    simulated::SimulatedPhantom &phantom_;
+    double delay_periods_;
+    int steps_;
+    Vector3 theta_rad_;
+    std::function<void()> observe_;
+    /// Newest first.
+    std::array<simulated::PlantCommand, simulated::SimulationOptions::kLongestDelay + 1> commands_;
+};
+
+/// The moment at which the tip reaches the wall.
+struct Touchdown {
+    double time_s = 0.0;
+    double speed_m_per_s = 0.0;
+};
+
 /// One impact on a wall `lower_m` below the nominal end of the approach.
 Impact impact_at(const loops::StabilityCase &which, double speed_m_per_s, double lower_m) {
     constexpr double kSoonest_s = 0.001;
     constexpr double kWatched_s = 0.01;
+    constexpr double kStep_s = 20e-6;
     const loops::Hand hand =
         which.hands.empty() ? loops::hand_of_firmness(0.5) : which.hands.front();
-    const rig::Scenario scenario = rig::impact_scenario(
+    rig::Scenario scenario = rig::impact_scenario(
         setting_of(which), {simulated_hand(hand), speed_m_per_s, lower_m, which.drive});
-    const double height_m = scenario.contact_m.y();
+    const int steps = std::max(1, static_cast<int>(std::lround(which.period_s / kStep_s)));
+    scenario.simulation.servo_period_s = which.period_s / steps;
+    scenario.simulation.delay_periods = 0.0;
     simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
-    rig::PhantomPlant plant(phantom);
-    rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::brakes);
-    loop.tick();
     const simulated::SimulatedPhantom::Truth &now = phantom.truth();
-    double last_m = now.tip_m.y();
-    double idle_N = 0.0; // force of the motors in free space, from the filter's lag
-    while (now.tip_m.y() >= height_m && now.time_s < scenario.duration_s) {
-        last_m = now.tip_m.y();
-        idle_N = motors_push_N(which, phantom);
-        loop.tick();
-    }
-    const double speed = (last_m - now.tip_m.y()) / which.period_s;
-    const double contact_s = now.time_s - (height_m - now.tip_m.y()) / speed;
+
     Impact seen;
-    do {
-        loop.tick();
-        const double grown_N = motors_push_N(which, phantom) - idle_N;
-        const double since_s = now.time_s - contact_s;
+    std::optional<Touchdown> touchdown;
+    double idle_N = 0.0; // force of the motors in free space, from the filter's lag
+    const auto observe = [&] {
+        const double force_N = motors_push_N(which, phantom);
+        if (!touchdown) {
+            const double above_m = now.tip_m.y() - scenario.contact_m.y();
+            if (above_m >= 0.0) {
+                idle_N = force_N;
+                return;
+            }
+            const double speed = -now.tip_velocity_m_per_s.y();
+            touchdown = {now.time_s + above_m / speed, speed};
+        }
+        const double since_s = now.time_s - touchdown->time_s;
+        if (since_s > kWatched_s) {
+            return;
+        }
+        const double grown_N = force_N - idle_N;
         seen.max_force_N = std::max(seen.max_force_N, grown_N);
         if (since_s >= kSoonest_s) {
-            seen.rate_hardness_N_per_m =
-                std::max(seen.rate_hardness_N_per_m, grown_N / (since_s * speed));
+            seen.rate_hardness_N_per_m = std::max(seen.rate_hardness_N_per_m,
+                                                  grown_N / (since_s * touchdown->speed_m_per_s));
         }
-    } while (now.time_s < contact_s + kWatched_s);
+    };
+    ObservedPlant plant(phantom, which, steps, observe);
+    rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::brakes);
+    while (now.time_s < (touchdown ? touchdown->time_s + kWatched_s : scenario.duration_s)) {
+        loop.tick();
+    }
     return seen;
 }
 

@@ -10,8 +10,9 @@ struct Impact {
     /// Rate-hardness after Lawrence et al. 2000: the initial rate of change of the force over the
     /// initial speed of penetration. Here the steepest line from the moment of contact to the force
     /// of the motors along the normal 1 to 10 ms later, over the tip's speed at that moment; the
-    /// mean over contact times spread over a servo period [N/m]. The skin does not resolve times
-    /// below 1 ms.
+    /// mean over contact times spread over a servo period [N/m]. The force is read every 20 µs, as
+    /// between two ticks it may be larger than at either. The skin does not resolve times below
+    /// 1 ms.
     double rate_hardness_N_per_m = 0.0;
     double max_force_N = 0.0; ///< of the motors, within the same time
 };

@@ -32,6 +32,33 @@ TEST(Impact, OfAPlainSpringIsItsStiffness) {
     EXPECT_NEAR(found.max_force_N, 500.0 * 0.1 * 0.01, 0.1 * 0.5); // 10 ms at 0.1 m/s
 }
 
+/// A whole sample late, a tick sees the force of the tick before, which 1 to 10 ms after the
+/// contact is by 10 % and more too small. Between ticks the force is that of the wall. With exact
+/// angles.
+TEST(Impact, IsReadBetweenTicksToo) {
+    loops::StabilityCase which = held_firmly();
+    which.drive = device::AmplifierKind::current_drive;
+    which.device.encoder_counts_per_turn = 1 << 20;
+    which.wall = {500.0, 0.0};
+    which.period_s = 1e-3;
+    EXPECT_NEAR(impact(which).rate_hardness_N_per_m, 500.0, 0.05 * 500.0);
+}
+
+/// A delay that is part of a period postpones the force by as much: at a rate-hardness read within
+/// 10 ms, by a share of d T/10 ms.
+TEST(Impact, FallsWithAnyDelay) {
+    loops::StabilityCase which = held_firmly();
+    which.drive = device::AmplifierKind::current_drive;
+    which.device.encoder_counts_per_turn = 1 << 20;
+    which.wall = {500.0, 0.0};
+    which.period_s = 1e-3;
+    const double at_once = impact(which).rate_hardness_N_per_m;
+    for (const double d : {0.5, 1.0, 2.5}) {
+        which.delay_periods = d;
+        EXPECT_NEAR(impact(which).rate_hardness_N_per_m / at_once, 1.0 - 0.1 * d, 0.03) << d;
+    }
+}
+
 TEST(Impact, GrowsWithTheWall) {
     loops::StabilityCase which = held_firmly();
     which.drive = device::AmplifierKind::current_drive;
