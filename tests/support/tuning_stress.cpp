@@ -157,7 +157,8 @@ Vector3 TuningStress::wanted_V(const servo::ServoSample &state, const servo::Ser
 }
 
 /// Checks the step of e_W due to this tick's changes alone: relative to e_W without them, or after
-/// a change of scene to the last e_W. R̂ i must change as little.
+/// a change of scene to the last e_W, each within the supply, as no more reaches the windings.
+/// R̂ i must change as little.
 void TuningStress::check_step(const servo::ServoSample &sample) {
     const auto within_supply = [&](const Vector3 &e_W_V) -> Vector3 {
         return e_W_V.cwiseMax(-supply_V_).cwiseMin(supply_V_);
@@ -173,7 +174,7 @@ void TuningStress::check_step(const servo::ServoSample &sample) {
     const control::Configuration now = configuration(sample);
     expect((now.theta_rate_rad_per_s - sample.theta_rate_rad_per_s).norm() < 1e-6, sample,
            "a velocity that is not the filter's");
-    const Vector3 after_V = within_supply(wanted_V(sample, sample, now)) + sample.carried_V;
+    const Vector3 after_V = within_supply(wanted_V(sample, sample, now) + sample.carried_V);
     Vector3 unchanged_V;
     if (sample.scene_id != before_.scene_id) {
         ++figures_.scenes;
@@ -182,7 +183,7 @@ void TuningStress::check_step(const servo::ServoSample &sample) {
         unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.carried_V);
     } else {
         unchanged_V =
-            within_supply(wanted_V(sample, before_, configuration(before_))) + before_.carried_V;
+            within_supply(wanted_V(sample, before_, configuration(before_)) + before_.carried_V);
     }
     const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();
     figures_.max_step_V = std::max(figures_.max_step_V, step_V);
