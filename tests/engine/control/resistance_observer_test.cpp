@@ -1,0 +1,208 @@
+// Covers engine/control/resistance_observer.cpp, against the true state of drawn devices in closed
+// loop. The plant integrates the windings in ten steps a period, and shares no equation with the
+// observer but R(T, θ) and the thermal network.
+#include "engine/control/resistance_observer.h"
+
+#include "device/simulated/simulated_phantom.h"
+#include "engine/control/haptic_law.h"
+#include "engine/control/velocity_filter.h"
+#include "tests/support/devices.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive::control {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+
+/// A touch of a slanted plane by a hand that moves along it.
+struct Touch {
+    double seconds = 2.5; ///< of which half a second to press
+    double stroke_m = 0.012;
+    double dR_Ohm = 0.5;
+    double air_C = 25.0;
+};
+
+/// A drawn device in closed loop with the law, whose R̂ follows the observers.
+class ObservedTouch {
+public:
+    ObservedTouch(const Touch &touch, std::uint64_t seed)
+        : touch_(touch), device_(testing::phantom_1_0()), law_(device_),
+          phantom_(device_, options(touch, seed), kStart_m),
+          observers_{ResistanceObserver(device_, 0, kPeriod_s),
+                     ResistanceObserver(device_, 1, kPeriod_s),
+                     ResistanceObserver(device_, 2, kPeriod_s)} {
+        tuning_.dR_Ohm = touch.dR_Ohm;
+        last_ = phantom_.advance(command_);
+        filter_.reset(law_.theta_rad(last_.counts));
+        for (int tick = 0; tick * kPeriod_s < touch.seconds; ++tick) {
+            advance(tick * kPeriod_s);
+        }
+    }
+
+    [[nodiscard]] const ResistanceObserver &observer(std::size_t motor) const {
+        return observers_[motor];
+    }
+    [[nodiscard]] const simulated::SimulatedPhantom::Truth &truth() const {
+        return phantom_.truth();
+    }
+    [[nodiscard]] double measured_rad(Eigen::Index motor) const {
+        return law_.theta_rad(last_.counts)[motor];
+    }
+
+private:
+    static inline const Vector3 kStart_m{0.0, 0.03, 0.0};
+    static inline const Vector3 kNormal = Vector3(0.5, 0.6, 0.62).normalized();
+
+    static simulated::SimulationOptions options(const Touch &touch, std::uint64_t seed) {
+        simulated::SimulationOptions options;
+        options.device_seed = seed;
+        options.ambient_C = touch.air_C;
+        return options;
+    }
+
+    void advance(double time_s) {
+        const double ramp = std::min(1.0, time_s / 0.5);
+        const Vector3 along = kNormal.unitOrthogonal();
+        const double phase = std::numbers::pi * time_s;
+        const Vector3 aside =
+            std::sin(phase) * along + std::sin(1.3 * phase) * kNormal.cross(along);
+        phantom_.set_hand_target(kStart_m +
+                                 ramp * (0.5 * touch_.stroke_m * aside - 4e-3 * kNormal));
+        const device::Measurement measured = phantom_.advance(command_);
+        observe(measured);
+        last_ = measured;
+        command_ = answer(ramp);
+    }
+
+    void observe(const device::Measurement &measured) {
+        const Vector3 before_rad = law_.theta_rad(last_.counts);
+        const Vector3 after_rad = law_.theta_rad(measured.counts);
+        for (std::size_t motor = 0; motor < 3; ++motor) {
+            const auto j = static_cast<Eigen::Index>(motor);
+            observers_[motor].update({kPeriod_s, command_.e_W_V[j],
+                                      command_.cancelled_resistance_Ohm[j], last_.current_A[j],
+                                      measured.current_A[j], before_rad[j], after_rad[j]});
+        }
+    }
+
+    device::DeviceCommand answer(double ramp) {
+        const Vector3 theta_rad = law_.theta_rad(last_.counts);
+        const double pole = velocity_filter_pole(tuning_.lambda_rad_per_s, kPeriod_s);
+        const Configuration now =
+            law_.configuration(theta_rad, filter_.update(theta_rad, pole, kPeriod_s));
+        contact::Contact contact;
+        const double height_m = kNormal.dot(now.tip_m - kStart_m);
+        contact.x0_m = now.tip_m;
+        if (height_m < 0.0) {
+            contact.touching = true;
+            contact.normal = kNormal;
+            contact.x0_m = now.tip_m - height_m * kNormal;
+            contact.allowed_motion = Matrix3::Identity() - kNormal * kNormal.transpose();
+            contact.eta = 0.0;
+        }
+        device::DeviceCommand command = law_(now, contact, tuning_, 3000.0).command;
+        command.e_W_V *= ramp;
+        for (std::size_t motor = 0; motor < 3; ++motor) {
+            const auto j = static_cast<Eigen::Index>(motor);
+            const ResistanceEstimate R = observers_[motor].at(theta_rad[j]);
+            command.cancelled_resistance_Ohm[j] =
+                ramp * (R.Ohm - std::max(touch_.dR_Ohm, 3.0 * R.deviation_Ohm));
+        }
+        return command;
+    }
+
+    Touch touch_;
+    device::DeviceDescription device_;
+    Tuning tuning_;
+    HapticLaw law_;
+    simulated::SimulatedPhantom phantom_;
+    std::array<ResistanceObserver, 3> observers_;
+    VelocityFilter filter_;
+    device::DeviceCommand command_ = device::DeviceCommand::braking();
+    device::Measurement last_;
+};
+
+/// Errors of many motors, and how many of them lie within 1.96 standard deviations.
+struct Errors {
+    double worst_Ohm = 0.0;
+    double max_deviation_Ohm = 0.0;
+    double min_deviation_of_mean_Ohm = INFINITY;
+    int within = 0;
+    int count = 0;
+};
+
+Errors errors(const Touch &touch, std::uint64_t seeds) {
+    Errors found;
+    const device::DeviceDescription device = testing::phantom_1_0();
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const ObservedTouch run(touch, seed);
+        const simulated::DrawnDevice drawn = simulated::drawn_device(device, seed);
+        for (std::size_t motor = 0; motor < 3; ++motor) {
+            const auto j = static_cast<Eigen::Index>(motor);
+            const ResistanceEstimate seen = run.observer(motor).at(run.measured_rad(j));
+            const double truth_Ohm =
+                run.truth().resistance_Ohm[j] / drawn.motor[motor].sensing.amplifier.gain;
+            const double error_Ohm = std::abs(seen.Ohm - truth_Ohm);
+            found.worst_Ohm = std::max(found.worst_Ohm, error_Ohm);
+            found.max_deviation_Ohm = std::max(found.max_deviation_Ohm, seen.deviation_Ohm);
+            found.min_deviation_of_mean_Ohm =
+                std::min(found.min_deviation_of_mean_Ohm, run.observer(motor).mean().deviation_Ohm);
+            found.within += error_Ohm < 1.96 * seen.deviation_Ohm ? 1 : 0;
+            ++found.count;
+        }
+    }
+    return found;
+}
+
+/// The most that 95 % of so many may be missed by: three standard deviations of a binomial.
+int fewest_within(int count) {
+    return static_cast<int>(0.95 * count - 3.0 * std::sqrt(0.95 * 0.05 * count));
+}
+
+TEST(ResistanceObserver, FindsR) {
+    for (const double dR_Ohm : {0.5, 0.2}) {
+        for (const double air_C : {15.0, 25.0, 35.0}) {
+            const Errors found = errors({.dR_Ohm = dR_Ohm, .air_C = air_C}, 20);
+            // 1 % of dR at 0.5 Ω, 3 % at 0.2 Ω.
+            EXPECT_LT(found.worst_Ohm, dR_Ohm > 0.3 ? 0.005 : 0.006) << dR_Ohm << ' ' << air_C;
+            EXPECT_LT(found.max_deviation_Ohm, 0.003) << dR_Ohm << ' ' << air_C;
+            EXPECT_GE(found.within, fewest_within(found.count)) << dR_Ohm << ' ' << air_C;
+        }
+    }
+}
+
+/// R at the angle held is known, its mean over the angles only as well as the ripple: with an
+/// amplitude of 2 % of 2.18 Ω some 30 mΩ.
+TEST(ResistanceObserver, SaysThatHoldingStillDoesNotTellTheMean) {
+    const Errors found = errors({.stroke_m = 0.0}, 20);
+    EXPECT_LT(found.worst_Ohm, 0.006);
+    EXPECT_GE(found.within, fewest_within(found.count));
+    EXPECT_GT(found.min_deviation_of_mean_Ohm, 0.02);
+    EXPECT_LT(errors({}, 2).min_deviation_of_mean_Ohm, 0.003);
+}
+
+/// Nothing is learned from a winding without current, except that nothing was.
+TEST(ResistanceObserver, KnowsTheToleranceOnlyBeforeAnyCurrent) {
+    const device::DeviceDescription device = testing::phantom_1_0();
+    ResistanceObserver observer(device, 0, kPeriod_s);
+    const double before_Ohm = observer.mean().deviation_Ohm;
+    const double R_Ohm = device.motor[0].resistance_Ohm;
+    // 5 % and 1 %, uniform, and air 10 K warmer or colder, also uniform.
+    EXPECT_NEAR(before_Ohm, R_Ohm * std::sqrt((0.05 * 0.05 + 0.01 * 0.01 + 0.039 * 0.039) / 3.0),
+                1e-12);
+    for (int tick = 0; tick < 10'000; ++tick) {
+        observer.update({.duration_s = kPeriod_s});
+    }
+    EXPECT_NEAR(observer.mean().deviation_Ohm, before_Ohm, 0.05 * before_Ohm);
+    EXPECT_NEAR(observer.mean().Ohm, R_Ohm, 1e-6);
+}
+
+} // namespace
+} // namespace springdrive::control
