@@ -7,14 +7,12 @@ namespace springdrive::control {
 
 namespace {
 
-/// The states, in this order; cosine and sine of each harmonic follow each other.
-enum : Eigen::Index {
-    kResistance = 0, ///< mean over the angles, at 25 °C [Ω]
-    kRipple = 1,     ///< four amplitudes [Ω]
-    kOffset = 5,     ///< of the current
-    kTorqueConstant = 6,
-    kRounding = 7, ///< of the last angle [rad]
-};
+// The states, in this order; cosine and sine of each harmonic follow each other.
+constexpr Eigen::Index kResistance = 0;     ///< mean over the angles, at 25 °C [Ω]
+constexpr Eigen::Index kRipple = 1;         ///< four amplitudes [Ω]
+constexpr Eigen::Index kOffset = 5;         ///< of the current [A]
+constexpr Eigen::Index kTorqueConstant = 6; ///< [N·m/A]
+constexpr Eigen::Index kRounding = 7;       ///< of the last angle [rad]
 
 /// The second harmonic's amplitude as a share of the first's, as assumed before it is observed.
 constexpr double kSecondHarmonic = 0.25;

@@ -37,7 +37,7 @@ struct DrivenInterval {
 
 /// An estimate and its standard deviation.
 struct ResistanceEstimate {
-    double Ohm = 0.0;
+    double resistance_Ohm = 0.0;
     double deviation_Ohm = 0.0;
 };
 

@@ -34,9 +34,6 @@ constexpr std::size_t kManySectors = 500;
 /// Radius of the core of a rough fan [m]: whatever replaces it is within its diameter.
 constexpr double kCore_m = 0.5 * kCoarseGradingError_m;
 
-/// Rough fans of fewer triangles have no core.
-constexpr std::size_t kMinRoughFan = 200;
-
 /// By which part of their distance from the vertex the rings of a core follow each other. Where the
 /// rim is jagged some triangles are folded over, which opens nothing: the surface has the same rim
 /// as before.
@@ -164,7 +161,7 @@ public:
                 std::min(is_enough ? halving_to(fraction) : std::max(enough, ring_to(fraction)),
                          fraction - kMinRing_m / shortest_m_);
             if (!has_room(fraction, next)) {
-                if (core() == 0.0 || sectors() < kMinGradedFan) {
+                if (sectors() < kMinGradedFan) {
                     break;
                 }
                 add_ring(fraction, core());
@@ -213,9 +210,7 @@ private:
     }
 
     /// The fraction of the spokes up to which anything is near enough.
-    [[nodiscard]] double core() const {
-        return fan_.facets.size() < kMinRoughFan ? 0.0 : kCore_m / longest_m_;
-    }
+    [[nodiscard]] double core() const { return kCore_m / longest_m_; }
 
     /// How far the next ring may be.
     [[nodiscard]] double ring_to(double fraction) const {

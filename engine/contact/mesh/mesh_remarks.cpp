@@ -70,7 +70,7 @@ std::vector<std::string> remarks_on(const MeshReport &report,
     }
     if (report.graded_fans.coarse > 0) {
         remarks.push_back(counted(report.graded_fans.coarse, "fan", "has", "have") +
-                          " hundreds of triangles at one vertex: divided anew, within " +
+                          " many triangles at one vertex: divided anew, within " +
                           micrometres(kCoarseGradingError_m));
     }
     if (report.merged_triangles > 0) {

@@ -113,7 +113,7 @@ private:
             const auto j = static_cast<Eigen::Index>(motor);
             const ResistanceEstimate R = observers_[motor].at(theta_rad[j]);
             command.cancelled_resistance_Ohm[j] =
-                ramp * (R.Ohm - std::max(touch_.dR_Ohm, 3.0 * R.deviation_Ohm));
+                ramp * (R.resistance_Ohm - std::max(touch_.dR_Ohm, 3.0 * R.deviation_Ohm));
         }
         return command;
     }
@@ -149,7 +149,7 @@ Errors errors(const Touch &touch, std::uint64_t seeds) {
             const ResistanceEstimate seen = run.observer(motor).at(run.measured_rad(j));
             const double truth_Ohm =
                 run.truth().resistance_Ohm[j] / drawn.motor[motor].sensing.amplifier.gain;
-            const double error_Ohm = std::abs(seen.Ohm - truth_Ohm);
+            const double error_Ohm = std::abs(seen.resistance_Ohm - truth_Ohm);
             found.worst_Ohm = std::max(found.worst_Ohm, error_Ohm);
             found.max_deviation_Ohm = std::max(found.max_deviation_Ohm, seen.deviation_Ohm);
             found.min_deviation_of_mean_Ohm =
@@ -201,7 +201,7 @@ TEST(ResistanceObserver, KnowsTheToleranceOnlyBeforeAnyCurrent) {
         observer.update({.duration_s = kPeriod_s});
     }
     EXPECT_NEAR(observer.mean().deviation_Ohm, before_Ohm, 0.05 * before_Ohm);
-    EXPECT_NEAR(observer.mean().Ohm, R_Ohm, 1e-6);
+    EXPECT_NEAR(observer.mean().resistance_Ohm, R_Ohm, 1e-6);
 }
 
 } // namespace

@@ -65,7 +65,7 @@ TEST(MeshRemarks, SaysWhereFansBecameCoarse) {
     report.graded_fans.coarse = 2;
     ASSERT_EQ(remarks_on(report, {}).size(), 1U);
     EXPECT_EQ(remarks_on(report, {}).front(),
-              "2 fans have hundreds of triangles at one vertex: divided anew, within 1.0 µm");
+              "2 fans have many triangles at one vertex: divided anew, within 1.0 µm");
 }
 
 TEST(MeshRemarks, SaysWhatWasTurnedAndWhatHasTwoSides) {
