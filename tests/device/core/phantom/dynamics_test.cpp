@@ -278,7 +278,9 @@ TEST(ApparentMass, OfThePhantom10DependsOnDirectionAndPlace) {
     Vector3 least_g = Vector3::Constant(HUGE_VAL);
     Vector3 greatest_g = Vector3::Zero();
     for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
-        const Vector3 place(i % kPoints, i / kPoints % kPoints, i / kPoints / kPoints);
+        const int row = i / kPoints % kPoints;
+        const int layer = i / kPoints / kPoints;
+        const Vector3 place(i % kPoints, row, layer);
         const Vector3 share = place / (kPoints - 1) - Vector3::Constant(0.5);
         const std::optional<Vector3> q_rad = joint_angles_rad(
             device.geometry,
