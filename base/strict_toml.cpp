@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/input_file.h"
+#include "base/one_line.h"
 
 #include <fmt/core.h>
 #include <toml++/toml.h>
@@ -92,7 +93,7 @@ StrictTomlTable StrictTomlTable::parse(const std::string &text, const std::files
         contents->root = std::make_shared<toml::table>(toml::parse(text, file.string()));
     } catch (const toml::parse_error &error) {
         throw InputError(file.string() + ":" + std::to_string(error.source().begin.line) +
-                         ": is not valid TOML: " + std::string(error.description()));
+                         ": is not valid TOML: " + one_line(error.description()));
     }
     contents->table = contents->root.get();
     return StrictTomlTable(std::move(contents));
