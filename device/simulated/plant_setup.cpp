@@ -64,9 +64,9 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
 
 /// The true motor parameters.
 std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
-                                                   const SimulationOptions &options) {
+                                                   const SimulationOptions &options,
+                                                   const DrawnDevice &drawn) {
     std::array<device::MotorParameters, 3> motors = description.motor;
-    const DrawnDevice drawn = drawn_device(description, options.device_seed);
     for (std::size_t j = 0; j < motors.size(); ++j) {
         const DrawnMotor &own = drawn.motor[j];
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
@@ -84,13 +84,11 @@ std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescripti
     return motors;
 }
 
-/// Ideal where they are switched off, or for the device of the file.
-std::array<MotorSensing, 3> sensing(const device::DeviceDescription &description,
-                                    const SimulationOptions &options) {
-    if (!options.effects.current_sensing || options.device_seed == 0) {
+/// Ideal where it is switched off.
+std::array<MotorSensing, 3> sensing(const SimulationOptions &options, const DrawnDevice &drawn) {
+    if (!options.effects.current_sensing) {
         return {};
     }
-    const DrawnDevice drawn = drawn_device(description, options.device_seed);
     return {drawn.motor[0].sensing, drawn.motor[1].sensing, drawn.motor[2].sensing};
 }
 
@@ -155,13 +153,14 @@ Vector3 start_angles(const device::DeviceDescription &description, const Simulat
 PlantParts plant_parts(const device::DeviceDescription &description,
                        const SimulationOptions &options) {
     check_options(description, options);
+    const DrawnDevice drawn = drawn_device(description, options.device_seed);
     return {options.dynamics,
             options.effects,
             options.longest_step_s,
             options.dynamics == PlantDynamics::coupling ? 0.0 : options.hand.mass_kg,
             linkage_plant(description, options),
-            true_motors(description, options),
-            sensing(description, options),
+            true_motors(description, options, drawn),
+            sensing(options, drawn),
             {temperature(description.motor[0], options), temperature(description.motor[1], options),
              temperature(description.motor[2], options)}};
 }

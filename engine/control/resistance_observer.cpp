@@ -1,5 +1,7 @@
 #include "engine/control/resistance_observer.h"
 
+#include "device/core/motor/winding_guard.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -28,8 +30,8 @@ constexpr double kWindow_s = 0.032;
 /// What the speed at a window's ends may cost [V·s].
 constexpr double kMeanCurrent_Vs = 3e-6;
 
-/// By which the air may be warmer or colder than 25 °C [K].
-constexpr double kAir_K = 10.0;
+/// By which the air may be warmer or colder than its middle, 25 °C [K].
+constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 
 /// Variance of what is uniform within ± `half_width`.
 [[nodiscard]] constexpr double uniform_variance(double half_width) {

@@ -59,9 +59,8 @@ struct Parameter {
 /// the margin.
 inline constexpr std::array<Parameter, 6> kParameters{{
     {"dR_Ohm", "dR", "dR", "Ω", &Tuning::dR_Ohm, 0.02, 2.18, true, "(7)",
-     "residual winding resistance: lower is stiffer in contact with the same K_P, and heavier in "
-     "free "
-     "space"},
+     "residual winding resistance: lower is stiffer in contact with the same K_P, and heavier "
+     "in free space"},
     {"K_P_V_per_rad", "kp", "K_P", "V/rad", &Tuning::K_P_V_per_rad, 0.0, 500.0, true, "(10)",
      "position gain of the drift compensation: sets the static stiffness k_T K_P/dR"},
     {"K_D_Vs_per_rad", "kd", "K_D", "V·s/rad", &Tuning::K_D_Vs_per_rad, 0.0, 1.0, true, "(10)",

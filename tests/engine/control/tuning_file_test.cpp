@@ -65,6 +65,8 @@ TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
     EXPECT_NE(complaint("on_the_fly", "auto").find("on_the_fly, global or by_hand"),
               std::string::npos);
     EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
+    // The parser quotes the line end that it did not expect.
+    EXPECT_EQ(complaint("eta = 0.0", "eta = i").find('\n'), std::string::npos);
 }
 
 TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNamesAndLabels) {
