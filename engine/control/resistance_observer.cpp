@@ -4,23 +4,44 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::control {
 
 namespace {
 
 // The states, in this order; cosine and sine of each harmonic follow each other.
-constexpr Eigen::Index kResistance = 0;     ///< mean over the angles, at 25 °C [Ω]
-constexpr Eigen::Index kRipple = 1;         ///< four amplitudes [Ω]
+constexpr Eigen::Index kResistance = 0; ///< mean over the angles, at 25 °C [Ω]
+constexpr Eigen::Index kRipple = 1;     ///< four amplitudes [Ω]
+constexpr Eigen::Index kRippleEnd = 5;
 constexpr Eigen::Index kOffset = 5;         ///< of the current [A]
 constexpr Eigen::Index kTorqueConstant = 6; ///< [N·m/A]
 constexpr Eigen::Index kRounding = 7;       ///< of the last angle [rad]
 
+/// By how much the file's R may be wrong, whatever tolerance it states: it may be another motor's.
+/// Only a file without any tolerance is of a device that is exactly known.
+constexpr double kFileError = 0.2;
+
+/// How far the sensor's offset may drift [A²/s]: 0.01 mA in a second.
+constexpr double kOffsetDrift_A2_per_s = 1e-10;
+
+/// A window that surprises by more than this many standard deviations teaches nothing.
+constexpr double kOutlier = 4.0;
+
+/// So many outliers, less a quarter of the other windows, and nothing is believed.
+constexpr double kMaxDisbelief = 8.0;
+constexpr double kBelief = 0.25;
+
 /// The second harmonic's amplitude as a share of the first's, as assumed before it is observed.
 constexpr double kSecondHarmonic = 0.25;
 
-/// How far the thermal network may go astray [Ω²/s]: a milliohm in a second.
-constexpr double kDrift_Ohm2_per_s = 1e-6;
+/// How far R may drift while its temperature is constant [Ω²/s]: 0.03 mΩ in a second.
+constexpr double kDrift_Ohm2_per_s = 1e-9;
+
+/// By which share the thermal network may be wrong about a change of R, when R has changed by
+/// kWarmthChange: air 10 K warmer or colder makes 4 %.
+constexpr double kNetworkError = 0.05;
+constexpr double kWarmthChange = 0.1;
 
 /// Intervals are added up to windows of this [s]. A mean current from those at an interval's ends
 /// is wrong by what the speed changes in between, which goes with the current itself; over a window
@@ -28,7 +49,7 @@ constexpr double kDrift_Ohm2_per_s = 1e-6;
 constexpr double kWindow_s = 0.032;
 
 /// What the speed at a window's ends may cost [V·s].
-constexpr double kMeanCurrent_Vs = 3e-6;
+constexpr double kMeanCurrent_Vs = 2e-6;
 
 /// By which the air may be warmer or colder than its middle, 25 °C [K].
 constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
@@ -49,30 +70,55 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 
 } // namespace
 
+double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
+                    const WindingResistance &R, double dR_Ohm, double current_A) {
+    const double deviation_Ohm = held_up_dR_Ohm(R) / kHeldUpDeviations;
+    const double enough_Ohm =
+        device::residual_resistance_Ohm(device.motor[motor], dR_Ohm) / kHeldUpDeviations;
+    if (deviation_Ohm <= enough_Ohm) {
+        return 0.0;
+    }
+    const double count_V = device.motor[motor].torque_constant_Nm_per_A * device.rad_per_count() /
+                           std::sqrt(6.0) / kWindow_s; // rounded at both ends
+    const double window_Ohm = count_V / std::abs(current_A);
+    return kWindow_s * window_Ohm * window_Ohm *
+           (1.0 / (enough_Ohm * enough_Ohm) - 1.0 / (deviation_Ohm * deviation_Ohm));
+}
+
 ResistanceObserver::ResistanceObserver(const device::DeviceDescription &device, std::size_t motor,
                                        double period_s)
-    : motor_(device.motor[motor]),
+    : motor_(device.motor[motor]), sensing_(device.current_sensing),
       count_variance_rad2_(uniform_variance(0.5 * device.rad_per_count())),
-      current_variance_A2_(device.current_sensing.noise_A * device.current_sensing.noise_A +
-                           uniform_variance(0.5 * device.current_sensing.resolution_A)),
+      current_variance_A2_(sensing_.noise_A * sensing_.noise_A +
+                           uniform_variance(0.5 * sensing_.resolution_A)),
       temperature_(motor_.thermal, device::kReferenceTemperature_C, period_s) {
+    restart();
+}
+
+void ResistanceObserver::restart() noexcept {
     const double R_Ohm = motor_.resistance_Ohm;
-    const device::CurrentSensing &sensing = device.current_sensing;
+    const double file_error =
+        motor_.resistance_tolerance > 0.0 ? std::max(motor_.resistance_tolerance, kFileError) : 0.0;
+    state_.setZero();
     state_[kResistance] = R_Ohm;
     state_[kTorqueConstant] = motor_.torque_constant_Nm_per_A;
+    covariance_.setZero();
     covariance_(kResistance, kResistance) =
         R_Ohm * R_Ohm *
-        (uniform_variance(motor_.resistance_tolerance) + uniform_variance(sensing.gain_tolerance) +
+        (uniform_variance(file_error) + uniform_variance(sensing_.gain_tolerance) +
          uniform_variance(motor_.resistance_rise_per_K * kAir_K));
     const double ripple_Ohm = R_Ohm * motor_.commutation_ripple;
     for (Eigen::Index i = 0; i < 4; ++i) {
         const double amplitude_Ohm = i < 2 ? ripple_Ohm : kSecondHarmonic * ripple_Ohm;
         covariance_(kRipple + i, kRipple + i) = 0.5 * amplitude_Ohm * amplitude_Ohm;
     }
-    covariance_(kOffset, kOffset) = uniform_variance(sensing.max_offset_A);
+    covariance_(kOffset, kOffset) = uniform_variance(sensing_.max_offset_A);
     covariance_(kTorqueConstant, kTorqueConstant) =
         uniform_variance(motor_.torque_constant_tolerance * motor_.torque_constant_Nm_per_A);
     covariance_(kRounding, kRounding) = count_variance_rad2_;
+    begin_window();
+    disbelief_ = 0.0;
+    is_trusted_ = true;
 }
 
 /// R(T)/R at 25 °C.
@@ -93,8 +139,21 @@ ResistanceObserver::weights_of_resistance(double theta_rad) const noexcept {
     return warmth() * weights;
 }
 
+void ResistanceObserver::skip(double current_A, std::uint32_t periods) noexcept {
+    constexpr std::uint32_t kMaxAtOnce = 100;
+    const double heat_W = std::isfinite(current_A) ? std::max(0.0, warmth() * state_[kResistance]) *
+                                                         current_A * current_A
+                                                   : 0.0;
+    for (std::uint32_t i = 0; i < std::min(periods, kMaxAtOnce); ++i) {
+        temperature_.update(heat_W);
+    }
+    begin_window();
+    forget_rounding();
+}
+
 void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     const double T = interval.duration_s;
+    period_s_ = T;
     const State of_resistance =
         weights_of_resistance(0.5 * (interval.before_rad + interval.after_rad));
     const double R_Ohm = of_resistance.dot(state_);
@@ -105,7 +164,11 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
                    motor_.inductance_H * (interval.after_A - interval.before_A);
     weights_ += (mean_A - state_[kOffset]) * T * of_resistance;
     weights_[kOffset] -= R_Ohm * T;
-    current_Vs2_ += dR_Ohm * dR_Ohm * T * T * current_variance_A2_;
+    const double charge_As2 = T * T * current_variance_A2_;
+    charge_As2_ += charge_As2;
+    bias_VAs2_ += dR_Ohm * charge_As2;
+    current_Vs2_ += dR_Ohm * dR_Ohm * charge_As2;
+    of_noise_ += T * of_resistance;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
     temperature_.update(std::max(0.0, R_Ohm) * mean_A * mean_A);
@@ -114,7 +177,7 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     }
 }
 
-/// The Kalman filter's step.
+/// Ends the present window.
 void ResistanceObserver::take_window() noexcept {
     const double k_T = state_[kTorqueConstant];
     State h = weights_; // derivatives of what was measured
@@ -123,18 +186,62 @@ void ResistanceObserver::take_window() noexcept {
     // The current's offset is in the weights of R, and rounding in that of k_T.
     const double expected_Vs =
         h.dot(state_) - h[kOffset] * state_[kOffset] - k_T * state_[kRounding];
-    covariance_(kResistance, kResistance) += kDrift_Ohm2_per_s * window_s_;
-
-    // Of the new angle's rounding, and of the currents at the ends.
-    const double rounding_Vs2 = k_T * k_T * count_variance_rad2_;
+    const double warmed = std::abs(warmth() - std::exchange(warmth_before_, warmth()));
+    const double network_Ohm = kNetworkError * motor_.resistance_Ohm;
+    covariance_(kResistance, kResistance) +=
+        kDrift_Ohm2_per_s * window_s_ + network_Ohm * network_Ohm * kWarmthChange * warmed;
+    covariance_(kOffset, kOffset) += kOffsetDrift_A2_per_s * window_s_;
+    const bool has_evidence = had_current();
+    mean_before_A_ = weights_[kResistance] / (warmth() * window_s_);
     const double ends_Vs2 = 2.0 * motor_.inductance_H * motor_.inductance_H * current_variance_A2_ +
                             kMeanCurrent_Vs * kMeanCurrent_Vs;
-    const State gain_numerator = covariance_ * h;
-    const double variance_Vs2 = h.dot(gain_numerator) + rounding_Vs2 + ends_Vs2 + current_Vs2_;
-    const State gain = gain_numerator / variance_Vs2;
     const double surprise_Vs = voltage_Vs_ - expected_Vs;
+    const Noise noise{ends_Vs2 + current_Vs2_, charge_As2_, bias_VAs2_, of_noise_ / window_s_};
+    begin_window();
+    if (is_trusted_) {
+        learn(h, surprise_Vs, noise, has_evidence);
+    }
+}
+
+/// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
+/// product of two unknowns is no evidence about R: a linearised filter would take it for some. That
+/// of the window before decides, or windows would be chosen by their own noise.
+bool ResistanceObserver::had_current() const noexcept {
+    constexpr double kDeviations = 10.0;
+    const double variance_A2 =
+        current_variance_A2_ * period_s_ / kWindow_s + covariance_(kOffset, kOffset);
+    return mean_before_A_ * mean_before_A_ > kDeviations * kDeviations * variance_A2;
+}
+
+void ResistanceObserver::begin_window() noexcept {
+    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = turned_rad_ = window_s_ = 0.0;
+    weights_.setZero();
+    of_noise_.setZero();
+}
+
+/// The Kalman filter's step.
+/// @param h             derivatives of what was measured
+/// @param has_evidence  of R; if not, R stays as it is, and what is not known of it is considered
+///                      in what is learned of the others (Schmidt)
+void ResistanceObserver::learn(const State &h, double surprise_Vs, const Noise &noise,
+                               bool has_evidence) noexcept {
+    const double k_T = h[kRounding];
+    const State gain_numerator = covariance_ * h;
+    const double rounding_Vs2 = k_T * k_T * count_variance_rad2_;
+    const double variance_Vs2 = h.dot(gain_numerator) + rounding_Vs2 + noise.voltage_Vs2;
+    const bool is_outlier = !(surprise_Vs * surprise_Vs < kOutlier * kOutlier * variance_Vs2);
+    note_surprise(is_outlier);
+    if (is_outlier) {
+        forget_rounding();
+        return;
+    }
+    State gain = gain_numerator / variance_Vs2;
+    if (!has_evidence) {
+        gain.segment<kRippleEnd - kResistance>(kResistance).setZero();
+    }
     state_ += surprise_Vs * gain;
-    covariance_ -= gain * gain_numerator.transpose();
+    const Covariance taken = gain * gain_numerator.transpose();
+    covariance_ += variance_Vs2 * gain * gain.transpose() - taken - taken.transpose();
 
     // The new angle's rounding takes the old one's place. It entered with the factor −k_T.
     const double rounding_gain = -k_T * count_variance_rad2_ / variance_Vs2;
@@ -143,9 +250,42 @@ void ResistanceObserver::take_window() noexcept {
     covariance_.col(kRounding) = covariance_.row(kRounding).transpose();
     covariance_(kRounding, kRounding) =
         count_variance_rad2_ - rounding_gain * rounding_gain * variance_Vs2;
+    if (has_evidence) {
+        compensate(noise, rounding_Vs2 + noise.voltage_Vs2);
+    }
+}
 
-    voltage_Vs_ = current_Vs2_ = turned_rad_ = window_s_ = 0.0;
-    weights_.setZero();
+/// The current's noise is in h as well: it looks like a current that changes, whose voltage changes
+/// by R̂ times it, and so, in time, like an R of R̂. What that adds to the information about R,
+/// and to R, is taken off again.
+void ResistanceObserver::compensate(const Noise &noise, double variance_Vs2) noexcept {
+    const State spread = covariance_ * noise.of_current;
+    const double information = noise.charge_As2 / variance_Vs2;
+    const double left = 1.0 - information * noise.of_current.dot(spread);
+    if (left > 0.5) {
+        covariance_ += (information / left) * spread * spread.transpose();
+        state_ += (noise.bias_VAs2 / (variance_Vs2 * left)) * spread;
+    }
+}
+
+/// The last angle is another, whose rounding is not known.
+void ResistanceObserver::forget_rounding() noexcept {
+    state_[kRounding] = 0.0;
+    covariance_.row(kRounding).setZero();
+    covariance_.col(kRounding).setZero();
+    covariance_(kRounding, kRounding) = count_variance_rad2_;
+}
+
+void ResistanceObserver::note_surprise(bool is_outlier) noexcept {
+    disbelief_ = std::max(0.0, disbelief_ + (is_outlier ? 1.0 : -kBelief));
+    if (disbelief_ >= kMaxDisbelief) {
+        distrust();
+    }
+}
+
+void ResistanceObserver::distrust() noexcept {
+    restart();
+    is_trusted_ = false;
 }
 
 ResistanceEstimate ResistanceObserver::estimate(const State &weights) const noexcept {
@@ -159,6 +299,12 @@ ResistanceEstimate ResistanceObserver::at(double theta_rad) const noexcept {
 ResistanceEstimate ResistanceObserver::mean() const noexcept {
     State weights = State::Zero();
     weights[kResistance] = warmth();
+    return estimate(weights);
+}
+
+ResistanceEstimate ResistanceObserver::unheated() const noexcept {
+    State weights = State::Zero();
+    weights[kResistance] = 1.0;
     return estimate(weights);
 }
 

@@ -15,12 +15,20 @@
 // that the air is warmer or colder is part of R.
 //
 // Holding still does not tell the mean R from the commutator's ripple. The variance says so.
+//
+// A sensor that is stuck, or drifts faster than the filter expects, shows in what was measured
+// against what was expected of it. Such intervals teach nothing; if they persist, nothing is
+// believed any more until `restart`.
 #pragma once
 
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_temperature.h"
 
 #include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
 
 namespace springdrive::control {
 
@@ -41,6 +49,49 @@ struct ResistanceEstimate {
     double deviation_Ohm = 0.0;
 };
 
+/// R of a winding as the amplifier sees it, R/(1 + g), or what the device file says.
+struct WindingResistance {
+    ResistanceEstimate here; ///< R(T, θ) at the present angle
+    ResistanceEstimate mean; ///< averaged over the commutator's angles
+    bool is_observed = false;
+    bool is_trusted = true; ///< false: what was measured contradicts the file, or itself
+};
+
+using WindingResistances = std::array<WindingResistance, 3>;
+
+/// The file's R, which is taken as exact.
+[[nodiscard]] constexpr WindingResistance file_resistance(const device::MotorParameters &motor) {
+    return {{motor.resistance_Ohm, 0.0}, {motor.resistance_Ohm, 0.0}, false, true};
+}
+
+[[nodiscard]] constexpr WindingResistances
+file_resistances(const std::array<device::MotorParameters, 3> &motor) {
+    return {file_resistance(motor[0]), file_resistance(motor[1]), file_resistance(motor[2])};
+}
+
+/// An unknown R may be so many standard deviations lower than it is taken for.
+inline constexpr double kHeldUpDeviations = 2.5;
+
+/// The least dR [Ω] that may be asked for with what is known of R: in the coldest air, at any angle
+/// and with a file that is wrong by a fifth, less could be an R̂ above R.
+[[nodiscard]] constexpr double held_up_dR_Ohm(const WindingResistance &R) {
+    return R.is_observed ? kHeldUpDeviations * std::max(R.here.deviation_Ohm, R.mean.deviation_Ohm)
+                         : 0.0;
+}
+
+/// R̂ [Ω] for the requested dR (7).
+[[nodiscard]] constexpr double cancelled_resistance_Ohm(const device::MotorParameters &motor,
+                                                        const WindingResistance &R, double dR_Ohm) {
+    const double residual_Ohm = device::residual_resistance_Ohm(motor, dR_Ohm);
+    return std::max(0.0, R.here.resistance_Ohm - std::max(residual_Ohm, held_up_dR_Ohm(R)));
+}
+
+/// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
+/// if its rotor turns; infinite without a current. An estimate: one count a window limits what is
+/// learned.
+[[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
+                                  const WindingResistance &R, double dR_Ohm, double current_A);
+
 /// The observer of one motor. RT-safe after construction.
 class ResistanceObserver {
 public:
@@ -53,36 +104,79 @@ public:
     /// Takes an interval into account in which the amplifier was within its limits.
     void update(const DrivenInterval &interval) noexcept;
 
+    /// Periods about which only the current is known: the winding's temperature follows.
+    void skip(double current_A, std::uint32_t periods = 1) noexcept;
+
+    /// Forgets what was observed, but not the winding's temperature.
+    void restart() noexcept;
+
+    /// Forgets it, and observes nothing until `restart`.
+    void distrust() noexcept;
+
+    /// Whether what was measured agrees with what was expected. If not, the estimates are those
+    /// before anything was observed.
+    [[nodiscard]] bool is_trusted() const noexcept { return is_trusted_; }
+
+    [[nodiscard]] WindingResistance resistance(double theta_rad) const noexcept {
+        return {at(theta_rad), mean(), true, is_trusted_};
+    }
+
     /// R(T, θ) as the amplifier sees it: R/(1 + g).
     [[nodiscard]] ResistanceEstimate at(double theta_rad) const noexcept;
 
     /// The same averaged over the commutator's angles.
     [[nodiscard]] ResistanceEstimate mean() const noexcept;
 
+    /// The mean of a winding as warm as the air.
+    [[nodiscard]] ResistanceEstimate unheated() const noexcept;
+
 private:
     static constexpr int kStates = 8;
     using State = Eigen::Matrix<double, kStates, 1>;
     using Covariance = Eigen::Matrix<double, kStates, kStates>;
+
+    /// Of a window.
+    struct Noise {
+        double voltage_Vs2 = 0.0; ///< variance of what was measured, but of the angle's rounding
+        double charge_As2 = 0.0;  ///< variance of the current's integral
+        double bias_VAs2 = 0.0;   ///< covariance of the two, reversed
+        State of_current;         ///< derivatives of R
+    };
 
     [[nodiscard]] double warmth() const noexcept;
     [[nodiscard]] State weights_of_resistance(double theta_rad) const noexcept;
     [[nodiscard]] ResistanceEstimate estimate(const State &weights) const noexcept;
 
     void take_window() noexcept;
+    [[nodiscard]] bool had_current() const noexcept;
+    void begin_window() noexcept;
+    void learn(const State &h, double surprise_Vs, const Noise &noise, bool has_evidence) noexcept;
+    void compensate(const Noise &noise, double variance_Vs2) noexcept;
+    void forget_rounding() noexcept;
+    void note_surprise(bool is_outlier) noexcept;
 
     device::MotorParameters motor_;
+    device::CurrentSensing sensing_;
     double count_variance_rad2_;
     double current_variance_A2_;
     device::WindingTemperature temperature_;
     State state_{State::Zero()};
     Covariance covariance_{Covariance::Zero()};
+    double warmth_before_ = 1.0; ///< at the end of the window before
+    double disbelief_ = 0.0;     ///< in outliers, of late
+    bool is_trusted_ = true;
 
     // Sums over the present window.
     double voltage_Vs_ = 0.0;
     State weights_{State::Zero()}; ///< derivatives by the states, without k_T and rounding
     double current_Vs2_ = 0.0;     ///< variance, by the noise of the currents
+    double charge_As2_ = 0.0;      ///< variance of the current's integral, by the same
+    double bias_VAs2_ = 0.0;       ///< the same times dR
+    State of_noise_{State::Zero()};
     double turned_rad_ = 0.0;
     double window_s_ = 0.0;
+    double period_s_ = 0.0;      ///< of its last interval
+    double mean_before_A_ = 0.0; ///< current of the window before, without its offset
 };
 
 } // namespace springdrive::control
