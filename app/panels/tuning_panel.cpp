@@ -12,6 +12,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -133,21 +134,91 @@ bool choose_preset(const session::Session &session, control::Tuning &tuning) {
         }
         ImGui::SameLine();
     }
-    ImGui::NewLine();
     return changed;
 }
 
-/// The active dR: larger than requested if windings may be too cold for that.
+/// A motor's active dR: larger than requested if too little is known of its R.
+double active_dR_Ohm(const session::Session &session, std::size_t motor) {
+    const servo::ServoSample &now = session.latest();
+    const control::WindingResistance &R = now.resistance[motor];
+    const double dR_Ohm =
+        std::max(session.servo().inputs().tuning.dR_Ohm, control::held_up_dR_Ohm(R));
+    const servo::WindingStatus &winding = now.winding[motor];
+    return winding.is_limited ? std::max(dR_Ohm, R.mean.resistance_Ohm - winding.R_hat_limit_Ohm)
+                              : dR_Ohm;
+}
+
 double active_dR_Ohm(const session::Session &session) {
-    double dR_Ohm = session.servo().inputs().tuning.dR_Ohm;
-    for (std::size_t j = 0; j < 3; ++j) {
-        const servo::WindingStatus &winding = session.latest().winding[j];
-        if (winding.is_limited) {
-            dR_Ohm = std::max(dR_Ohm, session.description().motor[j].resistance_Ohm -
-                                          winding.R_hat_limit_Ohm);
+    return std::max(
+        {active_dR_Ohm(session, 0), active_dR_Ohm(session, 1), active_dR_Ohm(session, 2)});
+}
+
+/// What the servo knows of each motor's R.
+void show_resistances(session::Session &session) {
+    bool is_wanted = session.wants_resistance_observed();
+    if (ImGui::Checkbox("observe R", &is_wanted)) {
+        session.observe_resistance(is_wanted);
+    }
+    if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("R of each winding, observed while it is driven:\n"
+                          "R̂ follows it, so that dR is what the slider says.\n"
+                          "Otherwise R̂ is set by the R of the device file.");
+    }
+    const control::WindingResistances &R = session.latest().resistance;
+    if (!R.front().is_observed) {
+        if (is_wanted) {
+            ImGui::SameLine();
+            ImGui::TextColored(kFaintInk, "no inductance");
+        }
+        return;
+    }
+    constexpr double kUnknown_Ohm = 0.02;
+    for (std::size_t j = 0; j < R.size(); ++j) {
+        const control::ResistanceEstimate &mean = R[j].mean;
+        const bool is_known = R[j].is_trusted && mean.deviation_Ohm < kUnknown_Ohm;
+        ImGui::SameLine();
+        ImGui::TextColored(R[j].is_trusted ? kFaintInk : kDanger, is_known ? "%.2f" : "%.1f?",
+                           mean.resistance_Ohm);
+        if (ImGui::IsItemHovered()) {
+            ImGui::SetTooltip("motor %zu: R is %.4f ± %.4f Ω, averaged over the commutator's\n"
+                              "angles, as the amplifier's sensor sees it",
+                              j + 1, mean.resistance_Ohm, mean.deviation_Ohm);
         }
     }
-    return dR_Ohm;
+    ImGui::SameLine();
+    ImGui::TextColored(kFaintInk, "Ω");
+}
+
+/// Why dR is larger than requested.
+void show_held_up_dR(const session::Session &session) {
+    const servo::ServoSample &now = session.latest();
+    const double wanted_Ohm = session.servo().inputs().tuning.dR_Ohm;
+    double left_s = 0.0;
+    for (std::size_t j = 0; j < now.resistance.size(); ++j) {
+        if (!now.resistance[j].is_trusted) {
+            ImGui::TextColored(kDanger, "motor %zu: its current contradicts its motion", j + 1);
+            if (ImGui::IsItemHovered()) {
+                ImGui::SetTooltip("a current sensor is wrong, or the motor is not the file's;\n"
+                                  "R is not observed again until the servo is reset");
+            }
+        }
+        left_s = std::max(
+            left_s, control::touch_left_s(session.description(), j, now.resistance[j], wanted_Ohm,
+                                          now.current_A[static_cast<Eigen::Index>(j)]));
+    }
+    const double active_Ohm = active_dR_Ohm(session);
+    if (!(active_Ohm > wanted_Ohm)) {
+        return;
+    }
+    constexpr double kTooLong_s = 20.0;
+    if (left_s == 0.0) {
+        ImGui::TextColored(kDanger, "dR is held at %.3f Ω by the winding guard", active_Ohm);
+    } else if (left_s > kTooLong_s) {
+        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: press on a surface", active_Ohm);
+    } else {
+        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: touch on, %.1f s", active_Ohm,
+                           std::max(0.1, left_s));
+    }
 }
 
 void show_consequences(const session::Session &session) {
@@ -184,10 +255,7 @@ void show_consequences(const session::Session &session) {
          "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
     show("active α", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
     ImGui::EndTable();
-    if (tuning.dR_Ohm > session.servo().inputs().tuning.dR_Ohm) {
-        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: the windings may be cold",
-                           tuning.dR_Ohm);
-    }
+    show_held_up_dR(session);
     if (tuning.map == control::MotionMap::transpose &&
         now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
         ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
@@ -204,6 +272,7 @@ void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
     control::Tuning tuning = session.servo().inputs().tuning;
     const float font = ImGui::GetFontSize();
     bool changed = choose_preset(session, tuning);
+    show_resistances(session);
     ImGui::SetNextItemWidth(9.0F * font);
     changed |= edit_choice("##map", tuning.map, control::kMotionMapLabels);
     ImGui::SameLine();

@@ -90,6 +90,11 @@ struct DeviceDescription {
     WorkspaceEdge edge;
     DeviceLimits limits;
 
+    /// By which share R of a motor, as its amplifier sees it, may differ from the file's.
+    [[nodiscard]] double resistance_tolerance(std::size_t motor_index) const {
+        return motor[motor_index].resistance_tolerance + current_sensing.gain_tolerance;
+    }
+
     /// One encoder count, in motor angle.
     [[nodiscard]] double rad_per_count() const {
         return 2.0 * std::numbers::pi / encoder_counts_per_turn;

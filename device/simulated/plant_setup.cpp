@@ -150,6 +150,29 @@ Vector3 start_angles(const device::DeviceDescription &description, const Simulat
     return *q_rad;
 }
 
+device::DeviceDescription simulated_description(const device::DeviceDescription &description,
+                                                const SimulationOptions &options) {
+    device::DeviceDescription own = description;
+    const bool is_drawn = options.device_seed != 0;
+    if (!(is_drawn && options.effects.motor_tolerances)) {
+        const Vector3 deviation = (options.resistance_share - Vector3::Ones()).cwiseAbs();
+        for (std::size_t j = 0; j < own.motor.size(); ++j) {
+            own.motor[j].torque_constant_tolerance = 0.0;
+            if (!is_drawn || deviation.isZero(0.0)) {
+                own.motor[j].resistance_tolerance = deviation[static_cast<Eigen::Index>(j)];
+            }
+        }
+    }
+    if (!(is_drawn && options.effects.current_sensing)) {
+        own.current_sensing.gain_tolerance = 0.0;
+        own.current_sensing.max_offset_A = 0.0;
+    }
+    if (!options.quantised_encoders) {
+        own.encoder_counts_per_turn *= fine_encoder_factor(description);
+    }
+    return own;
+}
+
 PlantParts plant_parts(const device::DeviceDescription &description,
                        const SimulationOptions &options) {
     check_options(description, options);

@@ -34,6 +34,12 @@ struct PlantParts {
     std::uint32_t number = 0; ///< sequence number of the published parts
 };
 
+/// What a simulated device reports of itself: with its encoders, and with tolerances of zero where
+/// it is exactly as its file says.
+[[nodiscard]] device::DeviceDescription
+simulated_description(const device::DeviceDescription &description,
+                      const SimulationOptions &options);
+
 /// @throw InputError as `check_options` does.
 [[nodiscard]] PlantParts plant_parts(const device::DeviceDescription &description,
                                      const SimulationOptions &options);

@@ -22,8 +22,8 @@ Vector3 limited(const Vector3 &vector, double max_norm) {
 
 SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
-    : description_(description), options_(options), parts_(plant_parts(description, options)),
-      wanted_parts_(parts_), hand_target_(start_tip_m),
+    : description_(simulated_description(description, options)), options_(options),
+      parts_(plant_parts(description, options)), wanted_parts_(parts_), hand_target_(start_tip_m),
       temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
@@ -32,9 +32,6 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
     activate(parts_);
-    if (!options.quantised_encoders) {
-        description_.encoder_counts_per_turn *= fine_encoder_factor(description);
-    }
     counts_per_rad_ = 1.0 / description_.rad_per_count();
     note_linkage(linkage_);
     warm_windings();

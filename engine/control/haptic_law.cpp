@@ -35,8 +35,8 @@ Configuration HapticLaw::configuration(const Vector3 &theta_rad,
 }
 
 LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contact &contact,
-                                 const Tuning &tuning,
-                                 double global_alpha_rad2_per_m2) const noexcept {
+                                 const Tuning &tuning, double global_alpha_rad2_per_m2,
+                                 const WindingResistances &R) const noexcept {
     LawOutcome found;
     found.eta = combined_eta(contact.eta, tuning.eta);
     found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
@@ -54,7 +54,7 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     found.command.e_W_V = drift_compensation_V(k_T_, tuning, now, found.used);
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         found.command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
-            motor_[j].resistance_Ohm - device::residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
+            cancelled_resistance_Ohm(motor_[j], R[j], tuning.dR_Ohm);
     }
     return found;
 }

@@ -6,6 +6,7 @@
 #include "engine/contact/contact.h"
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/resistance_observer.h"
 #include "engine/control/tuning.h"
 
 #include <array>
@@ -35,10 +36,18 @@ public:
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
-    /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global. RT-safe.
+    /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global
+    /// @param R  of the windings: what is left of it is dR. RT-safe.
+    [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
+                                        const Tuning &tuning, double global_alpha_rad2_per_m2,
+                                        const WindingResistances &R) const noexcept;
+
+    /// The same with the windings' resistances as the device file has them. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
-                                        double global_alpha_rad2_per_m2) const noexcept;
+                                        double global_alpha_rad2_per_m2) const noexcept {
+        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, file_resistances(motor_));
+    }
 
     /// The direction of the static tip force (19) of a motor set-point. RT-safe.
     [[nodiscard]] Vector3 force_direction(const Configuration &now,

@@ -105,6 +105,23 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
     visit("command_mode", "1", s.command.mode); // command.number equals measurement_number
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
+    constexpr std::array<std::array<std::string_view, 6>, 3> kResistanceNames{{
+        {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "R_observed1",
+         "R_trusted1"},
+        {"R2_Ohm", "R2_deviation_Ohm", "R_mean2_Ohm", "R_mean2_deviation_Ohm", "R_observed2",
+         "R_trusted2"},
+        {"R3_Ohm", "R3_deviation_Ohm", "R_mean3_Ohm", "R_mean3_deviation_Ohm", "R_observed3",
+         "R_trusted3"},
+    }};
+    for (std::size_t motor = 0; motor < 3; ++motor) {
+        auto &R = s.resistance[motor];
+        visit(kResistanceNames[motor][0], "Ω", R.here.resistance_Ohm);
+        visit(kResistanceNames[motor][1], "Ω", R.here.deviation_Ohm);
+        visit(kResistanceNames[motor][2], "Ω", R.mean.resistance_Ohm);
+        visit(kResistanceNames[motor][3], "Ω", R.mean.deviation_Ohm);
+        visit(kResistanceNames[motor][4], "1", R.is_observed);
+        visit(kResistanceNames[motor][5], "1", R.is_trusted);
+    }
     visit_three(visit, {"R_hat1_Ohm", "R_hat2_Ohm", "R_hat3_Ohm"}, "Ω",
                 s.command.cancelled_resistance_Ohm);
     visit_three(visit, {"current1_A", "current2_A", "current3_A"}, "A", s.current_A);
@@ -128,16 +145,20 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
               s.limits.*servo::kSafetyLimits[i].value);
     }
     visit("generated_energy_J", "J", s.generated_energy_J);
-    constexpr std::array<std::array<std::string_view, 4>, 3> kWindingNames{{
-        {"winding_least1_C", "winding_greatest1_C", "R_hat_limit1_Ohm", "R_hat_limited1"},
-        {"winding_least2_C", "winding_greatest2_C", "R_hat_limit2_Ohm", "R_hat_limited2"},
-        {"winding_least3_C", "winding_greatest3_C", "R_hat_limit3_Ohm", "R_hat_limited3"},
+    constexpr std::array<std::array<std::string_view, 5>, 3> kWindingNames{{
+        {"winding_least1_C", "winding_greatest1_C", "R_hat_limit1_Ohm", "R_hat_limited1",
+         "R_contradicted1"},
+        {"winding_least2_C", "winding_greatest2_C", "R_hat_limit2_Ohm", "R_hat_limited2",
+         "R_contradicted2"},
+        {"winding_least3_C", "winding_greatest3_C", "R_hat_limit3_Ohm", "R_hat_limited3",
+         "R_contradicted3"},
     }};
     for (std::size_t motor = 0; motor < 3; ++motor) {
         visit(kWindingNames[motor][0], "°C", s.winding[motor].min_C);
         visit(kWindingNames[motor][1], "°C", s.winding[motor].max_C);
         visit(kWindingNames[motor][2], "Ω", s.winding[motor].R_hat_limit_Ohm);
         visit(kWindingNames[motor][3], "1", s.winding[motor].is_limited);
+        visit(kWindingNames[motor][4], "1", s.winding[motor].is_contradicted);
     }
 }
 

@@ -16,6 +16,16 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
     return device.motor[static_cast<std::size_t>(j)];
 }
 
+/// R of a winding at this angle, at least: without observation, that of the worst angle.
+double least_resistance_Ohm(const device::MotorParameters &motor,
+                            const control::WindingResistance &R) {
+    constexpr double kDeviations = 2.0;
+    const double anywhere_Ohm = (1.0 - motor.commutation_ripple) * motor.resistance_Ohm;
+    return R.is_observed ? std::max(R.here.resistance_Ohm - kDeviations * R.here.deviation_Ohm,
+                                    (1.0 - motor.commutation_ripple) * R.here.resistance_Ohm)
+                         : anywhere_Ohm;
+}
+
 /// The share of the steady currents that keeps force and currents within their limits.
 double permissible_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
                          const Vector3 &steady_current_A) {
@@ -74,10 +84,11 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
     Vector3 e_W_V;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const device::MotorParameters &motor = motor_of(device, j);
+        const control::WindingResistance &R = inputs.resistance[static_cast<std::size_t>(j)];
         const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
                                             inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
-        dR_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
+        dR_Ohm[j] = std::max(least_resistance_Ohm(motor, R) - R_hat_Ohm,
                              device::kMinResidualShare * motor.resistance_Ohm);
         back_emf_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j];
         const double edge_A =

@@ -8,12 +8,13 @@
 // present to its steady value. e_W is moved towards k_T θ̇_f, where the steady force is zero, until
 // the steady force is within kLimiterShare of its limit. As a ball is convex, the whole line is
 // then within the limit, if all windings have the same dR. The monitor can still trip on what this
-// neglects: it assumes R at 25 °C and the worst commutator angle, a common dR and the filtered
-// speed.
+// neglects: it assumes R as it was observed, or else at 25 °C and the worst commutator angle, a
+// common dR and the filtered speed.
 #pragma once
 
 #include "device/core/haptic_device.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/resistance_observer.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
@@ -28,6 +29,7 @@ struct LimiterInputs {
     SafetyLimits limits;
     double ramp = 0.0;                        ///< share of the command that is passed on
     Vector3 R_hat_limit_Ohm{Vector3::Zero()}; ///< the largest safe R̂ of each winding
+    control::WindingResistances resistance{}; ///< as far as it is observed
 };
 
 struct LimitedCommand {

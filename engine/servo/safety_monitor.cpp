@@ -19,9 +19,16 @@ constexpr double kJumpCounts = 3.0;
 /// Tolerates round-off when a number of periods adds up to exactly a limit in seconds.
 constexpr double kRoundOff = 1e-9;
 
+/// An observed R is within so many standard deviations: one in 16,000 is not.
+constexpr double kObservedDeviations = 4.0;
+
+/// An observation counts once its standard deviation is below this share of R.
+constexpr double kObserved = 0.02;
+
 device::WindingGuard guard_of(const device::DeviceDescription &device, std::size_t motor,
                               double period_s) {
-    return {device.motor[motor], device.amplifier.max_cancelled_Ohm, period_s};
+    return {device.motor[motor], device.amplifier.max_cancelled_Ohm, period_s,
+            device.resistance_tolerance(motor)};
 }
 
 double max_step_m(const device::DeviceDescription &device, double speed_limit_m_per_s,
@@ -49,6 +56,9 @@ void SafetyMonitor::set_period(double period_s) noexcept {
 }
 
 void SafetyMonitor::reset() noexcept {
+    for (device::WindingGuard &guard : guard_) {
+        guard.forget_observations();
+    }
     if (status_.state == SafetyState::tripped && !is_final(status_.cause)) {
         status_ = {};
         cut_off_s_ = 0.0;
@@ -90,11 +100,19 @@ void SafetyMonitor::approach_limits(const SafetyLimits &requested) noexcept {
     }
 }
 
-void SafetyMonitor::watch_windings(const Vector3 &current_A,
-                                   std::uint32_t missed_periods) noexcept {
+void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
-        guard_[j].update(current_A[static_cast<Eigen::Index>(j)], missed_periods);
-        winding_[j] = {guard_[j].min_C(), guard_[j].max_C(), guard_[j].max_cancelled_Ohm(), false};
+        device::WindingGuard &guard = guard_[j];
+        guard.update(seen.current_A[static_cast<Eigen::Index>(j)], seen.missed_periods);
+        if (!seen.resistance[j].is_observed || !seen.resistance[j].is_trusted) {
+            guard.forget_observations();
+        } else if (const auto &[R_Ohm, deviation_Ohm] = seen.unheated[j];
+                   deviation_Ohm < kObserved * R_Ohm) {
+            const double to_both_sides_Ohm = kObservedDeviations * deviation_Ohm;
+            guard.narrow({R_Ohm - to_both_sides_Ohm, R_Ohm + to_both_sides_Ohm});
+        }
+        winding_[j] = {guard.min_C(), guard.max_C(), guard.max_cancelled_Ohm(), false,
+                       guard.is_contradicted()};
     }
 }
 
@@ -241,8 +259,8 @@ void SafetyMonitor::proceed(bool release) noexcept {
 }
 
 LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &wanted,
-                                           const control::Configuration &now) noexcept {
-    LimiterInputs inputs{now, limits_, status_.ramp, Vector3::Zero()};
+                                           const Observation &seen) noexcept {
+    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero(), seen.resistance};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
         inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
@@ -258,7 +276,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
                                           const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
     held_back_ = {};
-    watch_windings(seen.current_A, seen.missed_periods); // also while tripped
+    watch_windings(seen); // also while tripped
     const std::uint32_t unwatched =
         seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
     const double elapsed_s = (1.0 + unwatched) * period_s_;
@@ -273,7 +291,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     if (!lets_pass()) {
         return safe_state();
     }
-    const LimitedCommand passed = apply_limits(wanted, seen.now);
+    const LimitedCommand passed = apply_limits(wanted, seen);
     check_voltage(passed);
     if (!lets_pass()) {
         return safe_state();

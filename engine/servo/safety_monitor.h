@@ -11,8 +11,8 @@
 //
 // A trip latches: the device is in the safe state until a deliberate reset. The safe state is
 // braking (e_W = 0 and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come
-// from the device file, and may be lowered, never raised; that of R̂ follows the estimate of each
-// winding's temperature, see winding_guard.h.
+// from the device file, and may be lowered, never raised; that of R̂ follows the estimates of each
+// winding's temperature and resistance, see winding_guard.h.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -59,6 +59,9 @@ struct Observation {
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
     /// The same with the tuning of the previous tick; differs only while a tuning changes.
     Vector3 spring_force_before_N{Vector3::Zero()};
+    control::WindingResistances resistance{}; ///< for which the command was computed
+    /// What was observed of windings as warm as the air; for those that are observed and trusted.
+    std::array<control::ResistanceEstimate, 3> unheated{};
     bool scene_is_new = false;        ///< the spring is not that of the previous tick
     bool all_finite = true;           ///< of everything else on the signal path
     std::uint32_t missed_periods = 0; ///< since the last new measurement
@@ -106,7 +109,7 @@ public:
 
 private:
     void approach_limits(const SafetyLimits &requested) noexcept;
-    void watch_windings(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    void watch_windings(const Observation &seen) noexcept;
     void watch_window(const SafetyOrders &orders, double elapsed_s) noexcept;
     void watch_link(const Link &link, double elapsed_s) noexcept;
     void watch_energy(const Observation &seen) noexcept;
@@ -121,7 +124,7 @@ private:
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
     [[nodiscard]] LimitedCommand apply_limits(const device::DeviceCommand &wanted,
-                                              const control::Configuration &now) noexcept;
+                                              const Observation &seen) noexcept;
     void proceed(bool release) noexcept;
 
     device::DeviceDescription device_;

@@ -18,7 +18,8 @@ struct ServoInputs {
     double global_alpha_rad2_per_m2 = 0.0; ///< for AlphaMode::global
     bool emergency_stop = false;           ///< trips the safety monitor while set
     std::uint32_t stop_count = 0;          ///< a change trips it too, even together with a reset
-    std::uint32_t reset_count = 0; ///< a change resets a tripped monitor if the cause is gone
+    std::uint32_t reset_count = 0;    ///< a change resets a tripped monitor if the cause is gone
+    bool observes_resistance = false; ///< R̂ follows the windings' resistances
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;

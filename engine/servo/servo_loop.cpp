@@ -37,7 +37,10 @@ static_assert(std::is_trivially_destructible_v<ServoSample> &&
 
 ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
     : device_(device), period_s_(period_s), law_(device.description()),
-      transfer_(device.description(), period_s), safety_(device.description(), period_s) {}
+      transfer_(device.description(), period_s),
+      observers_(device.description(), device.delay_periods(), period_s),
+      file_resistances_(control::file_resistances(device.description().motor)),
+      resistances_(file_resistances_), safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
     command_ = device::DeviceCommand::braking();
@@ -59,6 +62,7 @@ void ServoLoop::set_period(double period_s) {
     time_base_tick_ = last_tick;
     period_s_ = period_s;
     transfer_.set_period(period_s);
+    observers_.set_period(period_s);
     safety_.set_period(period_s);
 }
 
@@ -66,6 +70,7 @@ void ServoLoop::set_period(double period_s) {
 void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count) {
         safety_.reset();
+        observers_.restart();
     }
     stops_now_ = inputs.stop_count != inputs_.stop_count;
     inputs_.reset_count = inputs.reset_count;
@@ -115,7 +120,7 @@ ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
     const LawSettings &before = transfer_.before();
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, since_last_s);
     return law_(law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s)),
-                contact, before.tuning, before.global_alpha_rad2_per_m2);
+                contact, before.tuning, before.global_alpha_rad2_per_m2, resistances_);
 }
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
@@ -123,7 +128,8 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
     const contact::Contact &contact = sample.contact;
     const LawSettings &active = transfer_.active();
     const control::LawOutcome found =
-        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2);
+        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2, resistances_);
+    sample.resistance = resistances_;
     sample.eta = found.eta;
     sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
     sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
@@ -166,6 +172,28 @@ control::Configuration ServoLoop::sense(const device::Measurement &measured, dou
     return now;
 }
 
+void ServoLoop::observe_windings(const device::Measurement &measured, const Vector3 &theta_rad,
+                                 const Passed &since) noexcept {
+    if (!inputs_.observes_resistance) {
+        if (resistances_.front().is_observed) {
+            observers_.restart();
+        }
+        observers_.rest(measured.current_A, since.missed_periods);
+        resistances_ = file_resistances_;
+        return;
+    }
+    for (std::size_t j = 0; j < resistances_.size(); ++j) {
+        if (resistances_[j].is_trusted && safety_.windings()[j].is_contradicted) {
+            observers_.distrust(j);
+        }
+    }
+    const bool is_next = has_measured_ && held_ticks_ == 0 && since.missed_periods == 0 &&
+                         measured.arrival == device::Arrival::fresh &&
+                         measured.current_A.allFinite();
+    observers_.take(measured, theta_rad, is_next, since.missed_periods);
+    resistances_ = observers_.resistances();
+}
+
 void ServoLoop::note_motion(const control::Configuration &now, ServoSample &sample) const noexcept {
     sample.theta_rad = now.theta_rad;
     sample.theta_rate_rad_per_s = now.theta_rate_rad_per_s;
@@ -191,6 +219,10 @@ Observation ServoLoop::observation(const control::Configuration &now,
         seen.spring_force_before_N =
             unchanged ? spring_force_N(now, transfer_.before().tuning, unchanged->used)
                       : seen.spring_force_N;
+    }
+    seen.resistance = resistances_;
+    for (std::size_t j = 0; j < seen.unheated.size(); ++j) {
+        seen.unheated[j] = observers_.unheated(j);
     }
     seen.scene_is_new = scene_is_new_;
     seen.all_finite = sample.contact.x0_m.allFinite();
@@ -275,6 +307,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
         static_cast<void>(law(then, sample));
     }
     ++held_ticks_;
+    observers_.take_nothing();
     const bool waits = device_.clock() == device::DeviceClock::servo;
     const Link link{measured.health, measured.arrival, measured.faults,
                     waits ? skipped_in_a_row_ : timing.missed_in_a_row};
@@ -320,6 +353,7 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
 
     const control::VelocityFilter filter_before = velocity_filter_;
     const control::Configuration now = sense(measured, since.since_last_s, sample);
+    observe_windings(measured, now.theta_rad, since);
     sample.contact = touch(now.tip_m);
     sample.scene_id = scene_id_;
     const control::LawOutcome found = law(now, sample);
@@ -333,6 +367,7 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     sample.carried_V = transfer_.carried_V();
     command_ =
         safety_.pass(wanted, observation(now, found, unchanged, since, measured, sample), orders());
+    observers_.note(command_);
 
     measured_ = measured;
     contact_ = sample.contact;

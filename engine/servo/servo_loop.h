@@ -10,6 +10,7 @@
 #include "engine/servo/safety_monitor.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"
+#include "engine/servo/winding_observers.h"
 
 #include <optional>
 
@@ -88,6 +89,8 @@ private:
     void finish(const device::Measurement &measured, ServoSample &sample) noexcept;
     [[nodiscard]] control::Configuration sense(const device::Measurement &measured,
                                                double since_last_s, ServoSample &sample) noexcept;
+    void observe_windings(const device::Measurement &measured, const Vector3 &theta_rad,
+                          const Passed &since) noexcept;
     void note_motion(const control::Configuration &now, ServoSample &sample) const noexcept;
     [[nodiscard]] contact::Contact touch(const Vector3 &tip_m) noexcept;
     [[nodiscard]] std::optional<control::LawOutcome>
@@ -114,6 +117,9 @@ private:
     ServoInputs inputs_;        ///< the last valid ones
     BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
+    WindingObservers observers_;
+    control::WindingResistances file_resistances_;
+    control::WindingResistances resistances_; ///< of this tick
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;

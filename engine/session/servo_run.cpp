@@ -23,6 +23,11 @@ void ServoRun::set_global_alpha(double alpha_rad2_per_m2) {
     publish();
 }
 
+void ServoRun::observe_resistance(bool on) {
+    inputs_.observes_resistance = on;
+    publish();
+}
+
 void ServoRun::lower_limits(const servo::SafetyLimits &limits) {
     inputs_.limits = limits;
     publish();

@@ -40,6 +40,7 @@ public:
     // Requests; active from the next tick.
     void tune(const control::Tuning &tuning);
     void set_global_alpha(double alpha_rad2_per_m2);
+    void observe_resistance(bool on);
     void lower_limits(const servo::SafetyLimits &limits);
     void emergency_stop();
     void reset_safety();

@@ -52,6 +52,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
         limits.late_s = *options.late_limit_s;
         servo_->lower_limits(limits);
     }
+    observe_as_wanted();
     servo_->touch(scenes_->now().surface, scenes_->id(), tuning);
 }
 
@@ -146,11 +147,23 @@ void Session::show(const LoadedScene &before) {
     if (now.choice && device_->world() != nullptr) {
         device_->world()->simulate_as(simulation_);
     }
+    observe_as_wanted();
     servo_->touch(now.surface, scenes_->id(), tuning);
     recording_->note(note_on_scene(scenes_->id(), now));
     if (next_device_) {
         prepare_again(); // to start above this scene, not the previous one
     }
+}
+
+void Session::observe_resistance(bool on) {
+    options_.observes_resistance = on;
+    observe_as_wanted();
+}
+
+void Session::observe_as_wanted() {
+    const bool has_inductance = device_->world() == nullptr ||
+                                simulation_.dynamics == simulated::PlantDynamics::electromechanical;
+    servo_->observe_resistance(options_.observes_resistance && has_inductance);
 }
 
 void Session::set_servo_rate(double servo_hz) {

@@ -62,6 +62,11 @@ public:
     /// Records every tick from now on. @throw InputError if the file cannot be created.
     void start_recording(const std::filesystem::path &file, Existing existing = Existing::keep);
 
+    /// Whether R̂ follows the windings' resistances. They are observed by currents that inductances
+    /// smooth: a simulation without inductance (--model auto may choose one) is not observed.
+    void observe_resistance(bool on);
+    [[nodiscard]] bool wants_resistance_observed() const { return options_.observes_resistance; }
+
     /// Changes the rate from the next tick on; the record continues in the same file.
     /// @throw InputError for a rate that servo or device do not support; it is then unchanged
     void set_servo_rate(double servo_hz);
@@ -105,6 +110,7 @@ private:
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
     void show(const LoadedScene &before);
+    void observe_as_wanted();
     void choose_again();
     void go_on_with_exchange();
     void prepare_again();

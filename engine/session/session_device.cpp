@@ -129,6 +129,7 @@ void Session::begin_on(Prepared next) {
     const device::DeviceDescription &description = next.request.description;
     hand_.take_hold(device_->world(), description, simulation_.path, next.request.start_tip_m);
     scenes_->set_workspace(description.workspace);
+    observe_as_wanted();
     servo_->set_global_alpha(control::global_alpha_bound(description));
     models_->set_ground(ground(next.text, description, servo_->rate_hz()));
     try {

@@ -28,6 +28,7 @@ struct SessionOptions {
     double delay_periods = 0.0;      ///< of the simulated device
     simulated::PlantEffects effects; ///< of the simulated device
     std::uint64_t device_seed = 0;   ///< see SimulationOptions
+    bool observes_resistance = true; ///< R̂ follows the windings' resistances, see `Session`
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
     bool plays_script = false; ///< without a path: the scripted touch, not `SimulatedHand::move_to`

@@ -104,7 +104,10 @@ void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSa
         if (!std::isfinite(current_A[j]) || !std::isfinite(current_A_[j])) {
             worst_A = motor.peak_current_A;
         }
-        const double R_Ohm = motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
+        const double tolerance =
+            motor.resistance_tolerance + device_.current_sensing.gain_tolerance;
+        const double R_Ohm = motor.resistance_Ohm * (1.0 + tolerance) *
+                             (1.0 + motor.commutation_ripple) *
                              (1.0 + motor.resistance_rise_per_K * (winding_C_[j] - 25.0));
         for (int part = 0; part < kParts; ++part) {
             const double inner_W =

@@ -5,18 +5,37 @@
 
 namespace springdrive::device {
 
+namespace {
+
+/// What a sensor's gain may change after an observation, as a share of R.
+constexpr double kGainChange = 0.01;
+
+/// How fast R may change with the temperature of the air, as a share of R: 0.77 K in a minute.
+constexpr double kAirChange_per_s = 5e-5;
+
+MotorParameters with_share_of_R(MotorParameters motor, double share) {
+    motor.resistance_Ohm *= share;
+    return motor;
+}
+
+} // namespace
+
 double min_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParameters &amplifier) {
     constexpr double kAnyPeriod_s = 1.0; // irrelevant, as the guard is read before its first update
     return motor.resistance_Ohm -
            WindingGuard(motor, amplifier.max_cancelled_Ohm, kAnyPeriod_s).max_cancelled_Ohm();
 }
 
-WindingGuard::WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s)
-    : motor_(motor), amplifier_limit_Ohm_(max_cancelled_Ohm),
+WindingGuard::WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s,
+                           double tolerance)
+    : least_(with_share_of_R(motor, 1.0 - tolerance)),
+      most_(with_share_of_R(motor, 1.0 + tolerance)), amplifier_limit_Ohm_(max_cancelled_Ohm),
+      period_s_(period_s), margin_Ohm_(kGainChange * motor.resistance_Ohm),
       coldest_(motor.thermal, kColdestAir_C, period_s), minimum_(coldest_),
       maximum_(motor.thermal, kWarmestAir_C, period_s) {}
 
 void WindingGuard::set_period(double period_s) noexcept {
+    period_s_ = period_s;
     coldest_.set_period(period_s);
     minimum_.set_period(period_s);
     maximum_.set_period(period_s);
@@ -28,12 +47,32 @@ void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexce
     const double min_A =
         known && !passed_zero ? std::min(std::abs(current_A), std::abs(current_A_)) : 0.0;
     const double max_A =
-        known ? std::max(std::abs(current_A), std::abs(current_A_)) : motor_.peak_current_A;
+        known ? std::max(std::abs(current_A), std::abs(current_A_)) : most_.peak_current_A;
     current_A_ = current_A;
     cool_through(missed_periods);
-    minimum_.update(min_A * min_A * min_resistance_Ohm(motor_, minimum_.winding_C()));
+    minimum_.update(min_A * min_A * min_resistance_Ohm(least_, minimum_.winding_C()));
     heat_through(missed_periods, max_A);
-    maximum_.update(max_A * max_A * max_resistance_Ohm(motor_, maximum_.winding_C()));
+    maximum_.update(max_A * max_A * max_resistance_Ohm(most_, maximum_.winding_C()));
+    if (is_observed_) {
+        const double change_Ohm = kAirChange_per_s * period_s_ * most_.resistance_Ohm;
+        observed_.min_Ohm -= change_Ohm;
+        observed_.max_Ohm += change_Ohm;
+    }
+}
+
+void WindingGuard::narrow(ResistanceInterval observed) noexcept {
+    if (is_contradicted_) {
+        return;
+    }
+    observed.min_Ohm -= margin_Ohm_;
+    observed.max_Ohm += margin_Ohm_;
+    if (is_observed_) {
+        observed.min_Ohm = std::max(observed.min_Ohm, observed_.min_Ohm);
+        observed.max_Ohm = std::min(observed.max_Ohm, observed_.max_Ohm);
+    }
+    observed_ = observed;
+    is_contradicted_ = observed.is_empty();
+    is_observed_ = !is_contradicted_;
 }
 
 /// Without heat; after a long gap, as cold as possible.
@@ -56,16 +95,28 @@ void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noex
     const std::uint32_t now = std::min(pending_periods_, kMaxAtOnce);
     for (std::uint32_t i = 0; i < now; ++i) {
         maximum_.update(pending_max_A_ * pending_max_A_ *
-                        max_resistance_Ohm(motor_, maximum_.winding_C()));
+                        max_resistance_Ohm(most_, maximum_.winding_C()));
     }
     pending_periods_ -= now;
     pending_max_A_ = pending_periods_ > 0 ? pending_max_A_ : 0.0;
 }
 
+/// R(T, θ), at least.
+double WindingGuard::min_Ohm() const noexcept {
+    if (!is_observed_) {
+        return min_resistance_Ohm(least_, minimum_.winding_C());
+    }
+    // Observed at the temperature of the air, of which the share by which R rises is the least in
+    // the warmest.
+    const double rise_K = minimum_.winding_C() - coldest_.winding_C();
+    const double per_K =
+        least_.resistance_rise_per_K /
+        (1.0 + least_.resistance_rise_per_K * (kWarmestAir_C - kReferenceTemperature_C));
+    return (1.0 - least_.commutation_ripple) * observed_.min_Ohm * (1.0 + per_K * rise_K);
+}
+
 double WindingGuard::max_cancelled_Ohm() const noexcept {
-    const double permissible_Ohm =
-        (1.0 - kMinResidualShare) * min_resistance_Ohm(motor_, minimum_.winding_C());
-    return std::min(permissible_Ohm, amplifier_limit_Ohm_);
+    return std::clamp((1.0 - kMinResidualShare) * min_Ohm(), 0.0, amplifier_limit_Ohm_);
 }
 
 } // namespace springdrive::device

@@ -1,4 +1,5 @@
-// Lower and upper bounds on a winding's temperature, and the R̂ that is safe with them.
+// Lower and upper bounds on a winding's temperature and resistance, and the R̂ that is safe with
+// them.
 //
 // The device has no thermometer, but two bounds follow from the measured current alone, because the
 // temperatures of the thermal network in winding_temperature.h never fall when heat or air
@@ -12,6 +13,11 @@
 // If R sags below R̂ (7), the current grows as e^(|dR|t/L). So R̂ is limited to below the smallest
 // R of any commutator angle at the lowest possible temperature. On a hot motor R̂ may be larger by
 // the rise of R that is certain, and this allowance decreases as the motor cools.
+//
+// Of R itself it knows the file's value within its tolerance, until an observer of the currents
+// narrows the interval. Each observation is intersected with those before, so that a sensor that
+// fails later contradicts them: then the tolerance applies again, for good. An interval widens by
+// what the air's temperature and a sensor's gain may change.
 //
 // The bounds are as accurate as the device file and the measured current. They assume that between
 // two ticks the current changes monotonically, as it does behind a held e_W, and that the servo
@@ -31,17 +37,30 @@ namespace springdrive::device {
 inline constexpr double kColdestAir_C = 15.0;
 inline constexpr double kWarmestAir_C = 35.0;
 
-/// The smallest dR of a motor about which it is only known that its windings are not colder than
-/// kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].
+/// The smallest dR of a motor whose R is the file's, and whose windings are only known not to be
+/// colder than kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].
 [[nodiscard]] double min_cold_residual_Ohm(const MotorParameters &motor,
                                            const AmplifierParameters &amplifier);
+
+/// R of a winding as warm as the air, averaged over the commutator's angles, as its amplifier sees
+/// it [Ω].
+struct ResistanceInterval {
+    double min_Ohm = 0.0;
+    double max_Ohm = 0.0;
+
+    [[nodiscard]] bool is_empty() const { return !(min_Ohm <= max_Ohm); }
+};
 
 /// The guard of one motor. RT-safe after construction.
 class WindingGuard {
 public:
     /// @param max_cancelled_Ohm  the largest R̂ that the amplifier can be set to
     /// @param period_s           T, the duration of each `update`
-    WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s);
+    /// @param tolerance          by which R, as the amplifier sees it, may be lower than the
+    /// file's,
+    ///                           or higher, as a share
+    WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s,
+                 double tolerance = 0.0);
 
     /// Keeps the estimates. RT-safe.
     void set_period(double period_s) noexcept;
@@ -53,6 +72,19 @@ public:
     /// Missed periods before it count as well, each with the maximum of the current for the upper
     /// bound and without heat, in the coldest air, for the lower.
     void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
+
+    /// Takes an observation into account.
+    /// @param observed  contains R unless a sensor is wrong
+    void narrow(ResistanceInterval observed) noexcept;
+
+    /// Whether two observations excluded each other.
+    [[nodiscard]] bool is_contradicted() const { return is_contradicted_; }
+
+    /// The tolerance applies until the next observation.
+    void forget_observations() noexcept {
+        is_observed_ = false;
+        is_contradicted_ = false;
+    }
 
     /// The largest R̂ that leaves a net resistance of kMinResidualShare of R at every commutator
     /// angle. That share also covers a winding's cooling while a command is in transit: even the
@@ -68,11 +100,18 @@ private:
     static constexpr std::uint32_t kMaxAtOnce = 100;
     static constexpr std::uint32_t kMaxPending = 1'000'000;
 
+    [[nodiscard]] double min_Ohm() const noexcept;
     void cool_through(std::uint32_t missed_periods) noexcept;
     void heat_through(std::uint32_t missed_periods, double max_A) noexcept;
 
-    MotorParameters motor_;
+    MotorParameters least_; ///< with the least R
+    MotorParameters most_;  ///< with the greatest R
     double amplifier_limit_Ohm_;
+    double period_s_;
+    double margin_Ohm_; ///< of observations
+    ResistanceInterval observed_{0.0, 0.0};
+    bool is_observed_ = false;
+    bool is_contradicted_ = false;
     WindingTemperature coldest_; ///< initial state of `minimum_`
     WindingTemperature minimum_;
     WindingTemperature maximum_;

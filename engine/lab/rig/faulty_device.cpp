@@ -99,6 +99,12 @@ device::Measurement FaultyDevice::as_reported(device::Measurement state) const {
             state.current_A[j] = std::copysign(std::numeric_limits<double>::infinity(), size);
         } else if (kind == FaultKind::current_reading) {
             state.current_A[j] = size;
+        } else if (kind == FaultKind::current_offset) {
+            state.current_A[j] += size;
+        } else if (kind == FaultKind::current_drift) {
+            state.current_A[j] += size * static_cast<double>(periods_ - from_ + 1);
+        } else if (kind == FaultKind::current_gain) {
+            state.current_A[j] *= 1.0 + size;
         }
     }
     return state;

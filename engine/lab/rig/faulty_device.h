@@ -32,6 +32,9 @@ enum class FaultKind : std::uint8_t {
     count_drift,     ///< counts that run away by the size in each period [counts]
     late_counts,     ///< counts of size[0] periods ago
     current_reading, ///< currents read as the size where it is not zero [A]
+    current_offset,  ///< currents read too high by the size [A]
+    current_drift,   ///< the same, more in each period [A]
+    current_gain,    ///< currents read as 1 + the size times themselves
     sagging_winding, ///< R less by the size [Ω]
     amplifier_gain,  ///< e_W times the size; −1 is a swapped pair of wires
 };

@@ -44,17 +44,20 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
                                   since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
                                   global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
-                                  carried, command, current, force, rendered, inverse, transpose,
-                                  safety, held_back, limits, energy, winding, missed, in_a_row,
-                                  missed_periods, clock, lateness, period, read, compute, write] =
-        sample;
+                                  carried, resistance, command, current, force, rendered, inverse,
+                                  transpose, safety, held_back, limits, energy, winding, missed,
+                                  in_a_row, missed_periods, clock, lateness, period, read, compute,
+                                  write] = sample;
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
     [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
-    [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited] = winding[0];
+    [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted] =
+        winding[0];
+    [[maybe_unused]] const auto &[here, mean, is_observed, is_trusted] = resistance[0];
+    [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
 

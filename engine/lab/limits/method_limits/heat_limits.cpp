@@ -21,14 +21,15 @@ struct Warming {
     Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
     Eigen::Vector2d h = Eigen::Vector2d::Zero();
 
-    Warming(const device::MotorParameters &motor, double current_A) {
+    /// @param tolerance  of R, as a share
+    Warming(const device::MotorParameters &motor, double tolerance, double current_A) {
         const device::ThermalParameters &t = motor.thermal;
         const double winding_J_per_K = t.winding_time_s / t.winding_housing_K_per_W;
         const double housing_J_per_K = t.motor_time_s / t.housing_ambient_K_per_W;
         const double inner = 1.0 / t.winding_housing_K_per_W;
         const double outer = 1.0 / t.housing_ambient_K_per_W;
-        const double cold_W =
-            current_A * current_A * motor.resistance_Ohm * (1.0 + motor.commutation_ripple);
+        const double cold_W = current_A * current_A * (1.0 + tolerance) * motor.resistance_Ohm *
+                              (1.0 + motor.commutation_ripple);
         const double rise = motor.resistance_rise_per_K;
         A << (cold_W * rise - inner) / winding_J_per_K, inner / winding_J_per_K, //
             inner / housing_J_per_K, -(inner + outer) / housing_J_per_K;
@@ -73,7 +74,7 @@ LimitTrial hot_after(const device::DeviceDescription &device) {
     constexpr double kPeriod_s = 1e-3;
     constexpr double kLongest_s = 600.0;
     const device::MotorParameters &motor = device.motor[1];
-    const Warming warming(motor, kCurrent_A);
+    const Warming warming(motor, device.resistance_tolerance(1), kCurrent_A);
     LimitTrial trial;
     trial.line = {kMotorMethod,
                   "held for longer than",
@@ -99,7 +100,8 @@ LimitTrial hot_in_the_end(const device::DeviceDescription &device) {
     const device::ThermalParameters &t = motor.thermal;
     const double rise_K = t.max_winding_C - device::kWarmestAir_C;
     const double hot_Ohm =
-        motor.resistance_Ohm * (1.0 + motor.commutation_ripple) *
+        (1.0 + device.resistance_tolerance(1)) * motor.resistance_Ohm *
+        (1.0 + motor.commutation_ripple) *
         (1.0 + motor.resistance_rise_per_K * (t.max_winding_C - device::kReferenceTemperature_C));
     return {
         {kMotorMethod,

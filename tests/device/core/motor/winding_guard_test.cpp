@@ -176,6 +176,84 @@ TEST(WindingGuard, AnUnknownCurrentWidensTheBounds) {
     }
 }
 
+TEST(WindingGuard, StartsFromTheTolerance) {
+    const MotorParameters m = testing::phantom_motor();
+    MotorParameters least = m;
+    least.resistance_Ohm *= 0.94;
+    const WindingGuard tolerant(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+    EXPECT_NEAR(tolerant.max_cancelled_Ohm(),
+                (1.0 - kMinResidualShare) * min_resistance_Ohm(least, kColdestAir_C), 1e-15);
+    // The upper bound of the temperature counts the heat of the largest R.
+    MotorParameters most = m;
+    most.resistance_Ohm *= 1.06;
+    WindingGuard hot = tolerant;
+    WindingGuard of_most = guard(most);
+    for (int tick = 0; tick < 1000; ++tick) {
+        hot.update(2.0);
+        of_most.update(2.0);
+    }
+    EXPECT_EQ(hot.max_C(), of_most.max_C());
+}
+
+TEST(WindingGuard, AnObservationNarrowsTheTolerance) {
+    const MotorParameters m = testing::phantom_motor();
+    const double margin_Ohm = 0.01 * m.resistance_Ohm; // what a sensor's gain may change
+    const double share = (1.0 - kMinResidualShare) * (1.0 - m.commutation_ripple);
+    for (const double R_Ohm : {1.8, 2.18, 2.4}) { // also below and above the tolerance
+        WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+        bounds.narrow({R_Ohm - 0.03, R_Ohm + 0.03});
+        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.03 - margin_Ohm), 1e-12);
+        bounds.narrow({R_Ohm - 0.01, R_Ohm + 0.01});
+        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.01 - margin_Ohm), 1e-12);
+        bounds.narrow({R_Ohm - 0.05, R_Ohm + 0.05}); // says nothing new
+        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.01 - margin_Ohm), 1e-12);
+        EXPECT_FALSE(bounds.is_contradicted());
+    }
+}
+
+TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
+    const MotorParameters m = testing::phantom_motor();
+    const double unobserved_Ohm =
+        WindingGuard(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06).max_cancelled_Ohm();
+    const double margins_Ohm = 2.0 * 0.01 * m.resistance_Ohm;
+    for (const double gap_Ohm : {0.99 * margins_Ohm, 1.01 * margins_Ohm}) {
+        for (const double side : {-1.0, 1.0}) {
+            WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+            bounds.narrow({2.2, 2.2});
+            bounds.narrow({2.2 + side * gap_Ohm, 2.2 + side * gap_Ohm});
+            EXPECT_EQ(bounds.is_contradicted(), gap_Ohm > margins_Ohm);
+            if (bounds.is_contradicted()) {
+                bounds.narrow({2.2, 2.2});
+                EXPECT_EQ(bounds.max_cancelled_Ohm(), unobserved_Ohm);
+                bounds.forget_observations();
+                bounds.narrow({2.2, 2.2});
+                EXPECT_GT(bounds.max_cancelled_Ohm(), unobserved_Ohm);
+            }
+        }
+    }
+    WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+    bounds.narrow({NAN, NAN});
+    EXPECT_TRUE(bounds.is_contradicted());
+    EXPECT_EQ(bounds.max_cancelled_Ohm(), unobserved_Ohm);
+}
+
+// Half a kelvin a minute is followed; ten kelvins at once are a contradiction.
+TEST(WindingGuard, AnObservationAges) {
+    const MotorParameters m = testing::phantom_motor();
+    WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+    double R_Ohm = 2.2;
+    for (int second = 0; second < 1200; ++second) {
+        bounds.narrow({R_Ohm - 0.005, R_Ohm + 0.005});
+        ASSERT_FALSE(bounds.is_contradicted()) << second;
+        R_Ohm += 2.18 * 0.0039 * 0.5 / 60.0;
+        for (int tick = 0; tick < 1000; ++tick) {
+            bounds.update(0.0);
+        }
+    }
+    bounds.narrow({R_Ohm + 0.08, R_Ohm + 0.09});
+    EXPECT_TRUE(bounds.is_contradicted());
+}
+
 TEST(WindingGuard, MissedPeriodsWarmAndCoolToo) {
     // Over each gap the upper bound assumes the current in every period, the lower bound in none.
     const DeviceDescription device = testing::phantom_1_0();

@@ -1,0 +1,76 @@
+// Observes the resistances of a device's windings, tick by tick, from what was measured and the
+// commands that acted in between.
+#pragma once
+
+#include "device/core/haptic_device.h"
+#include "engine/control/resistance_observer.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace springdrive::servo {
+
+/// RT-safe after construction.
+class WindingObservers {
+public:
+    /// @param delay_periods  d; with more than kLongestDelay nothing is ever learned
+    WindingObservers(const device::DeviceDescription &device, double delay_periods,
+                     double period_s);
+
+    /// Keeps the estimates. RT-safe.
+    void set_period(double period_s) noexcept;
+
+    /// Once a tick, before its command: what was measured.
+    /// @param theta_rad  angles of its counts
+    /// @param is_next    whether it follows the one before by one period, which teaches something
+    void take(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
+              std::uint32_t missed_periods) noexcept;
+
+    /// A tick without a new measurement.
+    void take_nothing() noexcept { known_commands_ = 0; }
+
+    /// Once a tick, after `take`: the command that was sent.
+    void note(const device::DeviceCommand &command) noexcept;
+
+    /// Forgets everything but the windings' temperatures.
+    void restart() noexcept;
+
+    /// Forgets what was observed of a motor, and observes it no more until `restart`.
+    void distrust(std::size_t motor) noexcept { observer_[motor].distrust(); }
+
+    /// While nothing is observed: the windings' temperatures follow.
+    void rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+
+    /// At the angles last taken. They approach what was last learned without a step.
+    [[nodiscard]] const control::WindingResistances &resistances() const { return resistances_; }
+
+    /// What was learned of a winding as warm as the air.
+    [[nodiscard]] control::ResistanceEstimate unheated(std::size_t motor) const noexcept {
+        return observer_[motor].unheated();
+    }
+
+private:
+    static constexpr std::size_t kLongestDelay = 8;
+    static constexpr std::size_t kHistory = kLongestDelay + 2;
+
+    [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
+    void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
+    void approach(const Vector3 &theta_rad) noexcept;
+
+    double period_s_;
+    double max_rate_Ohm_per_s_; ///< of the estimates used
+    std::size_t whole_delay_;
+    double delay_fraction_;
+    std::array<control::ResistanceObserver, 3> observer_;
+    std::array<device::MotorParameters, 3> motor_;
+    control::WindingResistances resistances_;
+
+    std::array<device::DeviceCommand, kHistory> history_{};
+    std::size_t newest_ = 0;
+    std::size_t known_commands_ = 0; ///< so many ticks in a row were without a gap
+    Vector3 current_A_{Vector3::Zero()};
+    Vector3 theta_rad_{Vector3::Zero()};
+};
+
+} // namespace springdrive::servo
