@@ -15,8 +15,9 @@ namespace springdrive::contact {
 class FacetCandidates {
 public:
     // Entries beyond size_ are never read. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
-    FacetCandidates(double radius_m, std::size_t capacity) noexcept
-        : squared_radius_m2_(radius_m * radius_m), capacity_(capacity) {}
+    FacetCandidates(double radius_m, double min_radius_m, std::size_t capacity) noexcept
+        : squared_radius_m2_(radius_m * radius_m),
+          min_squared_radius_m2_(min_radius_m * min_radius_m), capacity_(capacity) {}
 
     void add(std::uint32_t index, double squared_distance_m2) noexcept {
         while (size_ == capacity_ && squared_distance_m2 <= squared_radius_m2_ && is_useful()) {
@@ -42,8 +43,10 @@ public:
 
     [[nodiscard]] double squared_radius_m2() const noexcept { return squared_radius_m2_; }
 
-    /// Whether the ball is large enough to be useful: far larger than the proxy's clearance.
-    [[nodiscard]] bool is_useful() const noexcept { return squared_radius_m2_ > 1e-12; }
+    /// Whether the ball is large enough to be useful.
+    [[nodiscard]] bool is_useful() const noexcept {
+        return squared_radius_m2_ >= min_squared_radius_m2_;
+    }
 
     template <typename Visit> void for_each(const Visit &visit) const noexcept {
         for (std::size_t i = 0; i < size_; ++i) {
@@ -68,6 +71,7 @@ private:
     }
 
     double squared_radius_m2_;
+    double min_squared_radius_m2_;
     std::size_t capacity_;
     std::size_t size_ = 0;
     std::array<Found, Neighbourhood::kCapacity> found_;

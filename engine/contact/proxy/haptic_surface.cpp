@@ -161,8 +161,8 @@ bool HapticSurface::is_clear_of(ShapeSet shapes, const Neighbourhood &near, cons
 }
 
 void HapticSurface::find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
-                              Neighbourhood &near) const noexcept {
-    FacetCandidates found(radius_m,
+                              Neighbourhood &near, double min_radius_m) const noexcept {
+    FacetCandidates found(radius_m, min_radius_m,
                           has_two_sided_ ? Neighbourhood::kCapacity / 2 : Neighbourhood::kCapacity);
     const bool is_complete = tree_.within(
         centre_m, radius_m, budget, [&](std::uint32_t item, double squared_distance_m2) noexcept {

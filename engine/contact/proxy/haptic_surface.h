@@ -76,10 +76,13 @@ public:
                                                        const Vector3 &from_m, const Vector3 &tip_m,
                                                        double reach_m) const noexcept;
 
+    /// A list of what is nearer than this saves little [m].
+    static constexpr double kMinListedRadius_m = 100.0 * kClearance_m;
+
     /// Lists what lies within a ball, or within a smaller one where that exceeds the list. The list
-    /// covers nothing where even that does not help, or the budget ran out. RT-safe.
+    /// covers nothing where even `min_radius_m` does not help, or the budget ran out. RT-safe.
     void find_near(const Vector3 &centre_m, double radius_m, SearchBudget &budget,
-                   Neighbourhood &near) const noexcept;
+                   Neighbourhood &near, double min_radius_m = kMinListedRadius_m) const noexcept;
 
     /// The plane in which a proxy touches an obstacle, if it is within `within_m` of touching.
     [[nodiscard]] std::optional<Stop> touch(std::uint32_t obstacle, const Vector3 &point_m,

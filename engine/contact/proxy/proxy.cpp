@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -40,9 +41,14 @@ constexpr double kMaxJump_m = 2e-4;
 
 /// The first two motions out of a pit at a vertex [m]: away from the tip, and then along the
 /// surface, to where the clearance's rounding of the vertex has no effect.
-constexpr double kLift_m = 30.0 * kClearance_m;
-constexpr double kAside_m = 30.0 * kClearance_m;
-static_assert(kLift_m <= kLowRidge_m);
+constexpr double kDetour_m = 30.0 * kClearance_m;
+static_assert(kDetour_m <= kLowRidge_m);
+
+/// The same amid facets so small that no list of ordinary size has room for them, as in the middle
+/// of a graded fan, and the radius within which they are listed for these motions.
+constexpr double kShortDetour_m = 10.0 * kClearance_m;
+constexpr double kShortDetourRadius_m = 1.6 * kShortDetour_m;
+static_assert(kShortDetourRadius_m > std::numbers::sqrt2 * kShortDetour_m + kClearance_m);
 
 /// Facets within this belong to the vertex [m].
 constexpr double kVertex_m = 3.0 * kClearance_m;
@@ -188,9 +194,9 @@ bool Proxy::jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &
     return true;
 }
 
-bool Proxy::leave_along(const Vector3 &direction, const Vector3 &above_m, const ProxySolver &solver,
+bool Proxy::leave_along(const Vector3 &motion_m, const Vector3 &above_m, const ProxySolver &solver,
                         const Vector3 &tip_m) noexcept {
-    const Vector3 beside_m = above_m + kAside_m * direction;
+    const Vector3 beside_m = above_m + motion_m;
     if (solver.first_stop(above_m, beside_m)) {
         return false;
     }
@@ -208,21 +214,31 @@ bool Proxy::leave_along(const Vector3 &direction, const Vector3 &above_m, const 
 }
 
 bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface,
-                         const Vector3 &tip_m) noexcept {
+                         const Vector3 &tip_m, SolverBudget &budget) noexcept {
     const Vector3 from_tip_m = rest_.point_m - tip_m;
     if (rest_.held_by.size() < 3 || reach_m_ > kClearance_m ||
-        !near_.covers(rest_.point_m, kVertex_m) || from_tip_m.squaredNorm() <= kLift_m * kLift_m) {
+        from_tip_m.squaredNorm() <= kDetour_m * kDetour_m) {
         return false;
     }
-    const Vector3 above_m = rest_.point_m + kLift_m / from_tip_m.norm() * from_tip_m;
+    double detour_m = kDetour_m;
+    if (!near_.covers(rest_.point_m, kVertex_m)) {
+        // Without a list, each of these motions would take a large part of the budget.
+        surface.find_near(rest_.point_m, kShortDetourRadius_m, budget.search, near_,
+                          kShortDetourRadius_m);
+        if (!near_.covers(rest_.point_m, kVertex_m)) {
+            return false;
+        }
+        detour_m = kShortDetour_m;
+    }
+    const Vector3 above_m = rest_.point_m + detour_m / from_tip_m.norm() * from_tip_m;
     const DownhillDirections directions =
         downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m,
-                            MotionsAbove(rest_.held_by, above_m, kAside_m));
+                            MotionsAbove(rest_.held_by, above_m, detour_m));
     if (directions.begin() == directions.end() || solver.first_stop(rest_.point_m, above_m)) {
         return false;
     }
     return std::ranges::any_of(directions, [&](const Vector3 &direction) {
-        return leave_along(direction, above_m, solver, tip_m);
+        return leave_along(detour_m * direction, above_m, solver, tip_m);
     });
 }
 
@@ -236,7 +252,8 @@ bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface
         if (!near_.covers(rest_.point_m, std::max(reach_m_, kVertex_m))) {
             search_neighbourhood(surface, rest_.point_m, budget); // it has moved far
         }
-        if (!jump_to_nearer_rest(solver, surface, tip_m) && !leave_vertex(solver, surface, tip_m)) {
+        if (!jump_to_nearer_rest(solver, surface, tip_m) &&
+            !leave_vertex(solver, surface, tip_m, budget)) {
             break;
         }
         has_settled = solver.solve(rest_, tip_m);

@@ -65,8 +65,8 @@ private:
     [[nodiscard]] bool jump_to_nearer_rest(const ProxySolver &solver, const HapticSurface &surface,
                                            const Vector3 &tip_m) noexcept;
     [[nodiscard]] bool leave_vertex(const ProxySolver &solver, const HapticSurface &surface,
-                                    const Vector3 &tip_m) noexcept;
-    [[nodiscard]] bool leave_along(const Vector3 &direction, const Vector3 &above_m,
+                                    const Vector3 &tip_m, SolverBudget &budget) noexcept;
+    [[nodiscard]] bool leave_along(const Vector3 &motion_m, const Vector3 &above_m,
                                    const ProxySolver &solver, const Vector3 &tip_m) noexcept;
     void apply_friction(const ProxySolver &solver, const Rest &before,
                         const SurfaceMaterial &material, const Vector3 &tip_m) noexcept;

@@ -271,6 +271,52 @@ TEST(ProxyAtAVertex, LeavesAlongAnEdgeBesideThePit) {
     }
 }
 
+/// A fan that is rough enough to be graded as a whole, jagged as scans are, about 3 mm large.
+TriangleSoup rough_fan(std::mt19937_64 &random) {
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    const int count = std::uniform_int_distribution<int>(48, 96)(random);
+    const double noise_m = 3e-3 * (0.0125 + 0.0075 * one(random));
+    TriangleSoup soup;
+    soup.vertices_m = {Vector3::Zero()};
+    for (int i = 0; i < count; ++i) {
+        const double turn = 2.0 * std::numbers::pi * (i + 0.3 * one(random)) / count;
+        const double out_m = 3e-3 * (0.75 + 0.25 * one(random));
+        soup.vertices_m.emplace_back(out_m * std::cos(turn), noise_m * one(random),
+                                     out_m * std::sin(turn));
+        soup.triangles.push_back({0, static_cast<std::uint32_t>(1 + (i + 1) % count),
+                                  static_cast<std::uint32_t>(1 + i)});
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"rough", 0.0}};
+    soup.materials[0].sides = TouchSides::two;
+    return soup;
+}
+
+/// There hundreds of facets are within a micrometre: more than fit into a list of ordinary size,
+/// and more than one update always comes past.
+TEST(ProxyAtAVertex, IsNotHeldInTheMiddleOfAGradedFan) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    for (int i = 0; i < 300; ++i) {
+        const TriangleSoup soup = rough_fan(random);
+        const HapticSurface surface(soup);
+        ASSERT_EQ(surface.report().graded_fans.coarse, 1U);
+        const Judge judge(soup);
+        for (int k = 0; k < 20; ++k) {
+            const Vector3 tip_m = 3e-4 * Vector3(0.06 * one(random), -1.0, 0.06 * one(random));
+            Proxy proxy;
+            proxy.reset({3e-8 * one(random), 1e-7, 3e-8 * one(random)});
+            Contact contact = proxy.update(surface, tip_m);
+            for (int more = 0; more < 20 && !contact.settled; ++more) {
+                contact = proxy.update(surface, tip_m);
+            }
+            EXPECT_TRUE(contact.touching);
+            EXPECT_TRUE(contact.settled);
+            EXPECT_LT(judge.lag_m(contact.x0_m, tip_m), kNearer_m) << i << ' ' << k;
+        }
+    }
+}
+
 TEST(Shrink, LeavesTheTrianglesThatItTakes) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::scan(random);
