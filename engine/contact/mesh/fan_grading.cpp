@@ -50,7 +50,7 @@ GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTr
         bool is_graded = false;
         bool is_coarse = false;
         for (const TriangleFan &fan : divided_by_length(whole)) {
-            stop_if_given_up(graded.size());
+            stop_if_given_up();
             const FanRings rings = rings_of(fan);
             if (rings.triangles.empty()) {
                 continue;
@@ -61,6 +61,7 @@ GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTr
                 is_replaced[facet] = true;
             }
             for (const RingTriangle &triangle : rings.triangles) {
+                stop_if_given_up(graded.size());
                 graded.push_back(facet_of(triangle, fan, facets));
             }
         }

@@ -1,5 +1,6 @@
 #include "engine/contact/mesh/fan_rings.h"
 
+#include "base/wanted.h"
 #include "engine/contact/mesh/fan_grading.h"
 
 #include <Eigen/Geometry>
@@ -116,6 +117,7 @@ public:
         const std::size_t most = kMaxGrowth * fan_.facets.size();
         double fraction = 1.0;
         while (sectors() > kFewest && triangles_.size() <= most) {
+            stop_if_given_up();
             if (fraction <= core()) {
                 is_coarse_ = true;
                 const double next = (1.0 - kCoreRing) * fraction;

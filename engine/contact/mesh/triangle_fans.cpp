@@ -21,6 +21,7 @@ public:
           has_previous_(triangles_.size()) {
         std::unordered_map<std::uint32_t, Neighbours> at_rim;
         for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+            stop_if_given_up(i);
             at_rim[triangles_[i].from].begins.note(i);
             at_rim[triangles_[i].to].ends.note(i);
         }

@@ -1,11 +1,15 @@
-// Covers engine/contact/mesh/fan_grading.cpp.
+// Covers engine/contact/mesh/fan_grading.cpp, fan_rings.cpp and triangle_fans.cpp.
 #include "engine/contact/mesh/fan_grading.h"
 
+#include "base/wanted.h"
+#include "engine/contact/mesh/fan_rings.h"
+#include "engine/contact/mesh/triangle_fans.h"
 #include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -307,6 +311,21 @@ TEST(FanGrading, GradesAFanFromAVertexOfItsOutline) {
     for (int i = 0; i < 100; ++i) {
         ASSERT_LE(distance_m(before[random() % before.size()], given.facets, random), 1e-15);
     }
+}
+
+/// One fan alone may take seconds.
+TEST(FanGrading, CanBeGivenUpWithinAFan) {
+    std::mt19937_64 random(8);
+    const Given given = fan_of(300, {.rough = 0.04}, random);
+    auto by_vertex = find_fan_triangles(given.triangles, {}, given.vertices, kMinGradedFan);
+    ASSERT_EQ(by_vertex.size(), 1U);
+    const std::vector<TriangleFan> fans = fans_of(by_vertex[0], given.facets);
+    ASSERT_EQ(fans.size(), 1U);
+    EXPECT_FALSE(rings_of(fans[0]).triangles.empty());
+    const std::atomic<bool> is_given_up{true};
+    const GivenUpBy by(&is_given_up);
+    EXPECT_THROW(static_cast<void>(rings_of(fans[0])), NotWanted);
+    EXPECT_THROW(static_cast<void>(fans_of(by_vertex[0], given.facets)), NotWanted);
 }
 
 /// A triangle that was left out does not shift those that follow.
