@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -22,15 +23,12 @@ namespace springdrive::app {
 
 namespace {
 
-/// Data sheets specify R within a few per cent.
-constexpr double kMaxSpread = 0.05;
-
 struct TypedFigures {
     std::filesystem::path out;
     std::filesystem::path device_file;
     std::filesystem::path tuning_file; ///< empty: the default tuning
     std::vector<double> q_deg = default_joint_angles_deg();
-    double resistance_spread = FigureSetting{}.resistance_spread;
+    std::uint64_t device_seed = FigureSetting{}.device_seed;
     Existing existing = Existing::keep;
 };
 
@@ -53,11 +51,7 @@ FigureSetting setting_of(const TypedFigures &typed) {
     setting.device = device::read_device_file(typed.device_file);
     setting.tuning = tuning_of(typed.tuning_file);
     setting.q_rad = joint_angles_rad(typed.q_deg);
-    if (!(typed.resistance_spread >= 0.0 && typed.resistance_spread <= kMaxSpread)) {
-        throw InputError("--resistance-spread: must be a share from 0 to " +
-                         std::to_string(kMaxSpread).substr(0, 4));
-    }
-    setting.resistance_spread = typed.resistance_spread;
+    setting.device_seed = typed.device_seed;
     rig::check_configuration(setting.device, setting.q_rad);
     check_dR(setting.device, setting.tuning);
     setting.tuning.dR_Ohm = cold_dR_Ohm(setting.device, setting.tuning);
@@ -94,8 +88,8 @@ void make_figures(const TypedFigures &typed) {
 
 void add_figures_command(CLI::App &app) {
     CLI::App *figures = app.add_subcommand(
-        "figures", "figures 2, 5 and 6 of the paper, measured and predicted, figure 3 and the "
-                   "direction error over frequency, computed, as SVG and CSV");
+        "figures", "figures 2, 3, 5 and 6 of the paper, measured and predicted, and the direction "
+                   "error over frequency, computed, as SVG and CSV");
     const auto typed = std::make_shared<TypedFigures>();
     figures->add_option("--out", typed->out, "the folder to write to; created if missing")
         ->type_name("DIR")
@@ -105,10 +99,11 @@ void add_figures_command(CLI::App &app) {
     add_tuning_file_option(*figures, typed->tuning_file);
     add_joint_angles_option(*figures, typed->q_deg);
     figures
-        ->add_option("--resistance-spread", typed->resistance_spread,
-                     "relative deviation of R of motors 2 and 3 from the data sheet in figures 5 "
-                     "and 6, one down and one up; that of dR is R/dR times as large [0.0015]")
-        ->type_name("SHARE");
+        ->add_option("--device-seed", typed->device_seed,
+                     "which simulated device of its kind is measured in figures 3, 5 and 6")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1'000'000'000))
+        ->capture_default_str();
     figures->callback([typed] { make_figures(*typed); });
 }
 

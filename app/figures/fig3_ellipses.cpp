@@ -1,5 +1,6 @@
 // Fig. 3 of the paper.
 #include "app/figures/figure_text.h"
+#include "app/figures/locked_figures.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 
@@ -52,22 +53,44 @@ void add_scale(ChartMarks &marks, const FigureSetting &setting,
     marks.add("alpha_text", number_text(stiffness.alpha_rad2_per_m2, 4));
 }
 
+/// The force on the vice per metre inside a surface with that normal [N/m].
+loops::Vector2 measured_N_per_m(const FigureSetting &setting, control::MotionMap map,
+                                double normal_rad) {
+    const limits::LockedDeviceOptions options = locked_options(setting, map, Locked::observed);
+    return limits::press_locked_device(setting.device, options, map, normal_rad).measured_N /
+           options.penetration_m;
+}
+
 } // namespace
 
 Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress) {
     const loops::PlanarStiffness stiffness =
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
-    figure.csv = "angle_deg,inv_x,inv_y,trans_x,trans_y\n";
+    figure.csv = "angle_deg,inv_x,inv_y,trans_x,trans_y,inv_measured_x,inv_measured_y,"
+                 "trans_measured_x,trans_measured_y\n";
     constexpr int kPoints = 180;
+    constexpr int kPointsToOneMeasured = 10;
+    int point_number = 0;
     for (const loops::EllipsePoint &point : loops::stiffness_ellipses(stiffness, kPoints)) {
+        loops::Vector2 inverse_N_per_m = loops::Vector2::Constant(NAN);
+        loops::Vector2 transpose_N_per_m = inverse_N_per_m;
+        if (point_number++ % kPointsToOneMeasured == 0) {
+            inverse_N_per_m =
+                measured_N_per_m(setting, control::MotionMap::inverse, point.angle_rad);
+            transpose_N_per_m =
+                measured_N_per_m(setting, control::MotionMap::transpose, point.angle_rad);
+            progress(static_cast<double>(point_number) / kPoints);
+        }
         figure.csv += csv_line({kDegreesPerRadian * point.angle_rad, point.inverse_N_per_m.x(),
                                 point.inverse_N_per_m.y(), point.transpose_N_per_m.x(),
-                                point.transpose_N_per_m.y()});
+                                point.transpose_N_per_m.y(), inverse_N_per_m.x(),
+                                inverse_N_per_m.y(), transpose_N_per_m.x(), transpose_N_per_m.y()});
     }
     figure.marks.add("heading", "Fig. 3: static tip stiffness, " + setting.device.name +
                                     " with its base locked");
     figure.marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
+    figure.marks.add("conditions", conditions_text(setting));
     add_linkage(figure.marks, setting);
     add_scale(figure.marks, setting, stiffness);
     progress(1.0);

@@ -10,33 +10,24 @@ namespace springdrive::app {
 
 namespace {
 
-/// The measurements against one surface, with both maps.
-struct Errors {
-    double inverse_deg = 0.0;
-    double transpose_deg = 0.0;
-};
-
-using Conditions = limits::LockedDeviceOptions (*)(const FigureSetting &, control::MotionMap);
-
-Errors errors_against(const FigureSetting &setting, Conditions conditions, double normal_rad) {
-    const auto error_deg = [&](control::MotionMap map) {
-        return kDegreesPerRadian * limits::press_locked_device(
-                                       setting.device, conditions(setting, map), map, normal_rad)
-                                       .error_rad;
-    };
-    return {error_deg(control::MotionMap::inverse), error_deg(control::MotionMap::transpose)};
+double error_deg(const FigureSetting &setting, control::MotionMap map, Locked how,
+                 double normal_rad) {
+    return kDegreesPerRadian * limits::press_locked_device(setting.device,
+                                                           locked_options(setting, map, how), map,
+                                                           normal_rad)
+                                   .error_rad;
 }
 
 ChartMarks marks(const FigureSetting &setting, const loops::PlanarStiffness &stiffness) {
-    const limits::LockedDeviceOptions inverse = with_effects(setting, control::MotionMap::inverse);
-    const limits::LockedDeviceOptions transpose =
-        with_effects(setting, control::MotionMap::transpose);
+    const auto depth_text = [&](control::MotionMap map) {
+        return penetration_text(locked_options(setting, map, Locked::observed).penetration_m);
+    };
     ChartMarks marks;
     marks.add("heading", "Fig. 6: direction error of the force, " + setting.device.name);
     marks.add("setting", angles_text(setting) + "; " + tuning_text(setting));
-    marks.add("conditions", effects_text(inverse));
-    marks.add("inverse_penetration", penetration_text(inverse));
-    marks.add("transpose_penetration", penetration_text(transpose));
+    marks.add("conditions", conditions_text(setting));
+    marks.add("inverse_penetration", depth_text(control::MotionMap::inverse));
+    marks.add("transpose_penetration", depth_text(control::MotionMap::transpose));
     // The prediction as a curve, also between the surfaces.
     marks.add("K_xx", stiffness.inverse(0, 0));
     marks.add("K_xy", stiffness.inverse(0, 1));
@@ -52,15 +43,22 @@ Figure direction_error_figure(const FigureSetting &setting, const FigureProgress
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
     figure.csv = "normal_deg,inverse_error_deg,transpose_error_deg,inverse_predicted_deg,"
-                 "inverse_ideal_deg,transpose_ideal_deg\n";
+                 "inverse_ideal_deg,transpose_ideal_deg,inverse_unobserved_deg,"
+                 "transpose_unobserved_deg\n";
     for (int i = 0; i < kSurfaces; ++i) {
         const double normal_rad = 2.0 * std::numbers::pi * i / kSurfaces;
-        const Errors real = errors_against(setting, with_effects, normal_rad);
-        const Errors ideal = errors_against(setting, without_effects, normal_rad);
+        const auto inverse_deg = [&](Locked how) {
+            return error_deg(setting, control::MotionMap::inverse, how, normal_rad);
+        };
+        const auto transpose_deg = [&](Locked how) {
+            return error_deg(setting, control::MotionMap::transpose, how, normal_rad);
+        };
         figure.csv +=
-            csv_line({kDegreesPerRadian * normal_rad, real.inverse_deg, real.transpose_deg,
+            csv_line({kDegreesPerRadian * normal_rad, inverse_deg(Locked::observed),
+                      transpose_deg(Locked::observed),
                       kDegreesPerRadian * loops::inverse_direction_error_rad(stiffness, normal_rad),
-                      ideal.inverse_deg, ideal.transpose_deg});
+                      inverse_deg(Locked::ideal), transpose_deg(Locked::ideal),
+                      inverse_deg(Locked::unobserved), transpose_deg(Locked::unobserved)});
         progress((i + 1.0) / kSurfaces);
     }
     figure.marks = marks(setting, stiffness);

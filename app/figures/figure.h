@@ -10,6 +10,7 @@
 #include "engine/lab/limits/locked_device.h"
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -22,8 +23,7 @@ struct FigureSetting {
     control::Tuning tuning;
     Vector3 q_rad{Vector3::Zero()}; ///< base locked in figures 3 and 5 to 7
     double servo_period_s = 1e-3;
-    double resistance_spread =
-        limits::LockedDeviceOptions{}.resistance_spread; ///< of figures 5 and 6
+    std::uint64_t device_seed = 1; ///< of the device measured in figures 3, 5 and 6
 };
 
 struct Figure {
@@ -37,7 +37,7 @@ using FigureProgress = std::function<void(double)>;
 /// Fig. 2: K_θ over frequency, by (12), sampled, measured, and of the unmodified motor.
 [[nodiscard]] Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &progress);
 
-/// Fig. 3: the tip's stiffness under both maps, computed by (21) and (27).
+/// Fig. 3: the tip's stiffness under both maps, by (21) and (27), and measured.
 [[nodiscard]] Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progress);
 
 /// Fig. 5: the forces of both maps against a wall above the device.

@@ -1,6 +1,7 @@
 # Settings of all charts; app/figures/figure.h documents where csv, svg and the marks come from.
 # Colour-blind safe colours (Okabe and Ito), on white, for print.
 set encoding utf8
+set minussign
 set datafile separator ","
 set output svg
 blue = "#0072B2"

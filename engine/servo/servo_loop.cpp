@@ -325,6 +325,7 @@ ServoSample ServoLoop::brake(const device::Measurement &measured, const ServoInp
     sample.counts = measured.counts;
     sample.current_A = measured.current_A;
     note_motion(law_.configuration(law_.theta_rad(measured.counts), Vector3::Zero()), sample);
+    sample.resistance = resistances_;
     sample.contact.x0_m = sample.x_Sd_m = sample.tip_m;
     sample.theta_Sd_rad = sample.theta_rad;
     sample.rendered_error_rad = sample.inverse_error_rad = sample.transpose_error_rad = kNone;

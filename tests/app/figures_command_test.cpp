@@ -134,7 +134,7 @@ TEST(Figures, SayWhatIsWrongInOneLine) {
     testing::expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
     testing::expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "q3 - q2 is 90");
     testing::expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
-    testing::expect_one_line(figures(folder / "a", {"--resistance-spread", "0.06"}), 1, "0.05");
+    testing::expect_one_line(figures(folder / "a", {"--device-seed", "0"}), 2, "--device-seed");
     testing::expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
     // A full disk: each write to a link to /dev/full fails.
     std::filesystem::create_directory(folder / "full");

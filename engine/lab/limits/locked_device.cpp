@@ -19,7 +19,8 @@ namespace springdrive::limits {
 namespace {
 
 /// Runs until `until_s`. Returns the mean force on the sensor until then [N].
-Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
+/// @param measures  whether the servo must not reduce the force
+Vector3 mean_force_N(rig::ServoRig &rig, double until_s, bool measures = false) {
     Vector3 sum = Vector3::Zero();
     int ticks = 0;
     while (rig.truth().time_s < until_s - 0.5 * rig.loop().period_s()) {
@@ -29,7 +30,6 @@ Vector3 mean_force_N(rig::ServoRig &rig, double until_s) {
                              servo::description(sample.safety) +
                              "); choose a softer tuning or another configuration");
         }
-        const bool measures = rig.truth().time_s > rig::ViceOptions::kMeasureFrom_s;
         if (measures && (sample.held_back.force || sample.held_back.voltage)) {
             throw InputError("locked device: the servo reduced the force to stay within its "
                              "limits; choose a softer tuning or another configuration");
@@ -59,13 +59,17 @@ LockedForce press_locked_device(const device::DeviceDescription &device,
     rig::ScenarioSetting setting{device, options.tuning, options.q_rad, options.servo_period_s};
     setting.tuning.map = map;
     setting.tuning.alpha_mode = control::AlphaMode::global;
-    rig::ServoRig rig(rig::vice_scenario(
-        setting, {normal, options.penetration_m, options.effects, options.resistance_spread}));
+    constexpr double kExercise_s = 2.5;
+    const double exercise_s = options.observes_resistance ? kExercise_s : 0.0;
+    rig::ServoRig rig(rig::vice_scenario(setting, {normal, options.penetration_m, options.effects,
+                                                   options.device_seed, exercise_s}));
+    rig.inputs.observes_resistance = options.observes_resistance;
     rig.inputs.global_alpha_rad2_per_m2 = stiffness.alpha_rad2_per_m2;
-    static_cast<void>(mean_force_N(rig, rig::ViceOptions::kZeroFrom_s));
-    const Vector3 zero_N = mean_force_N(rig, rig::ViceOptions::kPressFrom_s);
-    static_cast<void>(mean_force_N(rig, rig::ViceOptions::kMeasureFrom_s));
-    const Vector3 reading_N = mean_force_N(rig, rig::ViceOptions::kMeasureUntil_s);
+    static_cast<void>(mean_force_N(rig, exercise_s + rig::ViceOptions::kZeroFrom_s));
+    const Vector3 zero_N = mean_force_N(rig, exercise_s + rig::ViceOptions::kPressFrom_s);
+    static_cast<void>(mean_force_N(rig, exercise_s + rig::ViceOptions::kMeasureFrom_s));
+    const Vector3 reading_N =
+        mean_force_N(rig, exercise_s + rig::ViceOptions::kMeasureUntil_s, true);
 
     LockedForce force;
     force.measured_N = plane.transpose() * (reading_N - zero_N);

@@ -6,6 +6,8 @@
 //   press: the vice moves the tip along the normal, to where it is `penetration_m` inside
 //   hold:  the force is averaged over 50 ms
 //
+// Where the windings' resistances are observed, the vice has moved the tip along the plate before.
+//
 // The vice locks the base joint too: the device is planar, and α is at the bound (29) of the planar
 // device.
 #pragma once
@@ -13,6 +15,8 @@
 #include "device/core/device_file.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/link_plane.h"
+
+#include <cstdint>
 
 namespace springdrive::limits {
 
@@ -22,12 +26,11 @@ struct LockedDeviceOptions {
                                     ///< bound (29)
     double servo_period_s = 1e-3;
     double penetration_m = 1e-3;
-    /// Friction, weight, encoder quanta, warming windings and motors whose dR differs. That
-    /// difference includes the ripple of R, which is constant at a locked angle.
+    /// Friction, weight, encoder quanta and warming windings.
     bool effects = true;
-    /// With effects, R of the third joint's motor is above the data sheet's by this share, and of
-    /// the second's below. The resulting relative change of dR is R/dR times as large.
-    double resistance_spread = 0.0015;
+    std::uint64_t device_seed = 0; ///< with effects: which device of its kind, with all its own
+    /// R̂ follows the resistances that the servo has observed in 2.5 s of touch just before.
+    bool observes_resistance = false;
 };
 
 /// The force of the device on the sensor, in the plane of the links.

@@ -65,7 +65,9 @@ TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
     EXPECT_NE(complaint("on_the_fly", "auto").find("on_the_fly, global or by_hand"),
               std::string::npos);
     EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
-    // The parser quotes the line end that it did not expect.
+    // The parser quotes the line end that it did not expect; keys and texts may contain some.
+    EXPECT_EQ(complaint("\"transpose\"", R"("trans\npose")").find('\n'), std::string::npos);
+    EXPECT_EQ(complaint("eta =", "\"a\\nb\" = 1\neta =").find('\n'), std::string::npos);
     EXPECT_EQ(complaint("eta = 0.0", "eta = i").find('\n'), std::string::npos);
 }
 

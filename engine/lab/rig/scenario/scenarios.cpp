@@ -240,6 +240,27 @@ Scenario exploration_scenario(const ScenarioSetting &setting, const PlacedSurfac
     return made;
 }
 
+namespace {
+
+/// Once the servo has started: into the plate, to and fro along it, and out again, all within
+/// `exercise_s`.
+void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vector3 &outside_m,
+                  const Vector3 &along, std::vector<simulated::HandPath::Point> &points) {
+    constexpr double kStep_s = 0.02;
+    constexpr double kPress_s = 0.2;
+    constexpr double kStroke_rad_per_s = std::numbers::pi; // half a stroke a second
+    points.push_back({ViceOptions::kZeroFrom_s, outside_m});
+    for (double time_s = kStep_s; time_s < options.exercise_s - kStep_s; time_s += kStep_s) {
+        const double pressed =
+            std::clamp(std::min(time_s, options.exercise_s - time_s) / kPress_s, 0.0, 1.0);
+        const double aside_m = 0.5 * ViceOptions::kStroke_m * std::sin(kStroke_rad_per_s * time_s);
+        points.push_back({ViceOptions::kZeroFrom_s + time_s,
+                          outside_m + pressed * (inside_m - outside_m + aside_m * along)});
+    }
+}
+
+} // namespace
+
 Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &options) {
     constexpr double kOutside_m = 1e-3;
     constexpr double kPress_s = 0.05;
@@ -257,14 +278,20 @@ Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &option
         made, std::make_shared<contact::HapticSurface>(plate(surface_m, options.normal, level)));
     simulated::SimulationOptions &simulation = made.simulation;
     simulation.hand = kVice;
-    follow(made, simulated::HandPath({{ViceOptions::kPressFrom_s, outside_m},
-                                      {ViceOptions::kPressFrom_s + kPress_s, inside_m}}));
-    made.duration_s = ViceOptions::kMeasureUntil_s;
+    std::vector<simulated::HandPath::Point> points;
+    if (options.exercise_s > 0.0) {
+        add_exercise(options, inside_m, outside_m, options.normal.cross(level), points);
+    }
+    const double press_s = ViceOptions::kPressFrom_s + options.exercise_s;
+    points.push_back({press_s, outside_m});
+    points.push_back({press_s + kPress_s, inside_m});
+    follow(made, simulated::HandPath(std::move(points)));
+    made.duration_s = ViceOptions::kMeasureUntil_s + options.exercise_s;
     simulation.quantised_encoders = options.effects;
     if (options.effects) {
-        simulation.effects.commutation_ripple = false;
+        simulation.device_seed = options.device_seed;
+        simulation.effects.commutation_ripple = options.device_seed != 0;
         simulation.effects.joint_limits = false; // the vice holds it, near a stop too
-        simulation.resistance_share += options.resistance_spread * Vector3(0.0, -1.0, 1.0);
     } else {
         simulation.effects = simulated::PlantEffects::none();
     }

@@ -91,11 +91,14 @@ struct ViceOptions {
 
     Vector3 normal{Vector3::UnitY()}; ///< unit, in the plane of the links; else the program ends
     double penetration_m = 1e-3;
-    /// All of the plant's effects except the ripple of R and the stops.
+    /// All of the plant's effects except the stops, and without a `device_seed` the ripple of R.
     bool effects = true;
-    /// With effects, R of the third joint's motor is greater by this share, of the second's
-    /// smaller.
-    double resistance_spread = 0.0;
+    std::uint64_t device_seed = 0; ///< with effects: which device of its kind
+    /// Before all that, the vice presses the tip as deep into the plate and moves it to and fro by
+    /// kStroke_m for this time, so that the windings' resistances can be observed. All times above
+    /// are later by it.
+    double exercise_s = 0.0;
+    static constexpr double kStroke_m = 0.012;
 };
 [[nodiscard]] Scenario vice_scenario(const ScenarioSetting &setting,
                                      const ViceOptions &options = {});
