@@ -199,7 +199,7 @@ void show_held_up_dR(const session::Session &session) {
             ImGui::TextColored(kDanger, "motor %zu: its current contradicts its motion", j + 1);
             if (ImGui::IsItemHovered()) {
                 ImGui::SetTooltip("a current sensor is wrong, or the motor is not the file's;\n"
-                                  "R is not observed again until the servo is reset");
+                                  "to observe anew, switch \"observe R\" off and on");
             }
         }
         left_s = std::max(
@@ -211,7 +211,11 @@ void show_held_up_dR(const session::Session &session) {
         return;
     }
     constexpr double kTooLong_s = 20.0;
-    if (left_s == 0.0) {
+    const bool are_trusted =
+        std::ranges::all_of(now.resistance, &control::WindingResistance::is_trusted);
+    if (!are_trusted) {
+        ImGui::TextColored(kDanger, "dR is held at %.3f Ω", active_Ohm);
+    } else if (left_s == 0.0) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω by the winding guard", active_Ohm);
     } else if (left_s > kTooLong_s) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω: press on a surface", active_Ohm);

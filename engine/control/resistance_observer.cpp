@@ -25,6 +25,10 @@ constexpr double kFileError = 0.2;
 /// How far the sensor's offset may drift [A²/s]: 0.01 mA in a second.
 constexpr double kOffsetDrift_A2_per_s = 1e-10;
 
+/// An estimate is settled once its standard deviation has been below this share of R for so long.
+constexpr double kSettled = 0.02;
+constexpr double kSettling_s = 0.5;
+
 /// A window that surprises by more than this many standard deviations teaches nothing.
 constexpr double kOutlier = 4.0;
 
@@ -72,6 +76,9 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 
 double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                     const WindingResistance &R, double dR_Ohm, double current_A) {
+    if (!R.is_trusted) {
+        return 0.0;
+    }
     const double deviation_Ohm = held_up_dR_Ohm(R) / kHeldUpDeviations;
     const double enough_Ohm =
         device::residual_resistance_Ohm(device.motor[motor], dR_Ohm) / kHeldUpDeviations;
@@ -117,6 +124,8 @@ void ResistanceObserver::restart() noexcept {
         uniform_variance(motor_.torque_constant_tolerance * motor_.torque_constant_Nm_per_A);
     covariance_(kRounding, kRounding) = count_variance_rad2_;
     begin_window();
+    mean_before_A_ = 0.0;
+    settled_windows_ = 0;
     disbelief_ = 0.0;
     is_trusted_ = true;
 }
@@ -148,6 +157,7 @@ void ResistanceObserver::skip(double current_A, std::uint32_t periods) noexcept 
         temperature_.update(heat_W);
     }
     begin_window();
+    mean_before_A_ = 0.0;
     forget_rounding();
 }
 
@@ -169,6 +179,10 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     bias_VAs2_ += dR_Ohm * charge_As2;
     current_Vs2_ += dR_Ohm * dR_Ohm * charge_As2;
     of_noise_ += T * of_resistance;
+    const double rate_rad_per_s = (interval.after_rad - interval.before_rad) / T;
+    first_rate_rad_per_s_ = window_s_ > 0.0 ? first_rate_rad_per_s_ : rate_rad_per_s;
+    last_rate_rad_per_s_ = rate_rad_per_s;
+    excess_Ohms_ += dR_Ohm * T;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
     temperature_.update(std::max(0.0, R_Ohm) * mean_A * mean_A);
@@ -193,8 +207,12 @@ void ResistanceObserver::take_window() noexcept {
     covariance_(kOffset, kOffset) += kOffsetDrift_A2_per_s * window_s_;
     const bool has_evidence = had_current();
     mean_before_A_ = weights_[kResistance] / (warmth() * window_s_);
+    // Within an interval the speed, and so the current, changes: (11) with a constant acceleration.
+    const double accelerated_Vs = excess_Ohms_ / window_s_ * k_T * period_s_ * period_s_ *
+                                  (last_rate_rad_per_s_ - first_rate_rad_per_s_) /
+                                  (12.0 * motor_.inductance_H);
     const double ends_Vs2 = 2.0 * motor_.inductance_H * motor_.inductance_H * current_variance_A2_ +
-                            kMeanCurrent_Vs * kMeanCurrent_Vs;
+                            kMeanCurrent_Vs * kMeanCurrent_Vs + accelerated_Vs * accelerated_Vs;
     const double surprise_Vs = voltage_Vs_ - expected_Vs;
     const Noise noise{ends_Vs2 + current_Vs2_, charge_As2_, bias_VAs2_, of_noise_ / window_s_};
     begin_window();
@@ -214,7 +232,8 @@ bool ResistanceObserver::had_current() const noexcept {
 }
 
 void ResistanceObserver::begin_window() noexcept {
-    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = turned_rad_ = window_s_ = 0.0;
+    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = excess_Ohms_ = turned_rad_ = window_s_ =
+        0.0;
     weights_.setZero();
     of_noise_.setZero();
 }
@@ -252,6 +271,8 @@ void ResistanceObserver::learn(const State &h, double surprise_Vs, const Noise &
         count_variance_rad2_ - rounding_gain * rounding_gain * variance_Vs2;
     if (has_evidence) {
         compensate(noise, rounding_Vs2 + noise.voltage_Vs2);
+        const ResistanceEstimate R = unheated();
+        settled_windows_ += R.deviation_Ohm < kSettled * R.resistance_Ohm ? 1 : 0;
     }
 }
 
@@ -278,9 +299,14 @@ void ResistanceObserver::forget_rounding() noexcept {
 
 void ResistanceObserver::note_surprise(bool is_outlier) noexcept {
     disbelief_ = std::max(0.0, disbelief_ + (is_outlier ? 1.0 : -kBelief));
+    settled_windows_ = disbelief_ > 0.0 ? 0 : settled_windows_;
     if (disbelief_ >= kMaxDisbelief) {
         distrust();
     }
+}
+
+bool ResistanceObserver::is_settled() const noexcept {
+    return settled_windows_ * kWindow_s >= kSettling_s;
 }
 
 void ResistanceObserver::distrust() noexcept {

@@ -87,8 +87,8 @@ inline constexpr double kHeldUpDeviations = 2.5;
 }
 
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
-/// if its rotor turns; infinite without a current. An estimate: one count a window limits what is
-/// learned.
+/// if its rotor turns; infinite without a current, 0 for one that is not trusted. An estimate: one
+/// count a window limits what is learned.
 [[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                                   const WindingResistance &R, double dR_Ohm, double current_A);
 
@@ -113,12 +113,21 @@ public:
     /// Forgets it, and observes nothing until `restart`.
     void distrust() noexcept;
 
+    /// Whether what was observed has agreed with itself long enough to be relied on: a sensor that
+    /// fails while little is known is not noticed at once.
+    [[nodiscard]] bool is_settled() const noexcept;
+
     /// Whether what was measured agrees with what was expected. If not, the estimates are those
     /// before anything was observed.
     [[nodiscard]] bool is_trusted() const noexcept { return is_trusted_; }
 
     [[nodiscard]] WindingResistance resistance(double theta_rad) const noexcept {
         return {at(theta_rad), mean(), true, is_trusted_};
+    }
+
+    /// The estimate of `at` alone.
+    [[nodiscard]] double expected_Ohm(double theta_rad) const noexcept {
+        return weights_of_resistance(theta_rad).dot(state_);
     }
 
     /// R(T, θ) as the amplifier sees it: R/(1 + g).
@@ -163,7 +172,8 @@ private:
     State state_{State::Zero()};
     Covariance covariance_{Covariance::Zero()};
     double warmth_before_ = 1.0; ///< at the end of the window before
-    double disbelief_ = 0.0;     ///< in outliers, of late
+    int settled_windows_ = 0;
+    double disbelief_ = 0.0; ///< in outliers, of late
     bool is_trusted_ = true;
 
     // Sums over the present window.
@@ -173,6 +183,9 @@ private:
     double charge_As2_ = 0.0;      ///< variance of the current's integral, by the same
     double bias_VAs2_ = 0.0;       ///< the same times dR
     State of_noise_{State::Zero()};
+    double excess_Ohms_ = 0.0; ///< dR, integrated
+    double first_rate_rad_per_s_ = 0.0;
+    double last_rate_rad_per_s_ = 0.0;
     double turned_rad_ = 0.0;
     double window_s_ = 0.0;
     double period_s_ = 0.0;      ///< of its last interval

@@ -39,8 +39,8 @@ ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
     : device_(device), period_s_(period_s), law_(device.description()),
       transfer_(device.description(), period_s),
       observers_(device.description(), device.delay_periods(), period_s),
-      file_resistances_(control::file_resistances(device.description().motor)),
-      resistances_(file_resistances_), safety_(device.description(), period_s) {}
+      resistances_(control::file_resistances(device.description().motor)),
+      safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
     command_ = device::DeviceCommand::braking();
@@ -174,12 +174,11 @@ control::Configuration ServoLoop::sense(const device::Measurement &measured, dou
 
 void ServoLoop::observe_windings(const device::Measurement &measured, const Vector3 &theta_rad,
                                  const Passed &since) noexcept {
-    if (!inputs_.observes_resistance) {
-        if (resistances_.front().is_observed) {
-            observers_.restart();
-        }
+    // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
+    if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
+        observers_.restart();
         observers_.rest(measured.current_A, since.missed_periods);
-        resistances_ = file_resistances_;
+        resistances_ = observers_.resistances();
         return;
     }
     for (std::size_t j = 0; j < resistances_.size(); ++j) {
@@ -187,7 +186,9 @@ void ServoLoop::observe_windings(const device::Measurement &measured, const Vect
             observers_.distrust(j);
         }
     }
+    constexpr double kOnTime = 0.05; // of a period
     const bool is_next = has_measured_ && held_ticks_ == 0 && since.missed_periods == 0 &&
+                         std::abs(since.since_last_s - period_s_) < kOnTime * period_s_ &&
                          measured.arrival == device::Arrival::fresh &&
                          measured.current_A.allFinite();
     observers_.take(measured, theta_rad, is_next, since.missed_periods);

@@ -118,7 +118,6 @@ private:
     BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
     WindingObservers observers_;
-    control::WindingResistances file_resistances_;
     control::WindingResistances resistances_; ///< of this tick
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;

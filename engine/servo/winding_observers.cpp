@@ -30,29 +30,29 @@ constexpr double kWithinPeak = 0.95;
 WindingObservers::WindingObservers(const device::DeviceDescription &device, double delay_periods,
                                    double period_s)
     : period_s_(period_s), max_rate_Ohm_per_s_(max_rate(device)),
-      whole_delay_(static_cast<std::size_t>(
-          std::clamp(delay_periods, 0.0, static_cast<double>(kLongestDelay) + 1.0))),
+      whole_delay_(delay_periods <= static_cast<double>(kLongestDelay)
+                       ? static_cast<std::size_t>(delay_periods)
+                       : kHistory),
       delay_fraction_(delay_periods - std::floor(delay_periods)),
       observer_{control::ResistanceObserver(device, 0, period_s),
                 control::ResistanceObserver(device, 1, period_s),
                 control::ResistanceObserver(device, 2, period_s)},
-      motor_(device.motor) {
-    restart();
-}
+      motor_(device.motor), resistances_(control::file_resistances(device.motor)) {}
 
 void WindingObservers::set_period(double period_s) noexcept {
     period_s_ = period_s;
     known_commands_ = 0; // delays were of another period
+    has_previous_ = false;
     for (control::ResistanceObserver &observer : observer_) {
         observer.set_period(period_s);
     }
 }
 
 void WindingObservers::restart() noexcept {
-    for (std::size_t j = 0; j < observer_.size(); ++j) {
-        observer_[j].restart();
-        resistances_[j] = observer_[j].resistance(theta_rad_[static_cast<Eigen::Index>(j)]);
+    for (control::ResistanceObserver &observer : observer_) {
+        observer.restart();
     }
+    has_previous_ = false;
 }
 
 const device::DeviceCommand &WindingObservers::command_before(std::size_t ticks) const noexcept {
@@ -65,27 +65,54 @@ void WindingObservers::note(const device::DeviceCommand &command) noexcept {
     known_commands_ = std::min(known_commands_ + 1, kHistory);
 }
 
-void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept {
-    known_commands_ = 0;
+void WindingObservers::pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept {
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         observer_[j].skip(current_A[static_cast<Eigen::Index>(j)], missed_periods + 1);
     }
 }
 
+void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept {
+    pass_over(current_A, missed_periods);
+    has_previous_ = false;
+    const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
+    for (std::size_t j = 0; j < observer_.size(); ++j) {
+        control::WindingResistance &used = resistances_[j];
+        const double R_Ohm = motor_[j].resistance_Ohm;
+        const auto approach_file = [&](control::ResistanceEstimate &estimate) {
+            estimate = {limited_step(estimate.resistance_Ohm, R_Ohm, step_Ohm),
+                        limited_step(estimate.deviation_Ohm, 0.0, step_Ohm)};
+            return estimate.resistance_Ohm == R_Ohm && estimate.deviation_Ohm == 0.0;
+        };
+        const bool is_here = approach_file(used.here);
+        const bool is_mean = approach_file(used.mean);
+        used.is_observed = used.is_observed && !(is_here && is_mean);
+        used.is_trusted = true;
+    }
+}
+
 void WindingObservers::take(const device::Measurement &measured, const Vector3 &theta_rad,
                             bool is_next, std::uint32_t missed_periods) noexcept {
+    Vector3 before_Ohm;
+    Vector3 mean_before_Ohm;
+    for (std::size_t j = 0; j < observer_.size(); ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        before_Ohm[index] = observer_[j].expected_Ohm(theta_rad[index]);
+        mean_before_Ohm[index] = observer_[j].mean().resistance_Ohm;
+    }
     // The commands of the last period, the newest of which was noted after the last measurement.
     const std::size_t needed = whole_delay_ + (delay_fraction_ > 0.0 ? 2 : 1);
-    if (is_next && known_commands_ >= needed) {
+    if (is_next && has_previous_ && known_commands_ >= needed) {
         learn(measured, theta_rad);
     } else {
-        const std::size_t known = is_next ? known_commands_ : 0;
-        rest(measured.current_A, missed_periods);
-        known_commands_ = known;
+        pass_over(measured.current_A, missed_periods);
     }
+    if (!is_next) {
+        known_commands_ = 0;
+    }
+    has_previous_ = true;
     current_A_ = measured.current_A;
     theta_rad_ = theta_rad;
-    approach(theta_rad);
+    approach(theta_rad, before_Ohm, mean_before_Ohm);
 }
 
 /// With the commands that acted in the last period: the older one until a fraction of it.
@@ -118,24 +145,35 @@ void WindingObservers::learn(const device::Measurement &measured,
     }
 }
 
-/// Estimates become better in steps, the force must not. A worse one applies at once, and what is
-/// left of the way to a better one is a deviation, too.
-void WindingObservers::approach(const Vector3 &theta_rad) noexcept {
+/// Estimates become better in steps, the force must not: what a step was is carried, and taken back
+/// slowly. What is left of it is a deviation, too. That nothing is trusted any more applies at
+/// once.
+/// @param before_Ohm  what the estimates were at these angles before they became better
+void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
+                                const Vector3 &mean_before_Ohm) noexcept {
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
-        const control::WindingResistance now =
-            observer_[j].resistance(theta_rad[static_cast<Eigen::Index>(j)]);
+        const auto index = static_cast<Eigen::Index>(j);
+        const control::WindingResistance now = observer_[j].resistance(theta_rad[index]);
         control::WindingResistance &used = resistances_[j];
-        const double mean_Ohm =
-            limited_step(used.mean.resistance_Ohm, now.mean.resistance_Ohm, step_Ohm);
-        const double gap_Ohm = std::abs(mean_Ohm - now.mean.resistance_Ohm);
-        const auto deviation = [&](double from_Ohm, double to_Ohm) {
-            return std::max({to_Ohm, from_Ohm - step_Ohm, gap_Ohm});
+        if (!used.is_observed) { // was the file's
+            carried_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
+            carried_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
+        } else {
+            carried_here_Ohm_[index] += before_Ohm[index] - now.here.resistance_Ohm;
+            carried_mean_Ohm_[index] += mean_before_Ohm[index] - now.mean.resistance_Ohm;
+        }
+        const auto carried = [&](Vector3 &carried_Ohm, const control::ResistanceEstimate &estimate,
+                                 double deviation_before_Ohm) -> control::ResistanceEstimate {
+            carried_Ohm[index] = limited_step(carried_Ohm[index], 0.0, step_Ohm);
+            const double deviation_Ohm =
+                std::max(estimate.deviation_Ohm, std::abs(carried_Ohm[index]));
+            return {estimate.resistance_Ohm + carried_Ohm[index],
+                    now.is_trusted ? limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)
+                                   : deviation_Ohm};
         };
-        used = {{mean_Ohm + now.here.resistance_Ohm - now.mean.resistance_Ohm,
-                 deviation(used.here.deviation_Ohm, now.here.deviation_Ohm)},
-                {mean_Ohm, deviation(used.mean.deviation_Ohm, now.mean.deviation_Ohm)},
-                true,
+        used = {carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm),
+                carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm), true,
                 now.is_trusted};
     }
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace springdrive::servo {
 
@@ -28,26 +29,34 @@ public:
               std::uint32_t missed_periods) noexcept;
 
     /// A tick without a new measurement.
-    void take_nothing() noexcept { known_commands_ = 0; }
+    void take_nothing() noexcept {
+        known_commands_ = 0;
+        has_previous_ = false;
+    }
 
     /// Once a tick, after `take`: the command that was sent.
     void note(const device::DeviceCommand &command) noexcept;
 
-    /// Forgets everything but the windings' temperatures.
+    /// Forgets everything but the windings' temperatures; the resistances follow without a step.
     void restart() noexcept;
 
     /// Forgets what was observed of a motor, and observes it no more until `restart`.
     void distrust(std::size_t motor) noexcept { observer_[motor].distrust(); }
 
-    /// While nothing is observed: the windings' temperatures follow.
+    /// While nothing is observed: the windings' temperatures follow, and the resistances approach
+    /// the file's without a step.
     void rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
 
     /// At the angles last taken. They approach what was last learned without a step.
     [[nodiscard]] const control::WindingResistances &resistances() const { return resistances_; }
 
-    /// What was learned of a winding as warm as the air.
+    /// What can be relied on of a winding as warm as the air; its deviation is infinite if nothing.
     [[nodiscard]] control::ResistanceEstimate unheated(std::size_t motor) const noexcept {
-        return observer_[motor].unheated();
+        const control::ResistanceEstimate R = observer_[motor].unheated();
+        return observer_[motor].is_settled()
+                   ? R
+                   : control::ResistanceEstimate{R.resistance_Ohm,
+                                                 std::numeric_limits<double>::infinity()};
     }
 
 private:
@@ -56,7 +65,9 @@ private:
 
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
     void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
-    void approach(const Vector3 &theta_rad) noexcept;
+    void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    void approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
+                  const Vector3 &mean_before_Ohm) noexcept;
 
     double period_s_;
     double max_rate_Ohm_per_s_; ///< of the estimates used
@@ -65,10 +76,13 @@ private:
     std::array<control::ResistanceObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
     control::WindingResistances resistances_;
+    Vector3 carried_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
+    Vector3 carried_mean_Ohm_{Vector3::Zero()};
 
     std::array<device::DeviceCommand, kHistory> history_{};
     std::size_t newest_ = 0;
     std::size_t known_commands_ = 0; ///< so many ticks in a row were without a gap
+    bool has_previous_ = false;      ///< the next two are of the last tick
     Vector3 current_A_{Vector3::Zero()};
     Vector3 theta_rad_{Vector3::Zero()};
 };

@@ -67,6 +67,19 @@ TEST_F(Record, OfADrawnDeviceIsReplayedToo) {
     expect_refusal({"record", folder / "no.rec", "--device-seed", "-3"}, "--device-seed");
 }
 
+TEST_F(Record, HoldsWhatIsObservedOfTheWindings) {
+    const auto last_row = [](const std::string &record) {
+        const std::string csv = testing::run_program({"export", record, "--csv", "-", "--columns",
+                                                      "R_observed*,R_trusted*"})
+                                    .out;
+        return csv.substr(csv.rfind('\n', csv.size() - 2) + 1);
+    };
+    EXPECT_EQ(last_row(make("observed.rec", {"--device-seed", "7"})), "1,1,1,1,1,1\n");
+    const std::string unobserved = make("unobserved.rec", {"--without-observer"});
+    EXPECT_EQ(last_row(unobserved), "0,0,0,1,1,1\n");
+    EXPECT_EQ(testing::run_program({"replay", unobserved}).exit_status, 0);
+}
+
 TEST_F(Record, ByTheClockIsReplayedToo) {
     const std::string file = folder / "clock.rec";
     const testing::Ending recorded = testing::run_program(

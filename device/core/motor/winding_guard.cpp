@@ -54,22 +54,29 @@ void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexce
     heat_through(missed_periods, max_A);
     maximum_.update(max_A * max_A * max_resistance_Ohm(most_, maximum_.winding_C()));
     if (is_observed_) {
-        const double change_Ohm = kAirChange_per_s * period_s_ * most_.resistance_Ohm;
+        const double change_Ohm =
+            (1.0 + missed_periods) * kAirChange_per_s * period_s_ * most_.resistance_Ohm;
         observed_.min_Ohm -= change_Ohm;
         observed_.max_Ohm += change_Ohm;
     }
+}
+
+/// The file's R within its tolerance, in any air.
+ResistanceInterval WindingGuard::tolerated() const noexcept {
+    const auto in_air = [](const MotorParameters &motor, double air_C) {
+        return motor.resistance_Ohm *
+               (1.0 + motor.resistance_rise_per_K * (air_C - kReferenceTemperature_C));
+    };
+    return {in_air(least_, kColdestAir_C), in_air(most_, kWarmestAir_C)};
 }
 
 void WindingGuard::narrow(ResistanceInterval observed) noexcept {
     if (is_contradicted_) {
         return;
     }
-    observed.min_Ohm -= margin_Ohm_;
-    observed.max_Ohm += margin_Ohm_;
-    if (is_observed_) {
-        observed.min_Ohm = std::max(observed.min_Ohm, observed_.min_Ohm);
-        observed.max_Ohm = std::min(observed.max_Ohm, observed_.max_Ohm);
-    }
+    const ResistanceInterval before = is_observed_ ? observed_ : tolerated();
+    observed.min_Ohm = std::max(observed.min_Ohm - margin_Ohm_, before.min_Ohm);
+    observed.max_Ohm = std::min(observed.max_Ohm + margin_Ohm_, before.max_Ohm);
     observed_ = observed;
     is_contradicted_ = observed.is_empty();
     is_observed_ = !is_contradicted_;

@@ -15,9 +15,10 @@
 // the rise of R that is certain, and this allowance decreases as the motor cools.
 //
 // Of R itself it knows the file's value within its tolerance, until an observer of the currents
-// narrows the interval. Each observation is intersected with those before, so that a sensor that
-// fails later contradicts them: then the tolerance applies again, for good. An interval widens by
-// what the air's temperature and a sensor's gain may change.
+// narrows the interval. Each observation is intersected with it, so that a sensor that fails later,
+// or a motor that is not the file's, contradicts it: then the tolerance applies again, until
+// observations are forgotten. An interval widens by what the air's temperature and a sensor's gain
+// may change.
 //
 // The bounds are as accurate as the device file and the measured current. They assume that between
 // two ticks the current changes monotonically, as it does behind a held e_W, and that the servo
@@ -77,7 +78,7 @@ public:
     /// @param observed  contains R unless a sensor is wrong
     void narrow(ResistanceInterval observed) noexcept;
 
-    /// Whether two observations excluded each other.
+    /// Whether two observations excluded each other, or one the tolerance.
     [[nodiscard]] bool is_contradicted() const { return is_contradicted_; }
 
     /// The tolerance applies until the next observation.
@@ -101,6 +102,7 @@ private:
     static constexpr std::uint32_t kMaxPending = 1'000'000;
 
     [[nodiscard]] double min_Ohm() const noexcept;
+    [[nodiscard]] ResistanceInterval tolerated() const noexcept;
     void cool_through(std::uint32_t missed_periods) noexcept;
     void heat_through(std::uint32_t missed_periods, double max_A) noexcept;
 

@@ -199,7 +199,7 @@ TEST(WindingGuard, AnObservationNarrowsTheTolerance) {
     const MotorParameters m = testing::phantom_motor();
     const double margin_Ohm = 0.01 * m.resistance_Ohm; // what a sensor's gain may change
     const double share = (1.0 - kMinResidualShare) * (1.0 - m.commutation_ripple);
-    for (const double R_Ohm : {1.8, 2.18, 2.4}) { // also below and above the tolerance
+    for (const double R_Ohm : {2.05, 2.18, 2.35}) {
         WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
         bounds.narrow({R_Ohm - 0.03, R_Ohm + 0.03});
         EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.03 - margin_Ohm), 1e-12);
@@ -231,6 +231,16 @@ TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
             }
         }
     }
+    // R may be 6 % from the file's, in air 10 K colder or warmer than its temperature.
+    for (const double R_Ohm : {2.18 * 0.94 * (1.0 - 0.039), 2.18 * 1.06 * (1.0 + 0.039)}) {
+        for (const double outward_Ohm : {-1e-6, 1e-6}) {
+            WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
+            const double side = R_Ohm < 2.18 ? -1.0 : 1.0;
+            const double seen_Ohm = R_Ohm + side * (0.5 * margins_Ohm + outward_Ohm);
+            bounds.narrow({seen_Ohm, seen_Ohm});
+            EXPECT_EQ(bounds.is_contradicted(), outward_Ohm > 0.0) << R_Ohm;
+        }
+    }
     WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
     bounds.narrow({NAN, NAN});
     EXPECT_TRUE(bounds.is_contradicted());
@@ -241,7 +251,7 @@ TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
 TEST(WindingGuard, AnObservationAges) {
     const MotorParameters m = testing::phantom_motor();
     WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
-    double R_Ohm = 2.2;
+    double R_Ohm = 2.1;
     for (int second = 0; second < 1200; ++second) {
         bounds.narrow({R_Ohm - 0.005, R_Ohm + 0.005});
         ASSERT_FALSE(bounds.is_contradicted()) << second;
