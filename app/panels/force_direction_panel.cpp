@@ -20,9 +20,9 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
     faint.w = 0.35F;
     error.lines = {
         {"every tick", faint, [&history](std::size_t i) { return history[i].used_error_deg; }},
-        {transpose ? "inverse map" : "transpose map", kOtherMap,
+        {transpose ? "inverse, ideal motors" : "transpose, ideal motors", kOtherMap,
          [&history](std::size_t i) { return history[i].other_error_deg; }},
-        {transpose ? "transpose, rendered" : "inverse, rendered", kUsedMap,
+        {transpose ? "transpose, measured" : "inverse, measured", kUsedMap,
          [&history](std::size_t i) { return history[i].felt_error_deg; }}};
     error.levels = {{control::kNoticeable_deg, "25°: limit of perception"}};
 
@@ -30,7 +30,7 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
     force.title = "force [N]";
     force.min_top = 1.0;
     force.max_top = 1e9;
-    force.lines = {{"rendered", kForce, [&history](std::size_t i) { return history[i].force_N; }}};
+    force.lines = {{"measured", kForce, [&history](std::size_t i) { return history[i].force_N; }}};
     force.levels.clear();
 
     const ImVec2 room = ImGui::GetContentRegionAvail();

@@ -9,6 +9,10 @@ namespace springdrive::servo {
 
 namespace {
 
+/// Until an observation is settled, the mean of R is taken to deviate by this share of it: a sensor
+/// that fails then would not be noticed at once.
+constexpr double kUnsettled = 0.05;
+
 /// Near the peak current an amplifier may cut it off.
 constexpr double kWithinPeak = 0.95;
 
@@ -163,17 +167,20 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
             carried_here_Ohm_[index] += before_Ohm[index] - now.here.resistance_Ohm;
             carried_mean_Ohm_[index] += mean_before_Ohm[index] - now.mean.resistance_Ohm;
         }
+        const bool is_known = motor_[j].resistance_tolerance == 0.0 || observer_[j].is_settled();
+        const double unsettled_Ohm = is_known ? 0.0 : kUnsettled * now.mean.resistance_Ohm;
         const auto carried = [&](Vector3 &carried_Ohm, const control::ResistanceEstimate &estimate,
-                                 double deviation_before_Ohm) -> control::ResistanceEstimate {
+                                 double deviation_before_Ohm,
+                                 double least_Ohm) -> control::ResistanceEstimate {
             carried_Ohm[index] = limited_step(carried_Ohm[index], 0.0, step_Ohm);
             const double deviation_Ohm =
-                std::max(estimate.deviation_Ohm, std::abs(carried_Ohm[index]));
+                std::max({estimate.deviation_Ohm, std::abs(carried_Ohm[index]), least_Ohm});
             return {estimate.resistance_Ohm + carried_Ohm[index],
                     now.is_trusted ? limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)
                                    : deviation_Ohm};
         };
-        used = {carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm),
-                carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm), true,
+        used = {carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0),
+                carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm), true,
                 now.is_trusted};
     }
 }

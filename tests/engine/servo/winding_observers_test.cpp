@@ -69,7 +69,9 @@ void add_touch(const Touch &touch, double begin_s,
     constexpr double kStep_s = 0.02;
     const Vector3 along = normal().unitOrthogonal();
     const Vector3 across = normal().cross(along);
-    for (double time_s = kStep_s; time_s <= touch.duration_s; time_s += kStep_s) {
+    const long steps = std::lround(touch.duration_s / kStep_s);
+    for (long i = 1; i <= steps; ++i) {
+        const double time_s = static_cast<double>(i) * kStep_s;
         const double pressed = std::min(1.0, time_s / kPressed_s);
         const double phase = std::numbers::pi * time_s;
         const Vector3 aside = std::sin(phase) * along + std::sin(1.3 * phase) * across;
@@ -152,8 +154,9 @@ private:
 /// Where the safety monitor limits R̂, nothing is compared.
 double worst_error(TouchedDevice &device, const Touch &touch, double from_s, double to_s) {
     double worst = 0.0;
-    for (double time_s = from_s; time_s < to_s; time_s += touch.period_s) {
-        device.run_to(time_s);
+    const long ticks = std::lround((to_s - from_s) / touch.period_s);
+    for (long tick = 0; tick < ticks; ++tick) {
+        device.run_to(from_s + static_cast<double>(tick) * touch.period_s);
         EXPECT_FALSE(device.rig.has_tripped()) << description(device.rig.last.safety);
         for (std::size_t motor = 0; motor < 3; ++motor) {
             if (!device.is_limited(motor)) {
@@ -190,7 +193,8 @@ TEST(WindingObservers, DRIsWhatWasAskedForAfterTwoSeconds) {
                 worst_error(device, touch, from_s, kBeforeTouch_s + touch.duration_s);
             worst = std::max(worst, error);
             missed += error < goal ? 0 : 1;
-            EXPECT_LT(error, std::max(goal, 4.0 * deviation_Ohm / dR_Ohm))
+            // The largest of some 45,000 windows is expected at 4.2 deviations.
+            EXPECT_LT(error, std::max(goal, 5.0 * deviation_Ohm / dR_Ohm))
                 << dR_Ohm << " Ω, device " << seed;
         }
         EXPECT_LE(missed, devices / 50);
@@ -341,7 +345,8 @@ TEST(WindingObservers, MayBeSwitchedOffAndOnWhileTouching) {
         const Touch touch{.dR_Ohm = 0.2, .duration_s = 4.0};
         TouchedDevice device(touch, static_cast<std::uint64_t>(seed));
         Vector3 R_hat_Ohm = Vector3::Zero();
-        for (double time_s = 0.0; time_s < 5.5; time_s += touch.period_s) {
+        for (int tick = 0; tick < 5500; ++tick) {
+            const double time_s = tick * touch.period_s;
             const bool is_off = std::fmod(time_s, 1.0) > 0.4;
             device.rig.inputs.observes_resistance = !is_off;
             device.run_to(time_s);
@@ -368,7 +373,8 @@ TEST(WindingObservers, TapsAreNoFaults) {
     for (int seed = 1; seed <= 5; ++seed) {
         simulated::SimulationOptions simulation = options({}, static_cast<std::uint64_t>(seed));
         std::vector<simulated::HandPath::Point> points;
-        for (double time_s = 0.0; time_s < 5.0; time_s += 0.005) {
+        for (int i = 0; i < 1000; ++i) {
+            const double time_s = 0.005 * i;
             const double phase = 2.0 * std::numbers::pi * 8.0 * (time_s - kBeforeTouch_s);
             const double up_m = time_s < kBeforeTouch_s ? 0.0 : 0.006 * (std::cos(phase) - 1.0);
             points.push_back({time_s, kStart_m + up_m * normal()});
@@ -376,7 +382,8 @@ TEST(WindingObservers, TapsAreNoFaults) {
         simulation.path.emplace(std::move(points));
         TouchedDevice device({}, simulation, testing::phantom_1_0());
         bool has_touched = false;
-        for (double time_s = 0.0; time_s < 5.0; time_s += 1e-3) {
+        for (int tick = 0; tick < 5000; ++tick) {
+            const double time_s = 1e-3 * tick;
             device.run_to(time_s);
             has_touched = has_touched || device.rig.last.contact.touching;
             ASSERT_FALSE(device.rig.has_tripped()) << description(device.rig.last.safety);
@@ -439,7 +446,7 @@ TEST(WindingObservers, NeverCancelMoreThanThereIs) {
         touch.stroke_m = any(random) < 0.3 ? 0.0 : 0.03 * any(random);
         touch.air_C = 15.0 + 20.0 * any(random);
         simulated::SimulationOptions simulation =
-            options(touch, static_cast<std::uint64_t>(run + 1));
+            options(touch, static_cast<std::uint64_t>(run) + 1);
         simulation.effects.motor_tolerances = false; // R is drawn here, k_T is the file's
         for (double &share : simulation.resistance_share) {
             share = 0.8 + 0.4 * any(random);
@@ -450,7 +457,8 @@ TEST(WindingObservers, NeverCancelMoreThanThereIs) {
             any(random) < 0.5 ? kBeforeTouch_s + 0.7 * any(random) : 5.0 * any(random);
         device.rig.device().commit(any_sensor_fault(random),
                                    static_cast<std::uint64_t>(fault_s / touch.period_s));
-        for (double time_s = 0.0; time_s < 5.5; time_s += touch.period_s) {
+        for (int tick = 0; tick < 5500; ++tick) {
+            const double time_s = tick * touch.period_s;
             device.run_to(time_s);
             if (device.rig.last.command.mode != device::CommandMode::drive) {
                 continue;

@@ -250,7 +250,9 @@ void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vec
     constexpr double kPress_s = 0.2;
     constexpr double kStroke_rad_per_s = std::numbers::pi; // half a stroke a second
     points.push_back({ViceOptions::kZeroFrom_s, outside_m});
-    for (double time_s = kStep_s; time_s < options.exercise_s - kStep_s; time_s += kStep_s) {
+    const long steps = std::lround(options.exercise_s / kStep_s);
+    for (long i = 1; i < steps; ++i) {
+        const double time_s = static_cast<double>(i) * kStep_s;
         const double pressed =
             std::clamp(std::min(time_s, options.exercise_s - time_s) / kPress_s, 0.0, 1.0);
         const double aside_m = 0.5 * ViceOptions::kStroke_m * std::sin(kStroke_rad_per_s * time_s);
