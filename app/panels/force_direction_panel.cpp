@@ -20,7 +20,7 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
     faint.w = 0.35F;
     error.lines = {
         {"every tick", faint, [&history](std::size_t i) { return history[i].used_error_deg; }},
-        {transpose ? "inverse, ideal motors" : "transpose, ideal motors", kOtherMap,
+        {transpose ? "inverse, ideal" : "transpose, ideal", kOtherMap,
          [&history](std::size_t i) { return history[i].other_error_deg; }},
         {transpose ? "transpose, measured" : "inverse, measured", kUsedMap,
          [&history](std::size_t i) { return history[i].felt_error_deg; }}};
