@@ -14,19 +14,19 @@ namespace {
 constexpr double kTuningGlide_s = 0.05;
 constexpr double kTuningArrived = 1e-6;
 
-double max_peak_A(const device::DeviceDescription &device) {
+} // namespace
+
+double max_resistance_change_Ohm_per_s(const device::DeviceDescription &device) {
     double peak_A = 0.0;
     for (const device::MotorParameters &motor : device.motor) {
         peak_A = std::max(peak_A, motor.peak_current_A);
     }
-    return peak_A;
+    return kMaxChange_V_per_s / peak_A;
 }
-
-} // namespace
 
 BumplessTransfer::BumplessTransfer(const device::DeviceDescription &device, double period_s)
     : supply_V_(device.motor[0].supply_V, device.motor[1].supply_V, device.motor[2].supply_V),
-      peak_current_A_(max_peak_A(device)), period_s_(period_s) {}
+      max_dR_change_Ohm_per_s_(max_resistance_change_Ohm_per_s(device)), period_s_(period_s) {}
 
 void BumplessTransfer::set_period(double period_s) noexcept { period_s_ = period_s; }
 
@@ -44,8 +44,7 @@ void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcep
             active_.tuning.*parameter.value = value + share * gap;
         }
     }
-    // R̂ i is a voltage, too: even at the peak current it changes no faster than the limit.
-    const double step_Ohm = kMaxChange_V_per_s * period_s_ / peak_current_A_;
+    const double step_Ohm = max_dR_change_Ohm_per_s_ * period_s_;
     const double dR_before_Ohm = before_.tuning.dR_Ohm;
     active_.tuning.dR_Ohm =
         std::clamp(active_.tuning.dR_Ohm, dR_before_Ohm - step_Ohm, dR_before_Ohm + step_Ohm);

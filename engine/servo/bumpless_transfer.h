@@ -18,6 +18,10 @@ namespace springdrive::servo {
 /// 0.05 V per tick of 1 ms: about 0.2 N at the tip at a dR of 0.5 Ω.
 inline constexpr double kMaxChange_V_per_s = 50.0;
 
+/// How fast R̂ may change [Ω/s]: R̂ i is a voltage, too, and even at the largest peak current changes
+/// no faster than kMaxChange_V_per_s.
+[[nodiscard]] double max_resistance_change_Ohm_per_s(const device::DeviceDescription &device);
+
 /// All settings of the control law.
 struct LawSettings {
     control::Tuning tuning;
@@ -57,7 +61,7 @@ private:
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
 
     Vector3 supply_V_;
-    double peak_current_A_; ///< maximum over the motors
+    double max_dR_change_Ohm_per_s_;
     double period_s_;
     LawSettings active_;
     LawSettings before_;

@@ -176,7 +176,9 @@ void ServoLoop::observe_windings(const device::Measurement &measured, const Vect
                                  const Passed &since) noexcept {
     // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
     if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
-        observers_.restart();
+        if (resistances_.front().is_observed) {
+            observers_.restart();
+        }
         observers_.rest(measured.current_A, since.missed_periods);
         resistances_ = observers_.resistances();
         return;

@@ -20,20 +20,11 @@ constexpr double kWithinPeak = 0.95;
     return std::clamp(to, from - most, from + most);
 }
 
-/// R̂ i is a voltage: even at the peak current it changes no faster than tuning changes e_W.
-[[nodiscard]] double max_rate(const device::DeviceDescription &device) {
-    double peak_A = 0.0;
-    for (const device::MotorParameters &motor : device.motor) {
-        peak_A = std::max(peak_A, motor.peak_current_A);
-    }
-    return kMaxChange_V_per_s / peak_A;
-}
-
 } // namespace
 
 WindingObservers::WindingObservers(const device::DeviceDescription &device, double delay_periods,
                                    double period_s)
-    : period_s_(period_s), max_rate_Ohm_per_s_(max_rate(device)),
+    : period_s_(period_s), max_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device)),
       whole_delay_(delay_periods <= static_cast<double>(kLongestDelay)
                        ? static_cast<std::size_t>(delay_periods)
                        : kHistory),

@@ -57,9 +57,8 @@ class WindingGuard {
 public:
     /// @param max_cancelled_Ohm  the largest R̂ that the amplifier can be set to
     /// @param period_s           T, the duration of each `update`
-    /// @param tolerance          by which R, as the amplifier sees it, may be lower than the
-    /// file's,
-    ///                           or higher, as a share
+    /// @param tolerance          by which share R, as the amplifier sees it, may differ from the
+    ///                           file's, either way
     WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s,
                  double tolerance = 0.0);
 

@@ -332,7 +332,9 @@ TEST(WindingObservers, TheForcePointsAlongTheNormal) {
         const std::vector<double> seen = direction_errors_deg(tuning, true, devices, surfaces);
         print(file, "unobserved");
         print(seen, "observed");
-        EXPECT_LT(seen.back(), 5.0) << name;
+        // K_q (20) is off by up to 3 % of k_T, 1 % of gain and 1 % of dR in each motor: with J's
+        // condition number, 1.92 in this pose, asin(1.92 · 5 %) = 5.5°.
+        EXPECT_LT(seen.back(), 5.5) << name;
         if (devices == 20) {
             EXPECT_LT(seen.back(), 0.3 * file.back()) << name;
         }
