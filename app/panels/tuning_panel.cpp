@@ -140,7 +140,7 @@ bool choose_preset(const session::Session &session, control::Tuning &tuning) {
 /// A motor's active dR: larger than requested if too little is known of its R.
 double active_dR_Ohm(const session::Session &session, std::size_t motor) {
     const servo::ServoSample &now = session.latest();
-    const control::WindingResistance &R = now.resistance[motor];
+    const control::ObservedMotor &R = now.motor[motor];
     const double dR_Ohm =
         std::max(session.servo().inputs().tuning.dR_Ohm, control::held_up_dR_Ohm(R));
     const servo::WindingStatus &winding = now.winding[motor];
@@ -161,10 +161,11 @@ void show_resistances(session::Session &session) {
     }
     if (ImGui::IsItemHovered()) {
         ImGui::SetTooltip("R of each winding, observed while it is driven:\n"
-                          "R̂ follows it, so that dR is what the slider says.\n"
-                          "Otherwise R̂ is set by the R of the device file.");
+                          "R̂ follows it, so that dR is what the slider says. So are k_T,\n"
+                          "for an equal K_q, and the offset of the current's sensor.\n"
+                          "Otherwise all are those of the device file.");
     }
-    const control::WindingResistances &R = session.latest().resistance;
+    const control::ObservedMotors &R = session.latest().motor;
     if (!R.front().is_observed) {
         if (is_wanted) {
             ImGui::SameLine();
@@ -181,8 +182,10 @@ void show_resistances(session::Session &session) {
                            mean.resistance_Ohm);
         if (ImGui::IsItemHovered()) {
             ImGui::SetTooltip("motor %zu: R is %.4f ± %.4f Ω, averaged over the commutator's\n"
-                              "angles, as the amplifier's sensor sees it",
-                              j + 1, mean.resistance_Ohm, mean.deviation_Ohm);
+                              "angles, as the amplifier's sensor sees it; k_T is %.4f N·m/A,\n"
+                              "the sensor's offset %.1f mA",
+                              j + 1, mean.resistance_Ohm, mean.deviation_Ohm,
+                              R[j].torque_constant_Nm_per_A, 1e3 * R[j].offset_A);
         }
     }
     ImGui::SameLine();
@@ -194,25 +197,24 @@ void show_held_up_dR(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
     const double wanted_Ohm = session.servo().inputs().tuning.dR_Ohm;
     double left_s = 0.0;
-    for (std::size_t j = 0; j < now.resistance.size(); ++j) {
-        if (!now.resistance[j].is_trusted) {
+    for (std::size_t j = 0; j < now.motor.size(); ++j) {
+        if (!now.motor[j].is_trusted) {
             ImGui::TextColored(kDanger, "motor %zu: its current contradicts its motion", j + 1);
             if (ImGui::IsItemHovered()) {
                 ImGui::SetTooltip("a current sensor is wrong, or the motor is not the file's;\n"
                                   "to observe anew, switch \"observe R\" off and on");
             }
         }
-        left_s = std::max(
-            left_s, control::touch_left_s(session.description(), j, now.resistance[j], wanted_Ohm,
-                                          now.current_A[static_cast<Eigen::Index>(j)]));
+        left_s = std::max(left_s,
+                          control::touch_left_s(session.description(), j, now.motor[j], wanted_Ohm,
+                                                now.current_A[static_cast<Eigen::Index>(j)]));
     }
     const double active_Ohm = active_dR_Ohm(session);
     if (!(active_Ohm > wanted_Ohm)) {
         return;
     }
     constexpr double kTooLong_s = 20.0;
-    const bool are_trusted =
-        std::ranges::all_of(now.resistance, &control::WindingResistance::is_trusted);
+    const bool are_trusted = std::ranges::all_of(now.motor, &control::ObservedMotor::is_trusted);
     if (!are_trusted) {
         ImGui::TextColored(kDanger, "dR is held at %.3f Ω", active_Ohm);
     } else if (left_s == 0.0) {

@@ -19,10 +19,10 @@ set arrow 1 from -span,surface to span,surface nohead linewidth 2 linecolor rgb 
 set label 4 "wall, and the tip inside it (not to scale)" at graph 0.5, first 0.22*span center noenhanced textcolor rgb grey
 
 plot csv using (0):(0):($7*span):($8*span) skip 1 every ::0::0 with vectors nohead linewidth 2 dashtype 3 linecolor rgb "black" title "correct direction", \
-     csv using (0):(0):3:4 skip 1 every ::0::0 with vectors filled linewidth 3 linecolor rgb vermillion title "J^{-1}, R observed, ".inverse_text, \
+     csv using (0):(0):3:4 skip 1 every ::0::0 with vectors filled linewidth 3 linecolor rgb vermillion title "J^{-1}, observed, ".inverse_text, \
      csv using (0):(0):11:12 skip 1 every ::0::0 with vectors filled linewidth 1.5 dashtype 2 linecolor rgb vermillion title "not observed, ".inverse_unobserved_text, \
      csv using 5:6 skip 1 every ::0::0 with points pointtype 4 pointsize 1.3 linewidth 2 linecolor rgb vermillion title "predicted", \
      "+" using (0):(0) every ::0::0 with points pointtype 7 pointsize 1.8 linecolor rgb "black" title "device, ".penetration." inside", \
-     csv using (0):(0):3:4 skip 1 every ::1::1 with vectors filled linewidth 3 linecolor rgb blue title "J^{T}, R observed, ".transpose_text, \
+     csv using (0):(0):3:4 skip 1 every ::1::1 with vectors filled linewidth 3 linecolor rgb blue title "J^{T}, observed, ".transpose_text, \
      csv using (0):(0):11:12 skip 1 every ::1::1 with vectors filled linewidth 1.5 dashtype 2 linecolor rgb blue title "not observed, ".transpose_unobserved_text, \
      csv using 5:6 skip 1 every ::1::1 with points pointtype 6 pointsize 1.3 linewidth 2 linecolor rgb blue title "predicted"

@@ -22,10 +22,10 @@ y_of(a) = K_xy*cos(a) + K_yy*sin(a)
 error(a) = atan2(cos(a)*y_of(a) - sin(a)*x_of(a), cos(a)*x_of(a) + sin(a)*y_of(a)) * 180/pi
 
 plot error(x*pi/180) with lines linewidth 2 linecolor rgb vermillion title "J^{-1}, predicted", \
-     csv using 1:2 skip 1 with points pointtype 5 pointsize 0.8 linecolor rgb vermillion title "J^{-1}, R observed, ".inverse_penetration." inside", \
+     csv using 1:2 skip 1 with points pointtype 5 pointsize 0.8 linecolor rgb vermillion title "J^{-1}, observed, ".inverse_penetration." inside", \
      csv using 1:7 skip 1 with points pointtype 4 pointsize 1.1 linewidth 1.5 linecolor rgb vermillion title "J^{-1}, not observed", \
      0 with lines linewidth 2 linecolor rgb blue title "J^{T}, predicted", \
-     csv using 1:3 skip 1 with points pointtype 7 pointsize 0.8 linecolor rgb blue title "J^{T}, R observed, ".transpose_penetration." inside", \
+     csv using 1:3 skip 1 with points pointtype 7 pointsize 0.8 linecolor rgb blue title "J^{T}, observed, ".transpose_penetration." inside", \
      csv using 1:8 skip 1 with points pointtype 6 pointsize 1.1 linewidth 1.5 linecolor rgb blue title "J^{T}, not observed", \
      csv using 1:5 skip 1 with points pointtype 2 pointsize 0.4 linewidth 1.2 linecolor rgb "black" title "ideal device", \
      csv using 1:6 skip 1 with points pointtype 2 pointsize 0.4 linewidth 1.2 linecolor rgb "black" notitle

@@ -36,7 +36,7 @@ Configuration HapticLaw::configuration(const Vector3 &theta_rad,
 
 LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contact &contact,
                                  const Tuning &tuning, double global_alpha_rad2_per_m2,
-                                 const WindingResistances &R) const noexcept {
+                                 const ObservedMotors &motors) const noexcept {
     LawOutcome found;
     found.eta = combined_eta(contact.eta, tuning.eta);
     found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
@@ -51,10 +51,12 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     found.used = tuning.map == MotionMap::transpose ? found.transpose
                                                     : found.inverse.value_or(no_force(now));
 
-    found.command.e_W_V = drift_compensation_V(k_T_, tuning, now, found.used);
+    const Vector3 k_T = torque_constants(motors);
+    found.command.e_W_V =
+        drift_compensation_V(k_T, tuning, now, found.used, k_T_.cwiseQuotient(k_T));
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         found.command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
-            cancelled_resistance_Ohm(motor_[j], R[j], tuning.dR_Ohm);
+            cancelled_resistance_Ohm(motor_[j], motors[j], tuning.dR_Ohm);
     }
     return found;
 }

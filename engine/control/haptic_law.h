@@ -6,7 +6,7 @@
 #include "engine/contact/contact.h"
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/resistance_observer.h"
+#include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"
 
 #include <array>
@@ -37,16 +37,17 @@ public:
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
     /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global
-    /// @param R  of the windings: what is left of it is dR. RT-safe.
+    /// @param motors  of what is left of R to be dR, and K_q (20) to be that of the file's k_T: K_P
+    ///                and K_D are larger where k_T is smaller. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning, double global_alpha_rad2_per_m2,
-                                        const WindingResistances &R) const noexcept;
+                                        const ObservedMotors &motors) const noexcept;
 
-    /// The same with the windings' resistances as the device file has them. RT-safe.
+    /// The same with the motors of the device file. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
                                         double global_alpha_rad2_per_m2) const noexcept {
-        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, file_resistances(motor_));
+        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, motors_of_file(motor_));
     }
 
     /// The direction of the static tip force (19) of a motor set-point. RT-safe.

@@ -84,12 +84,14 @@ double global_alpha_bound(const device::DeviceDescription &device, int points_pe
 }
 
 Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,
-                             const Configuration &configuration, const MotorSetPoint &set_point) {
+                             const Configuration &configuration, const MotorSetPoint &set_point,
+                             const Vector3 &gain) {
     const Vector3 rate_error =
         set_point.theta_Sd_rate_rad_per_s - configuration.theta_rate_rad_per_s;
     return k_T.cwiseProduct(set_point.theta_Sd_rate_rad_per_s) +
-           tuning.K_D_Vs_per_rad * rate_error +
-           tuning.K_P_V_per_rad * (set_point.theta_Sd_rad - configuration.theta_rad);
+           gain.cwiseProduct(tuning.K_D_Vs_per_rad * rate_error) +
+           gain.cwiseProduct(tuning.K_P_V_per_rad *
+                             (set_point.theta_Sd_rad - configuration.theta_rad));
 }
 
 Vector3 torque_constants(const device::DeviceDescription &device) {

@@ -83,9 +83,12 @@ struct Configuration {
 /// Drift compensation (10) for three motors with torque constants k_T:
 ///
 ///   e_W = k_T θ̇_Sd + K_D (θ̇_Sd − θ̇_f) + K_P (θ_Sd − θ)      [V]
+///
+/// @param gain  of each motor, by which its K_D and K_P are multiplied
 [[nodiscard]] Vector3 drift_compensation_V(const Vector3 &k_T, const Tuning &tuning,
                                            const Configuration &configuration,
-                                           const MotorSetPoint &set_point);
+                                           const MotorSetPoint &set_point,
+                                           const Vector3 &gain = Vector3::Ones());
 
 /// k_T of the three motors [N·m/A].
 [[nodiscard]] Vector3 torque_constants(const device::DeviceDescription &device);

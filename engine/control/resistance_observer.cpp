@@ -36,8 +36,9 @@ constexpr double kOutlier = 4.0;
 constexpr double kMaxDisbelief = 8.0;
 constexpr double kBelief = 0.25;
 
-/// The second harmonic's amplitude as a share of the first's, as assumed before it is observed.
-constexpr double kSecondHarmonic = 0.25;
+/// The second harmonic's amplitude as a share of the first's, as assumed before it is observed: the
+/// r.m.s. of what lies between none and a rectified sine's 0.2.
+constexpr double kSecondHarmonic = 0.12;
 
 /// How far R may drift while its temperature is constant [Ω²/s]: 0.03 mΩ in a second.
 constexpr double kDrift_Ohm2_per_s = 1e-9;
@@ -53,7 +54,7 @@ constexpr double kWarmthChange = 0.1;
 constexpr double kWindow_s = 0.032;
 
 /// What the speed at a window's ends may cost [V·s].
-constexpr double kMeanCurrent_Vs = 2e-6;
+constexpr double kMeanCurrent_Vs = 1e-6;
 
 /// By which the air may be warmer or colder than its middle, 25 °C [K].
 constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
@@ -75,11 +76,11 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 } // namespace
 
 double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
-                    const WindingResistance &R, double dR_Ohm, double current_A) {
-    if (!R.is_trusted) {
+                    const ObservedMotor &known, double dR_Ohm, double current_A) {
+    if (!known.is_trusted) {
         return 0.0;
     }
-    const double deviation_Ohm = held_up_dR_Ohm(R) / kHeldUpDeviations;
+    const double deviation_Ohm = held_up_dR_Ohm(known) / kHeldUpDeviations;
     const double enough_Ohm =
         device::residual_resistance_Ohm(device.motor[motor], dR_Ohm) / kHeldUpDeviations;
     if (deviation_Ohm <= enough_Ohm) {
@@ -316,6 +317,17 @@ void ResistanceObserver::distrust() noexcept {
 
 ResistanceEstimate ResistanceObserver::estimate(const State &weights) const noexcept {
     return {weights.dot(state_), std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)))};
+}
+
+ObservedMotor ResistanceObserver::motor(double theta_rad) const noexcept {
+    const double k_T = motor_.torque_constant_Nm_per_A;
+    const double k_T_tolerance = motor_.torque_constant_tolerance * k_T;
+    return {at(theta_rad),
+            mean(),
+            std::clamp(state_[kTorqueConstant], k_T - k_T_tolerance, k_T + k_T_tolerance),
+            std::clamp(state_[kOffset], -sensing_.max_offset_A, sensing_.max_offset_A),
+            true,
+            is_trusted_};
 }
 
 ResistanceEstimate ResistanceObserver::at(double theta_rad) const noexcept {

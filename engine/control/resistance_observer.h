@@ -23,11 +23,10 @@
 
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_temperature.h"
+#include "engine/control/observed_motor.h"
 
 #include <Eigen/Core>
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 
 namespace springdrive::control {
@@ -43,54 +42,11 @@ struct DrivenInterval {
     double after_rad = 0.0;
 };
 
-/// An estimate and its standard deviation.
-struct ResistanceEstimate {
-    double resistance_Ohm = 0.0;
-    double deviation_Ohm = 0.0;
-};
-
-/// R of a winding as the amplifier sees it, R/(1 + g), or what the device file says.
-struct WindingResistance {
-    ResistanceEstimate here; ///< R(T, θ) at the present angle
-    ResistanceEstimate mean; ///< averaged over the commutator's angles
-    bool is_observed = false;
-    bool is_trusted = true; ///< false: what was measured contradicts the file, or itself
-};
-
-using WindingResistances = std::array<WindingResistance, 3>;
-
-/// The file's R, which is taken as exact.
-[[nodiscard]] constexpr WindingResistance file_resistance(const device::MotorParameters &motor) {
-    return {{motor.resistance_Ohm, 0.0}, {motor.resistance_Ohm, 0.0}, false, true};
-}
-
-[[nodiscard]] constexpr WindingResistances
-file_resistances(const std::array<device::MotorParameters, 3> &motor) {
-    return {file_resistance(motor[0]), file_resistance(motor[1]), file_resistance(motor[2])};
-}
-
-/// An unknown R may be so many standard deviations lower than it is taken for.
-inline constexpr double kHeldUpDeviations = 2.5;
-
-/// The least dR [Ω] that may be asked for with what is known of R: in the coldest air, at any angle
-/// and with a file that is wrong by a fifth, less could be an R̂ above R.
-[[nodiscard]] constexpr double held_up_dR_Ohm(const WindingResistance &R) {
-    return R.is_observed ? kHeldUpDeviations * std::max(R.here.deviation_Ohm, R.mean.deviation_Ohm)
-                         : 0.0;
-}
-
-/// R̂ [Ω] for the requested dR (7).
-[[nodiscard]] constexpr double cancelled_resistance_Ohm(const device::MotorParameters &motor,
-                                                        const WindingResistance &R, double dR_Ohm) {
-    const double residual_Ohm = device::residual_resistance_Ohm(motor, dR_Ohm);
-    return std::max(0.0, R.here.resistance_Ohm - std::max(residual_Ohm, held_up_dR_Ohm(R)));
-}
-
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
 /// if its rotor turns; infinite without a current, 0 for one that is not trusted. An estimate: one
 /// count a window limits what is learned.
 [[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
-                                  const WindingResistance &R, double dR_Ohm, double current_A);
+                                  const ObservedMotor &known, double dR_Ohm, double current_A);
 
 /// The observer of one motor. RT-safe after construction.
 class ResistanceObserver {
@@ -121,9 +77,8 @@ public:
     /// before anything was observed.
     [[nodiscard]] bool is_trusted() const noexcept { return is_trusted_; }
 
-    [[nodiscard]] WindingResistance resistance(double theta_rad) const noexcept {
-        return {at(theta_rad), mean(), true, is_trusted_};
-    }
+    /// k_T and offset are within what the device's tolerances allow.
+    [[nodiscard]] ObservedMotor motor(double theta_rad) const noexcept;
 
     /// The estimate of `at` alone.
     [[nodiscard]] double expected_Ohm(double theta_rad) const noexcept {

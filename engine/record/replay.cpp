@@ -23,7 +23,7 @@ bool same_bits(const Vector3 &a, const Vector3 &b) {
 servo::LimiterInputs limiter_inputs(const servo::ServoSample &sample,
                                     const control::Configuration &now) {
     servo::LimiterInputs inputs{now, sample.limits, sample.safety.ramp, Vector3::Zero(),
-                                sample.resistance};
+                                sample.motor};
     for (std::size_t j = 0; j < sample.winding.size(); ++j) {
         inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] = sample.winding[j].R_hat_limit_Ohm;
     }
@@ -72,7 +72,7 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     ReplayedTick tick;
     tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
     tick.found =
-        law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2, sample.resistance);
+        law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2, sample.motor);
     if (!servo::lets_pass(sample.safety.state)) {
         tick.command = device::DeviceCommand::braking();
     } else if (has_news) {

@@ -105,22 +105,24 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
     visit("command_mode", "1", s.command.mode); // command.number equals measurement_number
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
-    constexpr std::array<std::array<std::string_view, 6>, 3> kResistanceNames{{
-        {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "R_observed1",
-         "R_trusted1"},
-        {"R2_Ohm", "R2_deviation_Ohm", "R_mean2_Ohm", "R_mean2_deviation_Ohm", "R_observed2",
-         "R_trusted2"},
-        {"R3_Ohm", "R3_deviation_Ohm", "R_mean3_Ohm", "R_mean3_deviation_Ohm", "R_observed3",
-         "R_trusted3"},
+    constexpr std::array<std::array<std::string_view, 8>, 3> kMotorNames{{
+        {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "k_T1_Nm_per_A",
+         "offset1_A", "R_observed1", "R_trusted1"},
+        {"R2_Ohm", "R2_deviation_Ohm", "R_mean2_Ohm", "R_mean2_deviation_Ohm", "k_T2_Nm_per_A",
+         "offset2_A", "R_observed2", "R_trusted2"},
+        {"R3_Ohm", "R3_deviation_Ohm", "R_mean3_Ohm", "R_mean3_deviation_Ohm", "k_T3_Nm_per_A",
+         "offset3_A", "R_observed3", "R_trusted3"},
     }};
     for (std::size_t motor = 0; motor < 3; ++motor) {
-        auto &R = s.resistance[motor];
-        visit(kResistanceNames[motor][0], "Ω", R.here.resistance_Ohm);
-        visit(kResistanceNames[motor][1], "Ω", R.here.deviation_Ohm);
-        visit(kResistanceNames[motor][2], "Ω", R.mean.resistance_Ohm);
-        visit(kResistanceNames[motor][3], "Ω", R.mean.deviation_Ohm);
-        visit(kResistanceNames[motor][4], "1", R.is_observed);
-        visit(kResistanceNames[motor][5], "1", R.is_trusted);
+        auto &observed = s.motor[motor];
+        visit(kMotorNames[motor][0], "Ω", observed.here.resistance_Ohm);
+        visit(kMotorNames[motor][1], "Ω", observed.here.deviation_Ohm);
+        visit(kMotorNames[motor][2], "Ω", observed.mean.resistance_Ohm);
+        visit(kMotorNames[motor][3], "Ω", observed.mean.deviation_Ohm);
+        visit(kMotorNames[motor][4], "N·m/A", observed.torque_constant_Nm_per_A);
+        visit(kMotorNames[motor][5], "A", observed.offset_A);
+        visit(kMotorNames[motor][6], "1", observed.is_observed);
+        visit(kMotorNames[motor][7], "1", observed.is_trusted);
     }
     visit_three(visit, {"R_hat1_Ohm", "R_hat2_Ohm", "R_hat3_Ohm"}, "Ω",
                 s.command.cancelled_resistance_Ohm);

@@ -17,13 +17,13 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
 }
 
 /// R of a winding at this angle, at least: without observation, that of the worst angle.
-double least_resistance_Ohm(const device::MotorParameters &motor,
-                            const control::WindingResistance &R) {
+double least_resistance_Ohm(const device::MotorParameters &file,
+                            const control::ObservedMotor &motor) {
     constexpr double kDeviations = 2.0;
-    const double anywhere_Ohm = (1.0 - motor.commutation_ripple) * motor.resistance_Ohm;
-    return R.is_observed ? std::max(R.here.resistance_Ohm - kDeviations * R.here.deviation_Ohm,
-                                    (1.0 - motor.commutation_ripple) * R.here.resistance_Ohm)
-                         : anywhere_Ohm;
+    const double without_ripple = 1.0 - file.commutation_ripple;
+    const auto &[R_Ohm, deviation_Ohm] = motor.here;
+    return motor.is_observed ? std::max(R_Ohm - kDeviations * deviation_Ohm, without_ripple * R_Ohm)
+                             : without_ripple * file.resistance_Ohm;
 }
 
 /// The share of the steady currents that keeps force and currents within their limits.
@@ -37,7 +37,8 @@ double permissible_share(const device::DeviceDescription &device, const LimiterI
             std::min(share, limit_A / std::abs(steady_current_A[j])); // infinite at zero current
     }
     const double force_N =
-        control::static_tip_force(inputs.now.J, control::torque_constants(device), steady_current_A)
+        control::static_tip_force(inputs.now.J, control::torque_constants(inputs.motors),
+                                  steady_current_A)
             .norm();
     if (!std::isfinite(force_N)) {
         return 0.0; // singular: the force is unknown
@@ -45,14 +46,14 @@ double permissible_share(const device::DeviceDescription &device, const LimiterI
     return std::min(share, kLimiterShare * inputs.limits.tip_force_N / force_N);
 }
 
-/// Moves e_W towards the back-EMF as far as the limits of force and currents require. Returns the
-/// remaining share.
+/// Moves e_W towards where no current flows as far as the limits of force and currents require.
+/// Returns the remaining share.
 double draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
-                 const Vector3 &back_emf_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
+                 const Vector3 &no_current_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
     const double share =
-        permissible_share(device, inputs, (e_W_V - back_emf_V).cwiseQuotient(dR_Ohm));
+        permissible_share(device, inputs, (e_W_V - no_current_V).cwiseQuotient(dR_Ohm));
     if (share < 1.0) {
-        e_W_V = back_emf_V + share * (e_W_V - back_emf_V);
+        e_W_V = no_current_V + share * (e_W_V - no_current_V);
     }
     return share;
 }
@@ -79,27 +80,28 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
                        device::joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
     result.held_back.at_edge = !edge_Nm.isZero(0.0);
 
-    Vector3 back_emf_V;
+    Vector3 no_current_V; // back-EMF, less what R̂ makes of the sensor's offset
     Vector3 dR_Ohm;
     Vector3 e_W_V;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const device::MotorParameters &motor = motor_of(device, j);
-        const control::WindingResistance &R = inputs.resistance[static_cast<std::size_t>(j)];
+        const device::MotorParameters &file = motor_of(device, j);
+        const control::ObservedMotor &motor = inputs.motors[static_cast<std::size_t>(j)];
         const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
                                             inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
-        dR_Ohm[j] = std::max(least_resistance_Ohm(motor, R) - R_hat_Ohm,
-                             device::kMinResidualShare * motor.resistance_Ohm);
-        back_emf_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j];
+        dR_Ohm[j] = std::max(least_resistance_Ohm(file, motor) - R_hat_Ohm,
+                             device::kMinResidualShare * file.resistance_Ohm);
+        const double offset_V = R_hat_Ohm * motor.offset_A;
+        no_current_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j] - offset_V;
         const double edge_A =
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
-        e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A);
+        e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A) - offset_V;
     }
-    result.force_share = draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
+    result.force_share = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
     result.permissible_e_W_V = e_W_V;
     result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
     if (result.held_back.voltage) { // the clamped part may have opposed the others: check again
-        result.force_share *= draw_back(device, inputs, back_emf_V, dR_Ohm, e_W_V);
+        result.force_share *= draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
         static_cast<void>(hold_to_supply(device, inputs, e_W_V));
     }
     result.held_back.force = result.force_share < 1.0;

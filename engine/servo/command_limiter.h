@@ -14,7 +14,7 @@
 
 #include "device/core/haptic_device.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/resistance_observer.h"
+#include "engine/control/observed_motor.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
@@ -29,7 +29,7 @@ struct LimiterInputs {
     SafetyLimits limits;
     double ramp = 0.0;                        ///< share of the command that is passed on
     Vector3 R_hat_limit_Ohm{Vector3::Zero()}; ///< the largest safe R̂ of each winding
-    control::WindingResistances resistance{}; ///< as far as it is observed
+    control::ObservedMotors motors;
 };
 
 struct LimitedCommand {
@@ -39,7 +39,8 @@ struct LimitedCommand {
     double force_share = 1.0;                   ///< share of the requested force that is passed on
 };
 
-/// `wanted` must be finite. RT-safe.
+/// Also takes off e_W what R̂ makes of the current sensors' offsets. `wanted` must be finite.
+/// RT-safe.
 [[nodiscard]] LimitedCommand limited(const device::DeviceDescription &device,
                                      const device::DeviceCommand &wanted,
                                      const LimiterInputs &inputs) noexcept;

@@ -104,7 +104,7 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
         device::WindingGuard &guard = guard_[j];
         guard.update(seen.current_A[static_cast<Eigen::Index>(j)], seen.missed_periods);
-        if (!seen.resistance[j].is_observed || !seen.resistance[j].is_trusted) {
+        if (!seen.motors[j].is_observed || !seen.motors[j].is_trusted) {
             guard.forget_observations();
         } else if (const auto &[R_Ohm, deviation_Ohm] = seen.unheated[j];
                    deviation_Ohm < kObserved * R_Ohm) {
@@ -260,7 +260,7 @@ void SafetyMonitor::proceed(bool release) noexcept {
 
 LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &wanted,
                                            const Observation &seen) noexcept {
-    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero(), seen.resistance};
+    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero(), seen.motors};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
         inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;

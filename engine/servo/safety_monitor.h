@@ -59,7 +59,7 @@ struct Observation {
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
     /// The same with the tuning of the previous tick; differs only while a tuning changes.
     Vector3 spring_force_before_N{Vector3::Zero()};
-    control::WindingResistances resistance{}; ///< for which the command was computed
+    control::ObservedMotors motors; ///< for which the command was computed
     /// What was observed of windings as warm as the air; for those that are observed and trusted.
     std::array<control::ResistanceEstimate, 3> unheated{};
     bool scene_is_new = false;        ///< the spring is not that of the previous tick

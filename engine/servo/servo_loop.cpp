@@ -39,7 +39,7 @@ ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
     : device_(device), period_s_(period_s), law_(device.description()),
       transfer_(device.description(), period_s),
       observers_(device.description(), device.delay_periods(), period_s),
-      resistances_(control::file_resistances(device.description().motor)),
+      motors_(control::motors_of_file(device.description().motor)),
       safety_(device.description(), period_s) {}
 
 void ServoLoop::stop() noexcept {
@@ -120,7 +120,7 @@ ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
     const LawSettings &before = transfer_.before();
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, since_last_s);
     return law_(law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s)),
-                contact, before.tuning, before.global_alpha_rad2_per_m2, resistances_);
+                contact, before.tuning, before.global_alpha_rad2_per_m2, motors_);
 }
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
@@ -128,8 +128,8 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
     const contact::Contact &contact = sample.contact;
     const LawSettings &active = transfer_.active();
     const control::LawOutcome found =
-        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2, resistances_);
-    sample.resistance = resistances_;
+        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2, motors_);
+    sample.motor = motors_;
     sample.eta = found.eta;
     sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
     sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
@@ -158,33 +158,30 @@ Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const contr
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
-control::Configuration ServoLoop::sense(const device::Measurement &measured, double since_last_s,
-                                        ServoSample &sample) noexcept {
+control::Configuration ServoLoop::sense(const device::Measurement &measured,
+                                        double since_last_s) noexcept {
     const Vector3 theta_rad = law_.theta_rad(measured.counts);
     if (!has_measured_) {
         velocity_filter_.reset(theta_rad);
     }
     const double pole =
         control::velocity_filter_pole(transfer_.active().tuning.lambda_rad_per_s, since_last_s);
-    const control::Configuration now =
-        law_.configuration(theta_rad, velocity_filter_.update(theta_rad, pole, since_last_s));
-    note_motion(now, sample);
-    return now;
+    return law_.configuration(theta_rad, velocity_filter_.update(theta_rad, pole, since_last_s));
 }
 
-void ServoLoop::observe_windings(const device::Measurement &measured, const Vector3 &theta_rad,
-                                 const Passed &since) noexcept {
+void ServoLoop::observe_motors(const device::Measurement &measured, const Vector3 &theta_rad,
+                               const Passed &since) noexcept {
     // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
     if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
-        if (resistances_.front().is_observed) {
+        if (motors_.front().is_observed) {
             observers_.restart();
         }
         observers_.rest(measured.current_A, since.missed_periods);
-        resistances_ = observers_.resistances();
+        motors_ = observers_.motors();
         return;
     }
-    for (std::size_t j = 0; j < resistances_.size(); ++j) {
-        if (resistances_[j].is_trusted && safety_.windings()[j].is_contradicted) {
+    for (std::size_t j = 0; j < motors_.size(); ++j) {
+        if (motors_[j].is_trusted && safety_.windings()[j].is_contradicted) {
             observers_.distrust(j);
         }
     }
@@ -194,14 +191,16 @@ void ServoLoop::observe_windings(const device::Measurement &measured, const Vect
                          measured.arrival == device::Arrival::fresh &&
                          measured.current_A.allFinite();
     observers_.take(measured, theta_rad, is_next, since.missed_periods);
-    resistances_ = observers_.resistances();
+    motors_ = observers_.motors();
 }
 
 void ServoLoop::note_motion(const control::Configuration &now, ServoSample &sample) const noexcept {
     sample.theta_rad = now.theta_rad;
     sample.theta_rate_rad_per_s = now.theta_rate_rad_per_s;
     sample.tip_m = now.tip_m;
-    sample.tip_force_N = control::static_tip_force(now.J, law_.k_T(), sample.current_A);
+    sample.tip_force_N =
+        control::static_tip_force(now.J, control::torque_constants(motors_),
+                                  control::without_offsets(sample.current_A, motors_));
 }
 
 /// The monitor's inputs.
@@ -223,7 +222,7 @@ Observation ServoLoop::observation(const control::Configuration &now,
             unchanged ? spring_force_N(now, transfer_.before().tuning, unchanged->used)
                       : seen.spring_force_N;
     }
-    seen.resistance = resistances_;
+    seen.motors = motors_;
     for (std::size_t j = 0; j < seen.unheated.size(); ++j) {
         seen.unheated[j] = observers_.unheated(j);
     }
@@ -328,7 +327,7 @@ ServoSample ServoLoop::brake(const device::Measurement &measured, const ServoInp
     sample.counts = measured.counts;
     sample.current_A = measured.current_A;
     note_motion(law_.configuration(law_.theta_rad(measured.counts), Vector3::Zero()), sample);
-    sample.resistance = resistances_;
+    sample.motor = motors_;
     sample.contact.x0_m = sample.x_Sd_m = sample.tip_m;
     sample.theta_Sd_rad = sample.theta_rad;
     sample.rendered_error_rad = sample.inverse_error_rad = sample.transpose_error_rad = kNone;
@@ -356,8 +355,9 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     sample.current_A = measured.current_A;
 
     const control::VelocityFilter filter_before = velocity_filter_;
-    const control::Configuration now = sense(measured, since.since_last_s, sample);
-    observe_windings(measured, now.theta_rad, since);
+    const control::Configuration now = sense(measured, since.since_last_s);
+    observe_motors(measured, now.theta_rad, since);
+    note_motion(now, sample);
     sample.contact = touch(now.tip_m);
     sample.scene_id = scene_id_;
     const control::LawOutcome found = law(now, sample);

@@ -88,9 +88,9 @@ private:
                                     const TickTiming &timing) noexcept;
     void finish(const device::Measurement &measured, ServoSample &sample) noexcept;
     [[nodiscard]] control::Configuration sense(const device::Measurement &measured,
-                                               double since_last_s, ServoSample &sample) noexcept;
-    void observe_windings(const device::Measurement &measured, const Vector3 &theta_rad,
-                          const Passed &since) noexcept;
+                                               double since_last_s) noexcept;
+    void observe_motors(const device::Measurement &measured, const Vector3 &theta_rad,
+                        const Passed &since) noexcept;
     void note_motion(const control::Configuration &now, ServoSample &sample) const noexcept;
     [[nodiscard]] contact::Contact touch(const Vector3 &tip_m) noexcept;
     [[nodiscard]] std::optional<control::LawOutcome>
@@ -118,7 +118,7 @@ private:
     BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
     WindingObservers observers_;
-    control::WindingResistances resistances_; ///< of this tick
+    control::ObservedMotors motors_; ///< of this tick
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;

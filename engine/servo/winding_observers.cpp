@@ -13,6 +13,11 @@ namespace {
 /// that fails then would not be noticed at once.
 constexpr double kUnsettled = 0.05;
 
+/// How fast what is used of k_T, as a share of it, and of the current's offset approach what was
+/// learned: R̂ times the offset is a voltage, too, and so is a share of e_W.
+constexpr double kMaxChangeOfShare_per_s = 0.2;
+constexpr double kMaxChange_A_per_s = 0.2;
+
 /// Near the peak current an amplifier may cut it off.
 constexpr double kWithinPeak = 0.95;
 
@@ -32,7 +37,7 @@ WindingObservers::WindingObservers(const device::DeviceDescription &device, doub
       observer_{control::ResistanceObserver(device, 0, period_s),
                 control::ResistanceObserver(device, 1, period_s),
                 control::ResistanceObserver(device, 2, period_s)},
-      motor_(device.motor), resistances_(control::file_resistances(device.motor)) {}
+      motor_(device.motor), used_(control::motors_of_file(device.motor)) {}
 
 void WindingObservers::set_period(double period_s) noexcept {
     period_s_ = period_s;
@@ -71,7 +76,7 @@ void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_perio
     has_previous_ = false;
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
-        control::WindingResistance &used = resistances_[j];
+        control::ObservedMotor &used = used_[j];
         const double R_Ohm = motor_[j].resistance_Ohm;
         const auto approach_file = [&](control::ResistanceEstimate &estimate) {
             estimate = {limited_step(estimate.resistance_Ohm, R_Ohm, step_Ohm),
@@ -80,7 +85,8 @@ void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_perio
         };
         const bool is_here = approach_file(used.here);
         const bool is_mean = approach_file(used.mean);
-        used.is_observed = used.is_observed && !(is_here && is_mean);
+        const bool is_rest = approach(control::motor_of_file(motor_[j]), used);
+        used.is_observed = used.is_observed && !(is_here && is_mean && is_rest);
         used.is_trusted = true;
     }
 }
@@ -140,6 +146,16 @@ void WindingObservers::learn(const device::Measurement &measured,
     }
 }
 
+/// Takes k_T and offset a tick nearer to what is known. Returns whether they have arrived.
+bool WindingObservers::approach(const control::ObservedMotor &known,
+                                control::ObservedMotor &used) const noexcept {
+    double &k_T = used.torque_constant_Nm_per_A;
+    k_T = limited_step(k_T, known.torque_constant_Nm_per_A,
+                       kMaxChangeOfShare_per_s * period_s_ * k_T);
+    used.offset_A = limited_step(used.offset_A, known.offset_A, kMaxChange_A_per_s * period_s_);
+    return k_T == known.torque_constant_Nm_per_A && used.offset_A == known.offset_A;
+}
+
 /// Estimates become better in steps, the force must not: what a step was is carried, and taken back
 /// slowly. What is left of it is a deviation, too. That nothing is trusted any more applies at
 /// once.
@@ -149,8 +165,8 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
-        const control::WindingResistance now = observer_[j].resistance(theta_rad[index]);
-        control::WindingResistance &used = resistances_[j];
+        const control::ObservedMotor now = observer_[j].motor(theta_rad[index]);
+        control::ObservedMotor &used = used_[j];
         if (!used.is_observed) { // was the file's
             carried_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
             carried_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
@@ -170,9 +186,11 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
                     now.is_trusted ? limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)
                                    : deviation_Ohm};
         };
-        used = {carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0),
-                carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm), true,
-                now.is_trusted};
+        used.here = carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0);
+        used.mean = carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm);
+        static_cast<void>(approach(now, used));
+        used.is_observed = true;
+        used.is_trusted = now.is_trusted;
     }
 }
 

@@ -1,5 +1,5 @@
-// Observes the resistances of a device's windings, tick by tick, from what was measured and the
-// commands that acted in between.
+// Observes a device's motors, tick by tick, from what was measured and the commands that acted in
+// between.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -37,18 +37,18 @@ public:
     /// Once a tick, after `take`: the command that was sent.
     void note(const device::DeviceCommand &command) noexcept;
 
-    /// Forgets everything but the windings' temperatures; the resistances follow without a step.
+    /// Forgets everything but the windings' temperatures; what is used follows without a step.
     void restart() noexcept;
 
     /// Forgets what was observed of a motor, and observes it no more until `restart`.
     void distrust(std::size_t motor) noexcept { observer_[motor].distrust(); }
 
-    /// While nothing is observed: the windings' temperatures follow, and the resistances approach
-    /// the file's without a step.
+    /// While nothing is observed: the windings' temperatures follow, and what is used approaches
+    /// the device file without a step.
     void rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
 
     /// At the angles last taken. They approach what was last learned without a step.
-    [[nodiscard]] const control::WindingResistances &resistances() const { return resistances_; }
+    [[nodiscard]] const control::ObservedMotors &motors() const { return used_; }
 
     /// What can be relied on of a winding as warm as the air; its deviation is infinite if nothing.
     [[nodiscard]] control::ResistanceEstimate unheated(std::size_t motor) const noexcept {
@@ -66,16 +66,18 @@ private:
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
     void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
     void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    [[nodiscard]] bool approach(const control::ObservedMotor &known,
+                                control::ObservedMotor &used) const noexcept;
     void approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
                   const Vector3 &mean_before_Ohm) noexcept;
 
     double period_s_;
-    double max_rate_Ohm_per_s_; ///< of the estimates used
+    double max_rate_Ohm_per_s_; ///< of the resistances used
     std::size_t whole_delay_;
     double delay_fraction_;
     std::array<control::ResistanceObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
-    control::WindingResistances resistances_;
+    control::ObservedMotors used_;
     Vector3 carried_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
     Vector3 carried_mean_Ohm_{Vector3::Zero()};
 

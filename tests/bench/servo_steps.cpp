@@ -104,6 +104,7 @@ std::vector<servo::Observation> observations(const control::HapticLaw &law,
     std::vector<servo::Observation> all;
     for (const servo::ServoSample &sample : touch.samples) {
         servo::Observation seen;
+        seen.motors = sample.motor;
         seen.now = configuration_of(law, sample);
         seen.tip_force_N = sample.tip_force_N;
         seen.current_A = sample.current_A;
@@ -141,7 +142,7 @@ void step_limiter(benchmark::State &state, const RecordedTouch &touch) {
     const std::vector<control::Configuration> now = configurations(law, touch);
     over_ticks(state, kEnd, nothing, [&](std::size_t tick) {
         const servo::ServoSample &sample = touch.samples[tick];
-        servo::LimiterInputs inputs{now[tick], sample.limits, 1.0, Vector3::Zero()};
+        servo::LimiterInputs inputs{now[tick], sample.limits, 1.0, Vector3::Zero(), sample.motor};
         for (std::size_t j = 0; j < sample.winding.size(); ++j) {
             inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
                 sample.winding[j].R_hat_limit_Ohm;

@@ -152,6 +152,28 @@ TEST_F(HapticLawTest, EWIsDriftCompensationOfTheMapInUse) {
     }
 }
 
+TEST_F(HapticLawTest, TheStiffnessDoesNotDependOnTheObservedTorqueConstants) {
+    // What e_W adds to the back-EMF makes the same torque k_T e_W/dR for a given motion.
+    for (int run = 0; run < 300; ++run) {
+        const Configuration now = any_configuration();
+        const contact::Contact contact = any_contact(now);
+        const Tuning tuning;
+        ObservedMotors motors = motors_of_file(device.motor);
+        const LawOutcome expected = law(now, contact, tuning, kGlobalAlpha, motors);
+        const Vector3 share = Vector3::Ones() + testing::random_vector(random, 0.2);
+        for (std::size_t j = 0; j < motors.size(); ++j) {
+            motors[j].torque_constant_Nm_per_A *= share[static_cast<Eigen::Index>(j)];
+        }
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors);
+        const Vector3 back_emf_V = k_T * found.used.theta_Sd_rate_rad_per_s;
+        const Vector3 added_V = found.command.e_W_V - share.cwiseProduct(back_emf_V);
+        const Vector3 expected_V = expected.command.e_W_V - back_emf_V;
+        EXPECT_LT((share.cwiseProduct(added_V) - expected_V).norm(), 1e-11) << run;
+        EXPECT_EQ(found.command.cancelled_resistance_Ohm,
+                  expected.command.cancelled_resistance_Ohm);
+    }
+}
+
 TEST_F(HapticLawTest, AlphaComesFromTheSourceInTheTuning) {
     const Configuration now = any_configuration();
     const contact::Contact contact = any_contact(now);

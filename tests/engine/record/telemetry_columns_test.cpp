@@ -44,7 +44,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
                                   since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
                                   global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
-                                  carried, resistance, command, current, force, rendered, inverse,
+                                  carried, motor, command, current, force, rendered, inverse,
                                   transpose, safety, held_back, limits, energy, winding, missed,
                                   in_a_row, missed_periods, clock, lateness, period, read, compute,
                                   write] = sample;
@@ -56,7 +56,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted] =
         winding[0];
-    [[maybe_unused]] const auto &[here, mean, is_observed, is_trusted] = resistance[0];
+    [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted] = motor[0];
     [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
@@ -91,6 +91,7 @@ std::string ending_for(std::string_view unit) {
                                                           {"J", "_J"},
                                                           {"Ω", "_Ohm"},
                                                           {"°C", "_C"},
+                                                          {"N·m/A", "_Nm_per_A"},
                                                           {"V/rad", "_V_per_rad"},
                                                           {"V·s/rad", "_Vs_per_rad"},
                                                           {"rad²/m²", "_rad2_per_m2"}};
@@ -170,6 +171,12 @@ TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
         {"winding_greatest2_C", &sample.winding[1].max_C},
         {"theta2_rad", &sample.theta_rad[1]},
         {"theta_Sd2_rad", &sample.theta_Sd_rad[1]},
+        {"R2_Ohm", &sample.motor[1].here.resistance_Ohm},
+        {"R2_deviation_Ohm", &sample.motor[1].here.deviation_Ohm},
+        {"R_mean2_Ohm", &sample.motor[1].mean.resistance_Ohm},
+        {"R_mean2_deviation_Ohm", &sample.motor[1].mean.deviation_Ohm},
+        {"k_T2_Nm_per_A", &sample.motor[1].torque_constant_Nm_per_A},
+        {"offset2_A", &sample.motor[1].offset_A},
         {"carried2_V", &sample.carried_V[1]},
         {"e_W2_V", &sample.command.e_W_V[1]},
     };

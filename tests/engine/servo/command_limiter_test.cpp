@@ -49,14 +49,25 @@ protected:
         Case c{device, {}, {}};
         c.inputs.now = at(device, testing::random_workspace_angles(device, random));
         c.inputs.now.theta_rate_rad_per_s = testing::random_vector(random, 60.0);
+        c.inputs.motors = control::motors_of_file(device.motor);
         c.inputs.limits = limits_of(device);
-        c.inputs.limits.voltage_V = any(1.5, 14.0); // above k_T θ̇
+        c.inputs.limits.voltage_V = any(1.7, 14.0); // above k_T θ̇
         c.inputs.limits.current_A = any(0.5, 7.0);
         c.inputs.limits.tip_force_N = any(0.5, 10.0);
         c.inputs.ramp = any(0.0, 1.0) < 0.5 ? 1.0 : any(0.0, 1.0);
         c.inputs.R_hat_limit_Ohm.setConstant(coldest_limit_Ohm(device.motor[0]));
         c.wanted.e_W_V = testing::random_vector(random, any(0.0, 1.0) < 0.5 ? 2.0 : 30.0);
         c.wanted.cancelled_resistance_Ohm.setConstant(any(-0.5, 3.0));
+        return c;
+    }
+
+    /// The same with a k_T and a sensor's offset that were observed.
+    Case any_observed_case(const device::DeviceDescription &device) {
+        Case c = any_case(device);
+        for (control::ObservedMotor &motor : c.inputs.motors) {
+            motor.torque_constant_Nm_per_A *= any(0.9, 1.1);
+            motor.offset_A = any(-0.02, 0.02);
+        }
         return c;
     }
 
@@ -76,25 +87,37 @@ Vector3 residual_Ohm(const device::DeviceDescription &device, const Vector3 &R_h
     return dR_Ohm;
 }
 
-/// Steady currents of a command at constant speed: (e_W − k_T θ̇)/dR.
+/// k_T i of each motor, or its back-EMF.
+Vector3 times_k_T(const Case &c, const Vector3 &value) {
+    Vector3 product = value;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        product[j] *= c.inputs.motors[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
+    }
+    return product;
+}
+
+/// Steady currents of a command at constant speed, (e_W + R̂ o − k_T θ̇)/dR: the amplifier multiplies
+/// a reading i + o by R̂.
 Vector3 steady_current_A(const Case &c, const device::DeviceCommand &command) {
-    const double k_T = c.device.motor[0].torque_constant_Nm_per_A;
-    return (command.e_W_V - k_T * c.inputs.now.theta_rate_rad_per_s)
-        .cwiseQuotient(residual_Ohm(c.device, command.cancelled_resistance_Ohm));
+    Vector3 net_V = command.e_W_V - times_k_T(c, c.inputs.now.theta_rate_rad_per_s);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        net_V[j] += command.cancelled_resistance_Ohm[j] *
+                    c.inputs.motors[static_cast<std::size_t>(j)].offset_A;
+    }
+    return net_V.cwiseQuotient(residual_Ohm(c.device, command.cancelled_resistance_Ohm));
 }
 
 /// (22) by solving Jᵀ F = k_T i.
 double force_N(const Case &c, const Vector3 &current_A) {
-    const double k_T = c.device.motor[0].torque_constant_Nm_per_A;
     const Matrix3 J_transposed = c.inputs.now.J.transpose();
-    return J_transposed.partialPivLu().solve(k_T * current_A).norm();
+    return J_transposed.partialPivLu().solve(times_k_T(c, current_A)).norm();
 }
 
 TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
     int drawn_back = 0;
     int let_be = 0;
     for (int run = 0; run < 40'000; ++run) {
-        const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
+        const Case c = any_observed_case(devices[static_cast<std::size_t>(run % 2)]);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
         const Vector3 current_A = steady_current_A(c, result.command);
         const double min_A = std::min(c.inputs.limits.current_A, 5.5);
@@ -203,6 +226,26 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
     EXPECT_GT(passed, 1000);
 }
 
+TEST_F(CommandLimiter, OffsetsOfTheSensorsMakeNoCurrent) {
+    for (int run = 0; run < 5000; ++run) {
+        Case c = any_observed_case(devices[static_cast<std::size_t>(run % 2)]);
+        c.inputs.limits = limits_of(c.device);
+        c.wanted.e_W_V = testing::random_vector(random, 0.3);
+        const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
+        if (result.held_back.force || result.held_back.voltage) {
+            continue;
+        }
+        Case ideal = c;
+        for (control::ObservedMotor &motor : ideal.inputs.motors) {
+            motor.offset_A = 0.0;
+        }
+        const device::DeviceCommand expected = limited(c.device, c.wanted, ideal.inputs).command;
+        const Vector3 difference_A =
+            steady_current_A(c, result.command) - steady_current_A(ideal, expected);
+        ASSERT_LT(difference_A.norm(), 1e-12) << run; // round-off of a volt by 0.01 Ω
+    }
+}
+
 TEST_F(CommandLimiter, ALimitedForceKeepsItsDirection) {
     Case c = any_case(devices[0]);
     c.inputs.now = at(c.device, Vector3(0.1, 0.2, 0.1));
@@ -257,6 +300,7 @@ TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
     for (const double R_hat_Ohm : {0.0, 1.0, 2.0}) {
         Case c = any_case(device);
         c.inputs.now = at(device, Vector3(q1_rad, 0.2, 0.1));
+        c.inputs.motors = control::motors_of_file(device.motor);
         c.inputs.limits = limits_of(device);
         c.inputs.ramp = 1.0;
         c.wanted = {Vector3::Zero(), Vector3::Constant(R_hat_Ohm)};

@@ -24,6 +24,7 @@ protected:
         seen.now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
         seen.now.tip_m = device::tip_position_m(device.geometry, q_rad);
         seen.now.J = device::motor_jacobian(device.geometry, q_rad);
+        seen.motors = control::motors_of_file(device.motor);
         return seen;
     }
     [[nodiscard]] servo::Observation calm() const { return at(Vector3(0.0, 0.2, 0.1)); }

@@ -55,6 +55,7 @@ std::optional<double> trips_after_s(const device::DeviceDescription &device, dou
                                     double period_s, double longest_s) {
     servo::SafetyMonitor monitor(device, period_s);
     servo::Observation seen;
+    seen.motors = control::motors_of_file(device.motor);
     const Vector3 q_rad(0.0, 0.2, 0.1);
     seen.now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
     seen.now.tip_m = device::tip_position_m(device.geometry, q_rad);

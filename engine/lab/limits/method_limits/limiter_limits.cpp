@@ -43,7 +43,8 @@ public:
 private:
     [[nodiscard]] servo::ActiveLimits held_back(const control::Configuration &now,
                                                 const contact::Contact &contact) const {
-        servo::LimiterInputs inputs{now, servo::limits_of(device_), 1.0, Vector3::Zero()};
+        servo::LimiterInputs inputs{now, servo::limits_of(device_), 1.0, Vector3::Zero(),
+                                    control::motors_of_file(device_.motor)};
         for (std::size_t j = 0; j < 3; ++j) {
             inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] =
                 device::WindingGuard(device_.motor[j], device_.amplifier.max_cancelled_Ohm, 1.0)
