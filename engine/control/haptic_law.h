@@ -37,8 +37,8 @@ public:
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
     /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global
-    /// @param motors  of what is left of R to be dR, and K_q (20) to be that of the file's k_T: K_P
-    ///                and K_D are larger where k_T is smaller. RT-safe.
+    /// @param motors  so that what is left of R is dR, and K_q (20) that of the file's k_T: K_P and
+    ///                K_D are larger where k_T is smaller. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning, double global_alpha_rad2_per_m2,
                                         const ObservedMotors &motors) const noexcept;

@@ -53,8 +53,10 @@ constexpr double kWarmthChange = 0.1;
 /// only its ends count.
 constexpr double kWindow_s = 0.032;
 
-/// What the speed at a window's ends may cost [V·s].
+/// What the speed at a window's ends may cost [V·s], and of what an acceleration costs, the share
+/// that is left.
 constexpr double kMeanCurrent_Vs = 1e-6;
+constexpr double kAcceleration = 0.2;
 
 /// By which the air may be warmer or colder than its middle, 25 °C [K].
 constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
@@ -71,6 +73,17 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
         return 0.5 - z / 12.0; // to 1e-12
     }
     return 1.0 / z - 1.0 / std::expm1(z);
+}
+
+/// What a step of the net voltage adds to that mean [A], after a share `at` of the interval.
+/// @param step_A  that the step would change the current by in the interval without a resistance
+[[nodiscard]] double mean_of_step_A(double z, double step_A, double at) noexcept {
+    const double rest = 1.0 - at;
+    if (std::abs(z) < 1e-3) {
+        return -0.5 * step_A * at * rest;
+    }
+    const double reached = -std::expm1(-z * rest); // of the step's final current
+    return step_A / z * (rest - reached / z - (1.0 - weight_of_first(z)) * reached);
 }
 
 } // namespace
@@ -169,8 +182,11 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
         weights_of_resistance(0.5 * (interval.before_rad + interval.after_rad));
     const double R_Ohm = of_resistance.dot(state_);
     const double dR_Ohm = R_Ohm - interval.R_hat_Ohm;
-    const double first = weight_of_first(dR_Ohm * T / motor_.inductance_H);
-    const double mean_A = first * interval.before_A + (1.0 - first) * interval.after_A;
+    const double z = dR_Ohm * T / motor_.inductance_H;
+    const double first = weight_of_first(z);
+    const double mean_A =
+        first * interval.before_A + (1.0 - first) * interval.after_A +
+        mean_of_step_A(z, interval.e_W_step_V * T / motor_.inductance_H, interval.step_at);
     voltage_Vs_ += interval.e_W_V * T + interval.R_hat_Ohm * mean_A * T -
                    motor_.inductance_H * (interval.after_A - interval.before_A);
     weights_ += (mean_A - state_[kOffset]) * T * of_resistance;
@@ -183,7 +199,7 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     const double rate_rad_per_s = (interval.after_rad - interval.before_rad) / T;
     first_rate_rad_per_s_ = window_s_ > 0.0 ? first_rate_rad_per_s_ : rate_rad_per_s;
     last_rate_rad_per_s_ = rate_rad_per_s;
-    excess_Ohms_ += dR_Ohm * T;
+    asymmetry_s_ += (0.5 - first) * T;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
     temperature_.update(std::max(0.0, R_Ohm) * mean_A * mean_A);
@@ -208,14 +224,24 @@ void ResistanceObserver::take_window() noexcept {
     covariance_(kOffset, kOffset) += kOffsetDrift_A2_per_s * window_s_;
     const bool has_evidence = had_current();
     mean_before_A_ = weights_[kResistance] / (warmth() * window_s_);
-    // Within an interval the speed, and so the current, changes: (11) with a constant acceleration.
-    const double accelerated_Vs = excess_Ohms_ / window_s_ * k_T * period_s_ * period_s_ *
-                                  (last_rate_rad_per_s_ - first_rate_rad_per_s_) /
-                                  (12.0 * motor_.inductance_H);
+    // Within an interval the speed changes, and the back-EMF's part of the current with it: of a
+    // constant acceleration, dR times what the mean current differs by is this. It goes with the
+    // current, so that it would be taken for R. Its rates are known to a count in an interval.
+    const double lag_Vs2_per_rad = k_T * asymmetry_s_ / window_s_ * period_s_;
+    const double accelerated_Vs = lag_Vs2_per_rad * (last_rate_rad_per_s_ - first_rate_rad_per_s_);
+    const double rates_Vs = 2.0 * lag_Vs2_per_rad * std::sqrt(count_variance_rad2_) / period_s_;
+    const double left_Vs = kAcceleration * accelerated_Vs;
     const double ends_Vs2 = 2.0 * motor_.inductance_H * motor_.inductance_H * current_variance_A2_ +
-                            kMeanCurrent_Vs * kMeanCurrent_Vs + accelerated_Vs * accelerated_Vs;
-    const double surprise_Vs = voltage_Vs_ - expected_Vs;
-    const Noise noise{ends_Vs2 + current_Vs2_, charge_As2_, bias_VAs2_, of_noise_ / window_s_};
+                            kMeanCurrent_Vs * kMeanCurrent_Vs + rates_Vs * rates_Vs +
+                            left_Vs * left_Vs;
+    const double surprise_Vs = voltage_Vs_ - expected_Vs - accelerated_Vs;
+    // A product of two unknowns, R and the offset, which h leaves out.
+    const State of_current = of_noise_ / window_s_;
+    const State spread = covariance_ * of_current;
+    const double product_Vs2 = window_s_ * window_s_ *
+                               (of_current.dot(spread) * covariance_(kOffset, kOffset) +
+                                spread[kOffset] * spread[kOffset]);
+    const Noise noise{ends_Vs2 + current_Vs2_ + product_Vs2, charge_As2_, bias_VAs2_, of_current};
     begin_window();
     if (is_trusted_) {
         learn(h, surprise_Vs, noise, has_evidence);
@@ -233,7 +259,7 @@ bool ResistanceObserver::had_current() const noexcept {
 }
 
 void ResistanceObserver::begin_window() noexcept {
-    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = excess_Ohms_ = turned_rad_ = window_s_ =
+    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = asymmetry_s_ = turned_rad_ = window_s_ =
         0.0;
     weights_.setZero();
     of_noise_.setZero();

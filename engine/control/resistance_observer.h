@@ -34,9 +34,11 @@ namespace springdrive::control {
 /// What happened to one motor between two measurements.
 struct DrivenInterval {
     double duration_s = 0.0;
-    double e_W_V = 0.0;     ///< mean
-    double R_hat_Ohm = 0.0; ///< mean
-    double before_A = 0.0;  ///< measured currents at its ends
+    double e_W_V = 0.0;      ///< mean
+    double e_W_step_V = 0.0; ///< by which it changed meanwhile,
+    double step_at = 0.0;    ///< after this share of the duration
+    double R_hat_Ohm = 0.0;  ///< mean
+    double before_A = 0.0;   ///< measured currents at its ends
     double after_A = 0.0;
     double before_rad = 0.0; ///< measured rotor angles at its ends
     double after_rad = 0.0;
@@ -138,7 +140,7 @@ private:
     double charge_As2_ = 0.0;      ///< variance of the current's integral, by the same
     double bias_VAs2_ = 0.0;       ///< the same times dR
     State of_noise_{State::Zero()};
-    double excess_Ohms_ = 0.0; ///< dR, integrated
+    double asymmetry_s_ = 0.0; ///< ½ less the weight of an interval's first current, integrated
     double first_rate_rad_per_s_ = 0.0;
     double last_rate_rad_per_s_ = 0.0;
     double turned_rad_ = 0.0;

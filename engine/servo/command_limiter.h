@@ -4,8 +4,9 @@
 //   e_W ──► ramp ──► + soft wall at the edge ──► force and current ──► supply ──► device
 //
 // *Force and current.* With constant e_W and speed each winding's current approaches
-// i = (e_W − k_T θ̇)/dR as e^(−t dR/L), so the tip force J⁻ᵀ k_T i moves on a straight line from its
-// present to its steady value. e_W is moved towards k_T θ̇_f, where the steady force is zero, until
+// i = (e_W + R̂ o − k_T θ̇)/dR as e^(−t dR/L), with the offset o of the sensor that R̂ multiplies, so
+// the tip force J⁻ᵀ k_T i moves on a straight line from its present to its steady value. R̂ o is
+// taken off e_W, which is then moved towards k_T θ̇_f − R̂ o, where the steady force is zero, until
 // the steady force is within kLimiterShare of its limit. As a ball is convex, the whole line is
 // then within the limit, if all windings have the same dR. The monitor can still trip on what this
 // neglects: it assumes R as it was observed, or else at 25 °C and the worst commutator angle, a
@@ -39,8 +40,7 @@ struct LimitedCommand {
     double force_share = 1.0;                   ///< share of the requested force that is passed on
 };
 
-/// Also takes off e_W what R̂ makes of the current sensors' offsets. `wanted` must be finite.
-/// RT-safe.
+/// `wanted` must be finite. RT-safe.
 [[nodiscard]] LimitedCommand limited(const device::DeviceDescription &device,
                                      const device::DeviceCommand &wanted,
                                      const LimiterInputs &inputs) noexcept;

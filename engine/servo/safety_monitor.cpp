@@ -1,6 +1,7 @@
 #include "engine/servo/safety_monitor.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/workspace_edge.h"
 
 #include <algorithm>
@@ -41,10 +42,14 @@ double max_step_m(const device::DeviceDescription &device, double speed_limit_m_
 
 SafetyMonitor::SafetyMonitor(device::DeviceDescription device, double period_s)
     : device_(std::move(device)), period_s_(period_s), device_limits_(limits_of(device_)),
-      limits_(device_limits_), guard_{guard_of(device_, 0, period_s),
-                                      guard_of(device_, 1, period_s),
-                                      guard_of(device_, 2, period_s)},
-      energy_(period_s), rest_(period_s) {}
+      limits_(device_limits_), max_R_hat_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device_)),
+      guard_{guard_of(device_, 0, period_s), guard_of(device_, 1, period_s),
+             guard_of(device_, 2, period_s)},
+      energy_(period_s), rest_(period_s) {
+    for (std::size_t j = 0; j < guard_.size(); ++j) {
+        winding_[j].R_hat_limit_Ohm = guard_[j].max_cancelled_Ohm();
+    }
+}
 
 void SafetyMonitor::set_period(double period_s) noexcept {
     period_s_ = period_s;
@@ -56,10 +61,10 @@ void SafetyMonitor::set_period(double period_s) noexcept {
 }
 
 void SafetyMonitor::reset() noexcept {
-    for (device::WindingGuard &guard : guard_) {
-        guard.forget_observations();
-    }
     if (status_.state == SafetyState::tripped && !is_final(status_.cause)) {
+        for (device::WindingGuard &guard : guard_) {
+            guard.forget_observations();
+        }
         status_ = {};
         cut_off_s_ = 0.0;
         rest_.reset();
@@ -111,8 +116,15 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
             const double to_both_sides_Ohm = kObservedDeviations * deviation_Ohm;
             guard.narrow({R_Ohm - to_both_sides_Ohm, R_Ohm + to_both_sides_Ohm});
         }
-        winding_[j] = {guard.min_C(), guard.max_C(), guard.max_cancelled_Ohm(), false,
-                       guard.is_contradicted()};
+        // It changes without a step where an observation has become known, or is forgotten.
+        const double most_Ohm = guard.max_cancelled_Ohm();
+        const double before_Ohm = winding_[j].R_hat_limit_Ohm;
+        const double step_Ohm = max_R_hat_rate_Ohm_per_s_ * period_s_;
+        const double limit_Ohm =
+            guard.is_contradicted()
+                ? std::min(most_Ohm, before_Ohm)
+                : std::clamp(most_Ohm, before_Ohm - step_Ohm, before_Ohm + step_Ohm);
+        winding_[j] = {guard.min_C(), guard.max_C(), limit_Ohm, false, guard.is_contradicted()};
     }
 }
 

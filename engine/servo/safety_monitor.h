@@ -131,6 +131,7 @@ private:
     double period_s_;
     SafetyLimits device_limits_;
     SafetyLimits limits_; ///< active
+    double max_R_hat_rate_Ohm_per_s_;
     std::array<device::WindingGuard, 3> guard_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;

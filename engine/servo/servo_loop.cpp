@@ -69,8 +69,10 @@ void ServoLoop::set_period(double period_s) {
 /// Takes the inputs that apply even without a new measurement.
 void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count) {
+        if (safety_.status().state == SafetyState::tripped) {
+            observers_.restart();
+        }
         safety_.reset();
-        observers_.restart();
     }
     stops_now_ = inputs.stop_count != inputs_.stop_count;
     inputs_.reset_count = inputs.reset_count;

@@ -29,7 +29,10 @@ constexpr double kWithinPeak = 0.95;
 
 WindingObservers::WindingObservers(const device::DeviceDescription &device, double delay_periods,
                                    double period_s)
-    : period_s_(period_s), max_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device)),
+    : period_s_(period_s),
+      // R̂ follows R less so many deviations, all of which may change at once
+      max_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device) /
+                          (1.0 + control::kHeldUpDeviations)),
       whole_delay_(delay_periods <= static_cast<double>(kLongestDelay)
                        ? static_cast<std::size_t>(delay_periods)
                        : kHistory),
@@ -52,6 +55,7 @@ void WindingObservers::restart() noexcept {
     for (control::ResistanceObserver &observer : observer_) {
         observer.restart();
     }
+    begins_anew_.fill(true);
     has_previous_ = false;
 }
 
@@ -85,8 +89,11 @@ void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_perio
         };
         const bool is_here = approach_file(used.here);
         const bool is_mean = approach_file(used.mean);
-        const bool is_rest = approach(control::motor_of_file(motor_[j]), used);
-        used.is_observed = used.is_observed && !(is_here && is_mean && is_rest);
+        approach_constants(control::motor_of_file(motor_[j]), used);
+        const bool are_constants =
+            used.torque_constant_Nm_per_A == motor_[j].torque_constant_Nm_per_A &&
+            used.offset_A == 0.0;
+        used.is_observed = used.is_observed && !(is_here && is_mean && are_constants);
         used.is_trusted = true;
     }
 }
@@ -122,11 +129,17 @@ void WindingObservers::learn(const device::Measurement &measured,
     const device::DeviceCommand &newer = command_before(whole_delay_);
     const device::DeviceCommand &older =
         delay_fraction_ > 0.0 ? command_before(whole_delay_ + 1) : newer;
-    const auto acted = [&](const Vector3 device::DeviceCommand::*value, Eigen::Index j) {
-        const auto of = [&](const device::DeviceCommand &command) {
-            return command.mode == device::CommandMode::drive ? (command.*value)[j] : 0.0;
-        };
-        return (1.0 - delay_fraction_) * of(newer) + delay_fraction_ * of(older);
+    using Value = const Vector3 device::DeviceCommand::*;
+    const auto driven = [](const device::DeviceCommand &command, Value value, Eigen::Index j) {
+        return command.mode == device::CommandMode::drive ? (command.*value)[j] : 0.0;
+    };
+    const auto acted = [&](Value value, Eigen::Index j) {
+        return (1.0 - delay_fraction_) * driven(newer, value, j) +
+               delay_fraction_ * driven(older, value, j);
+    };
+    const auto step_V = [&](Eigen::Index j) {
+        return driven(newer, &device::DeviceCommand::e_W_V, j) -
+               driven(older, &device::DeviceCommand::e_W_V, j);
     };
     const bool is_open =
         newer.mode == device::CommandMode::open || older.mode == device::CommandMode::open;
@@ -140,25 +153,24 @@ void WindingObservers::learn(const device::Measurement &measured,
             observer_[j].skip(after_A);
             continue;
         }
-        observer_[j].update({period_s_, acted(&device::DeviceCommand::e_W_V, index),
+        observer_[j].update({period_s_, acted(&device::DeviceCommand::e_W_V, index), step_V(index),
+                             delay_fraction_,
                              acted(&device::DeviceCommand::cancelled_resistance_Ohm, index),
                              before_A, after_A, theta_rad_[index], theta_rad[index]});
     }
 }
 
-/// Takes k_T and offset a tick nearer to what is known. Returns whether they have arrived.
-bool WindingObservers::approach(const control::ObservedMotor &known,
-                                control::ObservedMotor &used) const noexcept {
+/// Takes k_T and offset a tick nearer to what is known.
+void WindingObservers::approach_constants(const control::ObservedMotor &known,
+                                          control::ObservedMotor &used) const noexcept {
     double &k_T = used.torque_constant_Nm_per_A;
     k_T = limited_step(k_T, known.torque_constant_Nm_per_A,
                        kMaxChangeOfShare_per_s * period_s_ * k_T);
     used.offset_A = limited_step(used.offset_A, known.offset_A, kMaxChange_A_per_s * period_s_);
-    return k_T == known.torque_constant_Nm_per_A && used.offset_A == known.offset_A;
 }
 
 /// Estimates become better in steps, the force must not: what a step was is carried, and taken back
-/// slowly. What is left of it is a deviation, too. That nothing is trusted any more applies at
-/// once.
+/// slowly. What is left of it is a deviation, too.
 /// @param before_Ohm  what the estimates were at these angles before they became better
 void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
                                 const Vector3 &mean_before_Ohm) noexcept {
@@ -167,7 +179,8 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
         const auto index = static_cast<Eigen::Index>(j);
         const control::ObservedMotor now = observer_[j].motor(theta_rad[index]);
         control::ObservedMotor &used = used_[j];
-        if (!used.is_observed) { // was the file's
+        if (!used.is_observed || begins_anew_[j]) {
+            begins_anew_[j] = false;
             carried_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
             carried_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
         } else {
@@ -183,12 +196,11 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
             const double deviation_Ohm =
                 std::max({estimate.deviation_Ohm, std::abs(carried_Ohm[index]), least_Ohm});
             return {estimate.resistance_Ohm + carried_Ohm[index],
-                    now.is_trusted ? limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)
-                                   : deviation_Ohm};
+                    limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)};
         };
         used.here = carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0);
         used.mean = carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm);
-        static_cast<void>(approach(now, used));
+        approach_constants(now, used);
         used.is_observed = true;
         used.is_trusted = now.is_trusted;
     }

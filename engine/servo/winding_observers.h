@@ -41,7 +41,10 @@ public:
     void restart() noexcept;
 
     /// Forgets what was observed of a motor, and observes it no more until `restart`.
-    void distrust(std::size_t motor) noexcept { observer_[motor].distrust(); }
+    void distrust(std::size_t motor) noexcept {
+        observer_[motor].distrust();
+        begins_anew_[motor] = true;
+    }
 
     /// While nothing is observed: the windings' temperatures follow, and what is used approaches
     /// the device file without a step.
@@ -66,18 +69,19 @@ private:
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
     void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
     void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
-    [[nodiscard]] bool approach(const control::ObservedMotor &known,
-                                control::ObservedMotor &used) const noexcept;
+    void approach_constants(const control::ObservedMotor &known,
+                            control::ObservedMotor &used) const noexcept;
     void approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
                   const Vector3 &mean_before_Ohm) noexcept;
 
     double period_s_;
-    double max_rate_Ohm_per_s_; ///< of the resistances used
+    double max_rate_Ohm_per_s_; ///< of the resistances used, and of their deviations
     std::size_t whole_delay_;
     double delay_fraction_;
     std::array<control::ResistanceObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
     control::ObservedMotors used_;
+    std::array<bool, 3> begins_anew_{}; ///< its estimates have nothing to do with those before
     Vector3 carried_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
     Vector3 carried_mean_Ohm_{Vector3::Zero()};
 

@@ -86,7 +86,7 @@ private:
         const Vector3 after_rad = law_.theta_rad(measured.counts);
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);
-            observers_[motor].update({kPeriod_s, command_.e_W_V[j],
+            observers_[motor].update({kPeriod_s, command_.e_W_V[j], 0.0, 0.0,
                                       command_.cancelled_resistance_Ohm[j], last_.current_A[j],
                                       measured.current_A[j], before_rad[j], after_rad[j]});
         }
