@@ -37,6 +37,9 @@ public:
 
     [[nodiscard]] const std::vector<Point> &points() const { return points_; }
 
+    /// Time of the last point.
+    [[nodiscard]] double end_s() const { return points_.back().time_s; }
+
 private:
     std::vector<Point> points_;
     std::size_t next_ = 0; ///< the first point after the last requested time

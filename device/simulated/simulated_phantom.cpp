@@ -23,7 +23,9 @@ Vector3 limited(const Vector3 &vector, double max_norm) {
 SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
     : description_(simulated_description(description, options)), options_(options),
-      parts_(plant_parts(description, options)), wanted_parts_(parts_), hand_target_(start_tip_m),
+      parts_(plant_parts(description, options)), wanted_parts_(parts_),
+      hand_target_(options.path ? options.path->points().back().position_m : start_tip_m),
+      follows_path_(options.path.has_value()),
       temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
@@ -240,8 +242,9 @@ void SimulatedPhantom::warm_windings() noexcept {
 
 void SimulatedPhantom::move_hand_target(double h) noexcept {
     const double middle_s = truth_.time_s + 0.5 * h;
-    if (options_.path) {
+    if (follows_path_) {
         hand_ = options_.path->at(middle_s);
+        follows_path_ = middle_s <= options_.path->end_s();
     } else {
         // Critically damped, semi-implicit: stable for any h below 1/rate.
         const Vector3 gap = hand_target_.latest() - hand_.position_m;

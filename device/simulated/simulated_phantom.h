@@ -139,6 +139,7 @@ private:
     Eigen::Index first_joint_ = 0;    ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
+    bool follows_path_; ///< until its end
     HandTarget hand_;
     LinkageState linkage_;
     std::array<FrictionMode, 3> friction_mode_{};

@@ -15,7 +15,7 @@ public:
     virtual ~SimulatedWorld() = default;
 
     /// Sets the hand's target from now on [m]; the hand moves there smoothly. One thread at a time,
-    /// any thread; no effect while the hand follows a path.
+    /// any thread; takes effect once the hand's path, if it has one, has ended.
     virtual void set_hand_target(const Vector3 &target_m) noexcept = 0;
 
     /// From the next period on, uses the dynamics, effects, planar and longest_step_s of `options`;

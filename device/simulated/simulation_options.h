@@ -73,7 +73,8 @@ struct SimulationOptions {
     /// shorter steps to 2 µm at the tip and to 0.1 % of their largest current.
     double longest_step_s = 100e-6;
     device::HandParameters hand;
-    std::optional<HandPath> path; ///< the hand follows it; else `set_hand_target`
+    std::optional<HandPath>
+        path; ///< the hand follows it to its end; then, and without one, `set_hand_target`
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
     bool planar = false; ///< the base joint is at rest, so that only two are simulated

@@ -46,6 +46,9 @@ void SimulatedHand::move_to(const Vector3 &target_m) {
 void SimulatedHand::follow(double time_s) {
     if (path_) {
         target_m_ = path_->at(time_s).position_m;
+        if (time_s > path_->end_s()) {
+            path_.reset();
+        }
     }
 }
 

@@ -16,10 +16,11 @@ public:
     void take_hold(simulated::SimulatedWorld *world, const device::DeviceDescription &device,
                    const std::optional<simulated::HandPath> &path, const Vector3 &target_m);
 
-    /// Sets the target, limited to workspace and reach; no effect while the hand follows a path.
+    /// Sets the target, limited to workspace and reach; takes effect once the path has ended.
     void move_to(const Vector3 &target_m);
 
-    /// Sets the target to that of the path at this servo time.
+    /// Sets the target to that of the path at this servo time, up to the path's end: from then on
+    /// the hand holds still until it is moved.
     void follow(double time_s);
 
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }

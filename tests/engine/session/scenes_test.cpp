@@ -93,6 +93,13 @@ TEST(SimulatedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
     EXPECT_TRUE(hand.follows_path());
     hand.follow(1.0);
     EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
+    EXPECT_TRUE(hand.follows_path());
+    hand.follow(1.001);
+    EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
+    EXPECT_FALSE(hand.follows_path());
+    hand.move_to(Vector3(0.0, 0.01, 0.0));
+    hand.follow(1.002);
+    EXPECT_EQ(hand.target_m(), Vector3(0.0, 0.01, 0.0));
 }
 
 } // namespace
