@@ -49,13 +49,4 @@ struct Layout {
     return result;
 }
 
-/// Begins a panel at its fixed place in the layout. Pair with ImGui::End.
-inline void begin_panel(const char *title, const Rectangle &place) {
-    ImGui::SetNextWindowPos(place.corner);
-    ImGui::SetNextWindowSize(place.size);
-    ImGui::Begin(title, nullptr,
-                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                     ImGuiWindowFlags_NoSavedSettings);
-}
-
 } // namespace springdrive::app

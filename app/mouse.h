@@ -1,7 +1,7 @@
 // Mouse control of camera and hand in the scene view.
 #pragma once
 
-#include "app/panels/layout.h"
+#include "app/layout.h"
 #include "app/view/camera.h"
 #include "engine/session/session.h"
 

@@ -1,6 +1,6 @@
 #include "app/plot.h"
 
-#include "app/panels/look.h"
+#include "app/widgets/look.h"
 #include "base/print.h"
 
 #include <algorithm>

@@ -2,9 +2,11 @@
 
 #include "app/asset_folder.h"
 #include "app/frame_pace.h"
+#include "app/widgets/widgets.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -49,7 +51,8 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 } // namespace
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
-    : window_("springdrive", {options.width, options.height}, options.scale), session_(session) {
+    : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
+      reports_(options.reports) {
     scene_panel_.files = offered_scenes(options.session.scene);
     window_.keep_frames(!options.screenshot.empty());
     if (!window_.font_remark().empty()) {
@@ -69,7 +72,32 @@ void Screen::take_orders() {
 }
 
 void Screen::draw_frame() {
+    const auto start = std::chrono::steady_clock::now();
+    if (reports_) {
+        requests_.poll(); // before the events, so that the answer follows all that came before it
+    }
+    const bool is_reported = requests_.is_due();
+    ui::report().begin(is_reported);
     window_.begin_frame();
+    draw_contents();
+    window_.end_frame();
+    ++frame_;
+    const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+    frame_durations_.add(duration.count());
+    if (is_reported) {
+        requests_.answer(report_line());
+    }
+}
+
+std::string Screen::report_line() const {
+    const Window::Size size = window_.size();
+    const WindowFacts window{
+        frame_,          static_cast<float>(size.width),   static_cast<float>(size.height),
+        window_.scale(), frame_durations_.quantile_s(0.5), frame_durations_.quantile_s(0.99)};
+    return json_line(ui::report(), window, session_.latest());
+}
+
+void Screen::draw_contents() {
     take_orders();
     if (shown_scene_ != session_.scenes().id()) {
         show_scene();
@@ -84,7 +112,6 @@ void Screen::draw_frame() {
     draw_scene_panel(session_, scene_panel_, places.scene);
     draw_force_direction_panel(session_, places.force_direction);
     draw_scene_overlay(session_, places.scene_view, window_.scale());
-    window_.end_frame();
 }
 
 Layout Screen::current_layout() const {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "app/demo_options.h"
+#include "app/layout.h"
 #include "app/mouse.h"
-#include "app/panels/layout.h"
 #include "app/panels/panels.h"
+#include "app/report_requests.h"
 #include "app/view/camera.h"
 #include "app/view/renderer.h"
 #include "app/window.h"
+#include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 
 #include <cstdint>
@@ -26,8 +28,16 @@ public:
 
     [[nodiscard]] const Window &window() const { return window_; }
 
+    /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
+    /// wait.
+    [[nodiscard]] const servo::DurationHistogram &frame_durations() const {
+        return frame_durations_;
+    }
+
 private:
+    void draw_contents();
     [[nodiscard]] Layout current_layout() const;
+    [[nodiscard]] std::string report_line() const;
     void take_orders();
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
@@ -44,6 +54,10 @@ private:
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
     std::uint32_t shown_scene_ = 0;
+    bool reports_;
+    ReportRequests requests_;
+    std::uint64_t frame_ = 0;
+    servo::DurationHistogram frame_durations_;
 };
 
 } // namespace springdrive::app

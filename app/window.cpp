@@ -1,6 +1,6 @@
 #include "app/window.h"
 
-#include "app/panels/look.h"
+#include "app/widgets/look.h"
 #include "base/input_error.h"
 
 #include <epoxy/gl.h>
@@ -249,7 +249,8 @@ void Window::on_key(GLFWwindow *window, int key, int /*scancode*/, int action, i
         return;
     }
     self->pressed_keys_.push_back(key);
-    self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_SPACE;
+    const bool is_space = key == GLFW_KEY_SPACE && !ImGui::GetIO().WantTextInput;
+    self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_F12 || is_space;
 }
 
 void Window::on_drop(GLFWwindow *window, int count, const char **paths) {

@@ -42,7 +42,8 @@ public:
     /// Of text and panels; smaller than requested if the window is too small for that.
     [[nodiscard]] float scale() const { return usable_scale_; }
 
-    /// True once for every press of the space bar, however short, wherever the focus is.
+    /// True once for every press of F12, however short, wherever the focus is; and of the space
+    /// bar, unless a text is being typed.
     [[nodiscard]] bool take_emergency_stop();
 
     /// Files dropped on the window since the last call.

@@ -34,6 +34,10 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
         ->type_name("PIXELS");
     demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
         ->type_name("FACTOR");
+    demo.add_flag(
+        "--report", options.reports,
+        "for each line \"report\" on standard input, write what the window shows as a line "
+        "of JSON");
 }
 
 void check(const DemoOptions &options) {

@@ -1,12 +1,12 @@
-#include "app/panels/look.h"
 #include "app/panels/panels.h"
 #include "app/plot.h"
+#include "app/widgets/widgets.h"
 #include "engine/control/perception.h"
 
 namespace springdrive::app {
 
 void draw_force_direction_panel(const session::Session &session, const Rectangle &place) {
-    begin_panel("Force direction", place);
+    const ui::Panel panel("Force direction", place);
     const session::History &history = session.servo().history();
     const bool transpose = session.servo().inputs().tuning.map == control::MotionMap::transpose;
 
@@ -38,7 +38,6 @@ void draw_force_direction_panel(const session::Session &session, const Rectangle
     draw_plot(error, {0.66F * room.x - gap, room.y});
     ImGui::SameLine();
     draw_plot(force, {0.34F * room.x, room.y});
-    ImGui::End();
 }
 
 } // namespace springdrive::app

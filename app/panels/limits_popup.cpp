@@ -1,5 +1,5 @@
-#include "app/panels/look.h"
 #include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
 
 #include <cmath>
 
@@ -16,24 +16,20 @@ bool edit_limit(const servo::SafetyLimit &limit, double device_value, double &re
     double shown = scale * std::min(device_value, requested);
     const double maximum = scale * device_value;
     const double minimum = kMinShare * maximum;
-    ImGui::PushID(limit.name);
+    const ui::Scope scope(limit.name);
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(kFaintInk, "%s", limit.what);
+    ui::text(kFaintInk, "{}", limit.what);
     ImGui::SameLine(12.0F * font);
     ImGui::SetNextItemWidth(10.0F * font);
-    bool changed = ImGui::SliderScalar("##slider", ImGuiDataType_Double, &shown, &minimum, &maximum,
-                                       "%.3g", ImGuiSliderFlags_AlwaysClamp);
+    bool changed = ui::slider_with_number("##slider", shown, minimum, maximum, "%.3g");
     ImGui::SameLine();
-    ImGui::TextColored(kFaintInk, "%s", limit.unit);
+    ui::text(kFaintInk, "{}", limit.unit);
     ImGui::SameLine(24.5F * font);
-    if (ImGui::Button("\u21BA")) {
+    if (ui::button("\u21BA##reset")) {
         shown = maximum;
         changed = true;
     }
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("reset to the device's limit, %.3g %s", maximum, limit.unit);
-    }
-    ImGui::PopID();
+    ui::explain(ui::formatted("reset to the device's limit, {:.3g} {}", maximum, limit.unit));
     if (changed) {
         requested = shown >= maximum ? device_value : shown / scale;
     }
@@ -46,7 +42,8 @@ void draw_limits_popup(session::Session &session) {
     if (!ImGui::BeginPopup("limits")) {
         return;
     }
-    ImGui::Text("Limits at which the device is stopped");
+    const ui::Scope scope("limits");
+    ui::text(kInk, "Limits at which the device is stopped");
     const servo::SafetyLimits device = servo::limits_of(session.description());
     servo::SafetyLimits requested = session.servo().inputs().limits;
     bool changed = false;
@@ -56,7 +53,7 @@ void draw_limits_popup(session::Session &session) {
     if (changed) {
         session.servo().lower_limits(requested);
     }
-    ImGui::TextColored(kFaintInk, "Set by the device file; can only be lowered here.");
+    ui::text(kFaintInk, "Set by the device file; can only be lowered here.");
     ImGui::EndPopup();
 }
 

@@ -1,5 +1,5 @@
-#include "app/panels/look.h"
 #include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
 #include "base/degrees.h"
 
 #include <cstddef>
@@ -8,12 +8,6 @@
 namespace springdrive::app {
 
 namespace {
-
-void explain(const char *text) {
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s", text);
-    }
-}
 
 /// Explains an axis to users who do not know the terms.
 const char *meaning_of(const std::string &axis) {
@@ -49,30 +43,31 @@ void draw_candidate(const model_selection::ModelAxis &axis, std::size_t index,
     const bool is_chosen = index == axis.chosen;
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(is_chosen ? kGood : kFaintInk, "%s%s", candidate.name.c_str(),
-                       is_chosen ? ", selected" : "");
-    explain(reason_of(axis, index, tolerance).c_str());
+    ui::text(is_chosen ? kGood : kFaintInk, "{}{}", candidate.name, is_chosen ? ", selected" : "");
+    ui::explain(reason_of(axis, index, tolerance));
     ImGui::TableNextColumn();
-    ImGui::TextColored(kFaintInk, "%.2f µs", 1e-3 * candidate.cost.min_ns);
+    ui::text(kFaintInk, "{:.2f} µs", 1e-3 * candidate.cost.min_ns);
     ImGui::TableNextColumn();
-    ImGui::TextColored(model_selection::meets(candidate.error, tolerance) ? kFaintInk : kWarning,
-                       "%.2f N, %.1f°", candidate.error.force_N,
-                       candidate.error.direction_rad * kDegreesPerRadian);
+    ui::text(model_selection::meets(candidate.error, tolerance) ? kFaintInk : kWarning,
+             "{:.2f} N, {:.1f}°", candidate.error.force_N,
+             candidate.error.direction_rad * kDegreesPerRadian);
 }
 
 void draw_headings() {
     for (const char *heading : {"candidate", "cost of a tick", "error by itself"}) {
         ImGui::TableNextColumn();
-        ImGui::TextColored(kFaintInk, "%s", heading);
-        explain("cost: minimum of repeated timings on this machine; error: relative to the full "
-                "model,\nwith only this aspect reduced; orange is beyond the tolerance");
+        ui::text(kFaintInk, "{}", heading);
+        ui::explain(
+            "cost: minimum of repeated timings on this machine; error: relative to the full "
+            "model,\nwith only this aspect reduced; orange is beyond the tolerance");
     }
 }
 
 void draw_axis(const model_selection::ModelAxis &axis, const scene::ModelTolerance &tolerance) {
-    const bool is_open = ImGui::TreeNode(axis.name.c_str(), "%s: %s", axis.name.c_str(),
-                                         axis.candidates[axis.chosen].name.c_str());
-    explain(meaning_of(axis.name));
+    const std::string label = axis.name + ": " + axis.candidates[axis.chosen].name;
+    const bool is_open = ImGui::TreeNode(axis.name.c_str(), "%s", label.c_str());
+    ui::enter(axis.name, "tree", label, is_open);
+    ui::explain(meaning_of(axis.name));
     if (!is_open) {
         return;
     }
@@ -89,47 +84,44 @@ void draw_axis(const model_selection::ModelAxis &axis, const scene::ModelToleran
 /// Explains why the tip does not leave its plane, or why a planar scene runs with three joints.
 void draw_joints(const session::Session &session) {
     if (session.simulation().planar) {
-        ImGui::TextWrapped("The device moves only in a plane, as this scene specifies.");
+        ui::wrapped(kInk, "The device moves only in a plane, as this scene specifies.");
     } else if (session.scenes().now().choice.has_value() &&
                model_selection::model_of(*session.models().choice()).planar) {
-        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
-        ImGui::TextWrapped("All three joints are simulated: a base that was free is not locked. "
-                           "Start with this scene to simulate two.");
-        ImGui::PopStyleColor();
+        ui::wrapped(kWarning, "All three joints are simulated: a base that was free is not locked. "
+                              "Start with this scene to simulate two.");
     }
 }
 
 void draw_whether_it_runs(session::Session &session) {
     if (session.scenes().now().choice.has_value()) {
-        ImGui::TextColored(kGood, "this model is active");
+        ui::text(kGood, "this model is active");
         return;
     }
-    ImGui::TextColored(kWarning, "found, not active yet");
+    ui::text(kWarning, "found, not active yet");
     ImGui::SameLine();
-    if (ImGui::SmallButton("activate")) {
+    if (ui::small_button("activate")) {
         session.choose_models();
     }
-    explain("reloads the scene with this model, and then loads every scene with the model\n"
-            "selected for it, as --model auto does. For tuning keep the full model: a model\n"
-            "without mass is stable with any gains");
+    ui::explain("reloads the scene with this model, and then loads every scene with the model\n"
+                "selected for it, as --model auto does. For tuning keep the full model: a model\n"
+                "without mass is stable with any gains");
 }
 
 void draw_choice(const model_selection::ModelSelection &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
-    ImGui::TextWrapped("error %.3f N and %.1f°, tolerance %.3g N and %.3g°", choice.error.force_N,
-                       choice.error.direction_rad * kDegreesPerRadian, tolerance.force_N,
-                       tolerance.direction_rad * kDegreesPerRadian);
-    explain("relative to the full model; the tolerance is that of the scene's file, or else the\n"
-            "default");
-    ImGui::TextWrapped("%.2f µs of computing time per tick, full model %.2f µs",
-                       1e-3 * choice.cost_ns, 1e-3 * choice.fullest_cost_ns);
+    ui::wrapped(kInk, "error {:.3f} N and {:.1f}°, tolerance {:.3g} N and {:.3g}°",
+                choice.error.force_N, choice.error.direction_rad * kDegreesPerRadian,
+                tolerance.force_N, tolerance.direction_rad * kDegreesPerRadian);
+    ui::explain(
+        "relative to the full model; the tolerance is that of the scene's file, or else the\n"
+        "default");
+    ui::wrapped(kInk, "{:.2f} µs of computing time per tick, full model {:.2f} µs",
+                1e-3 * choice.cost_ns, 1e-3 * choice.fullest_cost_ns);
     for (const model_selection::ModelAxis &axis : choice.axes) {
         draw_axis(axis, tolerance);
     }
     for (const std::string &remark : choice.remarks) {
-        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
-        ImGui::TextWrapped("%s", remark.c_str());
-        ImGui::PopStyleColor();
+        ui::wrapped(kWarning, "{}", remark);
     }
 }
 
@@ -138,29 +130,27 @@ void draw_choice(const model_selection::ModelSelection &choice) {
 void draw_model_tab(session::Session &session) {
     const session::ModelMeasurement &measurement = session.models().measurement();
     if (measurement.is_running()) {
-        ImGui::TextWrapped("measuring: %s", measurement.progress().c_str());
-        if (ImGui::Button("cancel")) {
+        ui::wrapped(kInk, "measuring: {}", measurement.progress());
+        if (ui::button("cancel")) {
             session.models().give_up_measuring();
         }
         return;
     }
     if (!measurement.error().empty()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, kDanger);
-        ImGui::TextWrapped("%s", measurement.error().c_str());
-        ImGui::PopStyleColor();
+        ui::wrapped(kDanger, "{}", measurement.error());
     }
     if (session.models().choice()) {
         draw_whether_it_runs(session);
         draw_joints(session);
         draw_choice(*session.models().choice());
     } else {
-        ImGui::TextWrapped("The cheapest model within this scene's tolerance is found by "
-                           "measuring, which takes some seconds on one processor.");
+        ui::wrapped(kInk, "The cheapest model within this scene's tolerance is found by measuring, "
+                          "which takes some seconds on one processor.");
     }
-    if (ImGui::Button(session.models().choice() ? "Measure again" : "Measure")) {
+    if (ui::button(session.models().choice() ? "Measure again" : "Measure")) {
         session.measure_model(session.models().choice().has_value());
     }
-    explain("in the background; earlier results on this machine are cached");
+    ui::explain("in the background; earlier results on this machine are cached");
 }
 
 } // namespace springdrive::app

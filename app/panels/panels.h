@@ -1,7 +1,7 @@
 // The panels: free functions that show a session and pass the user's requests to it.
 #pragma once
 
-#include "app/panels/layout.h"
+#include "app/layout.h"
 #include "app/panels/stability_tab.h"
 #include "engine/session/session.h"
 

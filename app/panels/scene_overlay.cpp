@@ -1,5 +1,5 @@
-#include "app/panels/look.h"
 #include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
 
 #include <algorithm>
 
@@ -7,34 +7,95 @@ namespace springdrive::app {
 
 namespace {
 
+/// A box over the top of the scene, in a colour that says how urgent it is.
+class Banner {
+public:
+    Banner(const char *name, const Rectangle &view, float scale, const ImVec4 &colour)
+        : scope_(name) {
+        const float width =
+            std::min(0.9F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
+        ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), 12.0F * scale});
+        ImGui::SetNextWindowSize({width, 0.0F});
+        ImGui::PushStyleColor(ImGuiCol_WindowBg, colour);
+        ImGui::Begin(name, nullptr, kOverlay);
+    }
+    ~Banner() {
+        ImGui::End();
+        ImGui::PopStyleColor();
+    }
+    Banner(const Banner &) = delete;
+    Banner &operator=(const Banner &) = delete;
+
+    static constexpr ImGuiWindowFlags kOverlay =
+        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+        ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
+
+    /// Width beside the banner for the button that stops.
+    [[nodiscard]] static float room_of_stop(float scale) { return 100.0F * scale; }
+
+private:
+    ui::Scope scope_;
+};
+
 void draw_trip_banner(session::Session &session, const Rectangle &view, float scale) {
     const servo::SafetyStatus &safety = session.latest().safety;
-    const float width = std::min(0.9F * view.size.x, 520.0F * scale);
-    ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), 16.0F * scale});
-    ImGui::SetNextWindowSize({width, 0.0F});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.42F, 0.09F, 0.08F, 0.96F));
-    ImGui::Begin("stopped", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
-    ImGui::TextWrapped("Stopped: %s. The motors brake.", servo::description(safety).c_str());
-    if (!servo::is_final(safety.cause) && ImGui::Button("Reset")) {
+    const Banner banner("stopped", view, scale, ImVec4(0.42F, 0.09F, 0.08F, 0.96F));
+    ui::wrapped(kInk, "Stopped: {}. The motors brake.", servo::description(safety));
+    if (!servo::is_final(safety.cause) && ui::button("Reset")) {
         session.servo().reset_safety();
     }
+}
+
+/// What has to happen before the motors start: otherwise a reset seems to do nothing.
+void draw_waiting_banner(const session::Session &session, const Rectangle &view, float scale) {
+    const Banner banner("waiting", view, scale, ImVec4(0.36F, 0.26F, 0.05F, 0.96F));
+    ui::wrapped(kInk, "{}",
+                session.latest().contact.touching
+                    ? "The motors brake until the tip is lifted off the surface and held still."
+                    : "The motors start as soon as the tip is held still.");
+}
+
+void draw_stop_button(session::Session &session, const Rectangle &view, float scale) {
+    const float margin = 10.0F * scale;
+    const float width = Banner::room_of_stop(scale) - margin;
+    const ui::Scope scope("stop");
+    ImGui::SetNextWindowPos({view.corner.x + view.size.x - width - margin, view.corner.y + margin});
+    ImGui::SetNextWindowSize({width, 0.0F});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
+    ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.66F, 0.12F, 0.10F, 1.0F));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.80F, 0.17F, 0.14F, 1.0F));
+    ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.92F, 0.24F, 0.20F, 1.0F));
+    ImGui::Begin("stop", nullptr, Banner::kOverlay | ImGuiWindowFlags_NoBackground);
+    if (ui::button("STOP  F12", {width, 2.0F * ImGui::GetFontSize()})) {
+        session.servo().emergency_stop();
+    }
+    ui::explain("Emergency stop: the motors brake at once. F12 does the same at any time, and the\n"
+                "space bar while no text is typed.");
     ImGui::End();
-    ImGui::PopStyleColor();
+    ImGui::PopStyleColor(3);
+    ImGui::PopStyleVar(2);
 }
 
 } // namespace
 
 void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale) {
-    if (session.latest().safety.state == servo::SafetyState::tripped) {
+    switch (session.latest().safety.state) {
+    case servo::SafetyState::tripped:
         draw_trip_banner(session, view, scale);
+        break;
+    case servo::SafetyState::waiting:
+        draw_waiting_banner(session, view, scale);
+        break;
+    default:
+        break;
     }
+    draw_stop_button(session, view, scale);
     const char *help = session.hand().follows_path()
                            ? "the hand follows a path · right drag: orbit · middle drag: pan · "
-                             "wheel: zoom · space: emergency stop"
+                             "wheel: zoom"
                            : "left drag: move the hand, with the wheel: depth · right drag: orbit "
-                             "· middle drag: pan · wheel: zoom · space: emergency stop";
+                             "· middle drag: pan · wheel: zoom";
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     const float margin = 10.0F * scale;
     const float wrap = view.size.x - 2.0F * margin;
@@ -44,6 +105,7 @@ void draw_scene_overlay(session::Session &session, const Rectangle &view, float 
     list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), corner,
                  ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help, nullptr, wrap);
     list.PopClipRect();
+    ui::enter_at({corner, {wrap, height}}, "help", "text", help);
 }
 
 } // namespace springdrive::app

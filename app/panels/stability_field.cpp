@@ -1,7 +1,7 @@
 #include "app/panels/stability_field.h"
 
-#include "app/panels/look.h"
 #include "app/panels/stability_tab.h"
+#include "app/widgets/widgets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,11 +53,12 @@ void explain_cell(const StabilityGrid &grid, ImVec2 corner, ImVec2 size) {
     const int row =
         StabilityGrid::kRows - 1 - cell(mouse.y, corner.y, size.y, StabilityGrid::kRows);
     const double eigenvalue = grid.at(column, row);
-    ImGui::SetTooltip("K_P %.3g V/rad, dR %.3g Ω: %s\nlargest eigenvalue %.4f, other parameters "
-                      "unchanged.\nGreen: stable with every hand, darker for slower decay; red: "
-                      "unstable;\ncross: the active tuning",
-                      StabilityGrid::K_P_V_per_rad(column), StabilityGrid::dR_Ohm(row),
-                      eigenvalue < 1.0 ? "stable" : "unstable", eigenvalue);
+    ui::explain(ui::formatted(
+        "K_P {:.3g} V/rad, dR {:.3g} Ω: {}\nlargest eigenvalue {:.4f}, other parameters "
+        "unchanged.\nGreen: stable with every hand, darker for slower decay; red: "
+        "unstable;\ncross: the active tuning",
+        StabilityGrid::K_P_V_per_rad(column), StabilityGrid::dR_Ohm(row),
+        eigenvalue < 1.0 ? "stable" : "unstable", eigenvalue));
 }
 
 void draw_cells(const StabilityGrid &grid, ImVec2 corner, ImVec2 size) {
@@ -134,12 +135,13 @@ void StabilityField::draw(const control::Tuning &now) const {
     if (!grid_) {
         return;
     }
-    ImGui::TextColored(kFaintInk, "\u2192 K_P %g to %g V/rad   \u2191 dR %g to %g Ω",
-                       StabilityGrid::kMin_K_P_V_per_rad, StabilityGrid::kMax_K_P_V_per_rad,
-                       StabilityGrid::kMin_dR_Ohm, StabilityGrid::kMax_dR_Ohm);
+    ui::text(kFaintInk, "\u2192 K_P {:g} to {:g} V/rad   \u2191 dR {:g} to {:g} Ω",
+             StabilityGrid::kMin_K_P_V_per_rad, StabilityGrid::kMax_K_P_V_per_rad,
+             StabilityGrid::kMin_dR_Ohm, StabilityGrid::kMax_dR_Ohm);
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 size(ImGui::GetContentRegionAvail().x, 7.0F * ImGui::GetFontSize());
     ImGui::InvisibleButton("##field", size);
+    ui::enter("field", "map", "");
     draw_cells(*grid_, corner, size);
     draw_cross(now, corner, size);
     if (ImGui::IsItemHovered()) {

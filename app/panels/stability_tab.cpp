@@ -1,8 +1,6 @@
 #include "app/panels/stability_tab.h"
 
-#include "app/panels/look.h"
-
-#include <fmt/core.h>
+#include "app/widgets/widgets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,13 +13,6 @@ namespace {
 constexpr double kMinMargin = 1.0;
 constexpr double kMaxMargin = 3.0;
 
-/// The tooltip of the previous item.
-void explain(const std::string &text) {
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s", text.c_str());
-    }
-}
-
 /// One limit: its parameter, its value, and its distance from the current value.
 void show_headroom(const char *symbol, const StabilityHeadroom &headroom, const char *unit,
                    bool stable, bool upwards) {
@@ -29,44 +20,44 @@ void show_headroom(const char *symbol, const StabilityHeadroom &headroom, const 
         std::string(stable ? " may " : " must ") + (upwards == stable ? "rise to" : "fall to");
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(kFaintInk, "%s%s", symbol, way.c_str());
-    explain("predicted, other parameters unchanged, at the current configuration");
+    ui::text(kFaintInk, "{}{}", symbol, way);
+    ui::explain("predicted, other parameters unchanged, at the current configuration");
     ImGui::TableNextColumn();
     if (!headroom.limit) {
-        ImGui::TextColored(kFaintInk, stable ? "no limit found" : "does not help");
+        ui::text(kFaintInk, "{}", stable ? "no limit found" : "does not help");
         ImGui::TableNextColumn();
         return;
     }
-    ImGui::Text("%.3g %s", *headroom.limit, unit);
-    explain("unstable first beyond: " + headroom.who);
+    ui::text(kInk, "{:.3g} {}", *headroom.limit, unit);
+    ui::explain("unstable first beyond: " + headroom.who);
     ImGui::TableNextColumn();
     const double factor = std::max(*headroom.limit, headroom.now) /
                           std::max(1e-12, std::min(*headroom.limit, headroom.now));
     const ImVec4 ink = !stable ? kDanger : factor < 1.15 ? kWarning : kInk;
-    ImGui::TextColored(ink, "%s %.3g", upwards == stable ? "×" : "÷", factor);
-    explain(fmt::format("from the current value, {:.3g} {}\nunstable first beyond: {}",
-                        headroom.now, unit, headroom.who));
+    ui::text(ink, "{} {:.3g}", upwards == stable ? "×" : "÷", factor);
+    ui::explain(ui::formatted("from the current value, {:.3g} {}\nunstable first beyond: {}",
+                              headroom.now, unit, headroom.who));
 }
 
 void show_verdict(const StabilityPrediction &prediction) {
     const bool stable = prediction.worst.is_stable();
-    ImGui::TextColored(stable ? kGood : kDanger, stable ? "stable" : "UNSTABLE");
+    ui::text(stable ? kGood : kDanger, "{}", stable ? "stable" : "UNSTABLE");
     ImGui::SameLine();
     const double rate = std::log(prediction.worst.eigenvalue) / prediction.period_s;
     const std::string who = "motor " + std::to_string(prediction.worst.member.motor + 1) + ", " +
                             loops::hand_text(prediction.worst.member.hand.name);
     if (stable) {
-        ImGui::TextUnformatted("with every hand");
-        ImGui::TextColored(kFaintInk, "slowest decay: %.0f ms, %s", -1000.0 / rate, who.c_str());
+        ui::text(kInk, "with every hand");
+        ui::text(kFaintInk, "slowest decay: {:.0f} ms, {}", -1000.0 / rate, who);
     } else {
-        ImGui::Text("grows e-fold in %.1f ms", 1000.0 / rate);
-        ImGui::TextColored(kFaintInk, "fastest: %s", who.c_str());
+        ui::text(kInk, "grows e-fold in {:.1f} ms", 1000.0 / rate);
+        ui::text(kFaintInk, "fastest: {}", who);
     }
-    explain(
-        fmt::format("largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
-                    "each motor separately, with no hand and with five hands from light to firm;\n"
-                    "a motion decays, or grows, by a factor of e = 2.7 in this time",
-                    prediction.worst.eigenvalue));
+    ui::explain(ui::formatted(
+        "largest eigenvalue of the sampled loop, {:.5f}, in contact,\n"
+        "each motor separately, with no hand and with five hands from light to firm;\n"
+        "a motion decays, or grows, by a factor of e = 2.7 in this time",
+        prediction.worst.eigenvalue));
 }
 
 void show_prediction(const StabilityPrediction &prediction) {
@@ -83,72 +74,70 @@ void show_prediction(const StabilityPrediction &prediction) {
 void show_search(const session::Session &session, StabilityTabState &state) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.0F * font);
-    ImGui::SliderScalar("margin", ImGuiDataType_Double, &state.margin, &kMinMargin, &kMaxMargin,
-                        "× %.2f", ImGuiSliderFlags_AlwaysClamp);
-    explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
-            "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
+    ui::slider_with_number("margin", state.margin, kMinMargin, kMaxMargin, "× %.2f");
+    ui::explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
+                "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
     ImGui::SameLine();
     if (state.is_tuning()) {
-        if (ImGui::Button("cancel")) {
+        if (ui::button("cancel")) {
             state.stop_tuning();
         }
         const std::string done =
             "searching: " + std::to_string(std::lround(100.0 * state.tuning_share())) + " %";
-        ImGui::ProgressBar(static_cast<float>(state.tuning_share()), ImVec2(-1.0F, 0.0F),
-                           done.c_str());
+        ui::progress("search", state.tuning_share(), done);
         return;
     }
-    if (ImGui::Button("find the stiffest")) {
+    if (ui::button("find the stiffest")) {
         state.start_tuning(session);
     }
-    explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
-            "delay that is stable with every hand, at any η and tip position;\n"
-            "takes seconds, is activated at once, and can be undone");
+    ui::explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
+                "delay that is stable with every hand, at any η and tip position;\n"
+                "takes seconds, is activated at once, and can be undone");
 }
 
 void show_margins(const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
-    ImGui::TextWrapped("K_DC %.3g N·m/rad", margins.K_DC_Nm_per_rad);
-    explain("static stiffness k_T K_P/dR (13) at the motor");
-    ImGui::TextWrapped("margins: gains × %.2f, dR to %.3g Ω, delay + %d", margins.gain,
-                       margins.min_dR_Ohm, margins.more_delay_periods);
-    explain("changes with which it remains stable, one at a time: larger K_P and K_D, a lower\n"
-            "dR, whole periods of delay. With larger gains it becomes unstable\n"
-            "first with " +
-            loops::hand_text(margins.worst_hand) + ". Stable: " + std::to_string(found.loops) +
-            " loops, of all hands, configurations and η");
+    ui::wrapped(kInk, "K_DC {:.3g} N·m/rad", margins.K_DC_Nm_per_rad);
+    ui::explain("static stiffness k_T K_P/dR (13) at the motor");
+    ui::wrapped(kInk, "margins: gains × {:.2f}, dR to {:.3g} Ω, delay + {}", margins.gain,
+                margins.min_dR_Ohm, margins.more_delay_periods);
+    ui::explain("changes with which it remains stable, one at a time: larger K_P and K_D, a lower\n"
+                "dR, whole periods of delay. With larger gains it becomes unstable\n"
+                "first with " +
+                loops::hand_text(margins.worst_hand) + ". Stable: " + std::to_string(found.loops) +
+                " loops, of all hands, configurations and η");
     if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
-        ImGui::TextColored(kFaintInk,
-                           "K_P is at the end of its range: larger values would be stable");
+        ui::text(kFaintInk, "K_P is at the end of its range: larger values would be stable");
     }
     if (found.taken_back > 0.0) {
-        ImGui::TextWrapped(
-            "K_P is %.0f %% below the predicted limit: encoder counts sustained a vibration",
-            100.0 * found.taken_back);
+        ui::wrapped(kInk,
+                    "K_P is {:.0f} % below the predicted limit: encoder counts sustained a "
+                    "vibration",
+                    100.0 * found.taken_back);
     }
 }
 
 void show_found(session::Session &session, StabilityTabState &state) {
     if (!state.message().empty()) {
-        ImGui::TextWrapped("%s", state.message().c_str());
+        ui::wrapped(kInk, "{}", state.message());
     }
     if (!state.found()) {
         return;
     }
     const bool is_active = session.servo().inputs().tuning == state.found_tuning();
-    ImGui::TextColored(is_active ? kGood : kFaintInk, is_active ? "found, active" : "found");
+    ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
     ImGui::SameLine();
     show_margins(*state.found());
-    if (ImGui::Button(is_active ? "undo" : "activate")) {
+    if (ui::button(is_active ? "undo" : "activate")) {
         session.servo().tune(is_active ? state.before() : state.found_tuning());
     }
-    explain(is_active ? "the tuning before the search" : "the tuning that was found");
+    ui::explain(is_active ? "the tuning before the search" : "the tuning that was found");
     ImGui::SameLine();
-    if (ImGui::Button("save as file")) {
+    if (ui::button("save as file")) {
         state.save();
     }
-    explain("writes the tuning and its margins to the folder where springdrive was started;\n"
-            "load it with --tuning-file");
+    ui::explain("writes the tuning and its margins to the folder where springdrive was started;\n"
+                "load it with --tuning-file");
 }
 
 } // namespace
@@ -161,7 +150,7 @@ void draw_stability_tab(session::Session &session, StabilityTabState &state) {
     if (state.prediction()) {
         show_prediction(*state.prediction());
     } else {
-        ImGui::TextColored(kFaintInk, "computing stability …");
+        ui::text(kFaintInk, "computing stability …");
     }
     ImGui::Separator();
     show_search(session, state);

@@ -1,7 +1,7 @@
 #include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
 
 #include "app/asset_folder.h"
-#include "app/panels/look.h"
 #include "app/panels/presets.h"
 #include "base/input_error.h"
 #include "base/print.h"
@@ -24,15 +24,14 @@ namespace {
 void show(const char *label, CheckedFormat<double> format, double value, const char *unit,
           const char *explanation) {
     ImGui::TableNextColumn();
-    ImGui::TextColored(kFaintInk, "%s", label);
-    const bool hovered = ImGui::IsItemHovered();
+    ui::text(kFaintInk, "{}", label);
+    ui::explain(explanation);
     ImGui::TableNextColumn();
+    const ui::Scope scope(label);
     std::array<char, 32> digits{};
     print(digits, format, value);
-    ImGui::Text("%s %s", digits.data(), unit);
-    if (hovered || ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s", explanation);
-    }
+    ui::text(kInk, "{} {}", digits.data(), unit);
+    ui::explain(explanation);
 }
 
 /// Enough digits for the parameter's range.
@@ -47,7 +46,7 @@ const char *digits_for(const control::Parameter &parameter) {
 void edit_typed(TuningPanelState &state, std::size_t index, double &value) {
     double shown = state.typing == index ? state.typed : value;
     ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
-    ImGui::InputDouble("##typed", &shown, 0.0, 0.0, digits_for(control::kParameters[index]));
+    ui::number_field("##typed", shown, digits_for(control::kParameters[index]));
     if (ImGui::IsItemActive()) {
         state.typing = index;
         state.typed = shown;
@@ -65,34 +64,25 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
     const control::Parameter &parameter = control::kParameters[index];
     double &value = tuning.*parameter.value;
     const double before = value;
-    const std::string id(parameter.name);
     const float font = ImGui::GetFontSize();
-    ImGui::PushID(id.c_str());
+    const ui::Scope scope(parameter.name);
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(is_active ? kInk : kFaintInk, "%s", std::string(parameter.symbol).c_str());
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s %s\nfrom %g to %g %s", std::string(parameter.help).c_str(),
-                          std::string(parameter.equation).c_str(), parameter.minimum,
-                          parameter.maximum, std::string(parameter.unit).c_str());
-    }
+    ui::text(is_active ? kInk : kFaintInk, "{}", parameter.symbol);
+    ui::explain(ui::formatted("{} {}\nfrom {:g} to {:g} {}", parameter.help, parameter.equation,
+                              parameter.minimum, parameter.maximum, parameter.unit));
     ImGui::SameLine(2.9F * font);
     ImGui::SetNextItemWidth(9.0F * font);
-    ImGui::SliderScalar("##slider", ImGuiDataType_Double, &value, &parameter.minimum,
-                        &parameter.maximum, "",
-                        parameter.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    ui::slider("##slider", value, parameter.minimum, parameter.maximum, parameter.logarithmic);
     ImGui::SameLine();
     edit_typed(state, index, value);
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(kFaintInk, "%s", std::string(parameter.unit).c_str());
+    ui::text(kFaintInk, "{}", parameter.unit);
     ImGui::SameLine(ImGui::GetContentRegionMax().x - 1.7F * font);
-    if (ImGui::Button("\u21BA")) {
+    if (ui::button("\u21BA##reset")) {
         value = parameter.default_value();
     }
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("reset to %g", parameter.default_value());
-    }
-    ImGui::PopID();
+    ui::explain(ui::formatted("reset to {:g}", parameter.default_value()));
     // Typed values may be out of range.
     if (!(value >= parameter.minimum && value <= parameter.maximum)) {
         value =
@@ -101,23 +91,14 @@ bool edit_parameter(std::size_t index, control::Tuning &tuning, TuningPanelState
     return value != before;
 }
 
-template <typename Enum, std::size_t N>
-bool edit_choice(const char *label, Enum &value, const std::array<const char *, N> &labels) {
-    int index = static_cast<int>(value);
-    const bool changed =
-        ImGui::Combo(label, &index, labels.data(), static_cast<int>(labels.size()));
-    value = static_cast<Enum>(index);
-    return changed;
-}
-
 /// One button per label of the presets.
 bool choose_preset(const session::Session &session, control::Tuning &tuning) {
     bool changed = false;
     for (const char *label : kPresetLabels) {
         const std::string file = preset_file(label, session.servo().rate_hz(),
                                              session.device().device().delay_periods());
-        ImGui::BeginDisabled(file.empty());
-        if (ImGui::Button(label)) {
+        const ui::Disabled without_file(file.empty());
+        if (ui::button(label)) {
             try {
                 tuning = control::read_tuning_file(asset_folder() / "tunings" / (file + ".toml"));
                 changed = true;
@@ -125,13 +106,9 @@ bool choose_preset(const session::Session &session, control::Tuning &tuning) {
                 // The folder was removed while the program runs: the button does nothing.
             }
         }
-        ImGui::EndDisabled();
-        if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
-            ImGui::SetTooltip("%s", file.empty()
-                                        ? "no tuning is stored for this servo rate and delay:\n"
-                                          "find the stiffest in the Stability tab"
-                                        : ("assets/tunings/" + file + ".toml").c_str());
-        }
+        ui::explain(file.empty() ? "no tuning is stored for this servo rate and delay:\n"
+                                   "find the stiffest in the Stability tab"
+                                 : "assets/tunings/" + file + ".toml");
         ImGui::SameLine();
     }
     return changed;
@@ -156,20 +133,18 @@ double active_dR_Ohm(const session::Session &session) {
 /// What the servo knows of each motor's R.
 void show_resistances(session::Session &session) {
     bool is_wanted = session.wants_resistance_observed();
-    if (ImGui::Checkbox("observe R", &is_wanted)) {
+    if (ui::checkbox("observe R", is_wanted)) {
         session.observe_resistance(is_wanted);
     }
-    if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("R of each winding, observed while it is driven:\n"
-                          "R̂ follows it, so that dR is what the slider says. So are k_T,\n"
-                          "for an equal K_q, and the offset of the current's sensor.\n"
-                          "Otherwise all are those of the device file.");
-    }
+    ui::explain("R of each winding, observed while it is driven:\n"
+                "R̂ follows it, so that dR is what the slider says. So are k_T,\n"
+                "for an equal K_q, and the offset of the current's sensor.\n"
+                "Otherwise all are those of the device file.");
     const control::ObservedMotors &R = session.latest().motor;
     if (!R.front().is_observed) {
         if (is_wanted) {
             ImGui::SameLine();
-            ImGui::TextColored(kFaintInk, "no inductance");
+            ui::text(kFaintInk, "no inductance");
         }
         return;
     }
@@ -178,18 +153,18 @@ void show_resistances(session::Session &session) {
         const control::ResistanceEstimate &mean = R[j].mean;
         const bool is_known = R[j].is_trusted && mean.deviation_Ohm < kUnknown_Ohm;
         ImGui::SameLine();
-        ImGui::TextColored(R[j].is_trusted ? kFaintInk : kDanger, is_known ? "%.2f" : "%.1f?",
-                           mean.resistance_Ohm);
-        if (ImGui::IsItemHovered()) {
-            ImGui::SetTooltip("motor %zu: R is %.4f ± %.4f Ω, averaged over the commutator's\n"
-                              "angles, as the amplifier's sensor sees it; k_T is %.4f N·m/A,\n"
-                              "the sensor's offset %.1f mA",
-                              j + 1, mean.resistance_Ohm, mean.deviation_Ohm,
-                              R[j].torque_constant_Nm_per_A, 1e3 * R[j].offset_A);
-        }
+        ui::text(R[j].is_trusted ? kFaintInk : kDanger, "{}",
+                 is_known ? ui::formatted("{:.2f}", mean.resistance_Ohm)
+                          : ui::formatted("{:.1f}?", mean.resistance_Ohm));
+        ui::explain(
+            ui::formatted("motor {}: R is {:.4f} ± {:.4f} Ω, averaged over the commutator's\n"
+                          "angles, as the amplifier's sensor sees it; k_T is {:.4f} N·m/A,\n"
+                          "the sensor's offset {:.1f} mA",
+                          j + 1, mean.resistance_Ohm, mean.deviation_Ohm,
+                          R[j].torque_constant_Nm_per_A, 1e3 * R[j].offset_A));
     }
     ImGui::SameLine();
-    ImGui::TextColored(kFaintInk, "Ω");
+    ui::text(kFaintInk, "Ω");
 }
 
 /// Why dR is larger than requested.
@@ -199,11 +174,9 @@ void show_held_up_dR(const session::Session &session) {
     double left_s = 0.0;
     for (std::size_t j = 0; j < now.motor.size(); ++j) {
         if (!now.motor[j].is_trusted) {
-            ImGui::TextColored(kDanger, "motor %zu: its current contradicts its motion", j + 1);
-            if (ImGui::IsItemHovered()) {
-                ImGui::SetTooltip("a current sensor is wrong, or the motor is not the file's;\n"
-                                  "to observe anew, switch \"observe R\" off and on");
-            }
+            ui::text(kDanger, "motor {}: its current contradicts its motion", j + 1);
+            ui::explain("a current sensor is wrong, or the motor is not the file's;\n"
+                        "to observe anew, switch \"observe R\" off and on");
         }
         left_s = std::max(left_s,
                           control::touch_left_s(session.description(), j, now.motor[j], wanted_Ohm,
@@ -216,14 +189,14 @@ void show_held_up_dR(const session::Session &session) {
     constexpr double kTooLong_s = 20.0;
     const bool are_trusted = std::ranges::all_of(now.motor, &control::ObservedMotor::is_trusted);
     if (!are_trusted) {
-        ImGui::TextColored(kDanger, "dR is held at %.3f Ω", active_Ohm);
+        ui::text(kDanger, "dR is held at {:.3f} Ω", active_Ohm);
     } else if (left_s == 0.0) {
-        ImGui::TextColored(kDanger, "dR is held at %.3f Ω by the winding guard", active_Ohm);
+        ui::text(kDanger, "dR is held at {:.3f} Ω by the winding guard", active_Ohm);
     } else if (left_s > kTooLong_s) {
-        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: press on a surface", active_Ohm);
+        ui::text(kDanger, "dR is held at {:.3f} Ω: press on a surface", active_Ohm);
     } else {
-        ImGui::TextColored(kDanger, "dR is held at %.3f Ω: touch on, %.1f s", active_Ohm,
-                           std::max(0.1, left_s));
+        ui::text(kDanger, "dR is held at {:.3f} Ω: touch on, {:.1f} s", active_Ohm,
+                 std::max(0.1, left_s));
     }
 }
 
@@ -264,13 +237,9 @@ void show_consequences(const session::Session &session) {
     show_held_up_dR(session);
     if (tuning.map == control::MotionMap::transpose &&
         now.alpha_rad2_per_m2 > now.alpha_bound_rad2_per_m2 * (1.0 + 1e-9)) {
-        ImGui::TextColored(kDanger, "α is above its bound (29), %.0f rad²/m²",
-                           now.alpha_bound_rad2_per_m2);
-        if (ImGui::IsItemHovered()) {
-            ImGui::SetTooltip(
-                "the gains of a motor exceed its tuning, so that its margin is smaller;\n"
-                "the loop's own stability limit lies higher");
-        }
+        ui::text(kDanger, "α is above its bound (29), {:.0f} rad²/m²", now.alpha_bound_rad2_per_m2);
+        ui::explain("the gains of a motor exceed its tuning, so that its margin is smaller;\n"
+                    "the loop's own stability limit lies higher");
     }
 }
 
@@ -280,10 +249,10 @@ void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
     bool changed = choose_preset(session, tuning);
     show_resistances(session);
     ImGui::SetNextItemWidth(9.0F * font);
-    changed |= edit_choice("##map", tuning.map, control::kMotionMapLabels);
+    changed |= ui::choice("##map", tuning.map, control::kMotionMapLabels);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(9.0F * font);
-    changed |= edit_choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels);
+    changed |= ui::choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         const control::Parameter &parameter = control::kParameters[i];
         const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
@@ -304,19 +273,17 @@ void draw_tuning_tab(session::Session &session, TuningPanelState &state) {
 } // namespace
 
 void draw_tuning_panel(session::Session &session, TuningPanelState &state, const Rectangle &place) {
-    begin_panel("Tuning", place);
-    if (ImGui::BeginTabBar("tuning")) {
-        if (ImGui::BeginTabItem("Gains")) {
-            draw_tuning_tab(session, state);
-            ImGui::EndTabItem();
-        }
-        if (ImGui::BeginTabItem("Stability")) {
-            draw_stability_tab(session, state.stability);
-            ImGui::EndTabItem();
-        }
-        ImGui::EndTabBar();
+    const ui::Panel panel("Tuning", place);
+    const ui::Tabs tabs("tuning");
+    if (!tabs) {
+        return;
     }
-    ImGui::End();
+    if (const ui::Tab gains("Gains"); gains) {
+        draw_tuning_tab(session, state);
+    }
+    if (const ui::Tab stability("Stability"); stability) {
+        draw_stability_tab(session, state.stability);
+    }
 }
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-#include "app/panels/look.h"
+#include "app/widgets/look.h"
 
 namespace springdrive::app {
 

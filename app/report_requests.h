@@ -1,0 +1,32 @@
+// Requests for a report of what the window shows: each line "report" on standard input is answered
+// by one line of JSON on standard output, after two frames have been drawn, the second of which
+// shows the consequences of all input events up to the request.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace springdrive::app {
+
+class ReportRequests {
+public:
+    /// Reads what is there, without waiting. Anything but a request is complained of on standard
+    /// error. Call once per frame.
+    void poll();
+
+    /// Whether the frame that begins now will be reported.
+    [[nodiscard]] bool is_due() const { return asked_ > 0 && frames_ >= kFrames; }
+
+    /// Call after the frame; prints an answer for each request if it was due.
+    void answer(const std::string &line);
+
+private:
+    static constexpr int kFrames = 2;
+
+    std::string read_; ///< incomplete line
+    std::size_t asked_ = 0;
+    int frames_ = 0; ///< begun since the last request
+    bool has_ended_ = false;
+};
+
+} // namespace springdrive::app

@@ -1,0 +1,243 @@
+#include "app/widgets/widgets.h"
+
+#include <imgui_stdlib.h>
+
+#include <vector>
+
+namespace springdrive::app::ui {
+
+namespace {
+
+struct State {
+    WindowReport report;
+    std::vector<std::string> scopes;
+    bool is_disabled = false;
+};
+
+State &state() {
+    static State the_one;
+    return the_one;
+}
+
+/// The part of a label that names it in ids.
+std::string_view name_of(std::string_view label) {
+    const std::size_t marks = label.find("##");
+    return marks == std::string_view::npos ? label : label.substr(marks + 2);
+}
+
+std::string_view text_of(std::string_view label) { return label.substr(0, label.find("##")); }
+
+std::string id_of(std::string_view label) {
+    std::string id;
+    for (const std::string &scope : state().scopes) {
+        id += scope + '/';
+    }
+    id += name_of(label);
+    if (id.ends_with('/')) { // an item without a name of its own
+        id.pop_back();
+    }
+    return id;
+}
+
+/// Whether the previous item is wider than its window.
+bool overflows() {
+    const float right = ImGui::GetWindowPos().x + ImGui::GetWindowWidth();
+    return ImGui::GetItemRectMax().x > right + 0.5F;
+}
+
+void enter_item(std::string_view label, const char *kind, std::string_view text,
+                decltype(ShownItem::value) value, decltype(ShownItem::numbers) numbers) {
+    ShownItem item;
+    item.id = id_of(label);
+    item.kind = kind;
+    item.text = text;
+    item.value = std::move(value);
+    item.numbers = std::move(numbers);
+    const ImVec2 lower = ImGui::GetItemRectMin();
+    const ImVec2 size = ImGui::GetItemRectSize();
+    item.place = {lower, size};
+    item.is_visible = ImGui::IsItemVisible();
+    item.is_enabled = !state().is_disabled;
+    item.overflows = overflows();
+    state().report.enter(std::move(item));
+}
+
+} // namespace
+
+WindowReport &report() { return state().report; }
+
+void enter(std::string_view label, const char *kind, std::string_view text,
+           decltype(ShownItem::value) value, decltype(ShownItem::numbers) numbers) {
+    if (state().report.is_wanted()) {
+        enter_item(label, kind, text, std::move(value), std::move(numbers));
+    }
+}
+
+void enter_at(const Rectangle &place, std::string_view label, const char *kind,
+              std::string_view text) {
+    if (state().report.is_wanted()) {
+        ShownItem item;
+        item.id = id_of(label);
+        item.kind = kind;
+        item.text = text;
+        item.place = place;
+        state().report.enter(std::move(item));
+    }
+}
+
+Scope::Scope(std::string_view name) {
+    state().scopes.emplace_back(name_of(name));
+    ImGui::PushID(name.data(), name.data() + name.size());
+}
+
+Scope::~Scope() {
+    ImGui::PopID();
+    state().scopes.pop_back();
+}
+
+Panel::Panel(const char *title, const Rectangle &place, ImGuiWindowFlags flags) : scope_(title) {
+    ImGui::SetNextWindowPos(place.corner);
+    ImGui::SetNextWindowSize(place.size);
+    ImGui::Begin(title, nullptr,
+                 flags | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    enter_at(place, "", "panel", title);
+}
+
+Panel::~Panel() { ImGui::End(); }
+
+Tab::Tab(const char *label) : is_open_(ImGui::BeginTabItem(label)) {
+    enter(label, "tab", text_of(label), is_open_);
+    if (is_open_) {
+        state().scopes.emplace_back(name_of(label));
+    }
+}
+
+Tab::~Tab() {
+    if (is_open_) {
+        state().scopes.pop_back();
+        ImGui::EndTabItem();
+    }
+}
+
+Disabled::Disabled(bool is_disabled) : before_(state().is_disabled) {
+    state().is_disabled = before_ || is_disabled;
+    ImGui::BeginDisabled(is_disabled);
+}
+
+Disabled::~Disabled() {
+    ImGui::EndDisabled();
+    state().is_disabled = before_;
+}
+
+void show_text(const ImVec4 &colour, const std::string &text, bool wraps) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    if (wraps) {
+        ImGui::PushTextWrapPos(0.0F);
+    }
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    if (wraps) {
+        ImGui::PopTextWrapPos();
+    }
+    ImGui::PopStyleColor();
+    enter("", "text", text);
+}
+
+void explain(std::string_view text) {
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+        ImGui::BeginTooltip();
+        ImGui::TextUnformatted(text.data(), text.data() + text.size());
+        enter("", "tooltip", text);
+        ImGui::EndTooltip();
+    }
+}
+
+bool button(const char *label, ImVec2 size) {
+    const bool is_pressed = ImGui::Button(label, size);
+    enter(label, "button", text_of(label));
+    return is_pressed;
+}
+
+bool small_button(const char *label) {
+    const bool is_pressed = ImGui::SmallButton(label);
+    enter(label, "button", text_of(label));
+    return is_pressed;
+}
+
+bool checkbox(const char *label, bool &value) {
+    const bool is_changed = ImGui::Checkbox(label, &value);
+    enter(label, "checkbox", text_of(label), value);
+    return is_changed;
+}
+
+bool slider(const char *label, double &value, double minimum, double maximum, bool is_logarithmic) {
+    const bool is_changed =
+        ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &minimum, &maximum, "",
+                            is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    enter(label, "slider", "", value);
+    return is_changed;
+}
+
+bool slider_with_number(const char *label, double &value, double minimum, double maximum,
+                        const char *format) {
+    const bool is_changed = ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &minimum,
+                                                &maximum, format, ImGuiSliderFlags_AlwaysClamp);
+    enter(label, "slider", text_of(label), value);
+    return is_changed;
+}
+
+bool number_field(const char *label, double &value, const char *format) {
+    const bool result = ImGui::InputDouble(label, &value, 0.0, 0.0, format);
+    enter(label, "number", text_of(label), value);
+    return result;
+}
+
+bool text_field(const char *label, const char *hint, std::string &text) {
+    const bool is_entered =
+        ImGui::InputTextWithHint(label, hint, &text, ImGuiInputTextFlags_EnterReturnsTrue);
+    enter(label, "field", text_of(label), text);
+    return is_entered;
+}
+
+bool selectable(const char *label, bool is_selected) {
+    const bool is_clicked = ImGui::Selectable(label, is_selected);
+    enter(label, "entry", text_of(label), is_selected);
+    return is_clicked;
+}
+
+DropDown::DropDown(const char *label, const char *shown) {
+    // Taken before: while the list is open, ImGui's previous item is the list.
+    const Rectangle place{ImGui::GetCursorScreenPos(),
+                          {ImGui::CalcItemWidth(), ImGui::GetFrameHeight()}};
+    enter_at(place, label, "choice", shown);
+    is_open_ = ImGui::BeginCombo(label, shown);
+    if (is_open_) {
+        state().scopes.emplace_back(name_of(label));
+    }
+}
+
+DropDown::~DropDown() {
+    if (is_open_) {
+        state().scopes.pop_back();
+        ImGui::EndCombo();
+    }
+}
+
+bool choice(const char *label, std::size_t &index, std::span<const char *const> labels) {
+    const DropDown list(label, index < labels.size() ? labels[index] : "");
+    bool is_changed = false;
+    for (std::size_t i = 0; list && i < labels.size(); ++i) {
+        if (selectable(labels[i], i == index)) {
+            is_changed = i != index;
+            index = i;
+        }
+    }
+    return is_changed;
+}
+
+void progress(const char *label, double share, const std::string &text) {
+    ImGui::ProgressBar(static_cast<float>(share), ImVec2(-1.0F, 0.0F), text.c_str());
+    enter(label, "progress", text, share);
+}
+
+} // namespace springdrive::app::ui

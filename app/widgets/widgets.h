@@ -1,0 +1,179 @@
+// The widgets of all panels: Dear ImGui's, each of which also enters what it shows into the
+// window's report. Panels use these instead of ImGui's own.
+//
+// An item's id in the report is the path of its scopes and its label: "Tuning/Gains/K_P/slider". Of
+// a label like "##slider" or "×##close" the part behind the marks counts, of which ImGui shows
+// none.
+#pragma once
+
+#include "app/layout.h"
+#include "app/widgets/look.h"
+#include "app/widgets/window_report.h"
+#include "base/print.h"
+
+#include <imgui.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace springdrive::app::ui {
+
+/// The report of the current frame; like ImGui's context there is one, for the window's thread.
+[[nodiscard]] WindowReport &report();
+
+/// Enters the previous item of ImGui. For widgets that are drawn elsewhere, such as plots.
+/// @param numbers  further values, if any
+void enter(std::string_view label, const char *kind, std::string_view text,
+           decltype(ShownItem::value) value = {}, decltype(ShownItem::numbers) numbers = {});
+
+/// Enters something that is no item of ImGui, such as text drawn over the scene.
+void enter_at(const Rectangle &place, std::string_view label, const char *kind,
+              std::string_view text);
+
+/// Widgets until the end of this scope belong to `name`: in their ids, and for ImGui.
+class Scope {
+public:
+    explicit Scope(std::string_view name);
+    ~Scope();
+    Scope(const Scope &) = delete;
+    Scope &operator=(const Scope &) = delete;
+};
+
+/// A panel, at its fixed place.
+class Panel {
+public:
+    /// @param flags  in addition to those of a fixed place
+    Panel(const char *title, const Rectangle &place, ImGuiWindowFlags flags = 0);
+    ~Panel();
+    Panel(const Panel &) = delete;
+    Panel &operator=(const Panel &) = delete;
+
+private:
+    Scope scope_;
+};
+
+/// A row of tabs; pairs with `Tab`.
+class Tabs {
+public:
+    explicit Tabs(const char *id) : is_open_(ImGui::BeginTabBar(id)) {}
+    ~Tabs() {
+        if (is_open_) {
+            ImGui::EndTabBar();
+        }
+    }
+    Tabs(const Tabs &) = delete;
+    Tabs &operator=(const Tabs &) = delete;
+    [[nodiscard]] explicit operator bool() const { return is_open_; }
+
+private:
+    bool is_open_;
+};
+
+/// A tab; its contents are drawn only while it is the open one.
+class Tab {
+public:
+    explicit Tab(const char *label);
+    ~Tab();
+    Tab(const Tab &) = delete;
+    Tab &operator=(const Tab &) = delete;
+    [[nodiscard]] explicit operator bool() const { return is_open_; }
+
+private:
+    bool is_open_;
+};
+
+/// Widgets until the end of this scope are grey and do nothing, if `is_disabled`.
+class Disabled {
+public:
+    explicit Disabled(bool is_disabled);
+    ~Disabled();
+    Disabled(const Disabled &) = delete;
+    Disabled &operator=(const Disabled &) = delete;
+
+private:
+    bool before_;
+};
+
+void show_text(const ImVec4 &colour, const std::string &text, bool wraps);
+
+/// Formatted as by `print`, see base/print.h.
+template <typename... Values>
+[[nodiscard]] std::string formatted(CheckedFormat<std::type_identity_t<Values>...> format,
+                                    const Values &...values) {
+    return fmt::vformat(format.text(), fmt::make_format_args(values...));
+}
+
+template <typename... Values>
+void text(const ImVec4 &colour, CheckedFormat<std::type_identity_t<Values>...> format,
+          const Values &...values) {
+    show_text(colour, fmt::vformat(format.text(), fmt::make_format_args(values...)), false);
+}
+
+/// Broken into lines at the panel's edge.
+template <typename... Values>
+void wrapped(const ImVec4 &colour, CheckedFormat<std::type_identity_t<Values>...> format,
+             const Values &...values) {
+    show_text(colour, fmt::vformat(format.text(), fmt::make_format_args(values...)), true);
+}
+
+/// The tooltip of the previous item, also of one that is disabled.
+void explain(std::string_view text);
+
+/// True when pressed. @param size  0: as its label
+bool button(const char *label, ImVec2 size = {0.0F, 0.0F});
+bool small_button(const char *label);
+
+/// True when changed.
+bool checkbox(const char *label, bool &value);
+
+/// A slider without a number. True when changed. @param shown  in the report
+bool slider(const char *label, double &value, double minimum, double maximum, bool is_logarithmic);
+
+/// A slider with its number on it, which can be typed after a click with Ctrl.
+/// @param format  of printf, for ImGui
+bool slider_with_number(const char *label, double &value, double minimum, double maximum,
+                        const char *format);
+
+/// A number to be typed. Returns ImGui's result; see also IsItemActive, IsItemDeactivatedAfterEdit.
+/// @param format  of printf, for ImGui
+bool number_field(const char *label, double &value, const char *format);
+
+/// A line of text to be typed; `hint` is shown while it is empty. True on Enter.
+bool text_field(const char *label, const char *hint, std::string &text);
+
+/// An entry of a list or menu. True when clicked.
+bool selectable(const char *label, bool is_selected);
+
+/// A list that drops down; its entries are drawn only while it is open.
+class DropDown {
+public:
+    /// @param shown  while it is closed. The width is that of ImGui's next item.
+    DropDown(const char *label, const char *shown);
+    ~DropDown();
+    DropDown(const DropDown &) = delete;
+    DropDown &operator=(const DropDown &) = delete;
+    [[nodiscard]] explicit operator bool() const { return is_open_; }
+
+private:
+    bool is_open_ = false;
+};
+
+/// One of several, in a list that drops down. True when changed. The width is that of ImGui's next
+/// item.
+bool choice(const char *label, std::size_t &index, std::span<const char *const> labels);
+
+template <typename Enum, std::size_t count>
+bool choice(const char *label, Enum &value, const std::array<const char *, count> &labels) {
+    auto index = static_cast<std::size_t>(value);
+    const bool is_changed = choice(label, index, std::span<const char *const>(labels));
+    value = static_cast<Enum>(index);
+    return is_changed;
+}
+
+void progress(const char *label, double share, const std::string &text);
+
+} // namespace springdrive::app::ui

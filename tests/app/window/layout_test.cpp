@@ -1,0 +1,87 @@
+// Covers what fits where: no panel may clip or overlap its contents at any size of the window.
+#include "tests/support/shown_window.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+using testing::Report;
+using testing::ShownWindow;
+
+struct Box {
+    std::string id;
+    std::string text;
+    double left, top, right, bottom;
+};
+
+/// What a reader would see of the report's widgets, panels apart.
+std::vector<Box> boxes_of(const Report &report) {
+    static const std::set<std::string> kSurfaces{"panel", "tooltip"};
+    std::vector<Box> boxes;
+    for (const auto &item : report.all().at("items")) {
+        if (kSurfaces.contains(item.at("kind")) || !item.value("visible", true)) {
+            continue;
+        }
+        boxes.push_back({item.at("id"), item.at("text"), item.at("x"), item.at("y"),
+                         item.at("x").get<double>() + item.at("width").get<double>(),
+                         item.at("y").get<double>() + item.at("height").get<double>()});
+    }
+    return boxes;
+}
+
+bool overlap(const Box &a, const Box &b) {
+    constexpr double kRounding = 1.0; // of places to pixels
+    return std::min(a.right, b.right) - std::max(a.left, b.left) > kRounding &&
+           std::min(a.bottom, b.bottom) - std::max(a.top, b.top) > kRounding;
+}
+
+void expect_all_fits(const Report &report, const std::string &where) {
+    for (const auto &item : report.all().at("items")) {
+        EXPECT_FALSE(item.value("overflows", false)) << where << ": " << item.dump();
+    }
+    const std::vector<Box> boxes = boxes_of(report);
+    const double width = report.all().at("window").at("width");
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        EXPECT_LE(boxes[i].right, width + 1.0) << where << ": " << boxes[i].id;
+        for (std::size_t j = i + 1; j < boxes.size(); ++j) {
+            EXPECT_FALSE(overlap(boxes[i], boxes[j]))
+                << where << ": \"" << boxes[i].id << "\" (" << boxes[i].text << ") and \""
+                << boxes[j].id << "\" (" << boxes[j].text << ")";
+        }
+    }
+}
+
+class Layout : public ::testing::TestWithParam<testing::WindowSize> {};
+
+TEST_P(Layout, NoPanelClipsOrOverlapsItsContents) {
+    ShownWindow window({}, GetParam());
+    window.wait_until_running();
+    const Report first = window.look();
+    expect_all_fits(first, "as it opens");
+    std::vector<std::string> closed_tabs;
+    for (const auto &item : first.all().at("items")) {
+        if (item.at("kind") == "tab" && !item.at("value").get<bool>()) {
+            closed_tabs.push_back(item.at("id"));
+        }
+    }
+    EXPECT_FALSE(closed_tabs.empty());
+    for (const std::string &tab : closed_tabs) {
+        window.click(tab);
+        expect_all_fits(window.look(), tab);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Layout,
+                         ::testing::Values(testing::WindowSize{640, 400, 1.0},
+                                           testing::WindowSize{1280, 720, 1.0},
+                                           testing::WindowSize{2560, 1440, 2.0}),
+                         [](const auto &size) { return std::to_string(size.param.width); });
+
+} // namespace
+} // namespace springdrive::app

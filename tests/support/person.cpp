@@ -1,0 +1,429 @@
+#include "tests/support/person.h"
+
+#include "tests/support/dropped_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <poll.h>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+// Last: these define macros such as None and Bool.
+#include <X11/XKBlib.h>
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#include <X11/extensions/XTest.h>
+
+namespace springdrive::testing {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kLongestFrame{10};
+constexpr std::chrono::duration<double> kMouseInterval{1.0 / 60.0};
+/// Between two letters. GLFW takes two presses of a key within a millisecond for one.
+constexpr std::chrono::milliseconds kTypingInterval{4};
+
+/// A window may go away at any time, as its program ends; Xlib would end the test.
+int ignore_error(Display * /*display*/, XErrorEvent * /*event*/) { return 0; }
+
+std::runtime_error failure(const std::string &why) {
+    return std::runtime_error("acting on the window: " + why);
+}
+
+/// A key, and whether its upper symbol is meant.
+struct Key {
+    unsigned code = 0;
+    bool with_shift = false;
+};
+
+std::string modifier_key(const std::string &word) {
+    constexpr std::array<std::pair<std::string_view, const char *>, 4> kModifiers{
+        {{"ctrl", "Control_L"}, {"shift", "Shift_L"}, {"alt", "Alt_L"}, {"super", "Super_L"}}};
+    for (const auto &[name, key] : kModifiers) {
+        if (word == name) {
+            return key;
+        }
+    }
+    throw failure("there is no modifier " + word);
+}
+
+std::vector<std::string> words_of(const std::string &chord) {
+    std::vector<std::string> words;
+    std::size_t begin = 0;
+    for (std::size_t end = chord.find('+'); end != std::string::npos;
+         end = chord.find('+', begin)) {
+        words.push_back(chord.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    words.push_back(chord.substr(begin));
+    return words;
+}
+
+} // namespace
+
+/// What needs Xlib.
+class Person::Connection {
+public:
+    explicit Connection(const std::string &display_name)
+        : display_(XOpenDisplay(display_name.c_str())) {
+        if (display_ == nullptr) {
+            throw failure("no connection to " + display_name);
+        }
+        XSetErrorHandler(ignore_error);
+        int ignored = 0;
+        if (XTestQueryExtension(display_, &ignored, &ignored, &ignored, &ignored) == False) {
+            XCloseDisplay(display_);
+            throw failure(display_name + " has no XTEST extension");
+        }
+        // How long a key is held here depends on the speed of the machine.
+        XAutoRepeatOff(display_);
+        // The end of windows, and answers to pings.
+        XSelectInput(display_, root(), SubstructureNotifyMask);
+        XSync(display_, False);
+    }
+    ~Connection() { XCloseDisplay(display_); }
+    Connection(const Connection &) = delete;
+    Connection &operator=(const Connection &) = delete;
+
+    [[nodiscard]] Window window() const { return window_; }
+
+    void find_window(Clock::time_point deadline) {
+        window_ = None;
+        for (;;) {
+            const Window found = top_window();
+            if (found != None && shows_something(found) && takes_focus(found)) {
+                window_ = found;
+                is_there_ = true;
+                return;
+            }
+            if (Clock::now() > deadline) {
+                throw failure(found == None ? "there is no window" : "the window stays empty");
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
+
+    /// Whether the window was there to answer. GLFW answers as it polls its events, so the program
+    /// has then seen what came before.
+    bool ping() {
+        if (window_ == None) {
+            throw failure("wait_for_window has not been called");
+        }
+        ++pings_;
+        tell_window("_NET_WM_PING", pings_);
+        const Clock::time_point deadline = Clock::now() + kLongestFrame;
+        while (Clock::now() < deadline) {
+            if (!is_there_) {
+                return false;
+            }
+            if (XPending(display_) == 0) {
+                pollfd watched{ConnectionNumber(display_), POLLIN, 0};
+                poll(&watched, 1, 100);
+                continue;
+            }
+            XEvent event;
+            XNextEvent(display_, &event);
+            note_end(event);
+            if (event.type == ClientMessage && event.xclient.data.l[1] == pings_) {
+                return true;
+            }
+        }
+        throw failure("the program draws no frames");
+    }
+
+    void move(int x, int y) {
+        XTestFakeMotionEvent(display_, -1, x, y, CurrentTime);
+        XFlush(display_);
+    }
+
+    void button(int button, bool down) {
+        XTestFakeButtonEvent(display_, static_cast<unsigned>(button), down ? True : False,
+                             CurrentTime);
+        XFlush(display_);
+    }
+
+    void key(unsigned code, bool down) {
+        XTestFakeKeyEvent(display_, code, down ? True : False, CurrentTime);
+        XFlush(display_);
+    }
+
+    [[nodiscard]] Key key_named(const std::string &name) const {
+        const KeySym symbol = XStringToKeysym(name.c_str());
+        if (symbol == NoSymbol) {
+            throw failure("there is no key " + name);
+        }
+        return key_of(symbol, name);
+    }
+
+    [[nodiscard]] Key key_for(char letter) const {
+        if (letter < ' ' || letter > '~') {
+            throw failure("only printable ASCII can be typed");
+        }
+        return key_of(static_cast<KeySym>(letter), {letter}); // the two are equal for ASCII
+    }
+
+    [[nodiscard]] unsigned shift() const { return key_named("Shift_L").code; }
+
+    /// Sends a message of window managers.
+    void tell_window(const char *what, long value) {
+        XEvent event{};
+        event.xclient.type = ClientMessage;
+        event.xclient.window = window_;
+        event.xclient.message_type = XInternAtom(display_, "WM_PROTOCOLS", False);
+        event.xclient.format = 32;
+        event.xclient.data.l[0] = static_cast<long>(XInternAtom(display_, what, False));
+        event.xclient.data.l[1] = value;
+        event.xclient.data.l[2] = static_cast<long>(window_);
+        XSendEvent(display_, window_, False, NoEventMask, &event);
+        XFlush(display_);
+    }
+
+private:
+    [[nodiscard]] Window root() const { return DefaultRootWindow(display_); }
+
+    [[nodiscard]] Key key_of(KeySym symbol, const std::string &name) const {
+        const KeyCode code = XKeysymToKeycode(display_, symbol);
+        for (const bool with_shift : {false, true}) {
+            if (code != 0 && XkbKeycodeToKeysym(display_, code, 0, with_shift ? 1 : 0) == symbol) {
+                return {code, with_shift};
+            }
+        }
+        throw failure("the keyboard has no key for " + name);
+    }
+
+    void note_end(const XEvent &event) {
+        is_there_ = is_there_ &&
+                    !(event.type == DestroyNotify && event.xdestroywindow.window == window_) &&
+                    !(event.type == UnmapNotify && event.xunmap.window == window_);
+    }
+
+    /// The topmost visible window; None if there is none.
+    [[nodiscard]] Window top_window() const {
+        Window of_root = None;
+        Window of_parent = None;
+        Window *children = nullptr;
+        unsigned count = 0;
+        Window found = None;
+        XQueryTree(display_, root(), &of_root, &of_parent, &children, &count);
+        for (unsigned i = 0; i < count; ++i) {
+            XWindowAttributes attributes;
+            if (XGetWindowAttributes(display_, children[i], &attributes) != 0 &&
+                attributes.map_state == IsViewable && attributes.c_class == InputOutput &&
+                attributes.override_redirect == False) {
+                found = children[i];
+            }
+        }
+        if (children != nullptr) {
+            XFree(children);
+        }
+        return found;
+    }
+
+    /// Whether it is not of one colour.
+    /// @throw std::runtime_error  it is not at the top left of the screen
+    [[nodiscard]] bool shows_something(Window window) const {
+        XWindowAttributes attributes;
+        if (XGetWindowAttributes(display_, window, &attributes) == 0) {
+            return false;
+        }
+        if (attributes.x != 0 || attributes.y != 0) {
+            throw failure("the window is at " + std::to_string(attributes.x) + ", " +
+                          std::to_string(attributes.y) + " instead of 0, 0");
+        }
+        const int width = std::min(attributes.width, XDisplayWidth(display_, 0));
+        const int height = std::min(attributes.height, XDisplayHeight(display_, 0));
+        XImage *image = XGetImage(display_, window, 0, 0, static_cast<unsigned>(width),
+                                  static_cast<unsigned>(height), AllPlanes, ZPixmap);
+        if (image == nullptr) {
+            return false;
+        }
+        const auto size =
+            static_cast<std::size_t>(image->bytes_per_line) * static_cast<std::size_t>(height);
+        const std::string_view bytes(image->data, size);
+        // Pixels have four bytes each.
+        const bool is_plain = bytes.substr(4) == bytes.substr(0, size - 4);
+        XDestroyImage(image);
+        return !is_plain;
+    }
+
+    [[nodiscard]] bool takes_focus(Window window) const {
+        Window focused = None;
+        int ignored = 0;
+        XSetInputFocus(display_, window, RevertToParent, CurrentTime);
+        XGetInputFocus(display_, &focused, &ignored);
+        return focused == window;
+    }
+
+    Display *display_;
+    Window window_ = None;
+    bool is_there_ = false;
+    long pings_ = 0;
+};
+
+Person::Person(const VirtualDisplay &display)
+    : display_(display), connection_(std::make_unique<Connection>(display.name())) {}
+
+Person::~Person() = default;
+
+void Person::wait_for_window(std::chrono::duration<double> limit) {
+    connection_->find_window(Clock::now() + std::chrono::duration_cast<Clock::duration>(limit));
+    settle();
+}
+
+void Person::wait_for_frames(int frames) {
+    // The program answers the first as it takes its events, the last at the end of `frames` frames.
+    for (int i = 0; i <= frames && connection_->ping(); ++i) {
+    }
+}
+
+void Person::settle(int frames) {
+    if (settle_) {
+        settle_();
+    } else {
+        wait_for_frames(frames);
+    }
+}
+
+void Person::jump_to(float x, float y) {
+    connection_->move(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)));
+}
+
+void Person::move_to(float x, float y) {
+    jump_to(x, y);
+    settle();
+}
+
+void Person::press(int button) {
+    connection_->button(button, true);
+    settle();
+}
+
+void Person::release(int button) {
+    connection_->button(button, false);
+    settle();
+}
+
+void Person::click(float x, float y, int button) {
+    move_to(x, y);
+    click_here(button);
+    settle();
+}
+
+void Person::double_click(float x, float y) {
+    move_to(x, y);
+    click_here(1);
+    click_here(1);
+    settle();
+}
+
+void Person::click_here(int button) {
+    connection_->button(button, true);
+    settle(1);
+    connection_->button(button, false);
+    settle(1);
+}
+
+void Person::drag(Point from, Point to, double duration_s, int button) {
+    move_to(from.x, from.y);
+    press(button);
+    const int steps =
+        std::max(1, static_cast<int>(std::lround(duration_s / kMouseInterval.count())));
+    Clock::time_point next = Clock::now();
+    for (int i = 1; i <= steps; ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(steps);
+        next += std::chrono::duration_cast<Clock::duration>(kMouseInterval);
+        std::this_thread::sleep_until(next);
+        jump_to(std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share));
+    }
+    settle();
+    release(button);
+}
+
+void Person::wheel(float x, float y, int notches) {
+    move_to(x, y);
+    for (int i = 0; i < std::abs(notches); ++i) {
+        // X11 has no wheel: its notches are clicks of these buttons.
+        const int button = notches > 0 ? 4 : 5;
+        connection_->button(button, true);
+        connection_->button(button, false);
+        std::this_thread::sleep_for(kMouseInterval);
+    }
+    settle();
+}
+
+void Person::press_key(const std::string &name) {
+    connection_->key(connection_->key_named(name).code, true);
+    settle();
+}
+
+void Person::release_key(const std::string &name) {
+    connection_->key(connection_->key_named(name).code, false);
+    settle();
+}
+
+void Person::key(const std::string &chord) {
+    std::vector<std::string> words = words_of(chord);
+    const Key last = connection_->key_named(words.back());
+    std::vector<unsigned> codes;
+    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+        codes.push_back(connection_->key_named(modifier_key(words[i])).code);
+    }
+    if (last.with_shift) {
+        codes.push_back(connection_->shift());
+    }
+    codes.push_back(last.code);
+    for (const unsigned code : codes) {
+        connection_->key(code, true);
+    }
+    settle(1);
+    for (auto code = codes.rbegin(); code != codes.rend(); ++code) {
+        connection_->key(*code, false);
+    }
+    settle();
+}
+
+void Person::type(const std::string &text) {
+    bool holds_shift = false;
+    // Held for a frame before its letters, as the program samples it once per frame.
+    const auto hold_shift = [&](bool down) {
+        if (down != holds_shift) {
+            holds_shift = down;
+            connection_->key(connection_->shift(), down);
+            settle(1);
+        }
+    };
+    for (const char letter : text) {
+        const Key key = connection_->key_for(letter);
+        hold_shift(key.with_shift);
+        connection_->key(key.code, true);
+        connection_->key(key.code, false);
+        std::this_thread::sleep_for(kTypingInterval);
+    }
+    hold_shift(false);
+    settle();
+}
+
+void Person::clear_field() {
+    key("ctrl+a");
+    key("BackSpace");
+}
+
+void Person::drop_files(float x, float y, const std::vector<std::filesystem::path> &paths) {
+    move_to(x, y);
+    drop_on_window(display_, connection_->window(), static_cast<int>(std::lround(x)),
+                   static_cast<int>(std::lround(y)), paths);
+    settle();
+}
+
+void Person::close_window() {
+    connection_->tell_window("WM_DELETE_WINDOW", CurrentTime);
+    settle();
+}
+
+} // namespace springdrive::testing

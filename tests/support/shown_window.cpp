@@ -1,0 +1,128 @@
+#include "tests/support/shown_window.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+
+namespace springdrive::testing {
+
+namespace {
+
+constexpr std::chrono::seconds kAnswer{60};
+
+std::vector<std::string> with_window(std::vector<std::string> arguments, const WindowSize &size) {
+    arguments.insert(arguments.begin(),
+                     {"demo", "--report", "--width", std::to_string(size.width), "--height",
+                      std::to_string(size.height), "--scale", std::to_string(size.scale)});
+    return arguments;
+}
+
+} // namespace
+
+const nlohmann::json *Report::find(const std::string &id) const {
+    for (const nlohmann::json &item : json_.at("items")) {
+        const std::string whole = item.at("id");
+        if (whole == id || whole.ends_with("/" + id)) {
+            return &item;
+        }
+    }
+    return nullptr;
+}
+
+const nlohmann::json &Report::item(const std::string &id) const {
+    if (const nlohmann::json *found = find(id)) {
+        return *found;
+    }
+    std::string ids;
+    for (const nlohmann::json &item : json_.at("items")) {
+        ids += "\n  " + item.at("id").get<std::string>();
+    }
+    throw std::runtime_error("the window shows no \"" + id + "\"; it shows:" + ids);
+}
+
+bool Report::shows(const std::string &text) const {
+    return texts().find(text) != std::string::npos;
+}
+
+std::string Report::texts() const {
+    std::string all;
+    for (const nlohmann::json &item : json_.at("items")) {
+        all += item.at("text").get<std::string>() + '\n';
+    }
+    return all;
+}
+
+double Report::column(const std::string &name) const {
+    const nlohmann::json &value = json_.at("sample").at(name);
+    if (value.is_boolean()) {
+        return value.get<bool>() ? 1.0 : 0.0;
+    }
+    return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+ShownWindow::ShownWindow(std::vector<std::string> arguments, const WindowSize &size,
+                         const std::filesystem::path &folder)
+    : display_(size.width, size.height),
+      program_(display_, with_window(std::move(arguments), size), folder), person_(display_) {
+    person_.wait_for_window();
+}
+
+Report ShownWindow::look() {
+    program_.send_line("report");
+    const std::optional<std::string> line = program_.read_line(kAnswer);
+    if (!line) {
+        throw std::runtime_error("the window does not report: " + program_.error());
+    }
+    return Report(nlohmann::json::parse(*line));
+}
+
+Report ShownWindow::wait_until(const std::function<bool(const Report &)> &holds,
+                               const std::string &what, double limit_s) {
+    const auto start = std::chrono::steady_clock::now();
+    for (;;) {
+        Report report = look();
+        if (holds(report)) {
+            return report;
+        }
+        if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(limit_s)) {
+            ADD_FAILURE() << "not within " << limit_s << " s: " << what << "; the window shows\n"
+                          << report.texts();
+            return report;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+}
+
+void ShownWindow::wait_until_running() {
+    wait_until([](const Report &report) { return report.find("Servo") && report.shows("running"); },
+               "the motors run");
+}
+
+Point ShownWindow::point_in(const std::string &id, float x, float y) {
+    const Report report = look();
+    const nlohmann::json &item = report.item(id);
+    return {item.at("x").get<float>() + x * item.at("width").get<float>(),
+            item.at("y").get<float>() + y * item.at("height").get<float>()};
+}
+
+void ShownWindow::click(const std::string &id, int button) {
+    const Point middle = point_in(id);
+    person_.click(middle.x, middle.y, button);
+}
+
+void ShownWindow::choose(const std::string &id, const std::string &entry) {
+    click(id);
+    click(id + "/" + entry);
+}
+
+void ShownWindow::enter(const std::string &id, const std::string &text) {
+    click(id);
+    person_.clear_field();
+    person_.type(text);
+    person_.key("Return");
+}
+
+} // namespace springdrive::testing

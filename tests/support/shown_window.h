@@ -1,0 +1,75 @@
+// The program's window with a person in front of it: what it shows is read from its own report.
+#pragma once
+
+#include "tests/support/person.h"
+#include "tests/support/running_program.h"
+#include "tests/support/virtual_display.h"
+
+#include <nlohmann/json.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::testing {
+
+/// A report of `demo --report`, see window_report.h.
+class Report {
+public:
+    explicit Report(nlohmann::json json) : json_(std::move(json)) {}
+
+    /// The first item whose id is `id` or ends in "/" and `id`; null if there is none.
+    [[nodiscard]] const nlohmann::json *find(const std::string &id) const;
+    /// @throw std::runtime_error naming the id and the items there are
+    [[nodiscard]] const nlohmann::json &item(const std::string &id) const;
+    [[nodiscard]] bool shows(const std::string &text) const; ///< as part of any item's text
+    [[nodiscard]] std::string texts() const;                 ///< of all items, for messages
+    /// A telemetry column of the latest sample; NaN where it has none.
+    [[nodiscard]] double column(const std::string &name) const;
+    [[nodiscard]] const nlohmann::json &all() const { return json_; }
+
+private:
+    nlohmann::json json_;
+};
+
+struct WindowSize {
+    int width = 1280;
+    int height = 720;
+    double scale = 1.0;
+};
+
+class ShownWindow {
+public:
+    /// Starts `demo --report` with these arguments, and waits until its window is shown.
+    explicit ShownWindow(std::vector<std::string> arguments = {}, const WindowSize &size = {},
+                         const std::filesystem::path &folder = {});
+
+    /// What the window shows now, after all that the person did.
+    [[nodiscard]] Report look();
+
+    /// Looks until `holds`; the last report. Fails the test after `limit_s`, saying `what`.
+    Report wait_until(const std::function<bool(const Report &)> &holds, const std::string &what,
+                      double limit_s = 20.0);
+
+    /// Waits until the motors run.
+    void wait_until_running();
+
+    void click(const std::string &id, int button = 1);
+    /// Clicks an item that drops down, then its entry.
+    void choose(const std::string &id, const std::string &entry);
+    /// Clicks into a field, replaces its text and presses Enter.
+    void enter(const std::string &id, const std::string &text);
+    /// The point at this share of an item's width and height.
+    [[nodiscard]] Point point_in(const std::string &id, float x = 0.5F, float y = 0.5F);
+
+    [[nodiscard]] Person &person() { return person_; }
+    [[nodiscard]] RunningProgram &program() { return program_; }
+
+private:
+    VirtualDisplay display_;
+    RunningProgram program_;
+    Person person_;
+};
+
+} // namespace springdrive::testing

@@ -1,0 +1,28 @@
+// A screen of its own for a test: an X server without hardware.
+#pragma once
+
+#include <string>
+#include <sys/types.h>
+
+namespace springdrive::testing {
+
+/// An Xvfb process, which ends with this object and with the thread that created it. Tests that run
+/// in parallel have one each. There is no window manager: windows appear at the top left, and
+/// nothing gives them the keyboard focus.
+class VirtualDisplay {
+public:
+    /// @throw std::runtime_error  Xvfb is not installed, or does not start within 30 s
+    VirtualDisplay(int width, int height);
+    ~VirtualDisplay();
+    VirtualDisplay(const VirtualDisplay &) = delete;
+    VirtualDisplay &operator=(const VirtualDisplay &) = delete;
+
+    /// For the variable DISPLAY, such as ":7".
+    [[nodiscard]] const std::string &name() const { return name_; }
+
+private:
+    pid_t server_ = -1;
+    std::string name_;
+};
+
+} // namespace springdrive::testing
