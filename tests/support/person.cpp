@@ -277,7 +277,7 @@ void Person::wait_for_window(std::chrono::duration<double> limit) {
 }
 
 void Person::wait_for_frames(int frames) {
-    // The program answers the first as it takes its events, the last at the end of `frames` frames.
+    // The program answers the first as it takes its events, and each further one a frame later.
     for (int i = 0; i <= frames && connection_->ping(); ++i) {
     }
 }
@@ -311,22 +311,23 @@ void Person::release(int button) {
 
 void Person::click(float x, float y, int button) {
     move_to(x, y);
-    click_here(button);
+    click_here(button, 1);
     settle();
 }
 
 void Person::double_click(float x, float y) {
     move_to(x, y);
-    click_here(1);
-    click_here(1);
+    // Quickly; ImGui's GLFW backend shows a click for a frame even if it was shorter.
+    click_here(1, 0);
+    click_here(1, 0);
     settle();
 }
 
-void Person::click_here(int button) {
+void Person::click_here(int button, int frames) {
     connection_->button(button, true);
-    settle(1);
+    settle(frames);
     connection_->button(button, false);
-    settle(1);
+    settle(frames);
 }
 
 void Person::drag(Point from, Point to, double duration_s, int button) {
@@ -368,7 +369,7 @@ void Person::release_key(const std::string &name) {
 }
 
 void Person::key(const std::string &chord) {
-    std::vector<std::string> words = words_of(chord);
+    const std::vector<std::string> words = words_of(chord);
     const Key last = connection_->key_named(words.back());
     std::vector<unsigned> codes;
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
@@ -382,8 +383,9 @@ void Person::key(const std::string &chord) {
         connection_->key(code, true);
     }
     settle(1);
-    for (auto code = codes.rbegin(); code != codes.rend(); ++code) {
-        connection_->key(*code, false);
+    std::reverse(codes.begin(), codes.end());
+    for (const unsigned code : codes) {
+        connection_->key(code, false);
     }
     settle();
 }
