@@ -5,6 +5,7 @@
 #include "app/frame_pace.h"
 #include "app/open_session.h"
 #include "app/screen.h"
+#include "base/print.h"
 #include "engine/session/session_report.h"
 
 #include <iostream>
@@ -32,6 +33,12 @@ void play(const DemoOptions &options, session::Session &session, Screen &screen)
     }
 }
 
+void print_frames(const servo::DurationHistogram &frames) {
+    print(std::cout, "window: {} frames, median {:.1f} ms, 99 % {:.1f} ms, longest {:.1f} ms\n",
+          frames.count(), 1e3 * frames.quantile_s(0.5), 1e3 * frames.quantile_s(0.99),
+          1e3 * frames.longest_s());
+}
+
 } // namespace
 
 bool run_demo(const DemoOptions &options) {
@@ -49,6 +56,7 @@ bool run_demo(const DemoOptions &options) {
     }
     if (options.unattended()) {
         session::write_session_report(std::cout, session);
+        print_frames(screen.frame_durations());
         if (!options.screenshot.empty()) {
             std::cout << "screenshot: " << options.screenshot.string() << '\n';
         }

@@ -5,7 +5,7 @@
 //   │        scene         ├───────────┤
 //   │                      │ Servo     │
 //   ├──────────────────────┼───────────┤
-//   │ Force direction      │ Scene     │
+//   │ Plots                │ Scene     │
 //   └──────────────────────┴───────────┘
 #pragma once
 
@@ -29,20 +29,21 @@ struct Layout {
     Rectangle tuning;
     Rectangle servo;
     Rectangle scene;
-    Rectangle force_direction;
+    Rectangle plots;
 };
 
 /// @param size   of the window, in ImGui's units
-/// @param scale  of text and panels
-[[nodiscard]] inline Layout layout(ImVec2 size, float scale) {
+/// @param scale         of text and panels
+/// @param plots_height  of the plots' panel, as wanted
+[[nodiscard]] inline Layout layout(ImVec2 size, float scale, float plots_height) {
     const float column = std::min(400.0F * scale, 0.55F * size.x);
-    const float strip = std::min(190.0F * scale, 0.4F * size.y);
+    const float strip = std::min(plots_height, size.y - 100.0F * scale);
     const float left = size.x - column;
     const float tuning = std::min(344.0F * scale, 0.5F * size.y);
     const float servo = std::min(216.0F * scale, 0.3F * size.y);
     Layout result;
     result.scene_view = {{0.0F, 0.0F}, {left, size.y - strip}};
-    result.force_direction = {{0.0F, size.y - strip}, {left, strip}};
+    result.plots = {{0.0F, size.y - strip}, {left, strip}};
     result.tuning = {{left, 0.0F}, {column, tuning}};
     result.servo = {{left, tuning}, {column, servo}};
     result.scene = {{left, tuning + servo}, {column, size.y - tuning - servo}};

@@ -3,15 +3,19 @@
 #include "app/asset_folder.h"
 #include "app/frame_pace.h"
 #include "app/widgets/widgets.h"
+#include "base/input_error.h"
+#include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <limits>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -52,9 +56,8 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
-      reports_(options.reports) {
+      keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
     scene_panel_.files = offered_scenes(options.session.scene);
-    window_.keep_frames(!options.screenshot.empty());
     if (!window_.font_remark().empty()) {
         std::cerr << "springdrive: " << window_.font_remark() << '\n';
     }
@@ -80,12 +83,35 @@ void Screen::draw_frame() {
     ui::report().begin(is_reported);
     window_.begin_frame();
     draw_contents();
+    window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value());
     window_.end_frame();
+    write_picture();
     ++frame_;
     const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
     frame_durations_.add(duration.count());
     if (is_reported) {
         requests_.answer(report_line());
+    }
+}
+
+/// Of plots, once the frame that shows them is complete.
+void Screen::write_picture() {
+    if (!plot_panel_.picture) {
+        return;
+    }
+    const auto [file, where] = *std::exchange(plot_panel_.picture, {});
+    try {
+        NewFile picture(file.string());
+        std::ofstream stream(picture.temporary(), std::ios::binary);
+        window_.write_screenshot(stream, where);
+        stream.close();
+        if (!stream) {
+            throw InputError(file.string() + ": cannot be written completely; is the disk full?");
+        }
+        picture.publish(Existing::keep);
+        plot_panel_.message = "saved as " + file.string();
+    } catch (const InputError &error) {
+        plot_panel_.message = error.what();
     }
 }
 
@@ -110,14 +136,16 @@ void Screen::draw_contents() {
     draw_tuning_panel(session_, tuning_panel_, places.tuning);
     draw_servo_panel(session_, servo_panel_, places.servo);
     draw_scene_panel(session_, scene_panel_, places.scene);
-    draw_force_direction_panel(session_, places.force_direction);
+    draw_plot_panel(session_, plot_panel_, places.plots, window_.scale());
     draw_scene_overlay(session_, places.scene_view, window_.scale());
 }
 
 Layout Screen::current_layout() const {
     const Window::Size size = window_.size();
+    const float plots_height = plot_panel_.is_large ? static_cast<float>(size.height)
+                                                    : plot_panel_.height * window_.scale();
     return layout({static_cast<float>(size.width), static_cast<float>(size.height)},
-                  window_.scale());
+                  window_.scale(), plots_height);
 }
 
 void Screen::show_scene() {

@@ -5,6 +5,7 @@
 #include "app/layout.h"
 #include "app/mouse.h"
 #include "app/panels/panels.h"
+#include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
 #include "app/view/camera.h"
 #include "app/view/renderer.h"
@@ -36,6 +37,7 @@ public:
 
 private:
     void draw_contents();
+    void write_picture();
     [[nodiscard]] Layout current_layout() const;
     [[nodiscard]] std::string report_line() const;
     void take_orders();
@@ -53,7 +55,9 @@ private:
     TuningPanelState tuning_panel_;
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
+    PlotPanelState plot_panel_;
     std::uint32_t shown_scene_ = 0;
+    bool keeps_frames_;
     bool reports_;
     ReportRequests requests_;
     std::uint64_t frame_ = 0;

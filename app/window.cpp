@@ -200,6 +200,12 @@ void Window::show_short_key_presses() {
             prolonged_keys_.push_back(key);
         }
     }
+    const auto is_down = [&io](int left, int right) {
+        return io.KeysDown[left] || io.KeysDown[right];
+    };
+    io.KeyCtrl = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+    io.KeyShift = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+    io.KeyAlt = is_down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
 }
 
 void Window::clear() {
@@ -258,21 +264,35 @@ void Window::on_drop(GLFWwindow *window, int count, const char **paths) {
     self->dropped_.assign(paths, paths + count);
 }
 
-void Window::write_screenshot(std::ostream &out) const {
+void Window::write_screenshot(std::ostream &out, const Rectangle &part) const {
     if (last_frame_.empty()) {
         throw InputError("--screenshot: no frame has been drawn yet");
     }
-    const std::size_t row = static_cast<std::size_t>(last_frame_size_.width) * 3;
-    std::vector<unsigned char> top_down(last_frame_.size());
-    for (std::size_t y = 0; y < static_cast<std::size_t>(last_frame_size_.height); ++y) {
-        const auto from = last_frame_.end() - static_cast<std::ptrdiff_t>((y + 1) * row);
-        std::copy_n(from, row, top_down.begin() + static_cast<std::ptrdiff_t>(y * row));
+    const float pixel_scale =
+        static_cast<float>(last_frame_size_.width) / static_cast<float>(std::max(1, size().width));
+    const auto pixel = [&](float place, int most) {
+        return std::clamp(static_cast<int>(std::lround(place * pixel_scale)), 0, most);
+    };
+    const bool is_whole = part.size.x <= 0.0F || part.size.y <= 0.0F;
+    const int left = is_whole ? 0 : pixel(part.corner.x, last_frame_size_.width - 1);
+    const int top = is_whole ? 0 : pixel(part.corner.y, last_frame_size_.height - 1);
+    const int right = is_whole ? last_frame_size_.width
+                               : pixel(part.corner.x + part.size.x, last_frame_size_.width);
+    const int bottom = is_whole ? last_frame_size_.height
+                                : pixel(part.corner.y + part.size.y, last_frame_size_.height);
+    const std::ptrdiff_t row = std::ptrdiff_t{3} * last_frame_size_.width;
+    const std::ptrdiff_t part_row = std::ptrdiff_t{3} * (right - left);
+    std::vector<unsigned char> top_down;
+    for (int y = top; y < bottom; ++y) {
+        const auto from = last_frame_.begin() + (last_frame_size_.height - 1 - y) * row +
+                          std::ptrdiff_t{3} * left;
+        top_down.insert(top_down.end(), from, from + part_row);
     }
     const auto append = [](void *to, void *bytes, int size) {
         static_cast<std::ostream *>(to)->write(static_cast<const char *>(bytes), size);
     };
-    stbi_write_png_to_func(append, &out, last_frame_size_.width, last_frame_size_.height, 3,
-                           top_down.data(), static_cast<int>(row));
+    stbi_write_png_to_func(append, &out, right - left, bottom - top, 3, top_down.data(),
+                           static_cast<int>(part_row));
 }
 
 } // namespace springdrive::app

@@ -1,6 +1,8 @@
 // A window with OpenGL 3.3 and Dear ImGui in it.
 #pragma once
 
+#include "app/layout.h"
+
 #include <array>
 #include <filesystem>
 #include <iosfwd>
@@ -50,7 +52,8 @@ public:
     [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
 
     /// Writes the last frame that `end_frame` showed, as PNG. @throw InputError if there is none.
-    void write_screenshot(std::ostream &out) const;
+    /// @param part  of the window, in its units; empty: all of it
+    void write_screenshot(std::ostream &out, const Rectangle &part = {}) const;
 
     /// Why text may be missing letters; empty when the font was found.
     [[nodiscard]] const std::string &font_remark() const { return font_remark_; }

@@ -24,9 +24,6 @@ struct TuningPanelState {
 /// The six parameters with derived quantities, and a second tab with their stability.
 void draw_tuning_panel(session::Session &session, TuningPanelState &state, const Rectangle &place);
 
-/// The angle between rendered force and surface normal over time, with both maps.
-void draw_force_direction_panel(const session::Session &session, const Rectangle &place);
-
 /// State of the servo panel between frames.
 struct ServoPanelState {
     std::string record_error; ///< why the last record could not be started

@@ -87,7 +87,7 @@ void draw_cross(const control::Tuning &now, ImVec2 corner, ImVec2 size) {
                                                       StabilityGrid::kMax_dR_Ohm));
     const float arm = 0.4F * ImGui::GetFontSize();
     ImDrawList &list = *ImGui::GetWindowDrawList();
-    const ImU32 ink = ImGui::GetColorU32(kUsedMap);
+    const ImU32 ink = ImGui::GetColorU32(kForce);
     list.AddLine(ImVec2(x - arm, y), ImVec2(x + arm, y), ink, 2.0F);
     list.AddLine(ImVec2(x, y - arm), ImVec2(x, y + arm), ink, 2.0F);
 }

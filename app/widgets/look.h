@@ -7,9 +7,9 @@ namespace springdrive::app {
 
 inline const ImVec4 kInk{0.90F, 0.92F, 0.94F, 1.0F};
 inline const ImVec4 kFaintInk{0.60F, 0.64F, 0.69F, 1.0F};
-inline const ImVec4 kUsedMap{1.0F, 0.86F, 0.16F, 1.0F};   ///< the active map: as the force arrow
-inline const ImVec4 kOtherMap{0.80F, 0.50F, 0.95F, 1.0F}; ///< the other one
-inline const ImVec4 kForce{1.0F, 0.86F, 0.16F, 1.0F};
+inline const ImVec4 kTransposeMap{0.36F, 0.73F, 0.95F, 1.0F};
+inline const ImVec4 kInverseMap{1.0F, 0.52F, 0.32F, 1.0F};
+inline const ImVec4 kForce{1.0F, 0.86F, 0.16F, 1.0F}; ///< as the arrow in the scene
 inline const ImVec4 kGood{0.35F, 0.85F, 0.60F, 1.0F};
 inline const ImVec4 kWarning{1.0F, 0.72F, 0.35F, 1.0F};
 inline const ImVec4 kDanger{1.0F, 0.38F, 0.34F, 1.0F};

@@ -9,7 +9,7 @@ namespace springdrive::session {
 
 ServoRun::ServoRun(device::HapticDevice &device, const ServoWay &way)
     : way_(way), device_(&device), servo_(std::make_unique<servo::Servo>(device, way.servo_hz)),
-      history_(way.servo_hz) {
+      history_(device.description().geometry, way.servo_hz) {
     publish();
 }
 
@@ -151,6 +151,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     SPRINGDRIVE_ASSERT(servo_->is_at_rest() && !has_failed());
     const double servo_hz = rate_hz();
     lost_ = lost_samples();
+    history_.set_device(device.description().geometry);
     device_ = &device;
     servo_ = std::make_unique<servo::Servo>(device, servo_hz);
     // The new loop's counts start at zero: only a difference is a request.

@@ -4,7 +4,7 @@
 
 #include "engine/servo/servo.h"
 #include "engine/servo/servo_statistics.h"
-#include "engine/session/history.h"
+#include "engine/session/telemetry_history.h"
 
 #include <cstdint>
 #include <functional>
@@ -88,7 +88,7 @@ public:
     [[nodiscard]] const servo::ServoSample &latest() const { return latest_; }
     /// Whether an assertion failed in a tick: the motors then brake permanently.
     [[nodiscard]] bool has_failed() const { return servo::is_final(latest_.safety.cause); }
-    [[nodiscard]] const History &history() const { return history_; }
+    [[nodiscard]] const TelemetryHistory &history() const { return history_; }
     /// Since the last change of rate or device.
     [[nodiscard]] const servo::ServoStatistics &statistics() const { return statistics_; }
     [[nodiscard]] const Standstills &standstills() const { return standstills_; }
@@ -112,7 +112,7 @@ private:
     std::uint64_t next_tick_ = 0; ///< the one after `latest_`
     servo::ServoStatistics statistics_;
     Standstills standstills_;
-    History history_;
+    TelemetryHistory history_;
 };
 
 } // namespace springdrive::session

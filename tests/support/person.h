@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::testing {
@@ -25,8 +26,8 @@ struct Point {
 /// Buttons are X11's: 1 left, 2 middle, 3 right. Keys are called as in X11's keysymdef.h: "space",
 /// "Return", "BackSpace", "F1", "z".
 ///
-/// Every function throws std::runtime_error, with the reason, if it cannot act; none takes longer
-/// than 60 s, apart from a drag that is meant to.
+/// Every function throws std::runtime_error, with the reason, if it cannot act, or if the program
+/// draws no frame for 10 s.
 class Person {
 public:
     /// @param display  must outlive this
@@ -43,9 +44,10 @@ public:
     /// once if its window is gone.
     void wait_for_frames(int frames);
 
-    /// What an action waits for at its end, instead of two frames; and between the press and the
-    /// release of a key or button, instead of one. ImGui repeats a key that is held for 0.25 s, and
-    /// a double click must not take longer than 0.3 s: from 15 frames per second on, neither fails.
+    /// What an action waits for at its end, instead of two frames, and between the press and the
+    /// release of a key or button, instead of fewer. It must be short: ImGui repeats keys held for
+    /// 0.25 s, and the second click of a double click must begin within 0.3 s of the first. By
+    /// default, neither fails above eight frames per second.
     void settle_by(std::function<void()> settle) { settle_ = std::move(settle); }
 
     void move_to(float x, float y);
@@ -78,7 +80,7 @@ private:
 
     void settle(int frames = 2);
     void jump_to(float x, float y);
-    void click_here(int button);
+    void click_here(int button, int frames);
 
     const VirtualDisplay &display_;
     std::unique_ptr<Connection> connection_;

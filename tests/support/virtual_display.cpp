@@ -34,10 +34,9 @@ constexpr int kNotFound = 127; // as shells report a missing program
     fcntl(number_to, F_SETFD, 0); // survives the exec
     dup2(log, STDOUT_FILENO);
     dup2(log, STDERR_FILENO);
-    std::string number = std::to_string(number_to);
-    std::string size = screen;
-    std::vector<std::string> words{"Xvfb", "-displayfd", number, "-screen", "0",
-                                   size,   "+extension", "GLX",  "-noreset"};
+    std::vector<std::string> words{"Xvfb",       "-displayfd", std::to_string(number_to),
+                                   "-screen",    "0",          screen,
+                                   "+extension", "GLX",        "-noreset"};
     std::vector<char *> argv;
     argv.reserve(words.size() + 1);
     for (std::string &word : words) {

@@ -1,4 +1,4 @@
-// Covers engine/session/servo_run.cpp and history.cpp alone.
+// Covers engine/session/servo_run.cpp alone.
 #include "engine/session/servo_run.h"
 
 #include "base/input_error.h"
@@ -95,28 +95,6 @@ TEST(ServoRun, ContinuesAfterAPauseDespiteAnException) {
         run.advance(0.0);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-}
-
-servo::ServoSample sample_of_tick(std::uint64_t tick) {
-    servo::ServoSample sample;
-    sample.tick = tick;
-    sample.time_s = static_cast<double>(tick);
-    return sample;
-}
-
-TEST(History, KeepsTenSecondsOfAThousandSamplesAtMost) {
-    History history(4000.0);
-    for (std::uint64_t tick = 0; tick < 80'000; ++tick) {
-        history.add(sample_of_tick(tick));
-    }
-    EXPECT_EQ(history.size(), 10'000U);
-    EXPECT_EQ(history[9999].time_s, 79'996.0);
-    history.set_rate(500.0); // of half as many, the newest
-    EXPECT_EQ(history.size(), 5000U);
-    EXPECT_EQ(history[4999].time_s, 79'996.0);
-    history.add(sample_of_tick(80'001));
-    EXPECT_EQ(history.size(), 5000U);
-    EXPECT_EQ(history[4999].time_s, 80'001.0);
 }
 
 } // namespace

@@ -1,0 +1,100 @@
+// A plot of telemetry channels: over time, as a spectrum, one against another, or as a histogram.
+//
+//   ChannelStore ──► the window of time that is shown ──► curves ──► Canvas
+#pragma once
+
+#include "app/plots/axis.h"
+#include "app/plots/canvas.h"
+#include "engine/lab/signals/spectrum.h"
+#include "engine/lab/signals/trigger.h"
+#include "engine/lab/signals/value_histogram.h"
+#include "engine/record/channel_store.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+enum class PlotKind : std::uint8_t {
+    time,
+    spectrum,  ///< amplitude of a sine over frequency
+    xy,        ///< the first channel to the right, the others up
+    polar,     ///< the first channel is the angle, the others the radius
+    histogram, ///< number of ticks over values
+    stiffness, ///< of the coupling, over frequency: see StiffnessCurves
+};
+
+inline constexpr std::array<const char *, 6> kPlotKindLabels{"over time", "spectrum",  "x–y",
+                                                             "polar",     "histogram", "stiffness"};
+
+/// What the user chose for one plot.
+struct PlotSettings {
+    PlotKind kind = PlotKind::time;
+    std::vector<std::size_t> channels;
+    bool in_si = false;
+    // Ranges after zooming, in shown units; otherwise the plot chooses. A time axis is common to
+    // all plots, so it is not here.
+    std::optional<Axis> x;
+    std::optional<Axis> y;
+};
+
+/// The data of a frame.
+struct PlotSource {
+    const record::ChannelStore &store;
+    double servo_hz = 1000.0;
+    signals::TimeWindow window;
+    /// The time that the axis counts from: now, if the view is live, else 0.
+    double zero_s = 0.0;
+};
+
+/// Results that take too long for every frame.
+class PlotCache {
+public:
+    [[nodiscard]] const signals::Spectrum &spectrum(std::size_t channel, const PlotSource &source);
+    [[nodiscard]] const signals::ValueHistogram &histogram(std::size_t channel,
+                                                           const PlotSource &source);
+
+    /// Call before each frame. @param wall_s  real time: results of a live view are renewed a few
+    /// times per second
+    void begin(double wall_s) { wall_s_ = wall_s; }
+
+private:
+    struct Entry {
+        std::size_t channel = 0;
+        std::uint64_t from = 0;
+        std::uint64_t to = 0;
+        double made_s = -1.0;
+        std::optional<signals::Spectrum> spectrum;
+        std::optional<signals::ValueHistogram> histogram;
+    };
+
+    Entry &entry(std::size_t channel, const PlotSource &source);
+
+    double wall_s_ = 0.0;
+    std::vector<Entry> entries_;
+    std::vector<double> values_;
+};
+
+/// One curve: NaN in x or y interrupts it.
+struct Curve {
+    std::size_t channel = 0;
+    std::vector<double> x;
+    std::vector<double> y;
+};
+
+/// Draws the plot into `where`, without title. @return its area, for the mouse
+PlotArea draw_plot(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
+                   const PlotSource &source, PlotCache &cache);
+
+/// Axes with ticks, and their titles. @return the area within
+PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
+                   const std::string &x_title, const std::string &y_title);
+
+/// The unit of the values of these channels, if it is the same for all; else the units.
+[[nodiscard]] std::string unit_title(const PlotSettings &settings);
+
+} // namespace springdrive::app

@@ -1,0 +1,108 @@
+// Plots as files.
+#include "app/plots/channel_look.h"
+#include "app/plots/plot_panel.h"
+#include "app/widgets/look.h"
+#include "base/input_error.h"
+#include "base/new_file.h"
+#include "base/print.h"
+#include "engine/session/telemetry_history.h"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <functional>
+
+namespace springdrive::app {
+
+namespace {
+
+/// "plots-20240531-123456.csv".
+std::string name_of_new_file(const char *ending) {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    localtime_r(&now, &parts);
+    std::array<char, 64> text{};
+    std::strftime(text.data(), text.size(), "plots-%Y%m%d-%H%M%S", &parts);
+    return std::string(text.data()) + ending;
+}
+
+std::string written(const std::string &name, const std::function<void(std::ostream &)> &write) {
+    try {
+        NewFile file(name);
+        std::ofstream stream(file.temporary(), std::ios::binary);
+        write(stream);
+        stream.close();
+        if (!stream) {
+            throw InputError(name + ": cannot be written completely; is the disk full?");
+        }
+        file.publish(Existing::keep);
+        return "saved as " + name;
+    } catch (const InputError &error) {
+        return error.what();
+    }
+}
+
+/// Each channel of any plot, once.
+std::vector<std::size_t> all_channels(const PlotPanelState &state) {
+    std::vector<std::size_t> all;
+    for (const Plot &plot : state.plots) {
+        for (const std::size_t channel : plot.settings.channels) {
+            if (std::ranges::find(all, channel) == all.end()) {
+                all.push_back(channel);
+            }
+        }
+    }
+    return all;
+}
+
+} // namespace
+
+void export_csv(PlotPanelState &state, const PlotSource &source) {
+    state.message = written(name_of_new_file(".csv"), [&](std::ostream &out) {
+        const std::vector<std::size_t> channels = all_channels(state);
+        out << "time_s";
+        for (const std::size_t channel : channels) {
+            out << ',' << session::channels()[channel].name;
+        }
+        out << '\n';
+        const record::ChannelStore &store = source.store;
+        for (std::uint64_t row = store.row_at(source.window.from_s);
+             row < store.end() && store.time_s(row) <= source.window.to_s; ++row) {
+            out << csv_cell(store.time_s(row));
+            for (const std::size_t channel : channels) {
+                out << ',' << csv_cell(store.value(channel, row));
+            }
+            out << '\n';
+        }
+    });
+}
+
+void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle &where,
+                float scale) {
+    SvgCanvas canvas(where, scale);
+    canvas.fill(where, ImVec4(0.115F, 0.127F, 0.15F, 1.0F));
+    const std::vector<Rectangle> places = plot_places(where, state.plots);
+    const float height = text_height();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        ImVec2 at = places[i].corner;
+        for (const std::size_t channel : state.plots[i].settings.channels) {
+            const ChannelLook &look = look_of(channel);
+            canvas.line({at.x, at.y + 0.5F * height}, {at.x + 1.4F * height, at.y + 0.5F * height},
+                        {look.stroke.colour, 2.0F, look.stroke.dash});
+            canvas.text({at.x + 1.7F * height, at.y}, kInk, look.label);
+            at.x += text_width(look.label) + 2.6F * height;
+        }
+        const Rectangle contents{{places[i].corner.x, places[i].corner.y + 1.4F * height},
+                                 {places[i].size.x, places[i].size.y - 1.4F * height}};
+        static_cast<void>(draw_contents(canvas, contents, state.plots[i], state, source));
+    }
+    state.message =
+        written(name_of_new_file(".svg"), [&](std::ostream &out) { out << canvas.svg(); });
+}
+
+void export_png(PlotPanelState &state, const Rectangle &where) {
+    state.picture = {name_of_new_file(".png"), where}; // when the frame is complete
+}
+
+} // namespace springdrive::app

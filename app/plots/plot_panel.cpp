@@ -1,0 +1,394 @@
+#include "app/plots/plot_panel.h"
+
+#include "app/plots/channel_look.h"
+#include "app/widgets/widgets.h"
+#include "engine/session/telemetry_history.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+
+namespace springdrive::app {
+
+namespace {
+
+PlotSettings settings_of(PlotKind kind, std::initializer_list<std::string_view> names) {
+    PlotSettings settings;
+    settings.kind = kind;
+    for (const std::string_view name : names) {
+        settings.channels.push_back(session::channel_named(name).value());
+    }
+    return settings;
+}
+
+void add_plot(PlotPanelState &state, PlotSettings settings) {
+    Plot plot;
+    plot.id = state.next_id++;
+    plot.settings = std::move(settings);
+    state.plots.push_back(std::move(plot));
+}
+
+loops::SpringDrive drive_of(const session::Session &session) {
+    loops::SpringDrive drive;
+    drive.motor = session.description().motor.front();
+    drive.tuning = session.servo().inputs().tuning;
+    drive.period_s = session.servo().period_s();
+    drive.delay_periods = session.device().device().delay_periods();
+    return drive;
+}
+
+std::string span_text(double span_s) {
+    return span_s < 1.0    ? fmt::format("{:.3g} ms", 1e3 * span_s)
+           : span_s < 60.0 ? fmt::format("{:.3g} s", span_s)
+                           : fmt::format("{:.3g} min", span_s / 60.0);
+}
+
+void draw_span(PlotPanelState &state) {
+    ImGui::SetNextItemWidth(5.2F * ImGui::GetFontSize());
+    const ui::DropDown list("##span", span_text(state.view.span_s()).c_str());
+    for (const double span_s : {0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0}) {
+        if (list && ui::selectable(span_text(span_s).c_str(), span_s == state.view.span_s())) {
+            state.view.set_span(span_s);
+        }
+    }
+}
+
+void draw_sets(PlotPanelState &state) {
+    ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
+    const ui::DropDown list("##sets", "plots");
+    if (!list) {
+        return;
+    }
+    for (std::size_t i = 0; i < kPlotSetLabels.size(); ++i) {
+        if (ui::selectable(kPlotSetLabels[i], false)) {
+            choose_plot_set(state, i);
+        }
+    }
+    ImGui::Separator();
+    if (ui::selectable("add a plot", false)) {
+        add_plot(state, settings_of(PlotKind::time, {"force_N"}));
+    }
+}
+
+void draw_exports(PlotPanelState &state, const PlotSource &source, const Rectangle &where,
+                  float scale) {
+    ImGui::SetNextItemWidth(5.2F * ImGui::GetFontSize());
+    const ui::DropDown list("##export", "export");
+    if (!list) {
+        return;
+    }
+    if (ui::selectable("CSV, what is shown", false)) {
+        export_csv(state, source);
+    }
+    if (ui::selectable("SVG", false)) {
+        export_svg(state, source, where, scale);
+    }
+    if (ui::selectable("PNG", false)) {
+        export_png(state, where);
+    }
+}
+
+void draw_trigger_button(PlotPanelState &state, const record::ChannelStore &live) {
+    const TriggerSource source = state.trigger.settings().source;
+    const std::string label = std::string("trigger: ") +
+                              kTriggerSourceLabels[static_cast<std::size_t>(source)] + "##trigger";
+    if (ui::button(label.c_str())) {
+        state.typed_trigger = state.trigger.settings();
+        ImGui::OpenPopup("trigger");
+    }
+    ui::explain("stops the plots at the next contact, trip, change of the tuning or passage of a "
+                "level");
+    if (ImGui::BeginPopup("trigger")) {
+        draw_trigger_menu(state, live);
+        ImGui::EndPopup();
+    }
+}
+
+std::string state_text(const PlotPanelState &state, const record::ChannelStore &live) {
+    if (!state.message.empty()) {
+        return state.message;
+    }
+    if (const std::string waits = state.trigger.state_text(); !waits.empty()) {
+        return waits;
+    }
+    const double kept_s =
+        live.is_empty() ? 0.0 : live.time_s(live.end() - 1) - live.time_s(live.begin());
+    return (state.view.is_live() ? "live, " : "held, ") + span_text(kept_s) + " kept";
+}
+
+void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record::ChannelStore &live,
+                  const Rectangle &where, float scale) {
+    const bool is_live = state.view.is_live();
+    // The same width in both states, so that what follows does not move.
+    if (ui::button(is_live ? "pause##hold" : "live##hold", {4.0F * ImGui::GetFontSize(), 0.0F})) {
+        if (is_live) {
+            state.view.hold(live);
+        } else {
+            state.view.go_live();
+        }
+    }
+    ui::explain(is_live ? "stops the plots; the servo goes on" : "follows the present again");
+    ImGui::SameLine();
+    draw_span(state);
+    ImGui::SameLine();
+    draw_trigger_button(state, live);
+    ImGui::SameLine();
+    if (ui::checkbox("cursors", state.view.shows_cursors) && state.view.shows_cursors) {
+        state.view.place_cursors(live);
+    }
+    ui::explain("two times to be dragged in the plots, with the values there and their "
+                "differences");
+    ImGui::SameLine();
+    draw_sets(state);
+    ImGui::SameLine();
+    draw_exports(state, source, where, scale);
+    ImGui::SameLine();
+    if (ui::button(state.is_large ? "smaller##large" : "larger##large",
+                   {4.6F * ImGui::GetFontSize(), 0.0F})) {
+        state.is_large = !state.is_large;
+    }
+    ImGui::SameLine();
+    const std::string text = state_text(state, live);
+    if (text_width(text) < ImGui::GetContentRegionAvail().x) {
+        ui::text(kFaintInk, "{}", text);
+    } else {
+        ui::text(kFaintInk, "…");
+        ui::explain(text);
+    }
+}
+
+/// Moves the panel's upper edge.
+void draw_handle(PlotPanelState &state, const Rectangle &place, float scale) {
+    const float thickness = 5.0F * scale;
+    ImGui::SetCursorScreenPos(place.corner);
+    ImGui::InvisibleButton("##handle", {place.size.x, thickness});
+    ui::enter("handle", "handle", "");
+    if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
+        ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
+    }
+    if (ImGui::IsItemActive() && !state.is_large) {
+        state.height -= ImGui::GetIO().MouseDelta.y / scale;
+        state.height = std::clamp(state.height, 150.0F, 1500.0F);
+    }
+}
+
+void draw_cursor_lines(Canvas &canvas, const PlotPanelState &state, const PlotArea &area,
+                       double zero_s) {
+    for (std::size_t i = 0; i < 2; ++i) {
+        const float x = area.place_x(state.view.cursor_s[i] - zero_s);
+        if (x < area.where.corner.x || x > area.where.corner.x + area.where.size.x) {
+            continue;
+        }
+        canvas.line({x, area.where.corner.y}, {x, area.where.corner.y + area.where.size.y},
+                    {kInk, 1.2F, i == 0 ? Dash::solid : Dash::dashed});
+        canvas.text({x + 0.2F * text_height(), area.where.corner.y}, kInk, i == 0 ? "A" : "B");
+    }
+    const double apart_s = state.view.cursor_s[1] - state.view.cursor_s[0];
+    const std::string text = apart_s == 0.0 ? "B − A: 0 s"
+                                            : fmt::format("B − A: {:.4g} ms, {:.4g} Hz",
+                                                          1e3 * apart_s, 1.0 / std::abs(apart_s));
+    canvas.text({area.where.corner.x + area.where.size.x - text_width(text) - 0.3F * text_height(),
+                 area.where.corner.y + area.where.size.y - 1.1F * text_height()},
+                kInk, text);
+}
+
+/// Enters the plot into the window's report.
+void report_plot(const Plot &plot, const PlotPanelState &state) {
+    std::string names;
+    for (const std::size_t channel : plot.settings.channels) {
+        names += (names.empty() ? "" : ", ") + session::channels()[channel].name;
+    }
+    ui::enter("area", "plot", kPlotKindLabels[static_cast<std::size_t>(plot.settings.kind)], names,
+              {{"x_from", plot.area.x.from},
+               {"x_to", plot.area.x.to},
+               {"y_from", plot.area.y.from},
+               {"y_to", plot.area.y.to},
+               {"area_x", plot.area.where.corner.x},
+               {"area_y", plot.area.where.corner.y},
+               {"area_width", plot.area.where.size.x},
+               {"area_height", plot.area.where.size.y},
+               {"is_live", state.view.is_live() ? 1.0 : 0.0},
+               {"cursor_a_s", state.view.cursor_s[0]},
+               {"cursor_b_s", state.view.cursor_s[1]}});
+}
+
+/// Accepts a channel that is dragged here from a list or another plot.
+void accept_channel(Plot &plot) {
+    if (!ImGui::BeginDragDropTarget()) {
+        return;
+    }
+    if (const ImGuiPayload *payload = ImGui::AcceptDragDropPayload(kChannelPayload)) {
+        const std::size_t channel = *static_cast<const std::size_t *>(payload->Data);
+        std::vector<std::size_t> &channels = plot.settings.channels;
+        if (std::ranges::find(channels, channel) == channels.end()) {
+            channels.push_back(channel);
+        }
+    }
+    ImGui::EndDragDropTarget();
+}
+
+/// False if the plot is to be closed.
+bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
+              const record::ChannelStore &live, const Rectangle &where, float scale) {
+    const ui::Scope scope(fmt::format("plot {}", plot.id));
+    float head = ImGui::GetFrameHeight();
+    ImGui::SetCursorScreenPos(where.corner);
+    if (ui::small_button("≡##menu")) {
+        ImGui::OpenPopup("menu");
+    }
+    ui::explain("kind of plot, channels and units");
+    bool stays = true;
+    ImGui::SetNextWindowSizeConstraints({0.0F, 0.0F}, {1e4F, ImGui::GetIO().DisplaySize.y});
+    if (ImGui::BeginPopup("menu")) {
+        stays = draw_plot_menu(plot);
+        ImGui::EndPopup();
+    }
+    ImGui::SameLine();
+    if (plot.settings.kind == PlotKind::stiffness) {
+        if (state.stiffness.is_sweeping()) {
+            ui::text(kFaintInk, "measuring, {:.0f} %", 100.0 * state.stiffness.share());
+        } else if (ui::small_button("measure by a sweep##sweep")) {
+            state.stiffness.start_sweep();
+        }
+        ui::explain("sine by sine on a simulated motor held at its set-point, with the active "
+                    "tuning;\nthe device in the scene is not disturbed");
+    } else {
+        const float used = ImGui::GetCursorScreenPos().x - where.corner.x;
+        head = std::max(head, draw_legend(plot, state, source, where.size.x - used));
+    }
+    const Rectangle contents{{where.corner.x, where.corner.y + head},
+                             {where.size.x, where.size.y - head}};
+    ScreenCanvas canvas(*ImGui::GetWindowDrawList(), scale);
+    plot.area = draw_contents(canvas, contents, plot, state, source);
+    ImGui::SetCursorScreenPos(contents.corner);
+    ImGui::InvisibleButton("##area",
+                           {std::max(1.0F, contents.size.x), std::max(1.0F, contents.size.y)});
+    report_plot(plot, state);
+    accept_channel(plot);
+    use_mouse_on_plot(plot, state, source, live);
+    return stays;
+}
+
+} // namespace
+
+PlotPanelState::PlotPanelState() { choose_plot_set(*this, 0); }
+
+void choose_plot_set(PlotPanelState &state, std::size_t index) {
+    state.plots.clear();
+    const auto add = [&](PlotKind kind, std::initializer_list<std::string_view> names) {
+        add_plot(state, settings_of(kind, names));
+    };
+    switch (index) {
+    case 1:
+        add(PlotKind::xy, {"force_outward_N", "force_up_N"});
+        add(PlotKind::polar, {"normal_direction_rad", "force_N"});
+        break;
+    case 2:
+        add(PlotKind::polar, {"normal_direction_rad", "inverse_error_rad", "transpose_error_rad",
+                              "inverse_measured_rad", "transpose_measured_rad"});
+        add(PlotKind::xy, {"normal_direction_rad", "inverse_error_rad", "transpose_error_rad",
+                           "inverse_measured_rad", "transpose_measured_rad"});
+        break;
+    case 3:
+        add(PlotKind::time, {"e_W1_V", "e_W2_V", "e_W3_V"});
+        add(PlotKind::time, {"current1_A", "current2_A", "current3_A"});
+        add(PlotKind::time, {"winding_greatest1_C", "winding_greatest2_C", "winding_greatest3_C"});
+        break;
+    case 4:
+        add(PlotKind::histogram, {"period_s"});
+        add(PlotKind::histogram, {"compute_s"});
+        add(PlotKind::time, {"lateness_s"});
+        break;
+    case 5:
+        add(PlotKind::stiffness, {});
+        add(PlotKind::time, {"force_N"});
+        break;
+    case 6:
+        add(PlotKind::spectrum, {"force_N"});
+        add(PlotKind::time, {"force_N"});
+        break;
+    default:
+        add(PlotKind::time, {"rendered_error_rad", "transpose_measured_rad", "transpose_error_rad",
+                             "inverse_measured_rad", "inverse_error_rad"});
+        add(PlotKind::time, {"force_N"});
+        break;
+    }
+}
+
+std::vector<Rectangle> plot_places(const Rectangle &where, const std::vector<Plot> &plots) {
+    const std::size_t count = plots.size();
+    // As many columns as make the plots about twice as wide as high.
+    std::size_t columns = 1;
+    const auto rows_for = [&](std::size_t some) { return (count + some - 1) / some; };
+    while (columns < count && where.size.x / static_cast<float>(columns) >
+                                  3.0F * where.size.y / static_cast<float>(rows_for(columns))) {
+        ++columns;
+    }
+    const float height =
+        where.size.y / static_cast<float>(std::max<std::size_t>(1, rows_for(columns)));
+    const float gap = 0.6F * text_height();
+    const auto weight_of = [](const Plot &plot) {
+        return plot.settings.channels.size() > 3 ? 1.6F : 1.0F;
+    };
+    std::vector<Rectangle> places;
+    for (std::size_t first = 0; first < count; first += columns) {
+        const std::size_t last = std::min(count, first + columns);
+        float weights = 0.0F;
+        for (std::size_t i = first; i < last; ++i) {
+            weights += weight_of(plots[i]);
+        }
+        float left = where.corner.x;
+        for (std::size_t i = first; i < last; ++i) {
+            const float width = where.size.x * weight_of(plots[i]) / weights;
+            places.push_back({{left, where.corner.y + height * static_cast<float>(first / columns)},
+                              {width - gap, height}});
+            left += width;
+        }
+    }
+    return places;
+}
+
+PlotArea draw_contents(Canvas &canvas, const Rectangle &where, Plot &plot, PlotPanelState &state,
+                       const PlotSource &source) {
+    if (plot.settings.kind == PlotKind::stiffness) {
+        return state.stiffness.draw(canvas, where, plot.settings);
+    }
+    const PlotArea area = draw_plot(canvas, where, plot.settings, source, plot.cache);
+    if (plot.settings.kind == PlotKind::time && state.view.shows_cursors) {
+        draw_cursor_lines(canvas, state, area, source.zero_s);
+    }
+    return area;
+}
+
+void draw_plot_panel(session::Session &session, PlotPanelState &state, const Rectangle &place,
+                     float scale) {
+    const record::ChannelStore &live = session.servo().history().store();
+    state.trigger.advance(live, state.view);
+    state.stiffness.update(drive_of(session));
+    const signals::TimeWindow window = state.view.window(live);
+    const PlotSource source{state.view.store(live), session.servo().history().servo_hz(), window,
+                            state.view.is_live() ? window.to_s : 0.0};
+    const ui::Panel panel("Plots", place,
+                          ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar |
+                              ImGuiWindowFlags_NoScrollWithMouse);
+    const ImVec2 begin = ImGui::GetCursorScreenPos();
+    draw_handle(state, place, scale);
+    ImGui::SetCursorScreenPos(begin);
+    const float top = begin.y + ImGui::GetFrameHeightWithSpacing();
+    const float margin = ImGui::GetStyle().WindowPadding.x;
+    const Rectangle where{
+        {begin.x, top},
+        {place.size.x - 2.0F * margin, place.corner.y + place.size.y - top - 0.3F * text_height()}};
+    draw_toolbar(state, source, live, where, scale);
+    const std::vector<Rectangle> places = plot_places(where, state.plots);
+    std::size_t drawn = 0;
+    std::erase_if(state.plots, [&](Plot &plot) {
+        plot.cache.begin(ImGui::GetTime());
+        return !draw_one(plot, state, source, live, places[drawn++], scale);
+    });
+}
+
+} // namespace springdrive::app

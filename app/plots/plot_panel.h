@@ -1,0 +1,95 @@
+// The panel of plots: several of them, with what they have in common: time, cursors and trigger.
+#pragma once
+
+#include "app/layout.h"
+#include "app/plots/plot.h"
+#include "app/plots/plot_trigger.h"
+#include "app/plots/plot_view.h"
+#include "app/plots/stiffness_curves.h"
+#include "engine/session/session.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+/// One of the plots, with what is remembered between frames.
+struct Plot {
+    std::uint32_t id = 0; ///< for ImGui, unchanged when others are closed
+    PlotSettings settings;
+    PlotCache cache;
+    std::string searched;              ///< in the list of channels
+    std::optional<ImVec2> box_from;    ///< corner of a range that is being drawn
+    std::optional<std::size_t> cursor; ///< being dragged
+    PlotArea area{};                   ///< in the last frame
+};
+
+/// State of the panel between frames.
+struct PlotPanelState {
+    PlotPanelState();
+
+    std::vector<Plot> plots;
+    PlotView view;
+    PlotTrigger trigger;
+    PlotTriggerSettings typed_trigger; ///< in the trigger's menu
+    StiffnessCurves stiffness;
+    bool is_large = false; ///< over the scene
+    float height = 236.0F; ///< at scale 1, otherwise
+    std::string message;   ///< of the last export
+    std::uint32_t next_id = 1;
+
+    /// A picture of this part of the window to write when the frame is complete.
+    struct Picture {
+        std::filesystem::path file;
+        Rectangle where;
+    };
+    std::optional<Picture> picture;
+};
+
+/// A set of plots for a question, by name.
+inline constexpr std::array<const char *, 7> kPlotSetLabels{
+    "force and its direction", "figure 5, live", "figure 6, live",       "motors",
+    "timing of the servo",     "stiffness",      "spectrum of the force"};
+void choose_plot_set(PlotPanelState &state, std::size_t index);
+
+void draw_plot_panel(session::Session &session, PlotPanelState &state, const Rectangle &place,
+                     float scale);
+
+// Parts of the panel.
+
+/// Zooms, pans and reads values with the mouse; the previous item must cover the plot's area.
+void use_mouse_on_plot(Plot &plot, PlotPanelState &state, const PlotSource &source,
+                       const record::ChannelStore &live);
+
+/// The menu of one plot: its kind, its channels, its units. False if it is to be closed.
+[[nodiscard]] bool draw_plot_menu(Plot &plot);
+
+/// The menu of the trigger.
+void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live);
+
+/// The channels of a plot by colour and name; a click removes one, a drag takes it to another plot.
+/// In as many rows as the width needs. @return their height
+float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &source, float width);
+
+/// Payload of ImGui's drag and drop: a channel's number.
+inline constexpr const char *kChannelPayload = "channel";
+
+/// Each writes to a new file in the folder where the program was started, and says so in `message`.
+void export_csv(PlotPanelState &state, const PlotSource &source);
+void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle &where,
+                float scale);
+void export_png(PlotPanelState &state, const Rectangle &where);
+
+/// Where each plot is drawn within `where`: those with many channels get more of a row.
+[[nodiscard]] std::vector<Rectangle> plot_places(const Rectangle &where,
+                                                 const std::vector<Plot> &plots);
+
+/// What the panel draws of a plot apart from widgets, also into files.
+PlotArea draw_contents(Canvas &canvas, const Rectangle &where, Plot &plot, PlotPanelState &state,
+                       const PlotSource &source);
+
+} // namespace springdrive::app

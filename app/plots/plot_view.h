@@ -1,0 +1,48 @@
+// What all plots over time have in common: the time that is shown, whether it follows the present,
+// and two cursors.
+#pragma once
+
+#include "engine/lab/signals/trigger.h"
+#include "engine/record/channel_store.h"
+
+#include <array>
+#include <optional>
+
+namespace springdrive::app {
+
+/// A live view ends at the newest tick. A held one never moves by itself: it keeps a snapshot, from
+/// which nothing is lost while the servo goes on.
+class PlotView {
+public:
+    static constexpr double kLeastSpan_s = 1e-4;
+    static constexpr double kGreatestSpan_s = 3600.0;
+
+    [[nodiscard]] bool is_live() const { return !held_.has_value(); }
+    [[nodiscard]] double span_s() const { return span_s_; }
+    /// What is shown now.
+    [[nodiscard]] signals::TimeWindow window(const record::ChannelStore &live) const;
+    [[nodiscard]] const record::ChannelStore &store(const record::ChannelStore &live) const {
+        return held_ ? *held_ : live;
+    }
+
+    void go_live() { held_.reset(); }
+    /// Stops the view where it is.
+    void hold(const record::ChannelStore &live);
+    /// Holds, and shows this window.
+    void show(const record::ChannelStore &live, const signals::TimeWindow &window);
+    /// Changes the span, with the same end.
+    void set_span(double span_s);
+
+    bool shows_cursors = false;
+    std::array<double, 2> cursor_s{}; ///< in the store's time
+
+    /// Places the cursors at a third and two thirds of what is shown.
+    void place_cursors(const record::ChannelStore &live);
+
+private:
+    double span_s_ = 5.0;
+    double end_s_ = 0.0; ///< of a held view
+    std::optional<record::ChannelStore> held_;
+};
+
+} // namespace springdrive::app
