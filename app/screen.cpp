@@ -56,7 +56,7 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
-      keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
+      desk_(session), keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
     scene_panel_.files = offered_scenes(options.session.scene);
     if (!window_.font_remark().empty()) {
         std::cerr << "springdrive: " << window_.font_remark() << '\n';
@@ -69,8 +69,26 @@ void Screen::take_orders() {
     if (window_.take_emergency_stop()) {
         session_.servo().emergency_stop();
     }
+    for (const KeyPress &key : window_.take_keys()) {
+        obey(key);
+    }
     for (const std::filesystem::path &file : window_.take_dropped_files()) {
         session_.request_scene(file);
+    }
+}
+
+void Screen::obey(const KeyPress &key) {
+    const bool is_redo = key.with_ctrl && (key.name == "y" || (key.name == "z" && key.with_shift));
+    if (is_redo) {
+        desk_.redo(session_);
+    } else if (key.with_ctrl && key.name == "z") {
+        desk_.undo(session_);
+    } else if (key.with_ctrl) {
+        return;
+    } else if (key.name == "b") {
+        desk_.toggle_slot(session_);
+    } else if (key.name == "m") {
+        desk_.toggle_map(session_);
     }
 }
 
@@ -133,10 +151,14 @@ void Screen::draw_contents() {
     mouse_.apply(session_, camera_, places.scene_view);
     window_.clear();
     draw_scene(places.scene_view);
-    draw_tuning_panel(session_, tuning_panel_, places.tuning);
+    desk_.update(session_);
+    draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
+    if (!ImGui::IsAnyItemActive()) {
+        desk_.let_go();
+    }
     draw_servo_panel(session_, servo_panel_, places.servo);
     draw_scene_panel(session_, scene_panel_, places.scene);
-    draw_plot_panel(session_, plot_panel_, places.plots, window_.scale());
+    draw_plot_panel(session_, desk_.history().slots(), plot_panel_, places.plots, window_.scale());
     draw_scene_overlay(session_, places.scene_view, window_.scale());
 }
 

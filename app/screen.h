@@ -7,6 +7,7 @@
 #include "app/panels/panels.h"
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
+#include "app/tuning_desk.h"
 #include "app/view/camera.h"
 #include "app/view/renderer.h"
 #include "app/window.h"
@@ -41,6 +42,7 @@ private:
     [[nodiscard]] Layout current_layout() const;
     [[nodiscard]] std::string report_line() const;
     void take_orders();
+    void obey(const KeyPress &key);
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
     void print(const std::vector<std::string> &remarks) const; ///< on the scene
@@ -52,6 +54,7 @@ private:
     Renderer renderer_;
     Camera camera_;
     MouseInView mouse_;
+    TuningDesk desk_;
     TuningPanelState tuning_panel_;
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;

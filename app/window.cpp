@@ -249,7 +249,9 @@ std::vector<std::filesystem::path> Window::take_dropped_files() {
     return std::exchange(dropped_, {});
 }
 
-void Window::on_key(GLFWwindow *window, int key, int /*scancode*/, int action, int /*mods*/) {
+std::vector<KeyPress> Window::take_keys() { return std::exchange(keys_, {}); }
+
+void Window::on_key(GLFWwindow *window, int key, int scancode, int action, int mods) {
     auto *self = static_cast<Window *>(glfwGetWindowUserPointer(window));
     if (action != GLFW_PRESS || key < 0 || key > GLFW_KEY_LAST) {
         return;
@@ -257,6 +259,11 @@ void Window::on_key(GLFWwindow *window, int key, int /*scancode*/, int action, i
     self->pressed_keys_.push_back(key);
     const bool is_space = key == GLFW_KEY_SPACE && !ImGui::GetIO().WantTextInput;
     self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_F12 || is_space;
+    // By the keyboard's layout: GLFW's own codes are those of a US keyboard.
+    const char *name = glfwGetKeyName(key, scancode);
+    if (name != nullptr && !ImGui::GetIO().WantTextInput) {
+        self->keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    }
 }
 
 void Window::on_drop(GLFWwindow *window, int count, const char **paths) {

@@ -13,6 +13,13 @@ struct GLFWwindow;
 
 namespace springdrive::app {
 
+/// A key with those held for it.
+struct KeyPress {
+    std::string name; ///< the letter on the keyboard, lower case
+    bool with_ctrl = false;
+    bool with_shift = false;
+};
+
 class Window {
 public:
     struct Size {
@@ -48,6 +55,9 @@ public:
     /// bar, unless a text is being typed.
     [[nodiscard]] bool take_emergency_stop();
 
+    /// Letters pressed since the last call, except those typed as text.
+    [[nodiscard]] std::vector<KeyPress> take_keys();
+
     /// Files dropped on the window since the last call.
     [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
 
@@ -70,6 +80,7 @@ private:
     float scale_ = 1.0F; ///< of the font
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
+    std::vector<KeyPress> keys_;      ///< for take_keys
     std::vector<int> pressed_keys_;   ///< since the last frame
     std::vector<int> prolonged_keys_; ///< released within a frame, reported to ImGui for one more
     std::vector<std::filesystem::path> dropped_;

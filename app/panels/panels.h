@@ -3,6 +3,8 @@
 
 #include "app/layout.h"
 #include "app/panels/stability_tab.h"
+#include "app/panels/tuning_files.h"
+#include "app/tuning_desk.h"
 #include "engine/session/session.h"
 
 #include <cstddef>
@@ -19,10 +21,20 @@ struct TuningPanelState {
     std::optional<std::size_t> typing; ///< which parameter
     double typed = 0.0;
     StabilityTabState stability;
+    TuningFiles files;
+    std::string file_name;    ///< being typed, to save or rename
+    std::string file_message; ///< what came of it
+    std::size_t compared = 0; ///< in the list of what the active tuning is compared with
 };
 
-/// The six parameters with derived quantities, and a second tab with their stability.
-void draw_tuning_panel(session::Session &session, TuningPanelState &state, const Rectangle &place);
+/// The six parameters with derived quantities; other tabs show their stability, and compare
+/// tunings.
+void draw_tuning_panel(session::Session &session, TuningDesk &desk, TuningPanelState &state,
+                       const Rectangle &place);
+
+/// Within the tuning panel: the active tuning against the other slot, the first one, or a file;
+/// files to save and load; the steps so far.
+void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state);
 
 /// State of the servo panel between frames.
 struct ServoPanelState {

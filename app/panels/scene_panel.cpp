@@ -51,12 +51,12 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
 } // namespace
 
 void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place) {
-    const ui::Panel panel("Scene", place);
+    const ui::Panel panel("Scene", place, ImGuiWindowFlags_NoTitleBar);
     const ui::Tabs tabs("##tabs");
     if (!tabs) {
         return;
     }
-    if (const ui::Tab contents("Contents"); contents) {
+    if (const ui::Tab contents("Scene"); contents) {
         draw_scene_tab(session, state);
     }
     if (const ui::Tab model("Model"); model) {

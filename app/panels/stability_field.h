@@ -5,6 +5,7 @@
 #include "engine/lab/loops/stability_case.h"
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -37,13 +38,19 @@ public:
     /// Restarts the computation in the background if its inputs have changed.
     void update(const loops::StabilityCase &now);
 
-    /// In the available width, with a cross at the tuning.
-    void draw(const control::Tuning &now) const;
+    /// In the available room, with a cross at the tuning. A click chooses K_P and dR.
+    void draw(const control::Tuning &now);
+
+    /// The tuning that was clicked, once.
+    [[nodiscard]] std::optional<control::Tuning> take_clicked() {
+        return std::exchange(clicked_, std::nullopt);
+    }
 
 private:
     Background<StabilityGrid> work_;
     std::optional<StabilityGrid> grid_;
     std::optional<loops::StabilityCase> of_;
+    std::optional<control::Tuning> clicked_;
 };
 
 } // namespace springdrive::app

@@ -1,5 +1,6 @@
 #include "app/panels/stability_tab.h"
 
+#include "app/panels/held_dR.h"
 #include "app/widgets/widgets.h"
 
 #include <algorithm>
@@ -97,7 +98,8 @@ void show_search(const session::Session &session, StabilityTabState &state) {
 
 void show_margins(const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
-    ui::wrapped(kInk, "K_DC {:.3g} N·m/rad", margins.K_DC_Nm_per_rad);
+    ui::wrapped(kInk, "K_DC {:.3g} N·m/rad at dR {:.3g} Ω", margins.K_DC_Nm_per_rad,
+                found.tuning.dR_Ohm);
     ui::explain("static stiffness k_T K_P/dR (13) at the motor");
     ui::wrapped(kInk, "margins: gains × {:.2f}, dR to {:.3g} Ω, delay + {}", margins.gain,
                 margins.min_dR_Ohm, margins.more_delay_periods);
@@ -117,35 +119,49 @@ void show_margins(const limits::AutoTuned &found) {
     }
 }
 
-void show_found(session::Session &session, StabilityTabState &state) {
-    if (!state.message().empty()) {
+/// K_DC is less than what was found while dR is held up, as by windings that are still cold.
+void show_held_K_DC(const session::Session &session, const limits::AutoTuned &found) {
+    const double held_Ohm = active_dR_Ohm(session);
+    if (held_Ohm > found.tuning.dR_Ohm * (1.0 + 1e-9)) {
+        ui::wrapped(kWarning, "now {:.3g} N·m/rad, as dR is held at {:.3g} Ω: see Gains",
+                    found.margins.K_DC_Nm_per_rad * found.tuning.dR_Ohm / held_Ohm, held_Ohm);
+    }
+}
+
+void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
+    if (state.found()) {
+        const bool is_active = desk.now() == state.found_tuning();
+        {
+            const ui::Disabled when_active(is_active);
+            if (ui::button("activate")) {
+                desk.replace(session, state.found_tuning(), "found in the window");
+            }
+        }
+        ui::explain("the tuning that was found; undo takes it back");
+        ImGui::SameLine();
+        if (ui::button("save as file")) {
+            state.save();
+        }
+        ui::explain("writes the tuning and its margins to the folder where springdrive was "
+                    "started;\nload it with --tuning-file");
+        ImGui::SameLine();
+        ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
+        show_margins(*state.found());
+        if (is_active) {
+            show_held_K_DC(session, *state.found());
+        }
+    }
+    if (!state.message().empty()) { // below the buttons, which it must not move
         ui::wrapped(kInk, "{}", state.message());
     }
-    if (!state.found()) {
-        return;
-    }
-    const bool is_active = session.servo().inputs().tuning == state.found_tuning();
-    ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
-    ImGui::SameLine();
-    show_margins(*state.found());
-    if (ui::button(is_active ? "undo" : "activate")) {
-        session.servo().tune(is_active ? state.before() : state.found_tuning());
-    }
-    ui::explain(is_active ? "the tuning before the search" : "the tuning that was found");
-    ImGui::SameLine();
-    if (ui::button("save as file")) {
-        state.save();
-    }
-    ui::explain("writes the tuning and its margins to the folder where springdrive was started;\n"
-                "load it with --tuning-file");
 }
 
 } // namespace
 
-void draw_stability_tab(session::Session &session, StabilityTabState &state) {
+void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
     state.update(session);
     if (const std::optional<control::Tuning> tuning = state.take_new_tuning()) {
-        session.servo().tune(*tuning);
+        desk.replace(session, *tuning, "found in the window");
     }
     if (state.prediction()) {
         show_prediction(*state.prediction());
@@ -154,9 +170,12 @@ void draw_stability_tab(session::Session &session, StabilityTabState &state) {
     }
     ImGui::Separator();
     show_search(session, state);
-    show_found(session, state);
+    show_found(session, desk, state);
     ImGui::Separator();
-    state.field().draw(session.servo().inputs().tuning);
+    state.field().draw(desk.now());
+    if (const std::optional<control::Tuning> tuning = state.field().take_clicked()) {
+        desk.replace(session, *tuning, "from the map");
+    }
 }
 
 } // namespace springdrive::app

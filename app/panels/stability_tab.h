@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/panels/stability_field.h"
+#include "app/tuning_desk.h"
 #include "base/background.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/session/session.h"
@@ -45,10 +46,8 @@ public:
         return prediction_;
     }
     [[nodiscard]] const std::optional<limits::AutoTuned> &found() const { return found_; }
-    [[nodiscard]] const StabilityField &field() const { return field_; }
+    [[nodiscard]] StabilityField &field() { return field_; }
     [[nodiscard]] const std::string &message() const { return message_; }
-    /// The active tuning before the search.
-    [[nodiscard]] const control::Tuning &before() const { return before_; }
     /// The result of the search, with the η that was active.
     [[nodiscard]] const control::Tuning &found_tuning() const { return found_tuning_; }
     /// A tuning to activate now; returned once.
@@ -63,17 +62,13 @@ private:
     StabilityField field_;
     Background<limits::AutoTuned> search_;
     std::optional<limits::AutoTuned> found_;
-    control::Tuning before_;
     control::Tuning found_tuning_;
     std::optional<control::Tuning> new_tuning_;
     std::string message_; ///< of the last search or save
 };
 
-/// The current loop: at the present configuration, with the requested tuning.
-[[nodiscard]] loops::StabilityCase stability_case_of(const session::Session &session);
-
 /// Shows whether the tuning is stable with every hand, the distance to its limits, and a button to
 /// search for the stiffest tuning with a margin.
-void draw_stability_tab(session::Session &session, StabilityTabState &state);
+void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTabState &state);
 
 } // namespace springdrive::app

@@ -69,25 +69,14 @@ bool is_another(const loops::StabilityCase &before, const loops::StabilityCase &
 
 } // namespace
 
-loops::StabilityCase stability_case_of(const session::Session &session) {
-    loops::StabilityCase which;
-    which.device = session.description();
-    which.tuning = session.servo().inputs().tuning;
-    which.period_s = 1.0 / session.servo().rate_hz();
-    which.delay_periods = session.device().device().delay_periods();
-    which.q_rad = device::joint_from_motor(which.device.geometry, session.latest().theta_rad);
-    return which;
-}
-
 void StabilityTabState::update(const session::Session &session) {
     try {
         if (std::optional<StabilityPrediction> prediction = watch_.take()) {
             prediction_ = std::move(prediction);
         }
         if (std::optional<limits::AutoTuned> found = search_.take()) {
-            before_ = session.servo().inputs().tuning;
             found_tuning_ = found->tuning;
-            found_tuning_.eta = before_.eta; // stable with any η
+            found_tuning_.eta = session.servo().inputs().tuning.eta; // stable with any η
             new_tuning_ = found_tuning_;
             found_ = std::move(found);
             message_.clear();
@@ -95,7 +84,7 @@ void StabilityTabState::update(const session::Session &session) {
     } catch (const std::exception &error) {
         message_ = error.what();
     }
-    const loops::StabilityCase now = stability_case_of(session);
+    const loops::StabilityCase now = stability_case_of(session, session.servo().inputs().tuning);
     field_.update(now);
     if (!watch_.is_busy() && (!looked_at_ || is_another(*looked_at_, now))) {
         looked_at_ = now;
@@ -106,8 +95,9 @@ void StabilityTabState::update(const session::Session &session) {
 void StabilityTabState::start_tuning(const session::Session &session) {
     found_.reset();
     message_.clear();
-    search_.start([request = limits::AutoTuneRequest{stability_case_of(session), margin}](
-                      BackgroundTalk &talk) {
+    search_.start([request = limits::AutoTuneRequest{
+                       stability_case_of(session, session.servo().inputs().tuning),
+                       margin}](BackgroundTalk &talk) {
         return limits::auto_tune(request, [&talk](double share) {
             talk.share = share;
             return talk.is_wanted();

@@ -164,10 +164,7 @@ Curve curve_of_ticks(std::size_t channel, const PlotSource &source, double per_s
     return curve;
 }
 
-Axis value_axis(const PlotSettings &settings, const PlotSource &source, const Rows &rows) {
-    if (settings.y) {
-        return *settings.y;
-    }
+Range value_range(const PlotSettings &settings, const PlotSource &source, const Rows &rows) {
     Range range;
     for (const std::size_t channel : settings.channels) {
         const double per_si = unit_of(channel, settings).per_si;
@@ -176,16 +173,21 @@ Axis value_axis(const PlotSettings &settings, const PlotSource &source, const Ro
         range.take(extremes.minimum * per_si);
         range.take(std::min(extremes.maximum, greatest_of_interest(channel)) * per_si);
     }
-    return chosen_axis(range);
+    return range;
 }
 
-PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
-                        const PlotSource &source) {
+/// The trace as a source whose axis is that of `source`.
+PlotSource source_of_trace(const PlotSource &source) {
+    const double later_s = source.trace_end_s - source.trace->window.to_s;
+    return {source.trace->store,
+            source.servo_hz,
+            {source.window.from_s - later_s, source.window.to_s - later_s},
+            source.zero_s - later_s};
+}
+
+std::vector<Curve> curves_over_time(const PlotSettings &settings, const PlotSource &source,
+                                    int columns) {
     const Rows rows = rows_of(source);
-    const Axis x{source.window.from_s - source.zero_s, source.window.to_s - source.zero_s};
-    const PlotArea area =
-        draw_axes(canvas, where, x, value_axis(settings, source, rows), "s", unit_title(settings));
-    const int columns = std::max(1, static_cast<int>(area.where.size.x));
     const bool is_dense = rows.to - rows.from > 2U * static_cast<unsigned>(columns);
     const std::vector<std::uint64_t> edges =
         is_dense ? rows_of_columns(source, columns) : std::vector<std::uint64_t>();
@@ -195,7 +197,44 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
         curves.push_back(is_dense ? curve_of_columns(channel, source, per_si, edges)
                                   : curve_of_ticks(channel, source, per_si, rows));
     }
-    draw_curves(canvas, area, settings, curves);
+    return curves;
+}
+
+void draw_trace(Canvas &canvas, const PlotArea &area, const PlotSettings &settings,
+                const PlotSource &source) {
+    canvas.clip(area.where);
+    for (const Curve &curve :
+         curves_over_time(settings, source_of_trace(source), static_cast<int>(area.where.size.x))) {
+        Stroke stroke = look_of(curve.channel).stroke;
+        stroke.colour.w *= 0.4F;
+        draw_curve(canvas, area, curve, stroke);
+    }
+    canvas.unclip();
+    const std::string note = "faint: " + source.trace->name;
+    canvas.text({area.where.corner.x + area.where.size.x - text_width(note) - 0.3F * text_height(),
+                 area.where.corner.y + 0.1F * text_height()},
+                kFaintInk, note);
+}
+
+PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
+                        const PlotSource &source) {
+    const Rows rows = rows_of(source);
+    const Axis x{source.window.from_s - source.zero_s, source.window.to_s - source.zero_s};
+    Range values = value_range(settings, source, rows);
+    if (source.trace != nullptr) {
+        const PlotSource trace = source_of_trace(source);
+        const Range of_trace = value_range(settings, trace, rows_of(trace));
+        values.take(of_trace.minimum);
+        values.take(of_trace.maximum);
+    }
+    const PlotArea area = draw_axes(canvas, where, x, settings.y.value_or(chosen_axis(values)), "s",
+                                    unit_title(settings));
+    if (source.trace != nullptr) {
+        draw_trace(canvas, area, settings, source);
+    }
+    draw_curves(
+        canvas, area, settings,
+        curves_over_time(settings, source, std::max(1, static_cast<int>(area.where.size.x))));
     return area;
 }
 

@@ -42,6 +42,13 @@ struct PlotSettings {
     std::optional<Axis> y;
 };
 
+/// What was shown with the other tuning, to be drawn faintly behind what is shown now.
+struct PlotTrace {
+    record::ChannelStore store;
+    signals::TimeWindow window;
+    std::string name; ///< of the tuning
+};
+
 /// The data of a frame.
 struct PlotSource {
     const record::ChannelStore &store;
@@ -49,6 +56,9 @@ struct PlotSource {
     signals::TimeWindow window;
     /// The time that the axis counts from: now, if the view is live, else 0.
     double zero_s = 0.0;
+    const PlotTrace *trace = nullptr; ///< may be null
+    /// The time that belongs to the end of the trace.
+    double trace_end_s = 0.0;
 };
 
 /// Results that take too long for every frame.

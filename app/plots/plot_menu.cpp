@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace springdrive::app {
@@ -88,20 +89,21 @@ void draw_channel_list(Plot &plot) {
     ImGui::EndChild();
 }
 
-/// The value of a channel under the cursors, or the newest one.
+/// The values of a channel under the cursors, and their difference.
 std::string values_under_cursors(std::size_t channel, const PlotPanelState &state,
                                  const PlotSource &source, bool in_si) {
     const ShownUnit unit = shown_unit(channel, in_si);
     std::array<double, 2> values{};
     for (std::size_t i = 0; i < 2; ++i) {
         const std::uint64_t row = source.store.row_at(state.view.cursor_s[i]);
-        if (row == source.store.end()) {
-            return " –";
-        }
-        values[i] = source.store.value(channel, row) * unit.per_si;
+        values[i] = row == source.store.end() ? std::numeric_limits<double>::quiet_NaN()
+                                              : source.store.value(channel, row) * unit.per_si;
     }
-    return ui::formatted(" A {:.4g}  B {:.4g}  B − A {:.4g} {}", values[0], values[1],
-                         values[1] - values[0], unit.name);
+    const auto text_of = [](double value) {
+        return std::isnan(value) ? std::string("–") : ui::formatted("{:.4g}", value);
+    };
+    return " A " + text_of(values[0]) + "  B " + text_of(values[1]) + "  Δ " +
+           text_of(values[1] - values[0]) + " " + std::string(unit.name);
 }
 
 /// What the first channel is for, where it is for something else than the others.

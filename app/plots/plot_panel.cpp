@@ -137,26 +137,32 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
     draw_trigger_button(state, live);
     ImGui::SameLine();
     if (ui::checkbox("cursors", state.view.shows_cursors) && state.view.shows_cursors) {
+        state.view.hold(live); // a live view would leave them behind
         state.view.place_cursors(live);
     }
     ui::explain("two times to be dragged in the plots, with the values there and their "
                 "differences");
     ImGui::SameLine();
+    ui::checkbox("A/B", state.shows_trace);
+    ui::explain("shows faintly what was shown when the other slot of the tuning was left: key B");
+    ImGui::SameLine();
     draw_sets(state);
     ImGui::SameLine();
     draw_exports(state, source, where, scale);
     ImGui::SameLine();
-    if (ui::button(state.is_large ? "smaller##large" : "larger##large",
-                   {4.6F * ImGui::GetFontSize(), 0.0F})) {
+    if (ui::button("\u2195##large")) {
         state.is_large = !state.is_large;
     }
-    ImGui::SameLine();
+    ui::explain(state.is_large
+                    ? "makes room for the scene again"
+                    : "shows the plots over the scene; their upper edge can be dragged, too");
     const std::string text = state_text(state, live);
-    if (text_width(text) < ImGui::GetContentRegionAvail().x) {
+    ImGui::SameLine();
+    const float left = ImGui::GetCursorScreenPos().x;
+    if (left + text_width(text) < where.corner.x + where.size.x) {
         ui::text(kFaintInk, "{}", text);
     } else {
-        ui::text(kFaintInk, "…");
-        ui::explain(text);
+        ImGui::NewLine();
     }
 }
 
@@ -193,6 +199,18 @@ void draw_cursor_lines(Canvas &canvas, const PlotPanelState &state, const PlotAr
     canvas.text({area.where.corner.x + area.where.size.x - text_width(text) - 0.3F * text_height(),
                  area.where.corner.y + area.where.size.y - 1.1F * text_height()},
                 kInk, text);
+}
+
+/// When a slot is left, what was shown with its tuning becomes its trace.
+void keep_trace(const session::TuningSlots &slots, PlotPanelState &state,
+                const record::ChannelStore &live) {
+    if (slots.active() == state.slot) {
+        return;
+    }
+    state.traces[static_cast<std::size_t>(state.slot)] =
+        PlotTrace{state.view.store(live), state.view.window(live),
+                  "slot " + std::string(session::name_of(state.slot))};
+    state.slot = slots.active();
 }
 
 /// Enters the plot into the window's report.
@@ -363,14 +381,21 @@ PlotArea draw_contents(Canvas &canvas, const Rectangle &where, Plot &plot, PlotP
     return area;
 }
 
-void draw_plot_panel(session::Session &session, PlotPanelState &state, const Rectangle &place,
-                     float scale) {
+void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
+                     PlotPanelState &state, const Rectangle &place, float scale) {
     const record::ChannelStore &live = session.servo().history().store();
     state.trigger.advance(live, state.view);
     state.stiffness.update(drive_of(session));
     const signals::TimeWindow window = state.view.window(live);
-    const PlotSource source{state.view.store(live), session.servo().history().servo_hz(), window,
-                            state.view.is_live() ? window.to_s : 0.0};
+    keep_trace(slots, state, live);
+    const std::optional<PlotTrace> &trace =
+        state.traces[static_cast<std::size_t>(slots.inactive())];
+    const PlotSource source{state.view.store(live),
+                            session.servo().history().servo_hz(),
+                            window,
+                            state.view.is_live() ? window.to_s : 0.0,
+                            state.shows_trace && trace ? &*trace : nullptr,
+                            state.view.reference_end_s(live)};
     const ui::Panel panel("Plots", place,
                           ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar |
                               ImGuiWindowFlags_NoScrollWithMouse);

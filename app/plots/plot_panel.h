@@ -7,6 +7,7 @@
 #include "app/plots/plot_view.h"
 #include "app/plots/stiffness_curves.h"
 #include "engine/session/session.h"
+#include "engine/session/tuning_history.h"
 
 #include <array>
 #include <cstdint>
@@ -42,6 +43,11 @@ struct PlotPanelState {
     std::string message;   ///< of the last export
     std::uint32_t next_id = 1;
 
+    /// What was shown with each slot's tuning when it was left.
+    std::array<std::optional<PlotTrace>, 2> traces;
+    bool shows_trace = true;
+    session::TuningSlot slot = session::TuningSlot::a; ///< in the last frame
+
     /// A picture of this part of the window to write when the frame is complete.
     struct Picture {
         std::filesystem::path file;
@@ -56,8 +62,9 @@ inline constexpr std::array<const char *, 7> kPlotSetLabels{
     "timing of the servo",     "stiffness",      "spectrum of the force"};
 void choose_plot_set(PlotPanelState &state, std::size_t index);
 
-void draw_plot_panel(session::Session &session, PlotPanelState &state, const Rectangle &place,
-                     float scale);
+/// @param slots  of tunings: the trace of the other one is shown faintly
+void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
+                     PlotPanelState &state, const Rectangle &place, float scale);
 
 // Parts of the panel.
 

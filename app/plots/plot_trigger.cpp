@@ -81,8 +81,7 @@ void PlotTrigger::advance(const record::ChannelStore &live, PlotView &view) {
         if (const std::optional<signals::TimeWindow> window = trigger_.window();
             window && trigger_.state() == signals::TriggerState::complete &&
             (settings_.repeats || next_row_ <= row)) {
-            view.go_live(); // the snapshot must hold the event
-            view.show(live, *window);
+            view.show_event(live, *window);
             trigger_.proceed();
             if (!settings_.repeats) {
                 settings_.source = TriggerSource::off;

@@ -12,9 +12,15 @@ signals::TimeWindow PlotView::window(const record::ChannelStore &live) const {
 
 void PlotView::hold(const record::ChannelStore &live) {
     if (is_live()) {
-        end_s_ = window(live).to_s;
+        end_s_ = reference_end_s_ = window(live).to_s;
         held_ = live;
     }
+}
+
+void PlotView::show_event(const record::ChannelStore &live, const signals::TimeWindow &window) {
+    go_live(); // the snapshot must hold the event
+    show(live, window);
+    reference_end_s_ = end_s_;
 }
 
 void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow &window) {

@@ -28,8 +28,14 @@ public:
     void go_live() { held_.reset(); }
     /// Stops the view where it is.
     void hold(const record::ChannelStore &live);
-    /// Holds, and shows this window.
+    /// Holds, and shows this window of an event.
+    void show_event(const record::ChannelStore &live, const signals::TimeWindow &window);
+    /// Holds, and zooms or moves to this window.
     void show(const record::ChannelStore &live, const signals::TimeWindow &window);
+    /// The end of what was shown before it was zoomed or moved: that of the event, or of the hold.
+    [[nodiscard]] double reference_end_s(const record::ChannelStore &live) const {
+        return is_live() ? window(live).to_s : reference_end_s_;
+    }
     /// Changes the span, with the same end.
     void set_span(double span_s);
 
@@ -42,6 +48,7 @@ public:
 private:
     double span_s_ = 5.0;
     double end_s_ = 0.0; ///< of a held view
+    double reference_end_s_ = 0.0;
     std::optional<record::ChannelStore> held_;
 };
 

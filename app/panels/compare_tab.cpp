@@ -1,0 +1,121 @@
+#include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
+#include "engine/control/tuning_difference.h"
+
+#include <algorithm>
+
+namespace springdrive::app {
+
+namespace {
+
+/// What the active tuning can be compared with.
+struct Compared {
+    std::string name;
+    control::Tuning tuning;
+    const TuningFiles::Entry *file = nullptr;
+};
+
+std::vector<Compared> candidates(const TuningDesk &desk, const TuningPanelState &state) {
+    const session::TuningHistory &history = desk.history();
+    std::vector<Compared> all{{"slot " + std::string(session::name_of(history.slots().inactive())),
+                               history.slots().other()},
+                              {"the first tuning", history.journal().front().tuning}};
+    for (const TuningFiles::Entry &entry : state.files.entries()) {
+        all.push_back({entry.name, entry.contents.tuning, &entry});
+    }
+    return all;
+}
+
+void draw_differences(const TuningDesk &desk, const control::Tuning &other) {
+    const std::vector<control::TuningChange> changes = control::changes_between(other, desk.now());
+    if (changes.empty()) {
+        ui::text(kFaintInk, "no difference");
+        return;
+    }
+    if (!ImGui::BeginTable("differences", 3, ImGuiTableFlags_SizingStretchProp)) {
+        return;
+    }
+    for (const char *title : {"", "there", "now"}) {
+        ImGui::TableNextColumn();
+        ui::text(kFaintInk, "{}", title);
+    }
+    for (const control::TuningChange &change : changes) {
+        const ui::Scope scope(change.name);
+        ImGui::TableNextColumn();
+        ui::text(kFaintInk, "{}", change.symbol);
+        for (const std::string &value : {change.before, change.after}) {
+            ImGui::TableNextColumn();
+            ui::text(kInk, "{} {}", value, change.unit);
+        }
+    }
+    ImGui::EndTable();
+}
+
+void draw_files(TuningDesk &desk, TuningPanelState &state, const TuningFiles::Entry *file) {
+    ImGui::SetNextItemWidth(11.0F * ImGui::GetFontSize());
+    ui::text_field("##name", "name of a file", state.file_name);
+    ImGui::SameLine();
+    if (ui::button("save")) {
+        state.file_message = state.files.save(state.file_name, desk.now());
+    }
+    ui::explain("writes the active tuning to NAME.toml in the folder where springdrive was "
+                "started;\nload it here, or with --tuning-file");
+    ImGui::SameLine();
+    {
+        const ui::Disabled not_own(file == nullptr || !file->is_own);
+        if (ui::button("rename") && file != nullptr) {
+            state.file_message = state.files.rename(*file, state.file_name);
+            state.compared = 0;
+        }
+    }
+    ui::explain("renames the chosen file; those in brackets belong to the project");
+    if (!state.file_message.empty()) {
+        ui::wrapped(kInk, "{}", state.file_message);
+    }
+}
+
+void draw_steps(const TuningDesk &desk) {
+    const session::TuningHistory &history = desk.history();
+    ui::text(kFaintInk, "changes: {}, the newest first", history.done());
+    std::size_t shown = 0;
+    for (std::size_t i = history.done(); i > 0 && shown < 50; --i, ++shown) {
+        const session::TuningStep &step = history.steps()[i - 1];
+        ui::wrapped(kInk, "{:.1f} s  {}", step.time_s, step.what);
+    }
+}
+
+} // namespace
+
+void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
+    const std::vector<Compared> all = candidates(desk, state);
+    state.compared = std::min(state.compared, all.size() - 1);
+    ImGui::SetNextItemWidth(14.0F * ImGui::GetFontSize());
+    if (const ui::DropDown list("##with", all[state.compared].name.c_str()); list) {
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (ui::selectable(all[i].name.c_str(), i == state.compared)) {
+                state.compared = i;
+            }
+        }
+    }
+    const Compared &other = all[state.compared];
+    ImGui::SameLine();
+    if (ui::button("load")) {
+        desk.replace(session, other.tuning, other.name);
+    }
+    ui::explain("makes it the active tuning: all of it, with map, α and η");
+    ImGui::SameLine();
+    if (ui::button("refresh")) {
+        state.files.refresh();
+    }
+    ui::explain("looks for tuning files again");
+    draw_differences(desk, other.tuning);
+    ImGui::Separator();
+    draw_files(desk, state, other.file);
+    if (!desk.complaint().empty()) {
+        ui::wrapped(kDanger, "{}", desk.complaint());
+    }
+    ImGui::Separator();
+    draw_steps(desk);
+}
+
+} // namespace springdrive::app

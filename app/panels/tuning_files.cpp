@@ -1,0 +1,91 @@
+#include "app/panels/tuning_files.h"
+
+#include "app/asset_folder.h"
+#include "base/input_error.h"
+#include "base/new_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+namespace springdrive::app {
+
+namespace {
+
+void add_tunings_in(const std::filesystem::path &folder, bool is_own,
+                    std::vector<TuningFiles::Entry> &entries) {
+    std::error_code ignored;
+    std::vector<std::filesystem::path> files;
+    for (const auto &entry : std::filesystem::directory_iterator(folder, ignored)) {
+        if (entry.path().extension() == ".toml" && entry.is_regular_file(ignored)) {
+            files.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(files);
+    for (const std::filesystem::path &file : files) {
+        try {
+            const std::string name = file.stem().string();
+            entries.push_back({file, is_own ? name : "(" + name + ")",
+                               control::read_whole_tuning_file(file), is_own});
+        } catch (const InputError &) {
+            // Another kind of file, such as a device: not offered.
+        }
+    }
+}
+
+/// A file of that name in the current folder. @throw InputError for a name that would lead
+/// elsewhere
+std::filesystem::path file_of(const std::string &name) {
+    if (name.empty() || name.find('/') != std::string::npos || name.front() == '.') {
+        throw InputError("type a name without / to save the tuning in the folder where springdrive "
+                         "was started");
+    }
+    return name.ends_with(".toml") ? name : name + ".toml";
+}
+
+} // namespace
+
+void TuningFiles::refresh() {
+    entries_.clear();
+    add_tunings_in(".", true, entries_);
+    add_tunings_in(asset_folder() / "tunings", false, entries_);
+}
+
+std::string TuningFiles::save(const std::string &name, const control::Tuning &tuning) {
+    try {
+        const std::filesystem::path path = file_of(name);
+        NewFile written(path);
+        std::ofstream file(written.temporary(), std::ios::binary);
+        control::write_tuning_file(file, {tuning, "saved in the window", std::nullopt});
+        file.close();
+        if (!file) {
+            throw InputError(path.string() + ": cannot be written completely; is the disk full?");
+        }
+        written.publish(Existing::keep);
+        refresh();
+        return "saved as " + path.string();
+    } catch (const InputError &error) {
+        return error.what();
+    }
+}
+
+std::string TuningFiles::rename(const Entry &entry, const std::string &name) {
+    try {
+        const std::filesystem::path from = entry.file;
+        const std::filesystem::path to = file_of(name);
+        if (std::filesystem::exists(to)) {
+            throw InputError(to.string() + ": exists already; choose another name");
+        }
+        std::error_code error;
+        std::filesystem::rename(from, to, error);
+        if (error) {
+            throw InputError(from.string() + ": cannot be renamed: " + error.message());
+        }
+        refresh();
+        return from.filename().string() + " is now " + to.string();
+    } catch (const InputError &error) {
+        return error.what();
+    }
+}
+
+} // namespace springdrive::app
