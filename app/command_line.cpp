@@ -2,6 +2,8 @@
 
 #include "app/commands/commands.h"
 
+#include "base/similar_names.h"
+
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -28,6 +30,48 @@ std::vector<std::string> arguments(int argc, char **argv) {
         typed.insert(typed.begin(), "demo");
     }
     return typed;
+}
+
+/// The names that could have been typed in place of `typed`: options, or commands.
+std::vector<std::string> possible_names(const CLI::App &app, const std::string &typed) {
+    const auto chosen = app.get_subcommands();
+    const CLI::App &command = chosen.empty() ? app : *chosen.front();
+    std::vector<std::string> names;
+    if (!typed.starts_with("-")) {
+        for (const CLI::App *other : command.get_subcommands({})) {
+            names.push_back(other->get_name());
+        }
+        return names;
+    }
+    for (const CLI::Option *option : command.get_options()) {
+        for (const std::string &name : option->get_lnames()) {
+            names.push_back("--" + name);
+        }
+    }
+    return names;
+}
+
+/// "--sceen is no option of demo; did you mean --scene? See springdrive demo --help"
+std::string unknown_argument_text(const CLI::App &app) {
+    const std::vector<std::string> unknown = app.remaining(true);
+    // CLI11 lists them from the last to the first; what follows an unknown option is its value.
+    const auto option = std::ranges::find_if(
+        unknown, [](const std::string &word) { return word.starts_with("-"); });
+    const std::string &word = option != unknown.end() ? *option : unknown.front();
+    const std::string typed = word.substr(0, word.find('='));
+    const auto chosen = app.get_subcommands();
+    const bool is_option = typed.starts_with("-");
+    const std::string command = chosen.empty() ? "" : chosen.front()->get_name();
+    std::string text = typed + (is_option         ? " is no option of " + command
+                                : command.empty() ? " is no command"
+                                                  : " was not expected by " + command);
+    std::vector<std::string> names = possible_names(app, typed);
+    sort_by_similarity(names, typed,
+                       [](const std::string &name) { return std::string_view(name); });
+    constexpr std::size_t kMostLetters = 3; // more is another word
+    const bool is_near = !names.empty() && letters_between(typed, names.front()) <= kMostLetters;
+    text += is_near ? "; did you mean " + names.front() + "? See" : "; see";
+    return text + " springdrive " + (command.empty() ? "" : command + " ") + "--help";
 }
 
 /// Counts characters, not bytes, so that units such as Ω do not shift the next column.
@@ -82,6 +126,9 @@ int run_command_line(int argc, char **argv) {
         return app.exit(request); // prints what --help or --version asked for
     } catch (const CLI::RuntimeError &verdict) {
         return verdict.get_exit_code(); // of a command that completed with a negative verdict
+    } catch (const CLI::ExtrasError &) {
+        std::cerr << "springdrive: " << unknown_argument_text(app) << '\n';
+        return kUsageMistake;
     } catch (const CLI::ParseError &error) {
         const auto asked_for = app.get_subcommands();
         std::cerr << "springdrive: " << error.what() << "; see springdrive "

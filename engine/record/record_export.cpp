@@ -1,10 +1,10 @@
 #include "engine/record/record_export.h"
 
 #include "base/input_error.h"
+#include "base/similar_names.h"
 #include "engine/record/selected_rows.h"
 
 #include <algorithm>
-#include <numeric>
 #include <ostream>
 #include <string_view>
 
@@ -13,35 +13,16 @@ namespace springdrive::record {
 namespace {
 
 constexpr std::size_t kMaxSuggestions = 3;
-constexpr std::size_t kLongestCompared = 100;
 
 constexpr double kRounding = 1e-6; ///< tolerance of a range's bounds, in periods
-
-/// Levenshtein distance: the number of letters to insert, delete or change.
-std::size_t distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (const char letter : a) {
-        std::size_t diagonal = row[0]++;
-        for (std::size_t j = 1; j < row.size(); ++j) {
-            const std::size_t changed = diagonal + (letter == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row.back();
-}
 
 std::string nearest_names(const RecordHeader &header, std::string_view name) {
     std::vector<const RecordColumn *> columns;
     for (const RecordColumn &column : header.columns) {
         columns.push_back(&column);
     }
-    const auto how_far = [compared = name.substr(0, kLongestCompared)](const RecordColumn *c) {
-        return distance(compared, c->name);
-    };
-    std::stable_sort(columns.begin(), columns.end(),
-                     [&](const auto *a, const auto *b) { return how_far(a) < how_far(b); });
+    sort_by_similarity(columns, name,
+                       [](const RecordColumn *column) { return std::string_view(column->name); });
     std::string list;
     for (std::size_t i = 0; i < std::min(kMaxSuggestions, columns.size()); ++i) {
         list += (i == 0 ? "" : ", ") + columns[i]->name;

@@ -28,6 +28,27 @@ TEST(CommandLine, NamesAnUnknownSubcommand) {
     EXPECT_NE(ending.error.find("stifness"), std::string::npos) << ending.error;
 }
 
+TEST(CommandLine, SuggestsWhatAMistypedWordMayHaveMeant) {
+    const auto said = [](const std::vector<std::string> &arguments) {
+        const testing::Ending ending = testing::run_program(arguments);
+        EXPECT_EQ(ending.exit_status, 2);
+        EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
+        return ending.error;
+    };
+    for (const auto &arguments :
+         std::vector<std::vector<std::string>>{{"--sceen", "x.gltf"},
+                                               {"demo", "--sceen", "x.gltf"},
+                                               {"--frames", "3", "--sceen=x"}}) {
+        EXPECT_NE(said(arguments).find("--sceen is no option of demo; did you mean --scene?"),
+                  std::string::npos);
+    }
+    EXPECT_NE(said({"stifness"}).find("did you mean stiffness?"), std::string::npos);
+    EXPECT_NE(said({"stiffness", "--dr", "1"}).find("did you mean --dR?"), std::string::npos);
+    EXPECT_EQ(said({"--entirely-else"}).find("did you mean"), std::string::npos);
+    EXPECT_NE(said({"record", "a.rec", "b.rec"}).find("b.rec was not expected by record"),
+              std::string::npos);
+}
+
 TEST(CommandLine, RefusesAnEmptyArgument) {
     for (const std::vector<std::string> &arguments :
          {std::vector<std::string>{"stiffness", "--dR", ""}, {""}, {"--scene", ""}}) {
