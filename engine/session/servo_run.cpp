@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::session {
 
@@ -68,13 +69,37 @@ std::vector<std::string> ServoRun::start(const std::function<void()> &on_thread)
 void ServoRun::advance(double frame_s) {
     inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
     publish();
-    if (way_.lockstep) {
-        pending_ticks_ += frame_s * rate_hz();
+    if (way_.lockstep || speed_ < 1.0) {
+        pending_ticks_ += speed_ * frame_s * rate_hz();
         const int due = static_cast<int>(std::floor(pending_ticks_ + 1e-9));
         pending_ticks_ -= due;
         servo_->advance(due);
     }
     take_in();
+}
+
+bool ServoRun::can_change_speed() const {
+    return !way_.lockstep && device_->clock() == device::DeviceClock::servo;
+}
+
+void ServoRun::set_speed(double speed) {
+    if (!can_change_speed()) {
+        return;
+    }
+    const double before = std::exchange(speed_, std::clamp(speed, 0.0, 1.0));
+    pending_ticks_ = 0.0;
+    if (before == 1.0 && speed_ < 1.0) {
+        servo_->pause();
+    } else if (before < 1.0 && speed_ == 1.0) {
+        servo_->resume();
+    }
+}
+
+void ServoRun::step() {
+    if (speed_ == 0.0) {
+        servo_->advance(1);
+        take_in();
+    }
 }
 
 void ServoRun::take_in() {
@@ -159,6 +184,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     inputs_.reset_count = 0;
     inputs_.release = false;
     next_tick_ = 0;
+    speed_ = 1.0;
     statistics_ = {};
     standstills_ = {};
     publish();

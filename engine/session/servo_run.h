@@ -67,6 +67,15 @@ public:
     /// otherwise, and after a failed assertion, returns false and changes nothing.
     [[nodiscard]] bool stop_if_released();
 
+    /// A simulated device, which waits for its servo, can be slowed down or stand still: its servo
+    /// then runs in frames, like in lockstep. Others, and runs in lockstep, always have speed 1.
+    /// @param speed  of the device's time, 0 to 1
+    void set_speed(double speed);
+    [[nodiscard]] double speed() const { return speed_; }
+    [[nodiscard]] bool can_change_speed() const;
+    /// One tick of a device that stands still.
+    void step();
+
     /// Runs `step` while the servo's thread is paused and all its samples have been fetched: `step`
     /// may use the device. The thread resumes afterwards, even if `step` throws.
     void paused(const std::function<void()> &step);
@@ -106,7 +115,8 @@ private:
     device::HapticDevice *device_;
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;
-    double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep
+    double speed_ = 1.0;
+    double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep, or slowed down
     std::uint64_t lost_ = 0;     ///< by previous servos
     servo::ServoSample latest_;
     std::uint64_t next_tick_ = 0; ///< the one after `latest_`

@@ -97,5 +97,44 @@ TEST(ServoRun, ContinuesAfterAPauseDespiteAnException) {
     }
 }
 
+TEST(ServoRun, ASimulatedDeviceSlowsDownStandsStillAndSteps) {
+    simulated::SimulatedPhantom device{testing::phantom_1_0(), {}, kStart_m};
+    ServoRun run(device, {1000.0, false, std::nullopt});
+    static_cast<void>(run.start());
+    ASSERT_TRUE(run.can_change_speed());
+    run.set_speed(0.0);
+    run.take_in();
+    const std::uint64_t stood = run.latest().tick;
+    for (int frame = 0; frame < 20; ++frame) {
+        run.advance(1.0 / 60.0);
+    }
+    EXPECT_EQ(run.latest().tick, stood);
+    run.step();
+    EXPECT_EQ(run.latest().tick, stood + 1);
+    run.set_speed(0.1);
+    for (int frame = 0; frame < 60; ++frame) {
+        run.advance(1.0 / 60.0);
+    }
+    EXPECT_EQ(run.latest().tick, stood + 1 + 100); // a second at a tenth
+    const double time_s = run.latest().time_s;
+    run.step(); // only while it stands still
+    EXPECT_EQ(run.latest().time_s, time_s);
+    run.set_speed(1.0);
+    while (run.latest().tick < stood + 200) { // or CTest's patience ends
+        run.advance(1.0 / 60.0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    run.stop();
+    EXPECT_EQ(run.lost_samples(), 0U);
+}
+
+TEST(ServoRun, LockstepHasOneSpeed) {
+    Rig rig;
+    EXPECT_FALSE(rig.run.can_change_speed());
+    rig.run.set_speed(0.0);
+    rig.run.advance(0.1);
+    EXPECT_EQ(rig.run.latest().tick + 1, 100U);
+}
+
 } // namespace
 } // namespace springdrive::session
