@@ -83,12 +83,42 @@ void Screen::obey(const KeyPress &key) {
         desk_.redo(session_);
     } else if (key.with_ctrl && key.name == "z") {
         desk_.undo(session_);
-    } else if (key.with_ctrl) {
-        return;
-    } else if (key.name == "b") {
+    } else if (!key.with_ctrl) {
+        obey_plain(key.name);
+    }
+}
+
+void Screen::obey_plain(const std::string &key) {
+    session::ServoRun &servo = session_.servo();
+    if (key == "b") {
         desk_.toggle_slot(session_);
-    } else if (key.name == "m") {
+    } else if (key == "m") {
         desk_.toggle_map(session_);
+    } else if (key == "h") {
+        toggle_hold(plot_panel_, servo.history().store());
+    } else if (key == "p") {
+        servo.set_speed(servo.speed() > 0.0 ? 0.0 : 1.0);
+    } else if (key == ".") {
+        servo.step();
+    } else if (key == "Home") {
+        frame_scene();
+    } else if (key == "F1") {
+        shows_keys_ = !shows_keys_;
+    } else if (key == "F11") {
+        window_.toggle_full_screen();
+    } else if (key == "Escape") {
+        escape();
+    }
+}
+
+/// One thing at a time, the topmost first. ImGui itself ends typing and closes its lists.
+void Screen::escape() {
+    if (shows_keys_) {
+        shows_keys_ = false;
+    } else if (plot_panel_.is_large) {
+        plot_panel_.is_large = false;
+    } else if (window_.is_full_screen()) {
+        window_.toggle_full_screen();
     }
 }
 
@@ -156,10 +186,14 @@ void Screen::draw_contents() {
     if (!ImGui::IsAnyItemActive()) {
         desk_.let_go();
     }
-    draw_servo_panel(session_, servo_panel_, places.servo);
+    log_.update(session_, desk_.history());
+    draw_servo_panel(session_, log_, servo_panel_, places.servo);
     draw_scene_panel(session_, scene_panel_, places.scene);
     draw_plot_panel(session_, desk_.history().slots(), plot_panel_, places.plots, window_.scale());
     draw_scene_overlay(session_, places.scene_view, window_.scale());
+    if (shows_keys_) {
+        draw_keys_overlay({{0.0F, 0.0F}, ImGui::GetIO().DisplaySize});
+    }
 }
 
 Layout Screen::current_layout() const {
@@ -172,16 +206,21 @@ Layout Screen::current_layout() const {
 
 void Screen::show_scene() {
     const scene::Scene &scene = session_.scenes().now().scene;
-    const Layout places = current_layout();
     renderer_.set_scene(scene);
-    // Shows the whole scene, and the device at least up to its motors.
+    frame_scene();
+    shown_scene_ = session_.scenes().id();
+    print(scene.remarks);
+}
+
+/// Shows the whole scene, and the device at least up to its motors.
+void Screen::frame_scene() {
+    const scene::Scene &scene = session_.scenes().now().scene;
+    const Layout places = current_layout();
     const double motors_m = session_.description().geometry.forearm_m;
     const Vector3 upper_m =
         scene.upper_m.cwiseMax(Vector3(scene.upper_m.x(), motors_m + 0.03, scene.upper_m.z()));
     camera_.frame(scene.lower_m, upper_m,
                   places.scene_view.size.x / std::max(1.0F, places.scene_view.size.y));
-    shown_scene_ = session_.scenes().id();
-    print(scene.remarks);
 }
 
 void Screen::upload(double duration_s) {

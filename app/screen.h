@@ -43,6 +43,9 @@ private:
     [[nodiscard]] std::string report_line() const;
     void take_orders();
     void obey(const KeyPress &key);
+    void obey_plain(const std::string &key);
+    void escape();
+    void frame_scene();
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
     void print(const std::vector<std::string> &remarks) const; ///< on the scene
@@ -59,6 +62,8 @@ private:
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
+    EventLog log_;
+    bool shows_keys_ = false; ///< the overlay with all keys
     std::uint32_t shown_scene_ = 0;
     bool keeps_frames_;
     bool reports_;

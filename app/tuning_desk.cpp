@@ -30,7 +30,11 @@ std::vector<loops::Hand> hands_of(LampHand hand) {
     return loops::hand_family();
 }
 
-double now_s(const session::Session &session) { return session.latest().time_s; }
+/// As in plots: it goes on with another device.
+double now_s(const session::Session &session) {
+    const record::ChannelStore &store = session.servo().history().store();
+    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+}
 
 /// On the way from one tuning to another; map and source of α are those of the end.
 control::Tuning on_the_way(const control::Tuning &from, const control::Tuning &to, double share) {

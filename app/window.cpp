@@ -259,10 +259,51 @@ void Window::on_key(GLFWwindow *window, int key, int scancode, int action, int m
     self->pressed_keys_.push_back(key);
     const bool is_space = key == GLFW_KEY_SPACE && !ImGui::GetIO().WantTextInput;
     self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_F12 || is_space;
+    self->note_key(key, scancode, mods);
+}
+
+void Window::note_key(int key, int scancode, int mods) {
+    const auto note = [&](const char *name) {
+        keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    };
+    switch (key) {
+    case GLFW_KEY_ESCAPE:
+        note("Escape");
+        return;
+    case GLFW_KEY_F1:
+        note("F1");
+        return;
+    case GLFW_KEY_F11:
+        note("F11");
+        return;
+    default:
+        break;
+    }
+    if (ImGui::GetIO().WantTextInput) {
+        return;
+    }
     // By the keyboard's layout: GLFW's own codes are those of a US keyboard.
-    const char *name = glfwGetKeyName(key, scancode);
-    if (name != nullptr && !ImGui::GetIO().WantTextInput) {
-        self->keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    if (const char *name = glfwGetKeyName(key, scancode); name != nullptr) {
+        note(name);
+    } else if (key == GLFW_KEY_HOME) {
+        note("Home");
+    }
+}
+
+bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+
+void Window::toggle_full_screen() {
+    auto &[x, y, width, height] = before_full_screen_;
+    if (is_full_screen()) {
+        glfwSetWindowMonitor(window_, nullptr, x, y, width, height, GLFW_DONT_CARE);
+        return;
+    }
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode *mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+    if (mode != nullptr) {
+        glfwGetWindowPos(window_, &x, &y);
+        glfwGetWindowSize(window_, &width, &height);
+        glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, GLFW_DONT_CARE);
     }
 }
 

@@ -15,7 +15,7 @@ namespace springdrive::app {
 
 /// A key with those held for it.
 struct KeyPress {
-    std::string name; ///< the letter on the keyboard, lower case
+    std::string name; ///< the letter on the keyboard, lower case; or "Home", "Escape", "F1", "F11"
     bool with_ctrl = false;
     bool with_shift = false;
 };
@@ -43,6 +43,10 @@ public:
     /// Draws the ImGui frame over the caller's drawing, and swaps buffers.
     void end_frame();
 
+    /// Fills the screen, or returns to the former size.
+    void toggle_full_screen();
+    [[nodiscard]] bool is_full_screen() const;
+
     /// Clears the whole framebuffer.
     void clear();
 
@@ -55,7 +59,8 @@ public:
     /// bar, unless a text is being typed.
     [[nodiscard]] bool take_emergency_stop();
 
-    /// Letters pressed since the last call, except those typed as text.
+    /// Letters pressed since the last call, except those typed as text; and keys that are no
+    /// letters.
     [[nodiscard]] std::vector<KeyPress> take_keys();
 
     /// Files dropped on the window since the last call.
@@ -72,12 +77,14 @@ private:
     static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
     static void on_drop(GLFWwindow *window, int count, const char **paths);
     void choose_font();
+    void note_key(int key, int scancode, int mods);
     void enlarge_for_scale();
     void fit_scale_to_window();
     void show_short_key_presses();
 
     GLFWwindow *window_ = nullptr;
-    float scale_ = 1.0F; ///< of the font
+    float scale_ = 1.0F;                                     ///< of the font
+    std::array<int, 4> before_full_screen_{0, 0, 1280, 720}; ///< x, y, width, height
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
     std::vector<KeyPress> keys_;      ///< for take_keys

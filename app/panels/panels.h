@@ -1,6 +1,7 @@
 // The panels: free functions that show a session and pass the user's requests to it.
 #pragma once
 
+#include "app/event_log.h"
 #include "app/layout.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
@@ -41,11 +42,13 @@ struct ServoPanelState {
     std::string record_error; ///< why the last record could not be started
 };
 
-/// State, rate, jitter, compute time, recording, limits, and refused privileges.
-void draw_servo_panel(session::Session &session, ServoPanelState &state, const Rectangle &place);
+/// State, recording, speed of the simulation; tabs with timing, limits, and what happened.
+void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanelState &state,
+                      const Rectangle &place);
 
-/// Sliders to lower the safety limits; opened by the servo panel.
-void draw_limits_popup(session::Session &session);
+/// Within the servo panel: the safety limits with what is held against them, and sliders to lower
+/// them.
+void draw_limits_tab(session::Session &session);
 
 /// State of the scene panel between frames.
 struct ScenePanelState {
@@ -56,6 +59,9 @@ void draw_scene_panel(session::Session &session, ScenePanelState &state, const R
 
 /// Within the scene panel: the model selected by the scene's tolerance, and the active model.
 void draw_model_tab(session::Session &session);
+
+/// Over everything: the keys and what they do.
+void draw_keys_overlay(const Rectangle &window);
 
 /// Over the scene: how to use the mouse, and a banner after a safety trip.
 void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale);

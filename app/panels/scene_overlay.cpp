@@ -93,9 +93,9 @@ void draw_scene_overlay(session::Session &session, const Rectangle &view, float 
     draw_stop_button(session, view, scale);
     const char *help = session.hand().follows_path()
                            ? "the hand follows a path · right drag: orbit · middle drag: pan · "
-                             "wheel: zoom"
+                             "wheel: zoom · F1: keys"
                            : "left drag: move the hand, with the wheel: depth · right drag: orbit "
-                             "· middle drag: pan · wheel: zoom";
+                             "· middle drag: pan · wheel: zoom · F1: keys";
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     const float margin = 10.0F * scale;
     const float wrap = view.size.x - 2.0F * margin;

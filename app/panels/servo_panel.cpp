@@ -2,7 +2,9 @@
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <ctime>
 #include <string>
@@ -12,6 +14,35 @@ namespace springdrive::app {
 namespace {
 
 constexpr double kMicro = 1e6;
+
+/// Which limit holds the command back, and how near it is: the steady currents that follow from e_W
+/// decide, as in the limiter.
+std::string held_force_text(const session::Session &session) {
+    const servo::ServoSample &now = session.latest();
+    const device::DeviceDescription &device = session.description();
+    const double force_N = now.tip_force_N.norm();
+    std::string text =
+        ui::formatted("held back: force {:.1f} of {:.1f} N", force_N, now.limits.tip_force_N);
+    double nearest = force_N / now.limits.tip_force_N;
+    for (std::size_t j = 0; j < device.motor.size(); ++j) {
+        const double limit_A = std::min(device.motor[j].peak_current_A, now.limits.current_A);
+        const double current_A = std::abs(now.current_A[static_cast<Eigen::Index>(j)]);
+        if (current_A / limit_A > nearest) {
+            nearest = current_A / limit_A;
+            text = ui::formatted("held back: motor {} at {:.1f} of {:.1f} A", j + 1, current_A,
+                                 limit_A);
+        }
+    }
+    return text;
+}
+
+std::string held_back_text(const session::Session &session) {
+    const servo::ActiveLimits &held_back = session.latest().held_back;
+    return held_back.force     ? held_force_text(session)
+           : held_back.at_edge ? "edge of the workspace"
+           : held_back.voltage ? "voltage limited"
+                               : "";
+}
 
 void show_state(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
@@ -34,12 +65,11 @@ void show_state(const session::Session &session) {
         ui::wrapped(kDanger, "stopped: {}", servo::description(now.safety));
         return;
     }
-    if (now.held_back.force || now.held_back.voltage || now.held_back.at_edge) {
+    if (const std::string why = held_back_text(session); !why.empty()) {
         ImGui::SameLine();
-        ui::text(kWarning, "{}",
-                 now.held_back.force     ? "force limited"
-                 : now.held_back.at_edge ? "edge of the workspace"
-                                         : "voltage limited");
+        ui::text(kWarning, "{}", why);
+        ui::explain("the steady currents and force of the command are kept below the limits,\n"
+                    "so that pressing hard meets a greatest force instead of a stop");
     }
     ImGui::SameLine();
     ui::text(kFaintInk, "{}", session.description().name);
@@ -132,11 +162,6 @@ void show_recording(session::Session &session, ServoPanelState &state) {
     ui::explain(recording ? "ends the file"
                           : "writes every tick to a file in the folder where springdrive was "
                             "started");
-    ImGui::SameLine();
-    if (ui::button("limits")) {
-        ImGui::OpenPopup("limits");
-    }
-    draw_limits_popup(session);
     const record::RecorderStatus status = session.recording().status();
     const std::string &error = state.record_error.empty() ? status.error : state.record_error;
     if (!error.empty()) {
@@ -152,18 +177,86 @@ void show_recording(session::Session &session, ServoPanelState &state) {
     }
 }
 
-} // namespace
+struct Speed {
+    double value;
+    const char *label;
+};
 
-void draw_servo_panel(session::Session &session, ServoPanelState &state, const Rectangle &place) {
-    const ui::Panel panel("Servo", place);
-    show_state(session);
+constexpr std::array<Speed, 5> kSpeeds{
+    {{1.0, "real time"}, {0.5, "1/2"}, {0.1, "1/10"}, {0.01, "1/100"}, {0.0, "paused"}}};
+
+void show_speed(session::Session &session) {
+    session::ServoRun &servo = session.servo();
+    if (!servo.can_change_speed()) {
+        return;
+    }
+    const auto *const now = std::ranges::find(kSpeeds, servo.speed(), &Speed::value);
+    ImGui::SetNextItemWidth(6.4F * ImGui::GetFontSize());
+    {
+        const ui::DropDown list("##speed", now != kSpeeds.end() ? now->label : "");
+        for (const Speed &speed : kSpeeds) {
+            if (list && ui::selectable(speed.label, speed.value == servo.speed())) {
+                servo.set_speed(speed.value);
+            }
+        }
+    }
+    ui::explain("speed of the simulated device, its hand and its servo; key P pauses");
+    ImGui::SameLine();
+    {
+        const ui::Disabled running(servo.speed() > 0.0);
+        if (ui::button("step")) {
+            servo.step();
+        }
+    }
+    ui::explain("one tick, while it is paused; key .");
+    ImGui::SameLine();
+}
+
+void show_log(const EventLog &log) {
+    if (log.events().empty()) {
+        ui::text(kFaintInk, "nothing happened yet");
+    }
+    constexpr std::size_t kMostShown = 200;
+    std::size_t shown = 0;
+    for (auto event = log.events().rbegin(); event != log.events().rend() && shown < kMostShown;
+         ++event, ++shown) {
+        const ImVec4 &ink = event->kind == EventLog::Kind::trip     ? kDanger
+                            : event->kind == EventLog::Kind::change ? kInk
+                                                                    : kFaintInk;
+        ui::wrapped(ink, "{:.2f} s  {}", event->time_s, event->what);
+    }
+}
+
+void show_timing(const session::Session &session) {
     show_durations(session.servo().statistics());
     show_rate(session);
-    show_recording(session, state);
     for (const std::string &remark : session.remarks().all()) {
         // The problem; the tooltip adds the remedy after the semicolon.
         ui::wrapped(kWarning, "{}", remark.substr(0, remark.find(';')));
         ui::explain(remark);
+    }
+}
+
+} // namespace
+
+void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanelState &state,
+                      const Rectangle &place) {
+    const ui::Panel panel("Servo", place, ImGuiWindowFlags_NoTitleBar);
+    show_state(session);
+    show_speed(session);
+    show_recording(session, state);
+    const ui::Tabs tabs("servo");
+    if (!tabs) {
+        return;
+    }
+    if (const ui::Tab timing("Timing"); timing) {
+        show_timing(session);
+    }
+    if (const ui::Tab limits("Limits"); limits) {
+        draw_limits_tab(session);
+    }
+    if (const ui::Tab events("Log"); events) {
+        show_log(log);
     }
 }
 

@@ -47,7 +47,14 @@ struct Range {
 
 /// The range of values that a plot chooses by itself. It holds 0 where that is near, so that a
 /// small ripple is not taken for a large one.
-Axis chosen_axis(Range range) {
+/// @param least  length
+Axis chosen_axis(Range range, double least) {
+    if (range.minimum <= range.maximum && range.maximum - range.minimum < least) {
+        const bool starts_at_zero = range.minimum >= 0.0 && range.maximum < least;
+        const double middle = 0.5 * (range.minimum + range.maximum);
+        range.minimum = starts_at_zero ? 0.0 : middle - 0.5 * least;
+        range.maximum = range.minimum + least;
+    }
     if (range.minimum > 0.0 && range.minimum < 0.7 * range.maximum) {
         range.minimum = 0.0;
     }
@@ -55,6 +62,16 @@ Axis chosen_axis(Range range) {
         range.maximum = 0.0;
     }
     return round_axis(range.minimum, range.maximum);
+}
+
+/// In shown units: the longest of the channels' least ranges.
+double least_range(const PlotSettings &settings) {
+    double least = 0.0;
+    for (const std::size_t channel : settings.channels) {
+        least =
+            std::max(least, least_range_of_interest(channel) * unit_of(channel, settings).per_si);
+    }
+    return least;
 }
 
 void draw_levels(Canvas &canvas, const PlotArea &area, const PlotSettings &settings) {
@@ -227,8 +244,9 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
         values.take(of_trace.minimum);
         values.take(of_trace.maximum);
     }
-    const PlotArea area = draw_axes(canvas, where, x, settings.y.value_or(chosen_axis(values)), "s",
-                                    unit_title(settings));
+    const PlotArea area =
+        draw_axes(canvas, where, x, settings.y.value_or(chosen_axis(values, least_range(settings))),
+                  "s", unit_title(settings));
     if (source.trace != nullptr) {
         draw_trace(canvas, area, settings, source);
     }
@@ -324,7 +342,7 @@ PlotArea draw_xy(Canvas &canvas, const Rectangle &where, const PlotSettings &set
     of_values.channels.erase(of_values.channels.begin());
     const PlotArea area =
         draw_axes(canvas, where, settings.x.value_or(round_axis(of_x.minimum, of_x.maximum)),
-                  settings.y.value_or(chosen_axis(of_y)),
+                  settings.y.value_or(chosen_axis(of_y, least_range(of_values))),
                   look_of(first).label + ", " + std::string(unit_of(first, settings).name),
                   unit_title(of_values));
     draw_curves(canvas, area, of_values, curves);

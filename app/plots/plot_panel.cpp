@@ -124,13 +124,10 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
     const bool is_live = state.view.is_live();
     // The same width in both states, so that what follows does not move.
     if (ui::button(is_live ? "pause##hold" : "live##hold", {4.0F * ImGui::GetFontSize(), 0.0F})) {
-        if (is_live) {
-            state.view.hold(live);
-        } else {
-            state.view.go_live();
-        }
+        toggle_hold(state, live);
     }
-    ui::explain(is_live ? "stops the plots; the servo goes on" : "follows the present again");
+    ui::explain(is_live ? "stops the plots; the servo goes on. Key H"
+                        : "follows the present again. Key H");
     ImGui::SameLine();
     draw_span(state);
     ImGui::SameLine();
@@ -291,6 +288,14 @@ bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
 }
 
 } // namespace
+
+void toggle_hold(PlotPanelState &state, const record::ChannelStore &live) {
+    if (state.view.is_live()) {
+        state.view.hold(live);
+    } else {
+        state.view.go_live();
+    }
+}
 
 PlotPanelState::PlotPanelState() { choose_plot_set(*this, 0); }
 

@@ -66,6 +66,9 @@ void choose_plot_set(PlotPanelState &state, std::size_t index);
 void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
                      PlotPanelState &state, const Rectangle &place, float scale);
 
+/// Stops the plots, or lets them follow the present again.
+void toggle_hold(PlotPanelState &state, const record::ChannelStore &live);
+
 // Parts of the panel.
 
 /// Zooms, pans and reads values with the mouse; the previous item must cover the plot's area.

@@ -22,6 +22,7 @@ const std::vector<Channel> &derived_channels() {
         {"force_N", "N", "magnitude of the rendered force, as measured by the currents"},
         {"force_outward_N", "N", "its part in the links' plane, level and away from the base"},
         {"force_up_N", "N", "its part upwards"},
+        {"tip_speed_m_per_s", "m/s", "of the tip, from the filtered rates of the motors"},
         {"penetration_m", "m", "distance from the tip to the proxy while touching"},
         {"normal_direction_rad", "rad",
          "direction of the surface's normal in the links' plane: 0 outwards, 90° up"},
@@ -84,8 +85,8 @@ void TelemetryHistory::add(const servo::ServoSample &sample) {
 void TelemetryHistory::derive(const servo::ServoSample &sample) {
     const contact::Contact &contact = sample.contact;
     const Vector3 &force_N = sample.tip_force_N;
-    const double base_rad = device::joint_from_motor(geometry_, sample.theta_rad).x();
-    const Vector3 outward(std::sin(base_rad), 0.0, std::cos(base_rad));
+    const Vector3 q_rad = device::joint_from_motor(geometry_, sample.theta_rad);
+    const Vector3 outward(std::sin(q_rad.x()), 0.0, std::cos(q_rad.x()));
     if (contact.touching) {
         const double pole = std::exp(-2.0 * std::numbers::pi * control::kPerceived_Hz / servo_hz_);
         felt_force_N_ = pole * felt_force_N_ + (1.0 - pole) * force_N;
@@ -99,6 +100,7 @@ void TelemetryHistory::derive(const servo::ServoSample &sample) {
     row_.insert(
         row_.end(),
         {force_N.norm(), force_N.dot(outward), force_N.y(),
+         (device::motor_jacobian(geometry_, q_rad) * sample.theta_rate_rad_per_s).norm(),
          contact.touching ? (contact.x0_m - sample.tip_m).norm() : kNone,
          contact.touching ? std::atan2(contact.normal.y(), contact.normal.dot(outward)) : kNone,
          transposes ? felt_rad : kNone, transposes ? kNone : felt_rad});

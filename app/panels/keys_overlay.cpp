@@ -1,0 +1,58 @@
+#include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
+
+#include <array>
+
+namespace springdrive::app {
+
+namespace {
+
+struct KeyHelp {
+    const char *key;
+    const char *what;
+};
+
+/// All keys of the window; those without Ctrl act while no text is typed, F12 always.
+constexpr std::array<KeyHelp, 17> kKeys{{
+    {"F12", "emergency stop, at any time; the space bar while no text is typed"},
+    {"Ctrl+Z", "take the last change of the tuning back"},
+    {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
+    {"B", "switch between the tunings A and B"},
+    {"M", "switch between the maps"},
+    {"H", "hold the plots, or follow the present"},
+    {"P", "pause the simulated device, or go on"},
+    {".", "one tick of the paused device"},
+    {"Home", "show the whole scene"},
+    {"F11", "fill the screen"},
+    {"F1", "show or hide these keys"},
+    {"Esc", "close what is open: this, a list, large plots, the full screen"},
+    {"wheel on a plot", "zoom in time; with Ctrl, in value"},
+    {"drag on a plot", "move; with the right button, zoom to the range"},
+    {"double click on a plot", "live again, with its own ranges"},
+    {"left drag on the scene", "move the hand; with the wheel, in depth"},
+    {"right or middle drag", "turn or shift the view; the wheel zooms"},
+}};
+
+} // namespace
+
+void draw_keys_overlay(const Rectangle &window) {
+    const float font = ImGui::GetFontSize();
+    const ui::Scope scope("keys");
+    ImGui::SetNextWindowPos(
+        {window.corner.x + 0.5F * window.size.x, window.corner.y + 0.5F * window.size.y},
+        ImGuiCond_Always, {0.5F, 0.5F});
+    ImGui::SetNextWindowFocus();
+    ImGui::Begin("keys", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+    ui::text(kInk, "Keys and mouse");
+    ImGui::Separator();
+    for (const KeyHelp &help : kKeys) {
+        ui::text(kForce, "{}", help.key);
+        ImGui::SameLine(12.0F * font);
+        ui::text(kInk, "{}", help.what);
+    }
+    ImGui::End();
+}
+
+} // namespace springdrive::app

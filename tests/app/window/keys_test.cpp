@@ -1,0 +1,78 @@
+// Covers the keys, the servo panel's speed, limits and log: app/screen.cpp,
+// app/panels/servo_panel.cpp.
+#include "engine/servo/safety_status.h"
+#include "tests/support/shown_window.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::app {
+namespace {
+
+using testing::Report;
+using testing::ShownWindow;
+
+double plots_height(const Report &report) { return report.item("Plots").at("height"); }
+
+bool is_live(const Report &report) {
+    return report.item("plot 1/area").at("numbers").at("is_live") == 1.0;
+}
+
+TEST(KeysInTheWindow, PauseStepAndGoOnWithTheSimulation) {
+    ShownWindow window;
+    window.wait_until_running();
+    window.person().key("p");
+    const Report paused = window.look();
+    EXPECT_EQ(paused.item("speed").at("text"), "paused");
+    const double tick = paused.column("tick");
+    EXPECT_EQ(window.look().column("tick"), tick);
+    window.person().key("period");
+    EXPECT_EQ(window.look().column("tick"), tick + 1.0);
+    window.click("step");
+    EXPECT_EQ(window.look().column("tick"), tick + 2.0);
+    window.choose("Servo/speed", "1/100");
+    window.wait_until([&](const Report &report) { return report.column("tick") > tick + 5.0; },
+                      "slow motion");
+    window.choose("Servo/speed", "real time");
+    window.wait_until([&](const Report &report) { return report.column("tick") > tick + 500.0; },
+                      "real time");
+    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
+}
+
+TEST(KeysInTheWindow, F1EscapeHomeAndHoldDoWhatTheyDo) {
+    ShownWindow window;
+    window.wait_until_running();
+    window.person().key("F1");
+    EXPECT_TRUE(window.look().shows("emergency stop, at any time"));
+    window.person().key("Escape");
+    EXPECT_FALSE(window.look().shows("emergency stop, at any time"));
+    const double height = plots_height(window.look());
+    window.click("Plots/large");
+    EXPECT_GT(plots_height(window.look()), 1.5 * height);
+    window.person().key("Escape");
+    EXPECT_EQ(plots_height(window.look()), height);
+    EXPECT_TRUE(is_live(window.look()));
+    window.person().key("h");
+    EXPECT_FALSE(is_live(window.look()));
+    window.person().key("h");
+    EXPECT_TRUE(is_live(window.look()));
+    window.person().key("Home");
+    window.person().key("F11");
+    window.person().key("F11");
+    EXPECT_EQ(plots_height(window.look()), height);
+}
+
+TEST(KeysInTheWindow, LimitsShowWhatIsHeldAgainstThemAndTheLogWhatHappened) {
+    ShownWindow window;
+    window.wait_until_running();
+    window.click("Servo/Limits");
+    EXPECT_TRUE(window.look().shows("winding temperature"));
+    EXPECT_EQ(window.look().item("tip_force_N/slider").at("value"), 8.5);
+    window.person().key("F12");
+    window.click("Servo/Log");
+    window.wait_until([](const Report &report) { return report.shows("stopped: emergency stop"); },
+                      "the log holds the stop");
+    EXPECT_TRUE(window.look().shows("motors running"));
+}
+
+} // namespace
+} // namespace springdrive::app
