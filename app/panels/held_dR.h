@@ -14,7 +14,4 @@ void draw_observed_resistances(session::Session &session);
 /// Why dR is larger than requested, if it is.
 void show_held_up_dR(const session::Session &session);
 
-/// Numbers that follow from the tuning: stiffness, damping, lag, added mass.
-void show_consequences(const session::Session &session);
-
 } // namespace springdrive::app

@@ -9,7 +9,9 @@
 #include "engine/session/session.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,10 +52,43 @@ void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanel
 /// them.
 void draw_limits_tab(session::Session &session);
 
+enum class StimulusDirection : std::uint8_t { into_surface, x, y, z };
+
+/// By linear regression of force on depth; NaN if the depth hardly changed.
+struct StiffnessMeasured {
+    double slope_N_per_m = std::numeric_limits<double>::quiet_NaN();
+    double deviation_N_per_m = std::numeric_limits<double>::quiet_NaN(); ///< standard deviation
+};
+[[nodiscard]] StiffnessMeasured measured_stiffness(const record::ChannelStore &store, double from_s,
+                                                   double to_s);
+
+/// 5 mm within two seconds.
+[[nodiscard]] inline simulated::HandStimulus pressing() {
+    simulated::HandStimulus stimulus;
+    stimulus.kind = simulated::StimulusKind::hold;
+    stimulus.amplitude_m = 0.005;
+    stimulus.duration_s = 2.0;
+    return stimulus;
+}
+
+/// State of the hand's tab between frames.
+struct HandTabState {
+    simulated::HandStimulus stimulus = pressing();
+    StimulusDirection direction = StimulusDirection::into_surface;
+    std::optional<simulated::HandStimulus> played; ///< the last one
+    double started_s = 0.0;
+    double predicted_N_per_m = 0.0; ///< when it began
+    std::optional<StiffnessMeasured> measured;
+};
+
+/// Within the scene panel: test signals of the simulated hand, and the stiffness that they meet.
+void draw_hand_tab(session::Session &session, HandTabState &state);
+
 /// State of the scene panel between frames.
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
+    HandTabState hand;
 };
 void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place);
 

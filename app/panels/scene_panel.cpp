@@ -59,6 +59,9 @@ void draw_scene_panel(session::Session &session, ScenePanelState &state, const R
     if (const ui::Tab contents("Scene"); contents) {
         draw_scene_tab(session, state);
     }
+    if (const ui::Tab hand("Hand"); hand) {
+        draw_hand_tab(session, state.hand);
+    }
     if (const ui::Tab model("Model"); model) {
         draw_model_tab(session);
     }

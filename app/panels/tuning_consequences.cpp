@@ -1,3 +1,5 @@
+#include "app/panels/tuning_consequences.h"
+
 #include "app/panels/held_dR.h"
 
 #include "app/widgets/widgets.h"
@@ -29,6 +31,21 @@ void show(const char *label, CheckedFormat<double> format, double value, const c
 }
 
 } // namespace
+
+double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &along) {
+    control::Tuning tuning = session.servo().inputs().tuning;
+    tuning.dR_Ohm = active_dR_Ohm(session);
+    const double K_DC = control::mean_static_stiffness_Nm_per_rad(session.description(), tuning);
+    const servo::ServoSample &now = session.latest();
+    const double share = 1.0 - now.eta;
+    if (tuning.map == control::MotionMap::transpose) {
+        return share * now.alpha_rad2_per_m2 * K_DC;
+    }
+    const device::PhantomGeometry &geometry = session.description().geometry;
+    const Matrix3 J =
+        device::motor_jacobian(geometry, device::joint_from_motor(geometry, now.theta_rad));
+    return share * K_DC * (J.inverse() * along).squaredNorm();
+}
 
 void show_consequences(const session::Session &session) {
     control::Tuning tuning = session.servo().inputs().tuning;

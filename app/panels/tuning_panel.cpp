@@ -2,6 +2,7 @@
 #include "app/panels/held_dR.h"
 #include "app/panels/panels.h"
 #include "app/panels/presets.h"
+#include "app/panels/tuning_consequences.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "engine/control/tuning.h"

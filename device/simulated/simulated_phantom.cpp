@@ -33,6 +33,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
+    pull_target_ = hand_;
     activate(parts_);
     counts_per_rad_ = 1.0 / description_.rad_per_count();
     note_linkage(linkage_);
@@ -253,7 +254,18 @@ void SimulatedPhantom::move_hand_target(double h) noexcept {
         hand_.velocity_m_per_s = limited(hand_.velocity_m_per_s, options_.hand.max_speed_m_per_s);
         hand_.position_m += h * hand_.velocity_m_per_s;
     }
-    truth_.hand_target_m = hand_.position_m;
+    pull_target_ = hand_;
+    const HandStimulus &stimulus = stimulus_.latest();
+    if (stimulus.number != stimulus_number_) {
+        stimulus_number_ = stimulus.number;
+        stimulus_start_s_ = truth_.time_s;
+    }
+    if (stimulus_number_ != 0) {
+        const HandTarget offset = offset_of(stimulus, middle_s - stimulus_start_s_);
+        pull_target_.position_m += offset.position_m;
+        pull_target_.velocity_m_per_s += offset.velocity_m_per_s;
+    }
+    truth_.hand_target_m = pull_target_.position_m;
 }
 
 SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const PlantCommand &command,
@@ -319,9 +331,9 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
 /// adds to the damping; at its maximum force it has no stiffness.
 VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
     const device::HandParameters &hand = options_.hand;
-    const Vector3 pull = hand.stiffness_N_per_m * (hand_.position_m - truth_.tip_m);
+    const Vector3 pull = hand.stiffness_N_per_m * (pull_target_.position_m - truth_.tip_m);
     const bool saturated = pull.norm() > hand.max_force_N;
-    return {limited(pull, hand.max_force_N) + hand.damping_Ns_per_m * hand_.velocity_m_per_s,
+    return {limited(pull, hand.max_force_N) + hand.damping_Ns_per_m * pull_target_.velocity_m_per_s,
             hand.damping_Ns_per_m + (saturated ? 0.0 : 0.5 * h * hand.stiffness_N_per_m)};
 }
 

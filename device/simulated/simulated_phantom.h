@@ -69,6 +69,7 @@ public:
     void set_hand_target(const Vector3 &target_m) noexcept override {
         hand_target_.publish(target_m);
     }
+    void play(const HandStimulus &stimulus) noexcept override { stimulus_.publish(stimulus); }
     void simulate_as(const SimulationOptions &options) override;
 
     /// For a current drive, instead of `write`: the currents for its windings. RT-safe.
@@ -141,6 +142,10 @@ private:
     LatestValue<Vector3> hand_target_;
     bool follows_path_; ///< until its end
     HandTarget hand_;
+    LatestValue<HandStimulus> stimulus_;
+    std::uint32_t stimulus_number_ = 0; ///< of the one that plays, or played last
+    double stimulus_start_s_ = 0.0;
+    HandTarget pull_target_; ///< of the hand, with the stimulus
     LinkageState linkage_;
     std::array<FrictionMode, 3> friction_mode_{};
     std::array<device::WindingTemperature, 3> temperature_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "device/simulated/hand_stimulus.h"
 #include "device/simulated/simulation_options.h"
 
 namespace springdrive::simulated {
@@ -17,6 +18,10 @@ public:
     /// Sets the hand's target from now on [m]; the hand moves there smoothly. One thread at a time,
     /// any thread; takes effect once the hand's path, if it has one, has ended.
     virtual void set_hand_target(const Vector3 &target_m) noexcept = 0;
+
+    /// Starts a test signal of the hand, if its number is another one than before. One thread at a
+    /// time, any thread.
+    virtual void play(const HandStimulus &stimulus) noexcept = 0;
 
     /// From the next period on, uses the dynamics, effects, planar and longest_step_s of `options`;
     /// all else is unchanged. Motors and linkage continue from their present state, so no encoder

@@ -43,6 +43,13 @@ void SimulatedHand::move_to(const Vector3 &target_m) {
     }
 }
 
+void SimulatedHand::play(simulated::HandStimulus stimulus) {
+    stimulus.number = ++stimuli_;
+    if (world_ != nullptr) {
+        world_->play(stimulus);
+    }
+}
+
 void SimulatedHand::follow(double time_s) {
     if (path_) {
         target_m_ = path_->at(time_s).position_m;

@@ -5,6 +5,7 @@
 #include "device/simulated/hand_path.h"
 #include "device/simulated/simulated_world.h"
 
+#include <cstdint>
 #include <optional>
 
 namespace springdrive::session {
@@ -19,6 +20,10 @@ public:
     /// Sets the target, limited to workspace and reach; takes effect once the path has ended.
     void move_to(const Vector3 &target_m);
 
+    /// Starts a test signal beside the target; needs a simulated device.
+    void play(simulated::HandStimulus stimulus);
+    [[nodiscard]] bool is_simulated() const { return world_ != nullptr; }
+
     /// Sets the target to that of the path at this servo time, up to the path's end: from then on
     /// the hand holds still until it is moved.
     void follow(double time_s);
@@ -32,6 +37,7 @@ private:
     device::Workspace workspace_;
     std::optional<simulated::HandPath> path_;
     Vector3 target_m_{Vector3::Zero()};
+    std::uint32_t stimuli_ = 0; ///< played so far
 };
 
 } // namespace springdrive::session

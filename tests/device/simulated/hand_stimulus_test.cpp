@@ -1,0 +1,118 @@
+#include "device/simulated/hand_stimulus.h"
+
+#include "device/simulated/simulated_phantom.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace springdrive::simulated {
+namespace {
+
+HandStimulus random_stimulus(std::mt19937_64 &random, StimulusKind kind) {
+    std::uniform_real_distribution<> any(0.0, 1.0);
+    HandStimulus stimulus;
+    stimulus.kind = kind;
+    stimulus.direction = Vector3(any(random) - 0.5, any(random) - 0.5, any(random)).normalized();
+    stimulus.amplitude_m = 0.01 * any(random);
+    stimulus.duration_s = 0.2 + 3.0 * any(random);
+    stimulus.from_Hz = 1.0 + 5.0 * any(random);
+    stimulus.to_Hz = 1.0 + 30.0 * any(random);
+    stimulus.number = 1;
+    return stimulus;
+}
+
+TEST(HandStimulus, MovesAlongItsLineContinuouslyAndEndsWhereItBegan) {
+    std::mt19937_64 random(3);
+    for (const StimulusKind kind : {StimulusKind::step, StimulusKind::hold, StimulusKind::chirp}) {
+        for (int i = 0; i < 50; ++i) {
+            const HandStimulus stimulus = random_stimulus(random, kind);
+            EXPECT_EQ(offset_of(stimulus, -1e-9).position_m, Vector3::Zero());
+            EXPECT_NEAR(offset_of(stimulus, 0.0).position_m.norm(), 0.0, 1e-15);
+            EXPECT_NEAR(offset_of(stimulus, stimulus.duration_s).position_m.norm(), 0.0, 1e-12);
+            EXPECT_EQ(offset_of(stimulus, stimulus.duration_s + 1e-9).position_m, Vector3::Zero());
+            constexpr int kSteps = 400;
+            constexpr double kShort_s = 1e-6;
+            for (int k = 1; k < kSteps; ++k) {
+                const double t = stimulus.duration_s * k / kSteps;
+                const HandTarget at = offset_of(stimulus, t);
+                EXPECT_LE(at.position_m.norm(), stimulus.amplitude_m * (1.0 + 1e-12));
+                EXPECT_NEAR(at.position_m.cross(stimulus.direction).norm(), 0.0, 1e-15);
+                // The velocity is the position's derivative: central differences err by h²/6 times
+                // the third derivative, at most A (π/rise)³ or A ω³.
+                const Vector3 slope = (offset_of(stimulus, t + kShort_s).position_m -
+                                       offset_of(stimulus, t - kShort_s).position_m) /
+                                      (2.0 * kShort_s);
+                const double third = stimulus.amplitude_m * std::pow(std::numbers::pi / 0.005, 3);
+                const bool is_at_a_corner = t < kShort_s || t > stimulus.duration_s - kShort_s;
+                if (!is_at_a_corner) {
+                    EXPECT_NEAR((slope - at.velocity_m_per_s).norm(), 0.0, kShort_s * third + 1e-9);
+                }
+            }
+        }
+    }
+}
+
+TEST(HandStimulus, AChirpHasItsFrequencies) {
+    HandStimulus stimulus;
+    stimulus.kind = StimulusKind::chirp;
+    stimulus.amplitude_m = 1.0;
+    stimulus.duration_s = 10.0;
+    stimulus.from_Hz = 2.0;
+    stimulus.to_Hz = 20.0;
+    const auto crossings_between = [&](double from_s, double to_s) {
+        int crossings = 0;
+        double before = offset_of(stimulus, from_s).position_m.y();
+        constexpr int kSteps = 100'000;
+        for (int k = 1; k <= kSteps; ++k) {
+            const double now =
+                offset_of(stimulus, from_s + (to_s - from_s) * k / kSteps).position_m.y();
+            crossings += (now > 0.0) != (before > 0.0) ? 1 : 0;
+            before = now;
+        }
+        return crossings;
+    };
+    // f(t) = 2 · 10^(t/10): the number of half periods is twice its integral.
+    const auto periods = [](double t) { return 20.0 / std::log(10.0) * std::pow(10.0, t / 10.0); };
+    for (const double from_s : {1.0, 4.0, 8.0}) {
+        EXPECT_NEAR(crossings_between(from_s, from_s + 1.0),
+                    2.0 * (periods(from_s + 1.0) - periods(from_s)), 1.0);
+    }
+}
+
+TEST(HandStimulus, MovesTheSimulatedHandOncePerNumber) {
+    SimulationOptions options;
+    const Vector3 start_m(0.0, 0.02, 0.0);
+    SimulatedPhantom phantom(testing::phantom_1_0(), options, start_m);
+    const auto run = [&phantom](double seconds) {
+        double farthest_m = 0.0;
+        const double start_y_m = phantom.truth().hand_target_m.y();
+        for (int tick = 0; tick < static_cast<int>(std::lround(1e3 * seconds)); ++tick) {
+            static_cast<void>(phantom.read());
+            phantom.write(device::DeviceCommand::braking());
+            farthest_m =
+                std::max(farthest_m, std::abs(phantom.truth().hand_target_m.y() - start_y_m));
+        }
+        return farthest_m;
+    };
+    run(0.2);
+    HandStimulus stimulus;
+    stimulus.kind = StimulusKind::hold;
+    stimulus.amplitude_m = 0.004;
+    stimulus.duration_s = 0.5;
+    stimulus.number = 1;
+    phantom.play(stimulus);
+    EXPECT_NEAR(run(0.6), 0.004, 1e-9);
+    EXPECT_NEAR(run(0.6), 0.0, 1e-9); // it is over
+    phantom.play(stimulus);           // the same number
+    EXPECT_NEAR(run(0.6), 0.0, 1e-9);
+    stimulus.number = 2;
+    phantom.play(stimulus);
+    EXPECT_NEAR(run(0.6), 0.004, 1e-9);
+}
+
+} // namespace
+} // namespace springdrive::simulated
