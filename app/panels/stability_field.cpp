@@ -33,12 +33,12 @@ bool has_same_field(const loops::StabilityCase &a, const loops::StabilityCase &b
 /// Green where stable, darker for slower decay; red where unstable.
 ImVec4 colour_of(double eigenvalue, double period_s) {
     if (!(eigenvalue < 1.0)) {
-        return ImVec4(0.44F, 0.19F, 0.18F, 1.0F);
+        return {0.44F, 0.19F, 0.18F, 1.0F};
     }
     const double rate_per_s = -std::log(eigenvalue) / period_s;
     const double speed = std::clamp(std::log10(rate_per_s) / 2.5, 0.0, 1.0); // 1/s to 300/s
-    return ImVec4(0.13F, static_cast<float>(0.24 + 0.26 * speed),
-                  static_cast<float>(0.22 + 0.16 * speed), 1.0F);
+    return {0.13F, static_cast<float>(0.24 + 0.26 * speed), static_cast<float>(0.22 + 0.16 * speed),
+            1.0F};
 }
 
 const Axis kAxisOfK_P{StabilityGrid::kMin_K_P_V_per_rad, StabilityGrid::kMax_K_P_V_per_rad, true};

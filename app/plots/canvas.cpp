@@ -139,13 +139,13 @@ void SvgCanvas::polyline(std::span<const ImVec2> points, const Stroke &stroke) {
     if (points.size() < 2) {
         return;
     }
-    body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\" points=\"";
+    body_ += R"(<polyline fill="none" stroke-linejoin="round" points=")";
     for (const ImVec2 &point : points) {
         fmt::format_to(std::back_inserter(body_), "{:.2f},{:.2f} ", point.x - where_.corner.x,
                        point.y - where_.corner.y);
     }
     const float width = stroke.width * scale_;
-    fmt::format_to(std::back_inserter(body_), "\" {} stroke-width=\"{:.2f}\"",
+    fmt::format_to(std::back_inserter(body_), R"(" {} stroke-width="{:.2f}")",
                    paint("stroke", stroke.colour), width);
     if (stroke.dash != Dash::solid) {
         const DashLengths lengths = lengths_of(stroke.dash);

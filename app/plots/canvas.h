@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,7 +39,7 @@ public:
     virtual void unclip() = 0;
 
     void line(ImVec2 from, ImVec2 to, const Stroke &stroke) {
-        const ImVec2 ends[]{from, to};
+        const std::array<ImVec2, 2> ends{from, to};
         polyline(ends, stroke);
     }
 };

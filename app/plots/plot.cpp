@@ -205,7 +205,7 @@ PlotSource source_of_trace(const PlotSource &source) {
 std::vector<Curve> curves_over_time(const PlotSettings &settings, const PlotSource &source,
                                     int columns) {
     const Rows rows = rows_of(source);
-    const bool is_dense = rows.to - rows.from > 2U * static_cast<unsigned>(columns);
+    const bool is_dense = rows.to - rows.from > 2 * static_cast<std::uint64_t>(columns);
     const std::vector<std::uint64_t> edges =
         is_dense ? rows_of_columns(source, columns) : std::vector<std::uint64_t>();
     std::vector<Curve> curves;

@@ -364,10 +364,11 @@ std::vector<Rectangle> plot_places(const Rectangle &where, const std::vector<Plo
             weights += weight_of(plots[i]);
         }
         float left = where.corner.x;
+        const std::size_t row = first / columns;
         for (std::size_t i = first; i < last; ++i) {
             const float width = where.size.x * weight_of(plots[i]) / weights;
-            places.push_back({{left, where.corner.y + height * static_cast<float>(first / columns)},
-                              {width - gap, height}});
+            places.push_back(
+                {{left, where.corner.y + height * static_cast<float>(row)}, {width - gap, height}});
             left += width;
         }
     }

@@ -1,9 +1,12 @@
 // Covers the keys, the servo panel's speed, limits and log: app/screen.cpp,
 // app/panels/servo_panel.cpp.
 #include "engine/servo/safety_status.h"
+#include "tests/support/devices.h"
 #include "tests/support/shown_window.h"
 
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 namespace springdrive::app {
 namespace {
@@ -72,6 +75,27 @@ TEST(KeysInTheWindow, LimitsShowWhatIsHeldAgainstThemAndTheLogWhatHappened) {
     window.wait_until([](const Report &report) { return report.shows("stopped: emergency stop"); },
                       "the log holds the stop");
     EXPECT_TRUE(window.look().shows("motors running"));
+}
+
+TEST(KeysInTheWindow, AForceThatIsHeldBackIsNamedWithItsLimit) {
+    const std::filesystem::path folder = testing::fresh_folder("held_back");
+    std::ofstream(folder / "deep.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2.5,0,-0.05,0\n";
+    ShownWindow window(
+        {"--scene", testing::assets() / "scenes/plate.gltf", "--path", folder / "deep.csv"});
+    window.wait_until([](const Report &report) { return report.column("force_y_N") > 3.0; },
+                      "the hand presses");
+    EXPECT_FALSE(window.look().shows("held back"));
+    window.click("Servo/Limits");
+    const testing::Point from = window.point_in("tip_force_N/slider", 0.97F);
+    const testing::Point to = window.point_in("tip_force_N/slider", 0.25F);
+    window.person().drag(from, to, 0.5);
+    const Report held = window.wait_until(
+        [](const Report &report) { return report.shows("held back: force"); }, "it is held back");
+    const double limit_N = held.item("tip_force_N/slider").at("value");
+    EXPECT_LT(limit_N, 4.0);
+    // It glides to the limit within a second.
+    window.wait_until([&](const Report &report) { return report.column("force_y_N") < limit_N; },
+                      "below the limit");
 }
 
 } // namespace

@@ -177,6 +177,16 @@ TEST(TuningInTheWindow, TheLockHoldsAtTheLimitUntilItIsUnlocked) {
     EXPECT_TRUE(beyond.shows("UNSTABLE"));
 }
 
+TEST(TuningInTheWindow, GainsThatRestInAHeldHandAreUnstableWithoutOne) {
+    ShownWindow window({"--kp", "34"});
+    window.wait_until_running();
+    EXPECT_TRUE(window.look().shows("UNSTABLE")); // with every hand, that is with the worst
+    window.choose("Gains/hand", "relaxed hand");
+    EXPECT_FALSE(window.look().shows("UNSTABLE"));
+    window.choose("Gains/hand", "no hand");
+    EXPECT_TRUE(window.look().shows("UNSTABLE"));
+}
+
 TEST(TuningInTheWindow, ATuningIsSavedComparedLoadedAndRenamed) {
     const std::filesystem::path folder = testing::fresh_folder("tunings");
     ShownWindow window({}, {}, folder);
