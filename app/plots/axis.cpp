@@ -16,6 +16,18 @@ double least_length(double from, double to) {
     return 1e-9 * std::max({std::abs(from), std::abs(to), 1e-6});
 }
 
+/// Whether an axis can be drawn and labelled: zooming and moving end before that.
+bool is_usable(const Axis &axis) {
+    constexpr double kGreatest = 1e100;
+    if (!(std::abs(axis.from) < kGreatest && std::abs(axis.to) < kGreatest)) {
+        return false; // a NaN, too
+    }
+    if (axis.is_logarithmic) {
+        return axis.from > 1.0 / kGreatest && axis.to / axis.from > 1.0 + 1e-9;
+    }
+    return axis.to - axis.from > least_length(axis.from, axis.to);
+}
+
 std::vector<Tick> linear_ticks(const Axis &axis, int most) {
     const double length = axis.to - axis.from;
     const double step = round_up(length / std::max(1, most));
@@ -69,14 +81,14 @@ Axis Axis::zoomed(double share, double factor) const {
     Axis result = *this;
     result.from = value(share * (1.0 - factor));
     result.to = value(share + (1.0 - share) * factor);
-    return result.to - result.from > least_length(from, to) ? result : *this;
+    return is_usable(result) ? result : *this;
 }
 
 Axis Axis::moved(double share) const {
     Axis result = *this;
     result.from = value(share);
     result.to = value(1.0 + share);
-    return result;
+    return is_usable(result) ? result : *this;
 }
 
 double round_up(double value) {

@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct Axis {
 
     /// The same axis with `share` of it at the same place, and `factor` times as long.
     [[nodiscard]] Axis zoomed(double share, double factor) const;
-    /// Moved by this share of its length.
+    /// Moved by this share of its length. Both leave the axis as it is beyond what can be labelled.
     [[nodiscard]] Axis moved(double share) const;
 
     friend bool operator==(const Axis &, const Axis &) = default;
@@ -46,16 +47,17 @@ struct Tick {
 [[nodiscard]] std::string number_at_step(double value, double step);
 
 /// The area of a plot within its axes.
-struct PlotArea {
+class PlotArea {
+public:
     Rectangle where;
     Axis x;
     Axis y;
 
     [[nodiscard]] float place_x(double value) const {
-        return where.corner.x + static_cast<float>(x.share(value)) * where.size.x;
+        return where.corner.x + drawable(x.share(value)) * where.size.x;
     }
     [[nodiscard]] float place_y(double value) const {
-        return where.corner.y + (1.0F - static_cast<float>(y.share(value))) * where.size.y;
+        return where.corner.y + (1.0F - drawable(y.share(value))) * where.size.y;
     }
     [[nodiscard]] ImVec2 place(double x_value, double y_value) const {
         return {place_x(x_value), place_y(y_value)};
@@ -65,6 +67,12 @@ struct PlotArea {
     }
     [[nodiscard]] double y_at(float place) const {
         return y.value(1.0F - (place - where.corner.y) / where.size.y);
+    }
+
+private:
+    /// Far outside, but a number that can be drawn.
+    [[nodiscard]] static float drawable(double share) {
+        return static_cast<float>(std::clamp(share, -1e4, 1e4));
     }
 };
 

@@ -97,9 +97,12 @@ void ScreenCanvas::polyline(std::span<const ImVec2> points, const Stroke &stroke
     }
     const ImU32 colour = ImGui::ColorConvertFloat4ToU32(stroke.colour);
     const float width = stroke.width * scale_;
+    // Piece by piece: the mitred corners of a polyline reach far beyond the peaks of noise, and one
+    // polyline cannot have more points than 16 bits count.
     const auto draw = [&](std::span<const ImVec2> line) {
-        list_.AddPolyline(line.data(), static_cast<int>(line.size()), colour, ImDrawFlags_None,
-                          width);
+        for (std::size_t i = 1; i < line.size(); ++i) {
+            list_.AddPolyline(&line[i - 1], 2, colour, ImDrawFlags_None, width);
+        }
     };
     if (stroke.dash == Dash::solid) {
         draw(points);

@@ -39,13 +39,13 @@ const std::array<NamedLook, 8> &named_looks() {
 /// Told apart also by most of those who do not see red or green as others do: they differ in
 /// lightness as well.
 constexpr std::size_t kColourCount = 7;
-const std::array<ImVec4, kColourCount> kColours{{{0.34F, 0.71F, 0.91F, 1.0F},
-                                                 {0.90F, 0.62F, 0.00F, 1.0F},
-                                                 {0.17F, 0.78F, 0.60F, 1.0F},
-                                                 {0.94F, 0.89F, 0.26F, 1.0F},
-                                                 {0.91F, 0.45F, 0.22F, 1.0F},
-                                                 {0.86F, 0.56F, 0.76F, 1.0F},
-                                                 {0.86F, 0.88F, 0.90F, 1.0F}}};
+const std::array<ImVec4, kColourCount> kColours{{{0.17F, 0.78F, 0.60F, 1.0F},
+                                                 {0.93F, 0.78F, 0.20F, 1.0F},
+                                                 {0.90F, 0.55F, 0.85F, 1.0F},
+                                                 {0.86F, 0.88F, 0.90F, 1.0F},
+                                                 {0.66F, 0.62F, 0.98F, 1.0F},
+                                                 {0.72F, 0.64F, 0.48F, 1.0F},
+                                                 {0.62F, 0.86F, 0.35F, 1.0F}}};
 
 /// "tip_x" of "tip_x_m": the unit stands at the axis.
 std::string without_unit(const session::Channel &channel) {

@@ -31,7 +31,7 @@ struct ShownUnit {
 
 /// A level drawn across plots of a channel.
 struct PlotLevel {
-    double si_value = 0.0;
+    double value_si = 0.0;
     std::string_view label;
 };
 [[nodiscard]] std::optional<PlotLevel> level_of(std::size_t channel);

@@ -80,7 +80,7 @@ void draw_levels(Canvas &canvas, const PlotArea &area, const PlotSettings &setti
         if (!level) {
             continue;
         }
-        const double value = level->si_value * unit_of(channel, settings).per_si;
+        const double value = level->value_si * unit_of(channel, settings).per_si;
         if (value <= area.y.from || value >= area.y.to) {
             continue;
         }
@@ -105,7 +105,7 @@ void draw_curve(Canvas &canvas, const PlotArea &area, const Curve &curve, const 
         points.clear();
     };
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
-        if (std::isnan(curve.x[i]) || std::isnan(curve.y[i])) {
+        if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i])) {
             flush();
         } else {
             points.push_back(area.place(curve.x[i], curve.y[i]));
@@ -161,8 +161,7 @@ Curve curve_of_columns(std::size_t channel, const PlotSource &source, double per
             source.store.extremes(channel, rows[i], rows[i + 1]);
         const double time_s = source.store.time_s(rows[i]) - source.zero_s;
         curve.x.insert(curve.x.end(), {time_s, time_s});
-        const bool goes_up =
-            curve.y.empty() || !(curve.y.back() * per_si > extremes.maximum * per_si);
+        const bool goes_up = curve.y.empty() || !(curve.y.back() > extremes.maximum * per_si);
         const double first = goes_up ? extremes.minimum : extremes.maximum;
         const double second = goes_up ? extremes.maximum : extremes.minimum;
         curve.y.insert(curve.y.end(), {first * per_si, second * per_si});
@@ -174,7 +173,9 @@ Curve curve_of_ticks(std::size_t channel, const PlotSource &source, double per_s
                      const Rows &rows) {
     Curve curve;
     curve.channel = channel;
-    for (std::uint64_t row = rows.from; row < rows.to; ++row) {
+    // From the tick before the window on, so that the line enters it.
+    const std::uint64_t first = rows.from - (rows.from > source.store.begin() ? 1 : 0);
+    for (std::uint64_t row = first; row < rows.to; ++row) {
         curve.x.push_back(source.store.time_s(row) - source.zero_s);
         curve.y.push_back(source.store.value(channel, row) * per_si);
     }
@@ -263,6 +264,7 @@ PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSetting
     std::vector<Curve> curves;
     Range range;
     double first_Hz = 1.0;
+    double last_Hz = 0.5 * source.servo_hz;
     for (const std::size_t channel : settings.channels) {
         const signals::Spectrum &spectrum = cache.spectrum(channel, source);
         const double per_si = unit_of(channel, settings).per_si;
@@ -276,11 +278,12 @@ PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSetting
             range.take(amplitude);
         }
         first_Hz = spectrum.amplitude.empty() ? first_Hz : spectrum.bin_Hz;
+        last_Hz = curve.x.empty() ? last_Hz : curve.x.back();
         curves.push_back(std::move(curve));
     }
     const bool is_empty = !(range.maximum > 0.0);
     const double top = is_empty ? 1.0 : round_up(range.maximum);
-    const Axis x = settings.x.value_or(Axis{first_Hz, 0.5 * source.servo_hz, true});
+    const Axis x = settings.x.value_or(Axis{first_Hz, last_Hz, true});
     const Axis y = settings.y.value_or(Axis{1e-5 * top, top, true});
     const PlotArea area =
         draw_axes(canvas, where, x, y, "Hz", "amplitude, " + unit_title(settings));
@@ -303,7 +306,8 @@ constexpr std::uint64_t kMostPoints = 20'000;
 std::vector<Curve> paired_curves(const PlotSettings &settings, const PlotSource &source,
                                  double angle_per_si) {
     const Rows rows = rows_of(source);
-    const std::uint64_t step = std::max<std::uint64_t>(1, (rows.to - rows.from) / kMostPoints);
+    const std::uint64_t step =
+        std::max<std::uint64_t>(1, (rows.to - rows.from + kMostPoints - 1) / kMostPoints);
     std::vector<Curve> curves;
     for (std::size_t i = 1; i < settings.channels.size(); ++i) {
         Curve curve;
@@ -376,7 +380,7 @@ void draw_marks(Canvas &canvas, const PlotArea &area, const Curve &curve, const 
     constexpr std::size_t kMostMarks = 3000;
     const float arm = 0.15F * text_height();
     for (std::size_t i = 0; i < curve.x.size(); i += 1 + curve.x.size() / kMostMarks) {
-        if (std::isnan(curve.x[i]) || std::isnan(curve.y[i])) {
+        if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i])) {
             continue;
         }
         const ImVec2 at = area.place(curve.x[i], curve.y[i]);
@@ -406,7 +410,7 @@ PlotArea draw_polar(Canvas &canvas, const Rectangle &where, const PlotSettings &
             for (std::size_t i = 0; i < curve.x.size(); ++i) {
                 const double angle = curve.x[i];
                 const double radius = std::min(std::abs(curve.y[i]), most);
-                radii.take(std::isnan(angle) ? kNone : radius);
+                radii.take(std::isfinite(angle) && std::isfinite(radius) ? radius : kNone);
                 curve.x[i] = radius * std::cos(angle);
                 curve.y[i] = radius * std::sin(angle);
             }
@@ -468,11 +472,13 @@ PlotArea draw_histogram(Canvas &canvas, const Rectangle &where, const PlotSettin
 } // namespace
 
 std::string unit_title(const PlotSettings &settings) {
+    std::vector<std::string_view> names;
     std::string title;
     for (const std::size_t channel : settings.channels) {
-        const std::string name(unit_of(channel, settings).name);
-        if (title.find(name) == std::string::npos) {
-            title += title.empty() ? name : ", " + name;
+        const std::string_view name = unit_of(channel, settings).name;
+        if (std::ranges::find(names, name) == names.end()) {
+            title += (names.empty() ? "" : ", ") + std::string(name);
+            names.push_back(name);
         }
     }
     return title;
@@ -565,7 +571,14 @@ const signals::Spectrum &PlotCache::spectrum(std::size_t channel, const PlotSour
         const std::uint64_t from =
             std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMostTicks)});
         source.store.copy(channel, from, std::max(from, known.to), values_);
-        known.spectrum = signals::amplitude_spectrum(values_, source.servo_hz);
+        // By the ticks' own times: a view that is held may be from before a change of the rate.
+        const double length_s =
+            values_.size() > 1
+                ? source.store.time_s(from + values_.size() - 1) - source.store.time_s(from)
+                : 0.0;
+        const double rate_hz =
+            length_s > 0.0 ? static_cast<double>(values_.size() - 1) / length_s : source.servo_hz;
+        known.spectrum = signals::amplitude_spectrum(values_, rate_hz);
     }
     return *known.spectrum;
 }

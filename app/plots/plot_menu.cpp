@@ -149,10 +149,15 @@ float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &sou
     for (const std::size_t channel : plot.settings.channels) {
         const ChannelLook &look = look_of(channel);
         std::string text = role_of(plot.settings, channel) + look.label;
+        std::string values;
         if (has_values) {
-            text += values_under_cursors(channel, state, source, plot.settings.in_si);
+            values = values_under_cursors(channel, state, source, plot.settings.in_si);
         }
-        const float needed = text_width(text) + 3.0F * ImGui::GetFontSize();
+        const float swatch = 3.0F * ImGui::GetFontSize();
+        if (text_width(text + values) + swatch < width) { // otherwise in the tooltip only
+            text += values;
+        }
+        const float needed = text_width(text) + swatch;
         if (at.x > begin.x && at.x + needed > begin.x + width) {
             at = {begin.x, at.y + row};
         }
@@ -166,12 +171,9 @@ float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &sou
         }
         ui::enter(session::channels()[channel].name, "legend", text);
         offer_channel(channel);
-        ui::explain(session::channels()[channel].name +
-                    "; a click removes it, a drag takes it to "
-                    "another plot" +
-                    (session::channels()[channel].about.empty()
-                         ? ""
-                         : "\n" + session::channels()[channel].about));
+        const session::Channel &known = session::channels()[channel];
+        ui::explain(known.name + values + "\na click removes it, a drag takes it to another plot" +
+                    (known.about.empty() ? "" : "\n" + known.about));
         ImGui::PopID();
     }
     if (removed) {

@@ -156,8 +156,12 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
     const std::string text = state_text(state, live);
     ImGui::SameLine();
     const float left = ImGui::GetCursorScreenPos().x;
-    if (left + text_width(text) < where.corner.x + where.size.x) {
+    const float right = where.corner.x + where.size.x;
+    if (left + text_width(text) < right) {
         ui::text(kFaintInk, "{}", text);
+    } else if (left + text_width("…") < right) {
+        ui::text(state.message.empty() ? kFaintInk : kWarning, "…");
+        ui::explain(text);
     } else {
         ImGui::NewLine();
     }
@@ -396,7 +400,9 @@ void draw_plot_panel(session::Session &session, const session::TuningSlots &slot
     keep_trace(slots, state, live);
     const std::optional<PlotTrace> &trace =
         state.traces[static_cast<std::size_t>(slots.inactive())];
-    const PlotSource source{state.view.store(live),
+    // A press of a button may end the hold while this frame is being drawn.
+    const std::shared_ptr<const record::ChannelStore> held = state.view.held();
+    const PlotSource source{held ? *held : live,
                             session.servo().history().servo_hz(),
                             window,
                             state.view.is_live() ? window.to_s : 0.0,

@@ -57,6 +57,9 @@ void PlotTrigger::arm(const PlotTriggerSettings &settings, double span_s,
         watch(settings.channel, {settings.edge, settings.level_si, 0.0});
         break;
     }
+    if (!live.is_empty()) { // an event is a change from now on
+        static_cast<void>(fires(live, live.end() - 1));
+    }
     const double pre_s = settings.pre_share * span_s;
     // A gain glides for some fifty milliseconds: one event.
     trigger_ = signals::Trigger(
@@ -77,17 +80,21 @@ void PlotTrigger::advance(const record::ChannelStore &live, PlotView &view) {
         return;
     }
     for (std::uint64_t row = std::max(next_row_, live.begin()); row < live.end(); ++row) {
-        trigger_.take(live.time_s(row), fires(live, row));
-        if (const std::optional<signals::TimeWindow> window = trigger_.window();
-            window && trigger_.state() == signals::TriggerState::complete &&
-            (settings_.repeats || next_row_ <= row)) {
-            view.show_event(live, *window);
-            trigger_.proceed();
-            if (!settings_.repeats) {
-                settings_.source = TriggerSource::off;
-                next_row_ = row + 1;
-                return;
-            }
+        const bool has_event = fires(live, row); // also while it is ignored
+        trigger_.take(live.time_s(row), has_event && !view.is_held_by_hand());
+        const std::optional<signals::TimeWindow> window = trigger_.window();
+        if (!window) {
+            continue;
+        }
+        if (view.is_held_by_hand()) {
+            trigger_.arm(); // the user is looking at something else
+            continue;
+        }
+        view.show_event(live, *window);
+        trigger_.proceed();
+        if (!settings_.repeats) {
+            settings_.source = TriggerSource::off;
+            return;
         }
     }
     next_row_ = live.end();

@@ -47,7 +47,7 @@ private:
     [[nodiscard]] bool fires(const record::ChannelStore &live, std::uint64_t row);
 
     struct Watch {
-        std::size_t channel;
+        std::size_t channel = 0;
         signals::EdgeDetector detector;
     };
 

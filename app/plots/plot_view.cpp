@@ -13,20 +13,32 @@ signals::TimeWindow PlotView::window(const record::ChannelStore &live) const {
 void PlotView::hold(const record::ChannelStore &live) {
     if (is_live()) {
         end_s_ = reference_end_s_ = window(live).to_s;
-        held_ = live;
+        held_ = std::make_shared<const record::ChannelStore>(live);
     }
+    held_by_hand_ = true;
 }
 
 void PlotView::show_event(const record::ChannelStore &live, const signals::TimeWindow &window) {
-    go_live(); // the snapshot must hold the event
-    show(live, window);
-    reference_end_s_ = end_s_;
+    held_ = std::make_shared<const record::ChannelStore>(live); // with the event
+    set_span(window.to_s - window.from_s);
+    end_s_ = reference_end_s_ = window.to_s;
+    held_by_hand_ = false;
 }
 
-void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow &window) {
+void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow &wanted) {
     hold(live);
-    set_span(window.to_s - window.from_s);
-    end_s_ = window.to_s;
+    const signals::TimeWindow before = window(live);
+    const double length_s = wanted.to_s - wanted.from_s;
+    set_span(length_s);
+    end_s_ = wanted.to_s;
+    if (span_s_ != length_s) {
+        // At the end of zooming: the time at which both windows agree stays where it is.
+        const double old_s = before.to_s - before.from_s;
+        const double share =
+            old_s == length_s ? 1.0 : (wanted.from_s - before.from_s) / (old_s - length_s);
+        const double fixed_s = before.from_s + share * old_s;
+        end_s_ = fixed_s + (1.0 - share) * span_s_;
+    }
 }
 
 void PlotView::set_span(double span_s) {

@@ -6,7 +6,7 @@
 #include "engine/record/channel_store.h"
 
 #include <array>
-#include <optional>
+#include <memory>
 
 namespace springdrive::app {
 
@@ -17,7 +17,9 @@ public:
     static constexpr double kLeastSpan_s = 1e-4;
     static constexpr double kGreatestSpan_s = 3600.0;
 
-    [[nodiscard]] bool is_live() const { return !held_.has_value(); }
+    [[nodiscard]] bool is_live() const { return held_ == nullptr; }
+    /// Held, zoomed or moved by hand: no event may replace it.
+    [[nodiscard]] bool is_held_by_hand() const { return held_by_hand_; }
     [[nodiscard]] double span_s() const { return span_s_; }
     /// What is shown now.
     [[nodiscard]] signals::TimeWindow window(const record::ChannelStore &live) const;
@@ -25,13 +27,20 @@ public:
         return held_ ? *held_ : live;
     }
 
-    void go_live() { held_.reset(); }
+    /// The snapshot of a held view: to be kept by who uses it for longer than until the next change
+    /// of the view.
+    [[nodiscard]] std::shared_ptr<const record::ChannelStore> held() const { return held_; }
+
+    void go_live() {
+        held_.reset();
+        held_by_hand_ = false;
+    }
     /// Stops the view where it is.
     void hold(const record::ChannelStore &live);
     /// Holds, and shows this window of an event.
     void show_event(const record::ChannelStore &live, const signals::TimeWindow &window);
     /// Holds, and zooms or moves to this window.
-    void show(const record::ChannelStore &live, const signals::TimeWindow &window);
+    void show(const record::ChannelStore &live, const signals::TimeWindow &wanted);
     /// The end of what was shown before it was zoomed or moved: that of the event, or of the hold.
     [[nodiscard]] double reference_end_s(const record::ChannelStore &live) const {
         return is_live() ? window(live).to_s : reference_end_s_;
@@ -47,9 +56,10 @@ public:
 
 private:
     double span_s_ = 5.0;
+    bool held_by_hand_ = false;
     double end_s_ = 0.0; ///< of a held view
     double reference_end_s_ = 0.0;
-    std::optional<record::ChannelStore> held_;
+    std::shared_ptr<const record::ChannelStore> held_;
 };
 
 } // namespace springdrive::app

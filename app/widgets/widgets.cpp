@@ -171,9 +171,9 @@ bool checkbox(const char *label, bool &value) {
 }
 
 bool slider(const char *label, double &value, double minimum, double maximum, bool is_logarithmic) {
-    const bool is_changed =
-        ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &minimum, &maximum, "",
-                            is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    const bool is_changed = ImGui::SliderScalar(
+        label, ImGuiDataType_Double, &value, &minimum, &maximum, "",
+        ImGuiSliderFlags_NoInput | (is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
     enter(label, "slider", "", value);
     return is_changed;
 }
@@ -190,6 +190,12 @@ bool number_field(const char *label, double &value, const char *format) {
     const bool result = ImGui::InputDouble(label, &value, 0.0, 0.0, format);
     enter(label, "number", text_of(label), value);
     return result;
+}
+
+void number_text_field(const char *label, std::string &text, double value) {
+    ImGui::InputText(label, &text,
+                     ImGuiInputTextFlags_CharsScientific | ImGuiInputTextFlags_AutoSelectAll);
+    enter(label, "number", text, value);
 }
 
 bool text_field(const char *label, const char *hint, std::string &text) {

@@ -142,6 +142,9 @@ bool slider_with_number(const char *label, double &value, double minimum, double
 /// @param format  of printf, for ImGui
 bool number_field(const char *label, double &value, const char *format);
 
+/// A number to be typed, as text: it may be incomplete. @param value  in the report
+void number_text_field(const char *label, std::string &text, double value);
+
 /// A line of text to be typed; `hint` is shown while it is empty. True on Enter.
 bool text_field(const char *label, const char *hint, std::string &text);
 

@@ -1,0 +1,166 @@
+// Covers app/plots/channel_look.cpp.
+#include "app/plots/channel_look.h"
+
+#include "app/plots/plot_panel.h"
+#include "app/widgets/look.h"
+#include "engine/session/telemetry_history.h"
+#include "tests/support/channel_stores.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+using testing::channel;
+
+/// 0 to √3.
+double distance_of_colours(const ImVec4 &a, const ImVec4 &b) {
+    return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+/// A reader takes two curves for the same one if their dashes are equal and their colours nearly.
+bool look_alike(const Stroke &a, const Stroke &b) {
+    return a.dash == b.dash && distance_of_colours(a.colour, b.colour) < 0.2;
+}
+
+const Stroke &stroke_of(std::string_view name) { return look_of(channel(name)).stroke; }
+
+TEST(ChannelLook, EveryChannelHasOne) {
+    ASSERT_GT(session::channels().size(), 100U);
+    for (std::size_t i = 0; i < session::channels().size(); ++i) {
+        const std::string &name = session::channels()[i].name;
+        const ChannelLook &look = look_of(i);
+        EXPECT_FALSE(look.label.empty()) << name;
+        EXPECT_GE(look.stroke.width, 1.0F) << name;
+        EXPECT_LE(look.stroke.width, 3.0F) << name;
+        const ImVec4 &colour = look.stroke.colour;
+        for (const float part : {colour.x, colour.y, colour.z}) {
+            EXPECT_GE(part, 0.0F) << name;
+            EXPECT_LE(part, 1.0F) << name;
+        }
+        // Visible on the dark ground of plots, in spite of its opacity.
+        EXPECT_GT(colour.w * (0.3F * colour.x + 0.6F * colour.y + 0.1F * colour.z), 0.2F) << name;
+        EXPECT_EQ(&look_of(i), &look) << "another one the second time: " << name;
+    }
+}
+
+TEST(ChannelLook, NoLabelStandsForTwoChannels) {
+    std::map<std::string, std::string> known;
+    for (std::size_t i = 0; i < session::channels().size(); ++i) {
+        const auto [first, is_new] = known.emplace(look_of(i).label, session::channels()[i].name);
+        EXPECT_TRUE(is_new) << look_of(i).label << ": " << first->second << " and "
+                            << session::channels()[i].name;
+    }
+}
+
+TEST(ChannelLook, LabelsDoNotRepeatTheUnitOfTheAxis) {
+    EXPECT_EQ(look_of(channel("tip_x_m")).label, "tip_x");
+    EXPECT_EQ(look_of(channel("current2_A")).label, "current2");
+    EXPECT_EQ(look_of(channel("theta_rate3_rad_per_s")).label, "theta_rate3");
+    EXPECT_EQ(look_of(channel("tick")).label, "tick");
+}
+
+TEST(ChannelLook, AMapHasOneColourAndSaysWhatIncludesThePlant) {
+    for (const std::string map : {"transpose", "inverse"}) {
+        const ChannelLook &ideal = look_of(channel(map + "_error_rad"));
+        const ChannelLook &measured = look_of(channel(map + "_measured_rad"));
+        EXPECT_EQ(distance_of_colours(ideal.stroke.colour, measured.stroke.colour), 0.0) << map;
+        EXPECT_NE(ideal.stroke.dash, measured.stroke.dash) << map;
+        EXPECT_NE(ideal.label.find(map), std::string::npos);
+        EXPECT_NE(ideal.label.find("ideal"), std::string::npos);
+        EXPECT_NE(measured.label.find(map), std::string::npos);
+        EXPECT_NE(measured.label.find("measured"), std::string::npos);
+    }
+    EXPECT_FALSE(look_alike(stroke_of("transpose_error_rad"), stroke_of("inverse_error_rad")));
+    EXPECT_FALSE(
+        look_alike(stroke_of("transpose_measured_rad"), stroke_of("inverse_measured_rad")));
+}
+
+TEST(ChannelLook, ComponentsAndMotorsHaveTheSameThreeColoursInAllQuantities) {
+    for (const auto &[first, second] : std::vector<std::pair<std::string_view, std::string_view>>{
+             {"tip_x_m", "proxy_x_m"}, {"tip_x_m", "current1_A"}, {"e_W2_V", "force_y_N"}}) {
+        EXPECT_EQ(distance_of_colours(stroke_of(first).colour, stroke_of(second).colour), 0.0)
+            << first << ", " << second;
+    }
+    EXPECT_FALSE(look_alike(stroke_of("tip_x_m"), stroke_of("tip_y_m")));
+    EXPECT_FALSE(look_alike(stroke_of("tip_y_m"), stroke_of("tip_z_m")));
+    EXPECT_FALSE(look_alike(stroke_of("tip_z_m"), stroke_of("tip_x_m")));
+}
+
+TEST(ChannelLook, NoTwoChannelsOfADefaultPlotLookAlike) {
+    PlotPanelState state;
+    for (std::size_t set = 0; set < kPlotSetLabels.size(); ++set) {
+        choose_plot_set(state, set);
+        ASSERT_FALSE(state.plots.empty());
+        for (const Plot &plot : state.plots) {
+            for (const std::size_t a : plot.settings.channels) {
+                for (const std::size_t b : plot.settings.channels) {
+                    EXPECT_TRUE(a <= b || !look_alike(look_of(a).stroke, look_of(b).stroke))
+                        << kPlotSetLabels[set] << ": " << session::channels()[a].name << " and "
+                        << session::channels()[b].name;
+                }
+            }
+        }
+    }
+}
+
+TEST(ChannelLook, NoOtherQuantityLooksLikeAMap) {
+    const std::set<std::string_view> maps{"transpose_error_rad", "inverse_error_rad",
+                                          "transpose_measured_rad", "inverse_measured_rad"};
+    for (std::size_t i = 0; i < session::channels().size(); ++i) {
+        const std::string &name = session::channels()[i].name;
+        for (const std::string_view map : maps) {
+            EXPECT_TRUE(maps.contains(name) || !look_alike(look_of(i).stroke, stroke_of(map)))
+                << name << " and " << map;
+        }
+    }
+}
+
+TEST(ShownUnit, IsTheSiUnitOrOneOfPeople) {
+    for (std::size_t i = 0; i < session::channels().size(); ++i) {
+        const session::Channel &known = session::channels()[i];
+        const ShownUnit si = shown_unit(i, true);
+        EXPECT_EQ(si.per_si, 1.0) << known.name;
+        EXPECT_EQ(si.name, known.unit == "1" ? "–" : known.unit) << known.name;
+        const ShownUnit shown = shown_unit(i, false);
+        EXPECT_FALSE(shown.name.empty()) << known.name;
+        EXPECT_EQ(shown.per_si == 1.0, shown.name == si.name) << known.name;
+    }
+    EXPECT_NEAR(shown_unit(channel("theta1_rad"), false).per_si * std::numbers::pi, 180.0, 1e-12);
+    EXPECT_EQ(shown_unit(channel("theta1_rad"), false).name, "°");
+    EXPECT_EQ(shown_unit(channel("tip_x_m"), false).name, "mm");
+    EXPECT_EQ(shown_unit(channel("compute_s"), false).name, "µs");
+    EXPECT_EQ(shown_unit(channel("compute_s"), false).per_si, 1e6);
+    EXPECT_EQ(shown_unit(channel("time_s"), false).name, "s");
+}
+
+TEST(PlotLevel, TheLimitOfPerceptionStandsInPlotsOfDirections) {
+    int with_level = 0;
+    for (std::size_t i = 0; i < session::channels().size(); ++i) {
+        const std::optional<PlotLevel> level = level_of(i);
+        with_level += level ? 1 : 0;
+        if (level) {
+            EXPECT_EQ(session::channels()[i].unit, "rad");
+            const auto [level_rad, label] = *level;
+            EXPECT_NEAR(level_rad * 180.0 / std::numbers::pi, 25.0, 1e-9);
+            EXPECT_NE(label.find("25°"), std::string_view::npos);
+            EXPECT_GT(greatest_of_interest(i), level_rad);
+            EXPECT_LT(greatest_of_interest(i), 0.5 * std::numbers::pi);
+        } else {
+            EXPECT_TRUE(std::isinf(greatest_of_interest(i)));
+        }
+    }
+    EXPECT_EQ(with_level, 5); // every tick, and both maps, ideal and measured
+}
+
+} // namespace
+} // namespace springdrive::app

@@ -1,0 +1,314 @@
+// Covers app/plots/plot.cpp, drawn into pictures.
+#include "app/plots/plot.h"
+
+#include "app/plots/plot_panel.h"
+#include "tests/support/channel_stores.h"
+#include "tests/support/imgui_frame.h"
+#include "tests/support/xml_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+using testing::channel;
+using testing::MadeUpStore;
+
+using PlotTest = testing::ImGuiFrame;
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTooMuch = std::numeric_limits<double>::infinity();
+
+const Rectangle kPlace{{100.0F, 50.0F}, {640.0F, 360.0F}};
+
+PlotSettings plot_of(PlotKind kind, const std::vector<std::string_view> &names) {
+    PlotSettings settings;
+    settings.kind = kind;
+    for (const std::string_view name : names) {
+        settings.channels.push_back(channel(name));
+    }
+    return settings;
+}
+
+/// Records lines; everything else is nothing.
+class LineCanvas final : public Canvas {
+public:
+    void polyline(std::span<const ImVec2> points, const Stroke &stroke) override {
+        lines.push_back({{points.begin(), points.end()}, stroke});
+    }
+    void fill(const Rectangle & /*where*/, const ImVec4 & /*colour*/) override {}
+    void dot(ImVec2 /*middle*/, float /*radius*/, const ImVec4 & /*colour*/) override {}
+    void text(ImVec2 /*corner*/, const ImVec4 & /*colour*/, std::string_view /*text*/) override {}
+    void clip(const Rectangle & /*where*/) override {}
+    void unclip() override {}
+
+    struct Line {
+        std::vector<ImVec2> points;
+        Stroke stroke;
+    };
+    std::vector<Line> lines;
+};
+
+struct Drawn {
+    PlotArea area;
+    std::vector<ImVec2> curve; ///< of the only channel; grids have thinner lines
+};
+
+Drawn drawn(const PlotSettings &settings, const MadeUpStore &of, const signals::TimeWindow &window,
+            double servo_hz = 1000.0) {
+    LineCanvas canvas;
+    PlotCache cache;
+    Drawn result;
+    result.area = draw_plot(canvas, kPlace, settings, {of.store(), servo_hz, window, 0.0}, cache);
+    for (const LineCanvas::Line &line : canvas.lines) {
+        if (line.stroke.width > 1.0F) {
+            result.curve.insert(result.curve.end(), line.points.begin(), line.points.end());
+        }
+    }
+    return result;
+}
+
+// --- whatever channels hold ---
+
+struct MadeUpCase {
+    const char *what;
+    MadeUpStore made;
+};
+
+/// Of each channel another sine, of very different sizes.
+void make_waves(MadeUpStore &made, int row) {
+    for (std::size_t i = 0; i < made.values().size(); ++i) {
+        const auto phase = static_cast<double>(i);
+        made.values()[i] = std::sin(0.01 * row + phase) * std::pow(10.0, std::fmod(phase, 13) - 6);
+    }
+}
+
+std::vector<MadeUpCase> made_up_cases() {
+    std::vector<MadeUpCase> cases;
+    cases.push_back({"nothing", MadeUpStore()});
+    const auto add_constant = [&](const char *what, double value) {
+        cases.push_back({what, MadeUpStore()});
+        cases.back().made.set_all(value);
+        cases.back().made.add(3000);
+    };
+    add_constant("zeros", 0.0);
+    add_constant("no numbers", kNothing);
+    add_constant("infinities", kTooMuch);
+    add_constant("negative infinities", -kTooMuch);
+    add_constant("large numbers", 1e30);
+    add_constant("small numbers", 1e-30);
+    cases.push_back({"one tick", MadeUpStore()});
+    make_waves(cases.back().made, 0);
+    cases.back().made.add();
+    for (const bool has_gaps : {false, true}) {
+        cases.push_back({has_gaps ? "waves with gaps and infinities" : "waves", MadeUpStore()});
+        MadeUpStore &made = cases.back().made;
+        for (int row = 0; row < 3000; ++row) {
+            make_waves(made, row);
+            if (has_gaps) {
+                const auto at = static_cast<std::size_t>(row);
+                const std::size_t count = made.values().size();
+                made.values()[at % count] = kNothing;
+                made.values()[(at + 7) % count] = kTooMuch;
+                made.values()[(at + 9) % count] = -kTooMuch;
+            }
+            made.add();
+        }
+    }
+    return cases;
+}
+
+std::string complaint_about_picture(const PlotSettings &settings, const MadeUpStore &of,
+                                    const signals::TimeWindow &window,
+                                    const Rectangle &where = kPlace) {
+    SvgCanvas canvas(where, 1.0F);
+    PlotCache cache;
+    static_cast<void>(draw_plot(canvas, where, settings, {of.store(), 1000.0, window, 0.0}, cache));
+    return testing::complaint_about_xml(canvas.svg());
+}
+
+TEST_F(PlotTest, EveryDefaultPlotOfAnyDataIsAWellFormedPicture) {
+    PlotPanelState state;
+    for (const MadeUpCase &known : made_up_cases()) {
+        for (std::size_t set = 0; set < kPlotSetLabels.size(); ++set) {
+            choose_plot_set(state, set);
+            for (const Plot &plot : state.plots) {
+                for (const auto &window : std::vector<signals::TimeWindow>{
+                         {-2.0, 3.0}, {1.0, 1.1}, {1.0002, 1.0004}, {-10.0, -5.0}, {10.0, 15.0}}) {
+                    EXPECT_EQ(complaint_about_picture(plot.settings, known.made, window), "")
+                        << known.what << ", " << kPlotSetLabels[set] << ", " << window.from_s;
+                }
+            }
+        }
+    }
+}
+
+TEST_F(PlotTest, APlotOfNoChannelsOrOfAllIsAWellFormedPicture) {
+    const MadeUpStore made = std::move(made_up_cases().back().made);
+    for (const PlotKind kind :
+         {PlotKind::time, PlotKind::spectrum, PlotKind::xy, PlotKind::polar, PlotKind::histogram}) {
+        PlotSettings settings;
+        settings.kind = kind;
+        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}), "");
+        const Rectangle tiny{{0.0F, 0.0F}, {4.0F, 3.0F}};
+        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}, tiny), "");
+        for (std::size_t i = 0; i < session::channels().size(); ++i) {
+            settings.channels.push_back(i);
+        }
+        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}), "");
+    }
+}
+
+// --- over time ---
+
+TEST_F(PlotTest, NoPeakIsLostHoweverNarrowThePlot) {
+    MadeUpStore made;
+    made["force_N"] = 1.0;
+    made.add(4321);
+    made["force_N"] = -3.0;
+    made.add();
+    made["force_N"] = 1.0;
+    made.add(8000);
+    made["force_N"] = 7.0;
+    made.add();
+    made["force_N"] = 1.0;
+    made.add(7000);
+    const Drawn plot = drawn(plot_of(PlotKind::time, {"force_N"}), made, {0.0, 20.0});
+    ASSERT_FALSE(plot.curve.empty());
+    const auto [top, bottom] = std::ranges::minmax(plot.curve, {}, &ImVec2::y);
+    EXPECT_NEAR(plot.area.y_at(top.y), 7.0, 0.01);
+    EXPECT_NEAR(plot.area.y_at(bottom.y), -3.0, 0.01);
+    EXPECT_LT(plot.curve.size(), 3000U);
+}
+
+TEST_F(PlotTest, ACurvePassesBetweenTwoTicksThatAreBothOutsideOfTheWindow) {
+    MadeUpStore made;
+    for (int row = 0; row < 3000; ++row) {
+        made["force_N"] = 0.001 * row;
+        made.add();
+    }
+    // A span of a tenth of a tick, and one that begins and ends within a tick.
+    for (const auto &window :
+         std::vector<signals::TimeWindow>{{1.0004, 1.0005}, {1.0004, 1.0205}}) {
+        const Drawn plot = drawn(plot_of(PlotKind::time, {"force_N"}), made, window);
+        ASSERT_GE(plot.curve.size(), 2U) << window.to_s;
+        const auto [left, right] = std::ranges::minmax(plot.curve, {}, &ImVec2::x);
+        EXPECT_LE(left.x, plot.area.where.corner.x) << window.to_s;
+        EXPECT_GE(right.x, plot.area.where.corner.x + plot.area.where.size.x) << window.to_s;
+    }
+}
+
+TEST_F(PlotTest, ARisingRampIsDrawnInOrderWhateverItsUnit) {
+    MadeUpStore made;
+    for (int row = 0; row < 20'000; ++row) {
+        made["tip_x_m"] = 1e-6 * row;
+        made.add();
+    }
+    for (const bool in_si : {true, false}) {
+        PlotSettings settings = plot_of(PlotKind::time, {"tip_x_m"});
+        settings.in_si = in_si;
+        const Drawn plot = drawn(settings, made, {0.0, 19.999});
+        ASSERT_GT(plot.curve.size(), 100U);
+        for (std::size_t i = 1; i < plot.curve.size(); ++i) {
+            ASSERT_LE(plot.curve[i].y, plot.curve[i - 1].y + 1e-3F)
+                << "point " << i << ", " << in_si;
+        }
+    }
+}
+
+/// The axis, in degrees, of an angle that alternates between two values.
+Axis axis_of_angles(double least_rad, double greatest_rad) {
+    MadeUpStore made;
+    for (int row = 0; row < 1000; ++row) {
+        made["transpose_measured_rad"] = row % 2 == 0 ? least_rad : greatest_rad;
+        made.add();
+    }
+    return drawn(plot_of(PlotKind::time, {"transpose_measured_rad"}), made, {0.0, 1.0}).area.y;
+}
+
+TEST_F(PlotTest, AnglesBeyondWhatIsOfInterestDoNotTakeTheAxisFromTheRest) {
+    EXPECT_EQ(axis_of_angles(0.0, 0.5).from, 0.0);
+    EXPECT_GE(axis_of_angles(0.0, 0.5).to, 28.0);
+    EXPECT_GE(axis_of_angles(0.0, 3.0).to, 60.0);
+    EXPECT_LE(axis_of_angles(0.0, 3.0).to, 70.0);
+    // All of it beyond: still an axis of angles like these.
+    EXPECT_GE(axis_of_angles(2.0, 3.0).to, 60.0);
+}
+
+TEST_F(PlotTest, EveryUnitStandsAtTheAxis) {
+    PlotSettings settings = plot_of(PlotKind::time, {"k_T1_Nm_per_A", "current1_A", "period_s",
+                                                     "theta_rate1_rad_per_s", "current2_A"});
+    settings.in_si = true;
+    EXPECT_EQ(unit_title(settings), "N·m/A, A, s, rad/s");
+    settings.in_si = false;
+    EXPECT_EQ(unit_title(settings), "N·m/A, mA, µs, °/s");
+}
+
+// --- other kinds ---
+
+TEST_F(PlotTest, AnXyPlotOfAnyLengthHasABoundedNumberOfPoints) {
+    for (const int rows : {15'000, 25'000, 39'000, 45'000}) {
+        MadeUpStore made(std::size_t{256} << 20);
+        for (int row = 0; row < rows; ++row) {
+            made["force_outward_N"] = std::cos(0.001 * row);
+            made["force_up_N"] = std::sin(0.001 * row);
+            made.add();
+        }
+        const Drawn plot =
+            drawn(plot_of(PlotKind::xy, {"force_outward_N", "force_up_N"}), made, {0.0, 50.0});
+        EXPECT_GT(plot.curve.size(), 7'000U) << rows;
+        EXPECT_LE(plot.curve.size(), 20'000U) << rows;
+    }
+}
+
+TEST_F(PlotTest, ASineIsAPeakAtItsFrequencyAndAmplitude) {
+    MadeUpStore made;
+    for (int row = 0; row < 8192; ++row) {
+        // In the middle of a bin of a segment of 1024 ticks.
+        made["force_N"] = 1.5 * std::sin(2.0 * std::numbers::pi * 62.5e-3 * row);
+        made.add();
+    }
+    const Drawn plot = drawn(plot_of(PlotKind::spectrum, {"force_N"}), made, {0.0, 9.0});
+    ASSERT_FALSE(plot.curve.empty());
+    const ImVec2 peak = *std::ranges::min_element(plot.curve, {}, &ImVec2::y);
+    EXPECT_NEAR(plot.area.x_at(peak.x) / 62.5, 1.0, 0.01);
+    EXPECT_NEAR(plot.area.y_at(peak.y) / 1.5, 1.0, 0.05);
+    EXPECT_TRUE(plot.area.x.is_logarithmic);
+    EXPECT_TRUE(plot.area.y.is_logarithmic);
+}
+
+TEST_F(PlotTest, AHeldSpectrumKeepsItsFrequenciesAfterAChangeOfTheRate) {
+    MadeUpStore made; // at 1 kHz
+    for (int row = 0; row < 8192; ++row) {
+        made["force_N"] = std::sin(2.0 * std::numbers::pi * 62.5e-3 * row);
+        made.add();
+    }
+    // The servo now runs at 2 kHz.
+    const Drawn plot = drawn(plot_of(PlotKind::spectrum, {"force_N"}), made, {0.0, 9.0}, 2000.0);
+    const ImVec2 peak = *std::ranges::min_element(plot.curve, {}, &ImVec2::y);
+    EXPECT_NEAR(plot.area.x_at(peak.x) / 62.5, 1.0, 0.01);
+}
+
+TEST_F(PlotTest, AHistogramCountsTheTicksOfTheWindow) {
+    MadeUpStore made;
+    for (int row = 0; row < 5000; ++row) {
+        made["period_s"] = row % 10 == 0 ? 1.2e-3 : 1e-3;
+        made.add();
+    }
+    const Drawn plot = drawn(plot_of(PlotKind::histogram, {"period_s"}), made, {1.0, 1.9995});
+    ASSERT_FALSE(plot.curve.empty());
+    const ImVec2 highest = *std::ranges::min_element(plot.curve, {}, &ImVec2::y);
+    EXPECT_NEAR(plot.area.y_at(highest.y), 900.0, 10.0);
+    EXPECT_LE(plot.area.x.from, 1000.0); // µs
+    EXPECT_GE(plot.area.x.to, 1200.0);
+}
+
+} // namespace
+} // namespace springdrive::app

@@ -1,0 +1,133 @@
+// What a reader of XML insists on, as far as SVG files of plots use it.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::testing {
+
+/// Looks through a text once.
+class XmlCheck {
+public:
+    explicit XmlCheck(std::string_view text) : text_(text) {}
+
+    /// Why it is no well-formed XML with finite numbers; empty if it is.
+    [[nodiscard]] std::string complaint() {
+        while (complaint_.empty() && at_ < text_.size()) {
+            text_[at_] == '<' ? take_tag() : take_character();
+        }
+        if (complaint_.empty() && !open_.empty()) {
+            complaint_ = open_.back() + " is not closed";
+        }
+        return complaint_;
+    }
+    /// Of the part that has been looked at.
+    [[nodiscard]] int elements() const { return elements_; }
+
+private:
+    void take_character() {
+        const char c = text_[at_];
+        if (c == '&') {
+            for (const std::string_view known : {"&amp;", "&lt;", "&gt;", "&quot;", "&apos;"}) {
+                if (text_.substr(at_, known.size()) == known) {
+                    at_ += known.size();
+                    return;
+                }
+            }
+            complaint_ = "a bare & at " + std::to_string(at_);
+        } else if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t') {
+            complaint_ = "a control character at " + std::to_string(at_);
+        } else if (open_.empty() && std::isspace(static_cast<unsigned char>(c)) == 0) {
+            complaint_ = "text outside of any element at " + std::to_string(at_);
+        }
+        ++at_;
+    }
+
+    std::string name() {
+        const std::size_t begin = at_;
+        while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 ||
+                                      text_[at_] == '-' || text_[at_] == ':')) {
+            ++at_;
+        }
+        return std::string(text_.substr(begin, at_ - begin));
+    }
+
+    bool take(std::string_view expected) {
+        if (text_.substr(at_, expected.size()) != expected) {
+            return false;
+        }
+        at_ += expected.size();
+        return true;
+    }
+
+    void take_tag() {
+        ++at_;
+        if (take("/")) {
+            const std::string closed = name();
+            if (open_.empty() || open_.back() != closed || !take(">")) {
+                complaint_ = "</" + closed + " closes nothing";
+                return;
+            }
+            open_.pop_back();
+            return;
+        }
+        open_.push_back(name());
+        ++elements_;
+        if (open_.back().empty()) {
+            complaint_ = "a bare < at " + std::to_string(at_);
+        }
+        std::set<std::string> attributes;
+        while (complaint_.empty() && at_ < text_.size()) {
+            const bool has_space = take(" ");
+            if (take("/>")) {
+                open_.pop_back();
+                return;
+            }
+            if (take(">")) {
+                return;
+            }
+            const std::string attribute = name();
+            if (!has_space || attribute.empty() || !attributes.insert(attribute).second ||
+                !take("=\"")) {
+                complaint_ = "no attribute at " + std::to_string(at_);
+                return;
+            }
+            take_attribute_value(attribute);
+        }
+    }
+
+    void take_attribute_value(const std::string &attribute) {
+        const std::size_t end = std::min(text_.find('"', at_), text_.size());
+        const std::string value(text_.substr(at_, end - at_));
+        at_ = end + 1;
+        if (value.find_first_of("<&") != std::string::npos) {
+            complaint_ = "< or & in " + attribute;
+        }
+        for (const std::string_view number : {"nan", "inf"}) {
+            if (value.find(number) != std::string::npos) {
+                complaint_ = attribute + " is \"" + value.substr(0, 200) + '"';
+            }
+        }
+        if (attribute == "id" && !ids_.insert(value).second) {
+            complaint_ = "the id " + value + " twice";
+        }
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    std::vector<std::string> open_;
+    std::set<std::string> ids_;
+    int elements_ = 0;
+    std::string complaint_;
+};
+
+[[nodiscard]] inline std::string complaint_about_xml(std::string_view text) {
+    return XmlCheck(text).complaint();
+}
+
+} // namespace springdrive::testing
