@@ -7,6 +7,8 @@
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 
+#include <imgui_internal.h> // ClosePopupsOverWindow
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -78,6 +80,9 @@ void Screen::take_orders() {
 }
 
 void Screen::obey(const KeyPress &key) {
+    if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && ImGui::IsAnyItemActive()) {
+        return; // a slider is being dragged: it would go on in another slot or step
+    }
     const bool is_redo = key.with_ctrl && (key.name == "y" || (key.name == "z" && key.with_shift));
     if (is_redo) {
         desk_.redo(session_);
@@ -97,7 +102,7 @@ void Screen::obey_plain(const std::string &key) {
     } else if (key == "h") {
         toggle_hold(plot_panel_, servo.history().store());
     } else if (key == "p") {
-        servo.set_speed(servo.speed() > 0.0 ? 0.0 : 1.0);
+        toggle_pause();
     } else if (key == ".") {
         servo.step();
     } else if (key == "Home") {
@@ -111,10 +116,25 @@ void Screen::obey_plain(const std::string &key) {
     }
 }
 
-/// One thing at a time, the topmost first. ImGui itself ends typing and closes its lists.
+void Screen::toggle_pause() {
+    session::ServoRun &servo = session_.servo();
+    if (servo.speed() > 0.0) {
+        speed_before_pause_ = servo.speed();
+        servo.set_speed(0.0);
+    } else {
+        servo.set_speed(speed_before_pause_);
+    }
+}
+
+/// One thing at a time, the topmost first. ImGui itself ends typing.
 void Screen::escape() {
+    if (ImGui::GetIO().WantTextInput) {
+        return;
+    }
     if (shows_keys_) {
         shows_keys_ = false;
+    } else if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) {
+        ImGui::ClosePopupsOverWindow(nullptr, false);
     } else if (plot_panel_.is_large) {
         plot_panel_.is_large = false;
     } else if (window_.is_full_screen()) {
@@ -191,6 +211,8 @@ void Screen::draw_contents() {
     draw_scene_panel(session_, scene_panel_, places.scene);
     draw_plot_panel(session_, desk_.history().slots(), plot_panel_, places.plots, window_.scale());
     draw_scene_overlay(session_, places.scene_view, window_.scale());
+    // Raised by its first frame only: to be raised in each would end what is done with the mouse.
+    shows_keys_ = shows_keys_ && !ImGui::IsMouseClicked(ImGuiMouseButton_Left);
     if (shows_keys_) {
         draw_keys_overlay({{0.0F, 0.0F}, ImGui::GetIO().DisplaySize});
     }

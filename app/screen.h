@@ -45,6 +45,7 @@ private:
     void obey(const KeyPress &key);
     void obey_plain(const std::string &key);
     void escape();
+    void toggle_pause();
     void frame_scene();
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
@@ -63,6 +64,7 @@ private:
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
     EventLog log_;
+    double speed_before_pause_ = 1.0;
     bool shows_keys_ = false; ///< the overlay with all keys
     std::uint32_t shown_scene_ = 0;
     bool keeps_frames_;

@@ -97,9 +97,13 @@ bool TuningDesk::is_behind_lock(const session::Session &session,
 }
 
 bool TuningDesk::is_refused(const session::Session &session, const control::Tuning &to) const {
-    // From beyond the lock every way is open.
-    return !is_unlocked && to != history_.now() && !is_behind_lock(session, history_.now()) &&
-           is_behind_lock(session, to);
+    if (is_unlocked || to == history_.now() || !is_behind_lock(session, to)) {
+        return false;
+    }
+    // From behind the lock, what is no worse may be set.
+    return !is_behind_lock(session, history_.now()) ||
+           lamp_of(session, to).worst.eigenvalue >
+               lamp_of(session, history_.now()).worst.eigenvalue;
 }
 
 void TuningDesk::apply(session::Session &session) {
@@ -116,7 +120,9 @@ void TuningDesk::drag(session::Session &session, const control::Tuning &to, std:
         const auto may_go = [&](double share) {
             return !is_behind_lock(session, on_the_way(from, to, share));
         };
-        reached = on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at);
+        // The beginning has the map and the source of α of the end.
+        reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
+                              : from;
         const StabilityLamp beyond = lamp_of(session, with_more_gain(to));
         complaint_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
                                  beyond.worst.member.motor + 1,

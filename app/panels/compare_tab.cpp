@@ -3,6 +3,7 @@
 #include "engine/control/tuning_difference.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace springdrive::app {
 
@@ -12,7 +13,10 @@ namespace {
 struct Compared {
     std::string name;
     control::Tuning tuning;
-    const TuningFiles::Entry *file = nullptr;
+    std::optional<TuningFiles::Entry> file{};
+
+    /// Unchanged while files come and go.
+    [[nodiscard]] std::string key() const { return file ? file->file.string() : name; }
 };
 
 std::vector<Compared> candidates(const TuningDesk &desk, const TuningPanelState &state) {
@@ -21,7 +25,7 @@ std::vector<Compared> candidates(const TuningDesk &desk, const TuningPanelState 
                                history.slots().other()},
                               {"the first tuning", history.journal().front().tuning}};
     for (const TuningFiles::Entry &entry : state.files.entries()) {
-        all.push_back({entry.name, entry.contents.tuning, &entry});
+        all.push_back({entry.name, entry.contents.tuning, entry});
     }
     return all;
 }
@@ -51,7 +55,8 @@ void draw_differences(const TuningDesk &desk, const control::Tuning &other) {
     ImGui::EndTable();
 }
 
-void draw_files(TuningDesk &desk, TuningPanelState &state, const TuningFiles::Entry *file) {
+void draw_files(TuningDesk &desk, TuningPanelState &state,
+                const std::optional<TuningFiles::Entry> &file) {
     ImGui::SetNextItemWidth(11.0F * ImGui::GetFontSize());
     ui::text_field("##name", "name of a file", state.file_name);
     ImGui::SameLine();
@@ -62,10 +67,9 @@ void draw_files(TuningDesk &desk, TuningPanelState &state, const TuningFiles::En
                 "started;\nload it here, or with --tuning-file");
     ImGui::SameLine();
     {
-        const ui::Disabled not_own(file == nullptr || !file->is_own);
-        if (ui::button("rename") && file != nullptr) {
+        const ui::Disabled not_own(!file || !file->is_own);
+        if (ui::button("rename") && file) {
             state.file_message = state.files.rename(*file, state.file_name);
-            state.compared = 0;
         }
     }
     ui::explain("renames the chosen file; those in brackets belong to the project");
@@ -88,16 +92,17 @@ void draw_steps(const TuningDesk &desk) {
 
 void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
     const std::vector<Compared> all = candidates(desk, state);
-    state.compared = std::min(state.compared, all.size() - 1);
+    auto chosen = std::ranges::find(all, state.compared, &Compared::key);
+    chosen = chosen == all.end() ? all.begin() : chosen;
     ImGui::SetNextItemWidth(14.0F * ImGui::GetFontSize());
-    if (const ui::DropDown list("##with", all[state.compared].name.c_str()); list) {
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            if (ui::selectable(all[i].name.c_str(), i == state.compared)) {
-                state.compared = i;
+    if (const ui::DropDown list("##with", chosen->name.c_str()); list) {
+        for (auto entry = all.begin(); entry != all.end(); ++entry) {
+            if (ui::selectable(entry->name.c_str(), entry == chosen)) {
+                state.compared = entry->key();
             }
         }
     }
-    const Compared &other = all[state.compared];
+    const Compared &other = *chosen;
     ImGui::SameLine();
     if (ui::button("load")) {
         desk.replace(session, other.tuning, other.name);

@@ -41,9 +41,8 @@ void draw_keys_overlay(const Rectangle &window) {
     ImGui::SetNextWindowPos(
         {window.corner.x + 0.5F * window.size.x, window.corner.y + 0.5F * window.size.y},
         ImGuiCond_Always, {0.5F, 0.5F});
-    ImGui::SetNextWindowFocus();
     ImGui::Begin("keys", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs |
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
     ui::text(kInk, "Keys and mouse");
     ImGui::Separator();

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,12 +23,14 @@ namespace springdrive::app {
 /// complete, as typing 0.5 passes through 0.
 struct TuningPanelState {
     std::optional<std::size_t> typing; ///< which parameter
-    double typed = 0.0;
+    std::string typed;
+    /// Tunings of presets, by file; read once.
+    std::map<std::string, std::optional<control::Tuning>> presets;
     StabilityTabState stability;
     TuningFiles files;
     std::string file_name;    ///< being typed, to save or rename
     std::string file_message; ///< what came of it
-    std::size_t compared = 0; ///< in the list of what the active tuning is compared with
+    std::string compared;     ///< key of what the active tuning is compared with
 };
 
 /// The six parameters with derived quantities; other tabs show their stability, and compare
@@ -95,7 +98,7 @@ void draw_scene_panel(session::Session &session, ScenePanelState &state, const R
 /// Within the scene panel: the model selected by the scene's tolerance, and the active model.
 void draw_model_tab(session::Session &session);
 
-/// Over everything: the keys and what they do.
+/// Over everything: the keys and what they do. The mouse acts on what is below.
 void draw_keys_overlay(const Rectangle &window);
 
 /// Over the scene: how to use the mouse, and a banner after a safety trip.

@@ -46,6 +46,10 @@ std::string held_back_text(const session::Session &session) {
 
 void show_state(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
+    if (session.servo().speed() == 0.0) {
+        ui::text(kWarning, "paused,");
+        ImGui::SameLine();
+    }
     switch (now.safety.state) {
     case servo::SafetyState::waiting:
         ui::text(kWarning, "{}",

@@ -72,7 +72,8 @@ void show_prediction(const StabilityPrediction &prediction) {
     }
 }
 
-void show_search(const session::Session &session, StabilityTabState &state) {
+void show_search(const session::Session &session, const TuningDesk &desk,
+                 StabilityTabState &state) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.0F * font);
     ui::slider_with_number("margin", state.margin, kMinMargin, kMaxMargin, "× %.2f");
@@ -89,7 +90,7 @@ void show_search(const session::Session &session, StabilityTabState &state) {
         return;
     }
     if (ui::button("find the stiffest")) {
-        state.start_tuning(session);
+        state.start_tuning(session, desk);
     }
     ui::explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
                 "delay that is stable with every hand, at any η and tip position;\n"
@@ -160,17 +161,17 @@ void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &
 
 void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
     state.update(session);
-    if (const std::optional<control::Tuning> tuning = state.take_new_tuning()) {
-        desk.replace(session, *tuning, "found in the window");
-    }
     if (state.prediction()) {
         show_prediction(*state.prediction());
     } else {
         ui::text(kFaintInk, "computing stability …");
     }
     ImGui::Separator();
-    show_search(session, state);
+    show_search(session, desk, state);
     show_found(session, desk, state);
+    if (!desk.complaint().empty()) {
+        ui::wrapped(kDanger, "{}", desk.complaint());
+    }
     ImGui::Separator();
     state.field().draw(desk.now());
     if (const std::optional<control::Tuning> tuning = state.field().take_clicked()) {

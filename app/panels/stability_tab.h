@@ -33,8 +33,12 @@ public:
     /// Takes finished results, and restarts the computation if tuning or configuration changed.
     void update(const session::Session &session);
 
+    /// Takes the result of a search and activates it, if slot, device and servo are still those
+    /// that it is for; otherwise it is offered.
+    void finish_search(session::Session &session, TuningDesk &desk);
+
     /// Searches for the stiffest tuning with the active dR and the selected margin.
-    void start_tuning(const session::Session &session);
+    void start_tuning(const session::Session &session, const TuningDesk &desk);
     void stop_tuning();
     [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
     [[nodiscard]] double tuning_share() const { return search_.share(); }
@@ -50,8 +54,6 @@ public:
     [[nodiscard]] const std::string &message() const { return message_; }
     /// The result of the search, with the η that was active.
     [[nodiscard]] const control::Tuning &found_tuning() const { return found_tuning_; }
-    /// A tuning to activate now; returned once.
-    [[nodiscard]] std::optional<control::Tuning> take_new_tuning();
 
     double margin = limits::AutoTuneRequest{}.margin;
 
@@ -63,7 +65,8 @@ private:
     Background<limits::AutoTuned> search_;
     std::optional<limits::AutoTuned> found_;
     control::Tuning found_tuning_;
-    std::optional<control::Tuning> new_tuning_;
+    loops::StabilityCase searched_; ///< what the search is for
+    session::TuningSlot searched_slot_ = session::TuningSlot::a;
     std::string message_; ///< of the last search or save
 };
 

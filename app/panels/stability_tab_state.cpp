@@ -74,13 +74,6 @@ void StabilityTabState::update(const session::Session &session) {
         if (std::optional<StabilityPrediction> prediction = watch_.take()) {
             prediction_ = std::move(prediction);
         }
-        if (std::optional<limits::AutoTuned> found = search_.take()) {
-            found_tuning_ = found->tuning;
-            found_tuning_.eta = session.servo().inputs().tuning.eta; // stable with any η
-            new_tuning_ = found_tuning_;
-            found_ = std::move(found);
-            message_.clear();
-        }
     } catch (const std::exception &error) {
         message_ = error.what();
     }
@@ -92,12 +85,35 @@ void StabilityTabState::update(const session::Session &session) {
     }
 }
 
-void StabilityTabState::start_tuning(const session::Session &session) {
+void StabilityTabState::finish_search(session::Session &session, TuningDesk &desk) {
+    try {
+        std::optional<limits::AutoTuned> found = search_.take();
+        if (!found) {
+            return;
+        }
+        found_tuning_ = found->tuning;
+        found_tuning_.eta = desk.now().eta; // stable with any η
+        found_ = std::move(found);
+        const loops::StabilityCase now = stability_case_of(session, desk.now());
+        if (desk.history().slots().active() == searched_slot_ &&
+            now.period_s == searched_.period_s && now.delay_periods == searched_.delay_periods &&
+            now.device.name == searched_.device.name) {
+            message_.clear();
+            desk.replace(session, found_tuning_, "found in the window");
+        } else {
+            message_ = "found for another slot, device or servo than now: not activated";
+        }
+    } catch (const std::exception &error) {
+        message_ = error.what();
+    }
+}
+
+void StabilityTabState::start_tuning(const session::Session &session, const TuningDesk &desk) {
     found_.reset();
     message_.clear();
-    search_.start([request = limits::AutoTuneRequest{
-                       stability_case_of(session, session.servo().inputs().tuning),
-                       margin}](BackgroundTalk &talk) {
+    searched_ = stability_case_of(session, desk.now());
+    searched_slot_ = desk.history().slots().active();
+    search_.start([request = limits::AutoTuneRequest{searched_, margin}](BackgroundTalk &talk) {
         return limits::auto_tune(request, [&talk](double share) {
             talk.share = share;
             return talk.is_wanted();
@@ -128,10 +144,6 @@ void StabilityTabState::save() {
     } catch (const InputError &error) {
         message_ = error.what();
     }
-}
-
-std::optional<control::Tuning> StabilityTabState::take_new_tuning() {
-    return std::exchange(new_tuning_, {});
 }
 
 } // namespace springdrive::app

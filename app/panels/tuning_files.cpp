@@ -5,8 +5,12 @@
 #include "base/new_file.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <fcntl.h>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 namespace springdrive::app {
 
@@ -36,7 +40,8 @@ void add_tunings_in(const std::filesystem::path &folder, bool is_own,
 /// A file of that name in the current folder. @throw InputError for a name that would lead
 /// elsewhere
 std::filesystem::path file_of(const std::string &name) {
-    if (name.empty() || name.find('/') != std::string::npos || name.front() == '.') {
+    const bool is_blank = name.find_first_not_of(' ') == std::string::npos;
+    if (is_blank || name.find('/') != std::string::npos || name.front() == '.') {
         throw InputError("type a name without / to save the tuning in the folder where springdrive "
                          "was started");
     }
@@ -69,17 +74,17 @@ std::string TuningFiles::save(const std::string &name, const control::Tuning &tu
     }
 }
 
-std::string TuningFiles::rename(const Entry &entry, const std::string &name) {
+/// The entry is a copy, as those of the list are renewed.
+std::string TuningFiles::rename(Entry entry, const std::string &name) {
     try {
-        const std::filesystem::path from = entry.file;
+        const std::filesystem::path from = std::move(entry.file);
         const std::filesystem::path to = file_of(name);
-        if (std::filesystem::exists(to)) {
-            throw InputError(to.string() + ": exists already; choose another name");
-        }
-        std::error_code error;
-        std::filesystem::rename(from, to, error);
-        if (error) {
-            throw InputError(from.string() + ": cannot be renamed: " + error.message());
+        // Not std::filesystem::rename, which replaces an existing file.
+        if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
+            const std::error_code why(errno, std::generic_category());
+            throw InputError(to.string() + (why == std::errc::file_exists
+                                                ? ": exists already; choose another name"
+                                                : ": " + why.message()));
         }
         refresh();
         return from.filename().string() + " is now " + to.string();

@@ -29,7 +29,7 @@ public:
     std::string save(const std::string &name, const control::Tuning &tuning);
 
     /// Renames a file of the user. @return what happened, for people
-    std::string rename(const Entry &entry, const std::string &name);
+    std::string rename(Entry entry, const std::string &name);
 
 private:
     std::vector<Entry> entries_;

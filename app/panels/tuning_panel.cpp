@@ -9,39 +9,43 @@
 #include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 
-#include <cmath>
+#include <charconv>
+#include <iostream>
+#include <system_error>
 
 namespace springdrive::app {
 
 namespace {
 
-/// Enough digits for the parameter's range.
-const char *digits_for(const control::Parameter &parameter) {
-    if (parameter.maximum >= 1000.0) {
-        return "%.0f";
-    }
-    return parameter.logarithmic && parameter.maximum <= 1.0 ? "%.4f" : "%.3f";
+/// With enough digits for the parameter's range.
+std::string number_text(const control::Parameter &parameter, double value) {
+    const int decimals = parameter.maximum >= 1000.0                         ? 0
+                         : parameter.logarithmic && parameter.maximum <= 1.0 ? 4
+                                                                             : 3;
+    return ui::formatted("{:.{}f}", value, decimals);
 }
 
 std::string range_text(const control::Parameter &parameter) {
     return ui::formatted("{:g} to {:g} {}", parameter.minimum, parameter.maximum, parameter.unit);
 }
 
-/// The number beside the slider. It becomes active on Enter or when the field loses focus.
-/// @return the number once it is complete
-std::optional<double> edit_typed(TuningPanelState &state, std::size_t index, double value) {
-    double shown = state.typing == index ? state.typed : value;
+/// The number beside the slider. It is complete on Enter or when the field loses focus; Escape, or
+/// an empty field, leaves the value as it is.
+/// @return the text once it is complete
+std::optional<std::string> edit_typed(TuningPanelState &state, std::size_t index, double value) {
+    std::string shown =
+        state.typing == index ? state.typed : number_text(control::kParameters[index], value);
     ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
-    ui::number_field("##typed", shown, digits_for(control::kParameters[index]));
+    ui::number_text_field("##typed", shown, value);
+    const bool is_cancelled = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+    std::optional<std::string> typed;
     if (ImGui::IsItemActive()) {
         state.typing = index;
         state.typed = shown;
-    }
-    std::optional<double> typed;
-    if (ImGui::IsItemDeactivatedAfterEdit()) {
-        typed = state.typed;
-    }
-    if (ImGui::IsItemDeactivated()) {
+    } else if (state.typing == index) {
+        if (ImGui::IsItemDeactivatedAfterEdit() && !is_cancelled && !shown.empty()) {
+            typed = shown;
+        }
         state.typing.reset();
     }
     return typed;
@@ -60,6 +64,19 @@ void set_parameter(session::Session &session, TuningDesk &desk, std::size_t inde
     }
     desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
     desk.let_go();
+}
+
+void set_typed(session::Session &session, TuningDesk &desk, std::size_t index,
+               const std::string &typed, const control::Tuning &with) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(typed.data(), typed.data() + typed.size(), value);
+    if (error == std::errc() && end == typed.data() + typed.size()) {
+        set_parameter(session, desk, index, value, with);
+    } else {
+        desk.complain(ui::formatted("{} {} is no number from {}: not set",
+                                    control::kParameters[index].symbol, typed,
+                                    range_text(control::kParameters[index])));
+    }
 }
 
 /// The unit, and for dR what acts instead of the requested value.
@@ -99,8 +116,8 @@ void edit_parameter(session::Session &session, TuningDesk &desk, TuningPanelStat
         desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
     }
     ImGui::SameLine();
-    if (const std::optional<double> typed = edit_typed(state, index, before)) {
-        set_parameter(session, desk, index, *typed, tuning);
+    if (const std::optional<std::string> typed = edit_typed(state, index, before)) {
+        set_typed(session, desk, index, *typed, tuning);
     }
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
@@ -121,19 +138,26 @@ std::string preset_text(const TuningDesk &desk, const std::string &file,
            "\nkeeps the map, the source of α, α and η\nassets/tunings/" + file + ".toml";
 }
 
+/// Empty if the file is missing: the folder may have been removed while the program runs.
+const std::optional<control::Tuning> &preset_of(const std::string &file, TuningPanelState &state) {
+    const auto [entry, is_new] = state.presets.try_emplace(file);
+    if (is_new && !file.empty()) {
+        try {
+            entry->second =
+                control::read_tuning_file(asset_folder() / "tunings" / (file + ".toml"));
+        } catch (const InputError &error) {
+            std::cerr << "springdrive: " << error.what() << '\n';
+        }
+    }
+    return entry->second;
+}
+
 /// One button per label of the presets.
-void draw_presets(session::Session &session, TuningDesk &desk) {
+void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
     for (const char *label : kPresetLabels) {
         const std::string file = preset_file(label, session.servo().rate_hz(),
                                              session.device().device().delay_periods());
-        std::optional<control::Tuning> preset;
-        try {
-            if (!file.empty()) {
-                preset = control::read_tuning_file(asset_folder() / "tunings" / (file + ".toml"));
-            }
-        } catch (const InputError &) {
-            // The folder was removed while the program runs: the button is grey.
-        }
+        const std::optional<control::Tuning> &preset = preset_of(file, state);
         {
             const ui::Disabled without_file(!preset.has_value());
             if (ui::button(label) && preset) {
@@ -226,7 +250,7 @@ void draw_lamp(TuningDesk &desk) {
 }
 
 void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
-    draw_presets(session, desk);
+    draw_presets(session, desk, state);
     draw_history_buttons(session, desk);
     draw_map_choice(session, desk);
     draw_lamp(desk);
@@ -245,6 +269,7 @@ void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelStat
 
 void draw_tuning_panel(session::Session &session, TuningDesk &desk, TuningPanelState &state,
                        const Rectangle &place) {
+    state.stability.finish_search(session, desk); // also while its tab is closed
     const ui::Panel panel("Tuning", place, ImGuiWindowFlags_NoTitleBar);
     const ui::Tabs tabs("tuning");
     if (!tabs) {

@@ -38,12 +38,14 @@ void ServoRun::emergency_stop() {
     inputs_.emergency_stop = true;
     ++inputs_.stop_count;
     publish();
+    step(); // a device that stands still is stopped at once, too
 }
 
 void ServoRun::reset_safety() {
     inputs_.emergency_stop = false;
     ++inputs_.reset_count;
     publish();
+    step();
 }
 
 void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_id,

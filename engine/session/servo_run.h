@@ -73,7 +73,7 @@ public:
     void set_speed(double speed);
     [[nodiscard]] double speed() const { return speed_; }
     [[nodiscard]] bool can_change_speed() const;
-    /// One tick of a device that stands still.
+    /// One tick of a device that stands still; of others none.
     void step();
 
     /// Runs `step` while the servo's thread is paused and all its samples have been fetched: `step`

@@ -40,7 +40,7 @@ TEST(StoppingInTheWindow, ByButtonByF12AndBySpaceUntilReset) {
 TEST(StoppingInTheWindow, NoTypedWordStopsButF12DoesWhileTyping) {
     ShownWindow window;
     window.wait_until_running();
-    window.click("Scene/Contents/path");
+    window.click("Scene/path");
     window.person().type("/tmp/my models/a b.gltf");
     EXPECT_FALSE(is_stopped(window.look()));
     window.person().key("F12");
@@ -48,6 +48,21 @@ TEST(StoppingInTheWindow, NoTypedWordStopsButF12DoesWhileTyping) {
     window.person().key("Return"); // the path is still what was typed
     window.wait_until([](const Report &report) { return report.shows("a b.gltf"); },
                       "the window says that there is no such file");
+}
+
+TEST(StoppingInTheWindow, BelowTheKeysAndWhilePausedToo) {
+    ShownWindow window;
+    window.wait_until_running();
+    window.person().key("F1");
+    window.click("stop/STOP  F12");
+    expect_stop_and_reset(window, "the button while the keys are shown");
+    window.person().key("p");
+    window.person().key("F12");
+    EXPECT_TRUE(is_stopped(window.look()));
+    EXPECT_TRUE(window.look().shows("paused"));
+    window.click("stopped/Reset");
+    window.person().key("p");
+    window.wait_until_running();
 }
 
 TEST(StoppingInTheWindow, AResetInContactSaysWhatIsMissing) {

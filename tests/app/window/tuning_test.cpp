@@ -109,6 +109,42 @@ TEST(TuningInTheWindow, AValueOutOfRangeIsSaidAndNotSet) {
     EXPECT_FALSE(window.look().shows("out of range"));
 }
 
+TEST(TuningInTheWindow, EscapeAndEmptyFieldsLeaveTheValue) {
+    ShownWindow window;
+    window.wait_until_running();
+    for (const char *last_key : {"Escape", "Return"}) {
+        window.click(std::string(kK_P) + "/typed");
+        window.person().clear_field();
+        window.person().type("9");
+        if (std::string(last_key) == "Return") {
+            window.person().key("BackSpace");
+        }
+        window.person().key(last_key);
+        const Report after = window.look();
+        EXPECT_EQ(after.item("K_P_V_per_rad/typed").at("value"), 6.0) << last_key;
+        EXPECT_EQ(after.item("K_P_V_per_rad/typed").at("text"), "6.000") << last_key;
+    }
+    EXPECT_FALSE(window.look().item("undo").value("enabled", true));
+}
+
+TEST(TuningInTheWindow, KeysWaitForTheEndOfADrag) {
+    ShownWindow window;
+    window.wait_until_running();
+    const Point from = window.point_in(std::string(kK_P) + "/slider", 0.67F);
+    window.person().move_to(from.x, from.y);
+    window.person().press();
+    window.person().move_to(from.x + 10.0F, from.y);
+    window.person().key("b");
+    window.person().key("ctrl+z");
+    window.person().release();
+    const Report after = window.look();
+    EXPECT_EQ(after.item("slot").at("text"), "A | b");
+    const double reached = after.item("K_P_V_per_rad/typed").at("value");
+    EXPECT_GT(reached, 6.0);
+    window.person().key("b"); // the other slot is as it was
+    EXPECT_EQ(window.look().item("K_P_V_per_rad/typed").at("value"), 6.0);
+}
+
 TEST(TuningInTheWindow, APresetSaysWhatItChangesAndKeepsTheMap) {
     ShownWindow window({"--map", "inverse", "--eta", "0.25"});
     window.wait_until_running();
@@ -214,6 +250,11 @@ TEST(TuningInTheWindow, ATuningIsSavedComparedLoadedAndRenamed) {
     window.enter("Compare/name", "yours");
     window.click("Compare/rename");
     EXPECT_TRUE(std::filesystem::exists(folder / "yours.toml"));
+    window.choose("Compare/with", "yours");
+    window.enter("Compare/name", std::string(300, 'x'));
+    window.click("Compare/rename");
+    EXPECT_TRUE(window.look().shows("too long")) << window.look().texts();
+    EXPECT_EQ(window.look().item("Compare/with").at("text"), "yours"); // as chosen
     EXPECT_FALSE(std::filesystem::exists(folder / "mine.toml"));
 }
 
