@@ -86,15 +86,21 @@ void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle
     const float height = text_height();
     for (std::size_t i = 0; i < places.size(); ++i) {
         ImVec2 at = places[i].corner;
+        const float right = places[i].corner.x + places[i].size.x;
         for (const std::size_t channel : state.plots[i].settings.channels) {
             const ChannelLook &look = look_of(channel);
+            const float width = text_width(look.label) + 2.6F * height;
+            if (at.x > places[i].corner.x && at.x + width > right) {
+                at = {places[i].corner.x, at.y + 1.3F * height};
+            }
             canvas.line({at.x, at.y + 0.5F * height}, {at.x + 1.4F * height, at.y + 0.5F * height},
                         {look.stroke.colour, 2.0F, look.stroke.dash});
             canvas.text({at.x + 1.7F * height, at.y}, kInk, look.label);
-            at.x += text_width(look.label) + 2.6F * height;
+            at.x += width;
         }
-        const Rectangle contents{{places[i].corner.x, places[i].corner.y + 1.4F * height},
-                                 {places[i].size.x, places[i].size.y - 1.4F * height}};
+        const float top = at.y + 1.4F * height;
+        const Rectangle contents{{places[i].corner.x, top},
+                                 {places[i].size.x, places[i].corner.y + places[i].size.y - top}};
         static_cast<void>(draw_contents(canvas, contents, state.plots[i], state, source));
     }
     state.message =

@@ -13,7 +13,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr float kGrip = 6.0F; ///< distance from which a cursor is taken
+constexpr float kGrip = 6.0F; ///< distance from which a cursor is taken, at scale 1
 
 /// Sets what a plot shows; the time of all plots if it is one over time.
 void show(Plot &plot, PlotPanelState &state, const PlotSource &source,
@@ -94,7 +94,7 @@ std::optional<std::size_t> cursor_under_mouse(const Plot &plot, const PlotPanelS
     }
     for (std::size_t i = 0; i < 2; ++i) {
         const float x = plot.area.place_x(state.view.cursor_s[i] - zero_s);
-        if (std::abs(x - ImGui::GetIO().MousePos.x) < kGrip) {
+        if (std::abs(x - ImGui::GetIO().MousePos.x) < kGrip * text_height() / 15.0F) {
             return i;
         }
     }

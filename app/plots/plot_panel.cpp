@@ -96,7 +96,9 @@ void draw_trigger_button(PlotPanelState &state, const record::ChannelStore &live
     const std::string label = std::string("trigger: ") +
                               kTriggerSourceLabels[static_cast<std::size_t>(source)] + "##trigger";
     if (ui::button(label.c_str())) {
-        state.typed_trigger = state.trigger.settings();
+        if (source != TriggerSource::off) { // otherwise as typed before, to be armed again
+            state.typed_trigger = state.trigger.settings();
+        }
         ImGui::OpenPopup("trigger");
     }
     ui::explain("stops the plots at the next contact, trip, change of the tuning or passage of a "
@@ -104,6 +106,18 @@ void draw_trigger_button(PlotPanelState &state, const record::ChannelStore &live
     if (ImGui::BeginPopup("trigger")) {
         draw_trigger_menu(state, live);
         ImGui::EndPopup();
+    }
+}
+
+/// A message is shown for some seconds, then the state again.
+void forget_old_message(PlotPanelState &state) {
+    constexpr double kShown_s = 10.0;
+    if (state.message != state.timed_message) {
+        state.timed_message = state.message;
+        state.message_until_s = ImGui::GetTime() + kShown_s;
+    } else if (ImGui::GetTime() > state.message_until_s) {
+        state.message.clear();
+        state.timed_message.clear();
     }
 }
 
@@ -157,6 +171,7 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
     ImGui::SameLine();
     const float left = ImGui::GetCursorScreenPos().x;
     const float right = where.corner.x + where.size.x;
+    forget_old_message(state);
     if (left + text_width(text) < right) {
         ui::text(kFaintInk, "{}", text);
     } else if (left + text_width("…") < right) {
@@ -304,16 +319,19 @@ void toggle_hold(PlotPanelState &state, const record::ChannelStore &live) {
 PlotPanelState::PlotPanelState() { choose_plot_set(*this, 0); }
 
 void choose_plot_set(PlotPanelState &state, std::size_t index) {
+    constexpr double kSpanOfFigures_s = 60.0; // to touch all round a sphere
     state.plots.clear();
     const auto add = [&](PlotKind kind, std::initializer_list<std::string_view> names) {
         add_plot(state, settings_of(kind, names));
     };
     switch (index) {
     case 1:
+        state.view.set_span(kSpanOfFigures_s);
         add(PlotKind::xy, {"force_outward_N", "force_up_N"});
         add(PlotKind::polar, {"normal_direction_rad", "force_N"});
         break;
     case 2:
+        state.view.set_span(kSpanOfFigures_s);
         add(PlotKind::polar, {"normal_direction_rad", "inverse_error_rad", "transpose_error_rad",
                               "inverse_measured_rad", "transpose_measured_rad"});
         add(PlotKind::xy, {"normal_direction_rad", "inverse_error_rad", "transpose_error_rad",

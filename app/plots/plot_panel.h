@@ -38,9 +38,11 @@ struct PlotPanelState {
     PlotTrigger trigger;
     PlotTriggerSettings typed_trigger; ///< in the trigger's menu
     StiffnessCurves stiffness;
-    bool is_large = false; ///< over the scene
-    float height = 236.0F; ///< at scale 1, otherwise
-    std::string message;   ///< of the last export
+    bool is_large = false;     ///< over the scene
+    float height = 236.0F;     ///< at scale 1, otherwise
+    std::string message;       ///< of the last export
+    std::string timed_message; ///< the one that `message_until_s` is for
+    double message_until_s = 0.0;
     std::uint32_t next_id = 1;
 
     /// What was shown with each slot's tuning when it was left.

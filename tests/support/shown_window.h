@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ struct WindowSize {
     int height = 720;
     double scale = 1.0;
 };
+
+/// In the names of tests with parameters.
+inline void PrintTo(const WindowSize &size, std::ostream *out) {
+    *out << size.width << " x " << size.height << " at scale " << size.scale;
+}
 
 class ShownWindow {
 public:

@@ -44,6 +44,7 @@ simulated::SimulationOptions along(const Way &way, const device::PhantomGeometry
         points.push_back({1.15 + step / kSpeed_deg_per_s,
                           device::tip_position_m(geometry, q_deg * kRadiansPerDegree)});
     }
+    points.push_back({60.0, points.back().position_m}); // and stays there
     simulated::SimulationOptions options;
     options.path.emplace(std::move(points));
     return options;
