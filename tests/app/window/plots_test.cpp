@@ -622,12 +622,13 @@ TEST(PlotsInTheWindow, ExportsWhatTheRecordHoldsBitForBit) {
     const Columns recorded = columns_of(folder / "record.csv");
     ASSERT_EQ(recorded.size(), shown.size() - 3);
     const std::vector<double> &times_s = recorded.at("time_s");
-    const auto first = std::ranges::find(times_s, shown.at("time_s").front()) - times_s.begin();
+    const auto first = static_cast<std::size_t>(
+        std::ranges::find(times_s, shown.at("time_s").front()) - times_s.begin());
     ASSERT_LE(first + shown.at("time_s").size(), times_s.size());
     ASSERT_GT(shown.at("time_s").size(), 1000U);
     for (const auto &[name, values] : recorded) {
         for (std::size_t row = 0; row < shown.at(name).size(); ++row) {
-            const double there = values[static_cast<std::size_t>(first) + row];
+            const double there = values[first + row];
             const double here = shown.at(name)[row];
             ASSERT_TRUE(std::bit_cast<std::uint64_t>(here) == std::bit_cast<std::uint64_t>(there) ||
                         (std::isnan(here) && std::isnan(there)))
