@@ -49,6 +49,7 @@ std::vector<Tick> logarithmic_ticks(const Axis &axis, int most) {
     const int labelled_each = std::max(1, (last - first + most) / std::max(1, most));
     const bool labels_all = std::log10(axis.to / axis.from) < 1.3;
     std::vector<Tick> ticks;
+    bool has_label = false;
     for (int power = first; power <= last; ++power) {
         for (int digit = 1; digit <= 9; ++digit) {
             const double value = digit * std::pow(10.0, power);
@@ -57,11 +58,13 @@ std::vector<Tick> logarithmic_ticks(const Axis &axis, int most) {
             }
             const bool is_labelled = digit == 1 ? (power - first) % labelled_each == 0
                                                 : labels_all && (digit == 2 || digit == 5);
+            has_label = has_label || is_labelled;
             ticks.push_back(
                 {value, is_labelled ? fmt::format("{:g}", value) : std::string(), digit != 1});
         }
     }
-    return ticks;
+    // Between two round values: as on an axis that is not logarithmic.
+    return has_label ? ticks : linear_ticks(axis, most);
 }
 
 } // namespace
@@ -125,7 +128,10 @@ std::string number_at_step(double value, double step) {
     const double magnitude = std::max(std::abs(value), step);
     if (magnitude >= 1e6 || magnitude < 1e-4) {
         // Digits down to the step.
-        const int digits = static_cast<int>(std::ceil(std::log10(magnitude / step) - kRoundOff));
+        const auto exponent = [](double number) {
+            return static_cast<int>(std::floor(std::log10(number) + kRoundOff));
+        };
+        const int digits = exponent(magnitude) - exponent(step);
         return fmt::format("{:.{}e}", value, std::clamp(digits, 0, 15));
     }
     const int decimals = static_cast<int>(std::ceil(-std::log10(step) - kRoundOff));
