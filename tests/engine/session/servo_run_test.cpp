@@ -102,6 +102,10 @@ TEST(ServoRun, ASimulatedDeviceSlowsDownStandsStillAndSteps) {
     ServoRun run(device, {1000.0, false, std::nullopt});
     static_cast<void>(run.start());
     ASSERT_TRUE(run.can_change_speed());
+    while (run.statistics().ticks() == 0) { // or CTest's patience ends
+        run.advance(0.0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     run.set_speed(0.0);
     run.take_in();
     const std::uint64_t stood = run.latest().tick;
