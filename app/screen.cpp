@@ -1,9 +1,9 @@
 #include "app/screen.h"
 
 #include "app/asset_folder.h"
+#include "app/commands/output_files.h"
 #include "app/frame_pace.h"
 #include "app/widgets/widgets.h"
-#include "base/input_error.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <string>
@@ -167,20 +166,10 @@ void Screen::write_picture() {
     if (!plot_panel_.picture) {
         return;
     }
-    const auto [file, where] = *std::exchange(plot_panel_.picture, {});
-    try {
-        NewFile picture(file.string());
-        std::ofstream stream(picture.temporary(), std::ios::binary);
-        window_.write_screenshot(stream, where);
-        stream.close();
-        if (!stream) {
-            throw InputError(file.string() + ": cannot be written completely; is the disk full?");
-        }
-        picture.publish(Existing::keep);
-        plot_panel_.message = "saved as " + file.string();
-    } catch (const InputError &error) {
-        plot_panel_.message = error.what();
-    }
+    const PlotPanelState::Picture picture = *std::exchange(plot_panel_.picture, {});
+    plot_panel_.message = save_as(picture.file, [&](std::ostream &out) {
+        window_.write_screenshot(out, picture.where);
+    });
 }
 
 std::string Screen::report_line() const {

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
+#include <fstream>
 #include <string_view>
 #include <sys/stat.h>
 #include <system_error>
@@ -114,6 +115,21 @@ void NewFile::publish(Existing existing) {
 
 std::string exists_text(const std::filesystem::path &file) {
     return file.string() + ": exists; use --force to replace it";
+}
+
+void write_file(const std::filesystem::path &file, const std::function<void(std::ostream &)> &write,
+                Existing existing) {
+    NewFile created(file);
+    std::ofstream stream(created.temporary(), std::ios::binary);
+    write(stream);
+    stream.close();
+    if (!stream) {
+        std::error_code ignored;
+        throw InputError(file.string() + ": cannot be written completely" +
+                         (std::filesystem::exists(file, ignored) ? " and is as it was" : "") +
+                         "; is the disk full?");
+    }
+    created.publish(existing);
 }
 
 } // namespace springdrive

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace springdrive {
@@ -42,5 +44,11 @@ private:
 
 /// "FILE: exists; use --force to replace it".
 [[nodiscard]] std::string exists_text(const std::filesystem::path &file);
+
+/// Lets `write` fill a file, which appears when it is complete.
+/// @throw InputError if it exists and is to be kept, or cannot be created or written completely; an
+///        existing one is then as it was.
+void write_file(const std::filesystem::path &file, const std::function<void(std::ostream &)> &write,
+                Existing existing);
 
 } // namespace springdrive

@@ -1,5 +1,6 @@
 #include "app/commands/output_files.h"
 
+#include "base/complaint.h"
 #include "base/input_error.h"
 #include "engine/scene/gltf_named_files.h"
 
@@ -164,11 +165,11 @@ void write_output(const std::string &where, const Writer &write, Existing existi
         }
         return;
     }
-    std::optional<NewFile> created;
     if (appears_complete(resolved_name(where))) {
-        created.emplace(where);
+        write_file(where, write, existing);
+        return;
     }
-    std::ofstream file(created ? created->temporary() : fs::path(where), std::ios::binary);
+    std::ofstream file(where, std::ios::binary);
     if (!file) {
         throw InputError(where + ": cannot be created; check that its folder exists and its "
                                  "permissions");
@@ -178,9 +179,11 @@ void write_output(const std::string &where, const Writer &write, Existing existi
     if (!file) {
         throw InputError(where + ": cannot be written completely; is the disk full?");
     }
-    if (created) {
-        created->publish(existing);
-    }
+}
+
+std::string save_as(const std::filesystem::path &file, const Writer &write) {
+    const std::string complaint = complaint_of([&] { write_file(file, write, Existing::keep); });
+    return complaint.empty() ? "saved as " + file.string() : complaint;
 }
 
 void write_report(const Writer &table, const std::vector<ReportFile> &files, Existing existing) {

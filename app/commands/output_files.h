@@ -54,6 +54,9 @@ void make_output_folder(const std::filesystem::path &folder);
 ///        completely; an existing one is then as it was.
 void write_output(const std::string &where, const Writer &write, Existing existing);
 
+/// A new file. Returns what came of it, for display: "saved as mine.toml", or why not.
+[[nodiscard]] std::string save_as(const std::filesystem::path &file, const Writer &write);
+
 /// A report in a format for programs, such as CSV.
 struct ReportFile {
     std::string where; ///< empty: not requested

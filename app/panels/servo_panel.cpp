@@ -1,12 +1,12 @@
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/input_error.h"
+#include "base/complaint.h"
+#include "base/file_names.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <string>
 
 namespace springdrive::app {
@@ -133,27 +133,14 @@ void show_rate(const session::Session &session) {
     ui::explain("samples that the window was too slow to take; a record has its own count");
 }
 
-/// "springdrive-20240531-123456.rec", in the current directory.
-std::string name_of_new_record() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    std::array<char, 64> text{};
-    std::strftime(text.data(), text.size(), "springdrive-%Y%m%d-%H%M%S.rec", &parts);
-    return text.data();
-}
-
 void toggle_recording(session::Session &session, ServoPanelState &state) {
     state.record_error.clear();
     if (session.recording().is_running()) {
         session.recording().stop();
         return;
     }
-    try {
-        session.start_recording(name_of_new_record());
-    } catch (const InputError &error) {
-        state.record_error = error.what();
-    }
+    state.record_error =
+        complaint_of([&] { session.start_recording(dated_name("springdrive") + ".rec"); });
 }
 
 void show_recording(session::Session &session, ServoPanelState &state) {

@@ -1,16 +1,14 @@
+#include "app/commands/output_files.h"
 #include "app/panels/stability_tab.h"
-#include "base/input_error.h"
-#include "base/new_file.h"
+#include "base/file_names.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 namespace springdrive::app {
@@ -48,16 +46,6 @@ StabilityPrediction prediction_of(const loops::StabilityCase &which) {
     const bool is_stable = worst.is_stable();
     return {worst, which.period_s, headroom_of(which, is_stable, "kp", true),
             headroom_of(which, is_stable, "kd", true), headroom_of(which, is_stable, "dR", false)};
-}
-
-/// "tuned-20240531-123456.toml".
-std::string name_of_new_tuning() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    std::array<char, 64> text{};
-    std::strftime(text.data(), text.size(), "tuned-%Y%m%d-%H%M%S.toml", &parts);
-    return text.data();
 }
 
 /// Device, rate and tuning can all be exchanged.
@@ -130,20 +118,9 @@ void StabilityTabState::save() {
     if (!found_) {
         return;
     }
-    const std::string name = name_of_new_tuning();
-    try {
-        NewFile written(name);
-        std::ofstream file(written.temporary(), std::ios::binary);
-        control::write_tuning_file(file, {found_tuning_, "found in the window", found_->margins});
-        file.close();
-        if (!file) {
-            throw InputError(name + ": cannot be written completely; is the disk full?");
-        }
-        written.publish(Existing::keep);
-        message_ = "saved as " + name;
-    } catch (const InputError &error) {
-        message_ = error.what();
-    }
+    message_ = save_as(dated_name("tuned") + ".toml", [this](std::ostream &out) {
+        control::write_tuning_file(out, {found_tuning_, "found in the window", found_->margins});
+    });
 }
 
 } // namespace springdrive::app

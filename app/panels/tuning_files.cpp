@@ -1,14 +1,13 @@
 #include "app/panels/tuning_files.h"
 
 #include "app/asset_folder.h"
+#include "app/commands/output_files.h"
 #include "base/input_error.h"
-#include "base/new_file.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -58,17 +57,11 @@ void TuningFiles::refresh() {
 
 std::string TuningFiles::save(const std::string &name, const control::Tuning &tuning) {
     try {
-        const std::filesystem::path path = file_of(name);
-        NewFile written(path);
-        std::ofstream file(written.temporary(), std::ios::binary);
-        control::write_tuning_file(file, {tuning, "saved in the window", std::nullopt});
-        file.close();
-        if (!file) {
-            throw InputError(path.string() + ": cannot be written completely; is the disk full?");
-        }
-        written.publish(Existing::keep);
+        std::string message = save_as(file_of(name), [&tuning](std::ostream &out) {
+            control::write_tuning_file(out, {tuning, "saved in the window", std::nullopt});
+        });
         refresh();
-        return "saved as " + path.string();
+        return message;
     } catch (const InputError &error) {
         return error.what();
     }

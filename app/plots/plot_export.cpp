@@ -1,46 +1,26 @@
 // Plots as files.
-#include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
+
+#include "app/commands/output_files.h"
+#include "app/plots/channel_look.h"
 #include "app/widgets/look.h"
-#include "base/input_error.h"
-#include "base/new_file.h"
+#include "base/file_names.h"
 #include "base/print.h"
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>
 #include <array>
-#include <ctime>
-#include <fstream>
+#include <filesystem>
 #include <functional>
 
 namespace springdrive::app {
 
 namespace {
 
-/// "plots-20240531-123456.csv".
+/// "plots-20240531-123456.csv", or with a number if that was written in the same second.
 std::string name_of_new_file(const char *ending) {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    std::array<char, 64> text{};
-    std::strftime(text.data(), text.size(), "plots-%Y%m%d-%H%M%S", &parts);
-    return std::string(text.data()) + ending;
-}
-
-std::string written(const std::string &name, const std::function<void(std::ostream &)> &write) {
-    try {
-        NewFile file(name);
-        std::ofstream stream(file.temporary(), std::ios::binary);
-        write(stream);
-        stream.close();
-        if (!stream) {
-            throw InputError(name + ": cannot be written completely; is the disk full?");
-        }
-        file.publish(Existing::keep);
-        return "saved as " + name;
-    } catch (const InputError &error) {
-        return error.what();
-    }
+    return unused_name(dated_name("plots"), ending,
+                       [](const std::string &name) { return std::filesystem::exists(name); });
 }
 
 /// Each channel of any plot, once.
@@ -59,7 +39,7 @@ std::vector<std::size_t> all_channels(const PlotPanelState &state) {
 } // namespace
 
 void export_csv(PlotPanelState &state, const PlotSource &source) {
-    state.message = written(name_of_new_file(".csv"), [&](std::ostream &out) {
+    state.message = save_as(name_of_new_file(".csv"), [&](std::ostream &out) {
         const std::vector<std::size_t> channels = all_channels(state);
         out << "time_s";
         for (const std::size_t channel : channels) {
@@ -104,7 +84,7 @@ void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle
         static_cast<void>(draw_contents(canvas, contents, state.plots[i], state, source));
     }
     state.message =
-        written(name_of_new_file(".svg"), [&](std::ostream &out) { out << canvas.svg(); });
+        save_as(name_of_new_file(".svg"), [&](std::ostream &out) { out << canvas.svg(); });
 }
 
 void export_png(PlotPanelState &state, const Rectangle &where) {
