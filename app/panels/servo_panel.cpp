@@ -15,33 +15,31 @@ namespace {
 
 constexpr double kMicro = 1e6;
 
-/// Which limit holds the command back, and how near it is: the steady currents that follow from e_W
-/// decide, as in the limiter.
+/// Which limit holds the command back, and how near it is.
 std::string held_force_text(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
-    const device::DeviceDescription &device = session.description();
-    const double force_N = now.tip_force_N.norm();
-    std::string text =
-        ui::formatted("held back: force {:.1f} of {:.1f} N", force_N, now.limits.tip_force_N);
-    double nearest = force_N / now.limits.tip_force_N;
-    for (std::size_t j = 0; j < device.motor.size(); ++j) {
-        const double limit_A = std::min(device.motor[j].peak_current_A, now.limits.current_A);
-        const double current_A = std::abs(now.current_A[static_cast<Eigen::Index>(j)]);
-        if (current_A / limit_A > nearest) {
-            nearest = current_A / limit_A;
-            text = ui::formatted("held back: motor {} at {:.1f} of {:.1f} A", j + 1, current_A,
-                                 limit_A);
-        }
+    const servo::ForceLimit by = now.held_back.force;
+    if (by == servo::ForceLimit::singular) {
+        return "held back: no force in this pose";
     }
-    return text;
+    if (by == servo::ForceLimit::tip_force) {
+        return ui::formatted("held back: force {:.1f} of {:.1f} N", now.tip_force_N.norm(),
+                             now.limits.tip_force_N);
+    }
+    const auto motor =
+        static_cast<std::size_t>(by) - static_cast<std::size_t>(servo::ForceLimit::current1);
+    return ui::formatted(
+        "held back: motor {} at {:.1f} of {:.1f} A", motor + 1,
+        std::abs(now.current_A[static_cast<Eigen::Index>(motor)]),
+        std::min(session.description().motor[motor].peak_current_A, now.limits.current_A));
 }
 
 std::string held_back_text(const session::Session &session) {
     const servo::ActiveLimits &held_back = session.latest().held_back;
-    return held_back.force     ? held_force_text(session)
-           : held_back.at_edge ? "edge of the workspace"
-           : held_back.voltage ? "voltage limited"
-                               : "";
+    return held_back.holds_force() ? held_force_text(session)
+           : held_back.at_edge     ? "edge of the workspace"
+           : held_back.voltage     ? "voltage limited"
+                                   : "";
 }
 
 void show_state(const session::Session &session) {

@@ -43,6 +43,8 @@ template <typename Enum> std::vector<std::string> names_of() {
         return {control::kAlphaModeNames.begin(), control::kAlphaModeNames.end()};
     } else if constexpr (std::is_same_v<Enum, servo::SafetyState>) {
         return {"waiting", "starting", "running", "tripped", "releasing"};
+    } else if constexpr (std::is_same_v<Enum, servo::ForceLimit>) {
+        return {servo::kForceLimitNames.begin(), servo::kForceLimitNames.end()};
     } else {
         static_assert(std::is_same_v<Enum, servo::TripCause>, "name the values of this enum here");
         return {servo::kTripCauseNames.begin(), servo::kTripCauseNames.end()};

@@ -5,6 +5,7 @@
 #include "engine/servo/workspace_edge.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -27,35 +28,49 @@ double least_resistance_Ohm(const device::MotorParameters &file,
 }
 
 /// The share of the steady currents that keeps force and currents within their limits.
-double permissible_share(const device::DeviceDescription &device, const LimiterInputs &inputs,
-                         const Vector3 &steady_current_A) {
+struct Permissible {
     double share = 1.0;
+    ForceLimit by = ForceLimit::none;
+
+    void take(double other, ForceLimit limit) {
+        if (other < share) {
+            *this = {other, limit};
+        }
+    }
+};
+
+Permissible permissible(const device::DeviceDescription &device, const LimiterInputs &inputs,
+                        const Vector3 &steady_current_A) {
+    constexpr std::array<ForceLimit, 3> kCurrents{ForceLimit::current1, ForceLimit::current2,
+                                                  ForceLimit::current3};
+    Permissible result;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double limit_A =
             kLimiterShare * std::min(motor_of(device, j).peak_current_A, inputs.limits.current_A);
-        share =
-            std::min(share, limit_A / std::abs(steady_current_A[j])); // infinite at zero current
+        result.take(limit_A / std::abs(steady_current_A[j]), // infinite at zero current
+                    kCurrents[static_cast<std::size_t>(j)]);
     }
     const double force_N =
         control::static_tip_force(inputs.now.J, control::torque_constants(inputs.motors),
                                   steady_current_A)
             .norm();
     if (!std::isfinite(force_N)) {
-        return 0.0; // singular: the force is unknown
+        return {0.0, ForceLimit::singular}; // the force is unknown
     }
-    return std::min(share, kLimiterShare * inputs.limits.tip_force_N / force_N);
+    result.take(kLimiterShare * inputs.limits.tip_force_N / force_N, ForceLimit::tip_force);
+    return result;
 }
 
 /// Moves e_W towards where no current flows as far as the limits of force and currents require.
 /// Returns the remaining share.
-double draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
-                 const Vector3 &no_current_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
-    const double share =
-        permissible_share(device, inputs, (e_W_V - no_current_V).cwiseQuotient(dR_Ohm));
-    if (share < 1.0) {
-        e_W_V = no_current_V + share * (e_W_V - no_current_V);
+Permissible draw_back(const device::DeviceDescription &device, const LimiterInputs &inputs,
+                      const Vector3 &no_current_V, const Vector3 &dR_Ohm, Vector3 &e_W_V) {
+    const Permissible result =
+        permissible(device, inputs, (e_W_V - no_current_V).cwiseQuotient(dR_Ohm));
+    if (result.share < 1.0) {
+        e_W_V = no_current_V + result.share * (e_W_V - no_current_V);
     }
-    return share;
+    return result;
 }
 
 /// Clamps e_W to the supply; returns whether that changed it.
@@ -97,14 +112,17 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
         e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A) - offset_V;
     }
-    result.force_share = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
+    const Permissible first = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
+    result.force_share = first.share;
+    result.held_back.force = first.by;
     result.permissible_e_W_V = e_W_V;
     result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
     if (result.held_back.voltage) { // the clamped part may have opposed the others: check again
-        result.force_share *= draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
+        const Permissible second = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
+        result.force_share *= second.share;
+        result.held_back.force = second.share < 1.0 ? second.by : first.by;
         static_cast<void>(hold_to_supply(device, inputs, e_W_V));
     }
-    result.held_back.force = result.force_share < 1.0;
     result.command.e_W_V = e_W_V;
     return result;
 }

@@ -68,11 +68,20 @@ struct SafetyStatus {
     AssertionFailure failure{}; ///< for TripCause::assertion; in records only as a note
 };
 
+/// The limit within which the steady force and currents of a command are kept.
+enum class ForceLimit : std::uint8_t { none, tip_force, current1, current2, current3, singular };
+
+/// Indexed by ForceLimit.
+inline constexpr std::array<std::string_view, 6> kForceLimitNames{
+    "none", "tip_force", "current1", "current2", "current3", "singular"};
+
 /// What was reduced in a tick to keep within the limits.
 struct ActiveLimits {
-    bool force = false;   ///< e_W, because of the steady tip force or winding current
-    bool voltage = false; ///< e_W, because of the supply
-    bool at_edge = false; ///< the soft wall at the edge of the workspace acts on e_W
+    ForceLimit force = ForceLimit::none; ///< e_W, because of this limit
+    bool voltage = false;                ///< e_W, because of the supply
+    bool at_edge = false;                ///< the soft wall at the edge of the workspace acts on e_W
+
+    [[nodiscard]] bool holds_force() const { return force != ForceLimit::none; }
 };
 
 /// The monitor's estimates for one winding, and their effect in the last tick.

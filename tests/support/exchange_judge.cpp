@@ -18,7 +18,7 @@ namespace {
 constexpr double kRoundOff_V = 1e-9;
 
 bool is_held_back(const servo::ServoSample &sample) {
-    return sample.held_back.force || sample.held_back.voltage || sample.held_back.at_edge;
+    return sample.held_back.holds_force() || sample.held_back.voltage || sample.held_back.at_edge;
 }
 
 class Judge {

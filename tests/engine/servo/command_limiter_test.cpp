@@ -116,6 +116,7 @@ double force_N(const Case &c, const Vector3 &current_A) {
 TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
     int drawn_back = 0;
     int let_be = 0;
+    std::array<int, kForceLimitNames.size()> by_limit{};
     for (int run = 0; run < 40'000; ++run) {
         const Case c = any_observed_case(devices[static_cast<std::size_t>(run % 2)]);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
@@ -126,12 +127,25 @@ TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
         ASSERT_LE(current_A.cwiseAbs().maxCoeff(), kLimiterShare * min_A * (1 + 1e-9)) << run;
         ASSERT_LE(result.command.e_W_V.cwiseAbs().maxCoeff(),
                   std::min(12.0, c.inputs.limits.voltage_V));
-        ASSERT_EQ(result.held_back.force, result.force_share < 1.0);
+        ASSERT_EQ(result.held_back.holds_force(), result.force_share < 1.0);
+        if (result.held_back.holds_force() && !result.held_back.voltage) {
+            // The limit that is named is the one that is reached.
+            const ForceLimit by = result.held_back.force;
+            const double reached =
+                by == ForceLimit::tip_force
+                    ? force_N(c, current_A) / c.inputs.limits.tip_force_N
+                    : std::abs(current_A[static_cast<Eigen::Index>(by) - 2]) / min_A;
+            ASSERT_NEAR(reached, kLimiterShare, 1e-9) << static_cast<int>(by);
+            ++by_limit.at(static_cast<std::size_t>(by));
+        }
         ASSERT_GE(result.force_share, 0.0);
-        (result.held_back.force ? drawn_back : let_be) += 1;
+        (result.held_back.holds_force() ? drawn_back : let_be) += 1;
     }
     EXPECT_GT(drawn_back, 1000);
     EXPECT_GT(let_be, 1000);
+    for (std::size_t by = 1; by <= 4; ++by) {
+        EXPECT_GT(by_limit.at(by), 50) << kForceLimitNames.at(by);
+    }
 }
 
 TEST_F(CommandLimiter, EqualWindingsStayWithinTheLimitThroughoutTheTransient) {
@@ -216,10 +230,10 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
             ASSERT_EQ(result.command.e_W_V, c.wanted.e_W_V);
             ASSERT_EQ(result.command.cancelled_resistance_Ohm, c.wanted.cancelled_resistance_Ohm);
             ASSERT_EQ(result.force_share, 1.0);
-            ASSERT_FALSE(result.held_back.force || result.held_back.voltage);
+            ASSERT_FALSE(result.held_back.holds_force() || result.held_back.voltage);
         } else if (share > 1.001) {
             ++held_back;
-            ASSERT_TRUE(result.held_back.force || result.held_back.voltage);
+            ASSERT_TRUE(result.held_back.holds_force() || result.held_back.voltage);
         }
     }
     EXPECT_GT(held_back, 1000);
@@ -232,7 +246,7 @@ TEST_F(CommandLimiter, OffsetsOfTheSensorsMakeNoCurrent) {
         c.inputs.limits = limits_of(c.device);
         c.wanted.e_W_V = testing::random_vector(random, 0.3);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
-        if (result.held_back.force || result.held_back.voltage) {
+        if (result.held_back.holds_force() || result.held_back.voltage) {
             continue;
         }
         Case ideal = c;

@@ -95,7 +95,7 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
         const ServoSample now = rig.tick();
         EXPECT_EQ(now.safety.state, SafetyState::running)
             << change.name << ": " << description(now.safety);
-        if (now.held_back.force || now.held_back.voltage) {
+        if (now.held_back.holds_force() || now.held_back.voltage) {
             break; // the limiter's reduction is not part of the change
         }
         ++felt.ticks;
@@ -189,7 +189,7 @@ TEST(ServoLoopChanges, OfAllParametersRepeatedDuringATransferMoveEWWithinTheBoun
             rig.inputs.global_alpha_rad2_per_m2 = 2000.0 + tick;
         }
         const ServoSample now = rig.tick();
-        ASSERT_FALSE(now.held_back.force || now.held_back.voltage) << tick;
+        ASSERT_FALSE(now.held_back.holds_force() || now.held_back.voltage) << tick;
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
         ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
         max_V = std::max(max_V, now.carried_V.cwiseAbs().maxCoeff());
@@ -241,7 +241,7 @@ TEST(ServoLoopChanges, OfSceneReleaseTheOldVoltageSlowly) {
         for (int tick = 0; tick < 400; ++tick) {
             const ServoSample now = rig.tick();
             ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
-            if (!now.held_back.force) {
+            if (!now.held_back.holds_force()) {
                 const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
                 ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
             }

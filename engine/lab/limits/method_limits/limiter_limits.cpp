@@ -105,7 +105,9 @@ LimitTrial too_much_force(const device::DeviceDescription &device, const Vector3
             1e-3,
             100.0,
             false,
-            [=](double depth_mm) { return !law.pressed(1e-3 * depth_mm, Vector3::UnitY()).force; }};
+            [=](double depth_mm) {
+                return !law.pressed(1e-3 * depth_mm, Vector3::UnitY()).holds_force();
+            }};
 }
 
 /// Far out, a sideways push reaches the current limit of the base's motor before the force limit.
@@ -133,7 +135,9 @@ LimitTrial too_much_current(const device::DeviceDescription &device) {
             1e-3,
             100.0,
             false,
-            [=](double depth_mm) { return !law.pressed(1e-3 * depth_mm, Vector3::UnitX()).force; }};
+            [=](double depth_mm) {
+                return !law.pressed(1e-3 * depth_mm, Vector3::UnitX()).holds_force();
+            }};
 }
 
 /// Free motion is free of force as long as e_W can cancel the back-EMF k_T θ̇.
