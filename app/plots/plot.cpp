@@ -74,25 +74,39 @@ double least_range(const PlotSettings &settings) {
     return least;
 }
 
-void draw_levels(Canvas &canvas, const PlotArea &area, const PlotSettings &settings) {
+/// Over curves, which stay visible faintly.
+void draw_note(Canvas &canvas, ImVec2 corner, const ImVec4 &colour, const std::string &note) {
+    const ImVec4 shade{0.11F, 0.12F, 0.15F, 0.75F};
+    const float margin = 0.15F * text_height();
+    canvas.fill(
+        {{corner.x - margin, corner.y}, {text_width(note) + 2.0F * margin, 1.05F * text_height()}},
+        shade);
+    canvas.text(corner, colour, note);
+}
+
+struct ShownLevel {
+    std::string label;
+    float y = 0.0F;
+};
+
+/// The first level of the channels that is in the plot: several have the same one.
+std::optional<ShownLevel> level_in(const PlotArea &area, const PlotSettings &settings) {
     for (const std::size_t channel : settings.channels) {
-        const std::optional<PlotLevel> level = level_of(channel);
-        if (!level) {
-            continue;
+        if (const std::optional<PlotLevel> level = level_of(channel)) {
+            const double value = level->value_si * unit_of(channel, settings).per_si;
+            if (value > area.y.from && value < area.y.to) {
+                return ShownLevel{std::string(level->label), area.place_y(value)};
+            }
         }
-        const double value = level->value_si * unit_of(channel, settings).per_si;
-        if (value <= area.y.from || value >= area.y.to) {
-            continue;
-        }
-        const float y = area.place_y(value);
-        const float left = area.where.corner.x;
-        ImVec4 ink = kWarning;
-        ink.w = 0.8F;
-        canvas.line({left, y}, {left + area.where.size.x, y}, {ink, 1.0F, Dash::dashed});
-        canvas.text({left + 0.4F * text_height(), y - 1.1F * text_height()}, kWarning,
-                    level->label);
-        return; // several channels have the same one
     }
+    return std::nullopt;
+}
+
+void draw_level(Canvas &canvas, const PlotArea &area, const ShownLevel &level) {
+    const float left = area.where.corner.x;
+    ImVec4 ink = kWarning;
+    ink.w = 0.8F;
+    canvas.line({left, level.y}, {left + area.where.size.x, level.y}, {ink, 1.0F, Dash::dashed});
 }
 
 void draw_curve(Canvas &canvas, const PlotArea &area, const Curve &curve, const Stroke &stroke) {
@@ -114,23 +128,104 @@ void draw_curve(Canvas &canvas, const PlotArea &area, const Curve &curve, const 
     flush();
 }
 
+/// In the place of dashes where points are not in order, or turns would break dashes up: dots for
+/// solid lines, crosses for dashed ones, and diamonds for dotted ones.
+void draw_mark(Canvas &canvas, ImVec2 at, const Stroke &stroke) {
+    const float arm = 0.15F * text_height();
+    const Stroke thin{stroke.colour, 1.0F};
+    switch (stroke.dash) {
+    case Dash::solid:
+        canvas.dot(at, 0.8F * stroke.width, stroke.colour);
+        break;
+    case Dash::dashed:
+        canvas.line({at.x - arm, at.y - arm}, {at.x + arm, at.y + arm}, thin);
+        canvas.line({at.x - arm, at.y + arm}, {at.x + arm, at.y - arm}, thin);
+        break;
+    case Dash::dotted: {
+        const std::array<ImVec2, 5> corners{{{at.x - 1.3F * arm, at.y},
+                                             {at.x, at.y - 1.3F * arm},
+                                             {at.x + 1.3F * arm, at.y},
+                                             {at.x, at.y + 1.3F * arm},
+                                             {at.x - 1.3F * arm, at.y}}};
+        canvas.polyline(corners, thin);
+        break;
+    }
+    }
+}
+
+/// Of a curve with marks in the place of dashes.
+Stroke line_between_marks(const Stroke &stroke) {
+    return stroke.dash == Dash::solid ? stroke : Stroke{stroke.colour, 1.1F};
+}
+
+/// A mark on the first point in each cell of a grid: not too many, wherever the curve turns.
+void draw_sparse_marks(Canvas &canvas, const PlotArea &area, const Curve &curve,
+                       const Stroke &stroke) {
+    const float cell = 2.0F * text_height();
+    const auto index = [cell](float distance) {
+        return static_cast<std::size_t>(std::max(0.0F, distance) / cell);
+    };
+    const std::size_t columns = index(area.where.size.x) + 1;
+    std::vector<bool> is_marked(columns * (index(area.where.size.y) + 1));
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+        const ImVec2 at = area.place(curve.x[i], curve.y[i]);
+        if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i]) || !area.where.contains(at)) {
+            continue;
+        }
+        auto is_marked_here = is_marked.begin() + static_cast<std::ptrdiff_t>(
+                                                      index(at.y - area.where.corner.y) * columns +
+                                                      index(at.x - area.where.corner.x));
+        if (!*is_marked_here) {
+            draw_mark(canvas, at, stroke);
+            *is_marked_here = true;
+        }
+    }
+}
+
 void draw_curves(Canvas &canvas, const PlotArea &area, const PlotSettings &settings,
                  const std::vector<Curve> &curves) {
-    draw_levels(canvas, area, settings);
+    const std::optional<ShownLevel> level = level_in(area, settings);
+    if (level) {
+        draw_level(canvas, area, *level);
+    }
     canvas.clip(area.where);
     for (const Curve &curve : curves) {
-        Stroke stroke = look_of(curve.channel).stroke;
-        if (settings.kind == PlotKind::xy) { // its turns would break dashes up
-            stroke.dash = Dash::solid;
+        const Stroke &stroke = look_of(curve.channel).stroke;
+        if (settings.kind == PlotKind::xy && stroke.dash != Dash::solid) {
+            draw_curve(canvas, area, curve, line_between_marks(stroke));
+            draw_sparse_marks(canvas, area, curve, stroke);
+        } else {
+            draw_curve(canvas, area, curve, stroke);
         }
-        draw_curve(canvas, area, curve, stroke);
+    }
+    if (level) {
+        draw_note(canvas,
+                  {area.where.corner.x + 0.4F * text_height(), level->y - 1.1F * text_height()},
+                  kWarning, level->label);
     }
     canvas.unclip();
 }
 
+/// The values of the curves within this part of the axis, or everywhere.
+Range values_within(const std::vector<Curve> &curves, const std::optional<Axis> &x) {
+    Range range;
+    for (const Curve &curve : curves) {
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            if (!x || (curve.x[i] >= x->from && curve.x[i] <= x->to)) {
+                range.take(curve.y[i]);
+            } else if (i > 0 && std::min(curve.x[i - 1], curve.x[i]) < x->from &&
+                       std::max(curve.x[i - 1], curve.x[i]) > x->to) { // passes through
+                range.take(curve.y[i - 1]);
+                range.take(curve.y[i]);
+            }
+        }
+    }
+    return range;
+}
+
 void say_nothing_to_show(Canvas &canvas, const PlotArea &area, std::string_view why) {
-    canvas.text({area.where.corner.x + 0.5F * (area.where.size.x - text_width(why)),
-                 area.where.corner.y + 0.4F * area.where.size.y},
+    const float margin = std::max(0.0F, 0.5F * (area.where.size.x - text_width(why)));
+    canvas.text({area.where.corner.x + margin, area.where.corner.y + 0.4F * area.where.size.y},
                 kFaintInk, why);
 }
 
@@ -228,10 +323,6 @@ void draw_trace(Canvas &canvas, const PlotArea &area, const PlotSettings &settin
         draw_curve(canvas, area, curve, stroke);
     }
     canvas.unclip();
-    const std::string note = "faint: " + source.trace->name;
-    canvas.text({area.where.corner.x + area.where.size.x - text_width(note) - 0.3F * text_height(),
-                 area.where.corner.y + 0.1F * text_height()},
-                kFaintInk, note);
 }
 
 PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
@@ -254,6 +345,14 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
     draw_curves(
         canvas, area, settings,
         curves_over_time(settings, source, std::max(1, static_cast<int>(area.where.size.x))));
+    if (source.trace != nullptr) {
+        const std::string note = "faint: " + source.trace->name;
+        draw_note(
+            canvas,
+            {area.where.corner.x + area.where.size.x - text_width(note) - 0.3F * text_height(),
+             area.where.corner.y + 0.1F * text_height()},
+            kFaintInk, note);
+    }
     return area;
 }
 
@@ -262,7 +361,6 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
 PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
                        const PlotSource &source, PlotCache &cache) {
     std::vector<Curve> curves;
-    Range range;
     double first_Hz = 1.0;
     double last_Hz = 0.5 * source.servo_hz;
     for (const std::size_t channel : settings.channels) {
@@ -275,19 +373,18 @@ PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSetting
             const double amplitude = spectrum.amplitude[i] * per_si;
             curve.x.push_back(static_cast<double>(i) * spectrum.bin_Hz);
             curve.y.push_back(amplitude > 0.0 ? amplitude : kNone);
-            range.take(amplitude);
         }
         first_Hz = spectrum.amplitude.empty() ? first_Hz : spectrum.bin_Hz;
         last_Hz = curve.x.empty() ? last_Hz : curve.x.back();
         curves.push_back(std::move(curve));
     }
-    const bool is_empty = !(range.maximum > 0.0);
-    const double top = is_empty ? 1.0 : round_up(range.maximum);
+    const double most = values_within(curves, settings.x).maximum;
+    const double top = most > 0.0 ? round_up(most) : 1.0;
     const Axis x = settings.x.value_or(Axis{first_Hz, last_Hz, true});
     const Axis y = settings.y.value_or(Axis{1e-5 * top, top, true});
     const PlotArea area =
         draw_axes(canvas, where, x, y, "Hz", "amplitude, " + unit_title(settings));
-    if (is_empty) {
+    if (!(values_within(curves, std::nullopt).maximum > 0.0)) {
         say_nothing_to_show(canvas, area, "no values to transform in this window");
     }
     draw_curves(canvas, area, settings, curves);
@@ -300,14 +397,17 @@ PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSetting
 /// computing.
 constexpr std::uint64_t kMostTicks = 1U << 17U;
 
-/// At most so many points: the newest are kept, and of them every n-th.
+/// At most so many points of all curves together, of a plot of one channel against another: every
+/// n-th tick.
 constexpr std::uint64_t kMostPoints = 20'000;
 
+/// Of all channels but the first. @pre there are two or more
 std::vector<Curve> paired_curves(const PlotSettings &settings, const PlotSource &source,
                                  double angle_per_si) {
     const Rows rows = rows_of(source);
-    const std::uint64_t step =
-        std::max<std::uint64_t>(1, (rows.to - rows.from + kMostPoints - 1) / kMostPoints);
+    const std::uint64_t most =
+        std::max<std::uint64_t>(1, kMostPoints / (settings.channels.size() - 1));
+    const std::uint64_t step = std::max<std::uint64_t>(1, (rows.to - rows.from + most - 1) / most);
     std::vector<Curve> curves;
     for (std::size_t i = 1; i < settings.channels.size(); ++i) {
         Curve curve;
@@ -333,17 +433,13 @@ PlotArea draw_xy(Canvas &canvas, const Rectangle &where, const PlotSettings &set
     const std::vector<Curve> curves =
         paired_curves(settings, source, unit_of(first, settings).per_si);
     Range of_x;
-    Range of_y;
     for (const Curve &curve : curves) {
         for (std::size_t i = 0; i < curve.x.size(); ++i) {
-            if (!std::isnan(curve.y[i])) {
-                of_x.take(curve.x[i]);
-                of_y.take(curve.y[i]);
-            }
+            of_x.take(std::isnan(curve.y[i]) ? kNone : curve.x[i]);
         }
     }
-    PlotSettings of_values = settings;
-    of_values.channels.erase(of_values.channels.begin());
+    const PlotSettings of_values = without_first(settings);
+    const Range of_y = values_within(curves, settings.x);
     const PlotArea area =
         draw_axes(canvas, where, settings.x.value_or(round_axis(of_x.minimum, of_x.maximum)),
                   settings.y.value_or(chosen_axis(of_y, least_range(of_values))),
@@ -365,7 +461,9 @@ void draw_polar_grid(Canvas &canvas, const PlotArea &area, double radius, const 
                 area.place(tick.value * std::cos(angle), tick.value * std::sin(angle)));
         }
         canvas.polyline(circle, {faint, 1.0F});
-        canvas.text(area.place(0.0, tick.value), kFaintInk, tick.label + " " + unit);
+        if (area.where.size.y > 6.0F * text_height()) {
+            canvas.text(area.place(0.0, tick.value), kFaintInk, tick.label + " " + unit);
+        }
     }
     for (int i = 0; i < 12; ++i) {
         const double angle = 2.0 * std::numbers::pi * i / 12;
@@ -374,32 +472,27 @@ void draw_polar_grid(Canvas &canvas, const PlotArea &area, double radius, const 
     }
 }
 
-/// Dots for what is drawn as a solid line over time, small crosses for what is dashed: what is not
-/// touched in order makes no line.
+/// Marks only: what is not touched in order makes no line.
 void draw_marks(Canvas &canvas, const PlotArea &area, const Curve &curve, const Stroke &stroke) {
     constexpr std::size_t kMostMarks = 3000;
-    const float arm = 0.15F * text_height();
     for (std::size_t i = 0; i < curve.x.size(); i += 1 + curve.x.size() / kMostMarks) {
-        if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i])) {
-            continue;
-        }
-        const ImVec2 at = area.place(curve.x[i], curve.y[i]);
-        if (stroke.dash == Dash::solid) {
-            canvas.dot(at, 0.8F * stroke.width, stroke.colour);
-        } else {
-            canvas.line({at.x - arm, at.y - arm}, {at.x + arm, at.y + arm}, {stroke.colour, 1.0F});
-            canvas.line({at.x - arm, at.y + arm}, {at.x + arm, at.y - arm}, {stroke.colour, 1.0F});
+        if (std::isfinite(curve.x[i]) && std::isfinite(curve.y[i])) {
+            draw_mark(canvas, area.place(curve.x[i], curve.y[i]), stroke);
         }
     }
 }
 
+/// The largest square in the middle.
+Rectangle square_within(const Rectangle &where) {
+    const float side = std::max(1.0F, std::min(where.size.x, where.size.y));
+    return {{where.corner.x + 0.5F * (where.size.x - side),
+             where.corner.y + 0.5F * (where.size.y - side)},
+            {side, side}};
+}
+
 PlotArea draw_polar(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
                     const PlotSource &source) {
-    const float side = std::min(where.size.x, where.size.y);
-    PlotArea area;
-    area.where = {{where.corner.x + 0.5F * (where.size.x - side),
-                   where.corner.y + 0.5F * (where.size.y - side)},
-                  {side, side}};
+    constexpr double kMargin = 1.08; // of the square around the circle
     std::vector<Curve> curves;
     Range radii;
     if (settings.channels.size() > 1) {
@@ -416,13 +509,10 @@ PlotArea draw_polar(Canvas &canvas, const Rectangle &where, const PlotSettings &
             }
         }
     }
-    const double radius = radii.maximum > 0.0 ? round_up(radii.maximum) : 1.0;
-    area.x = area.y = {-1.08 * radius, 1.08 * radius};
-    PlotSettings of_values = settings;
-    if (!of_values.channels.empty()) {
-        of_values.channels.erase(of_values.channels.begin());
-    }
-    draw_polar_grid(canvas, area, radius, unit_title(of_values));
+    const double most = kMargin * (radii.maximum > 0.0 ? round_up(radii.maximum) : 1.0);
+    const Axis axis = settings.y.value_or(Axis{-most, most});
+    const PlotArea area{square_within(where), axis, axis};
+    draw_polar_grid(canvas, area, axis.to / kMargin, unit_title(without_first(settings)));
     if (settings.channels.size() < 2) {
         say_nothing_to_show(canvas, area, "choose two channels: the first is the angle");
     }
@@ -440,7 +530,6 @@ PlotArea draw_histogram(Canvas &canvas, const Rectangle &where, const PlotSettin
                         const PlotSource &source, PlotCache &cache) {
     std::vector<Curve> curves;
     Range of_x;
-    double most = 1.0;
     std::uint64_t outside = 0;
     for (const std::size_t channel : settings.channels) {
         const signals::ValueHistogram &histogram = cache.histogram(channel, source);
@@ -454,7 +543,6 @@ PlotArea draw_histogram(Canvas &canvas, const Rectangle &where, const PlotSettin
             curve.x.insert(curve.x.end(),
                            {histogram.edge(bin) * per_si, histogram.edge(bin + 1) * per_si});
             curve.y.insert(curve.y.end(), {height, height});
-            most = std::max(most, count);
         }
         outside += histogram.below + histogram.above;
         of_x.take(histogram.from * per_si);
@@ -462,10 +550,28 @@ PlotArea draw_histogram(Canvas &canvas, const Rectangle &where, const PlotSettin
         curves.push_back(std::move(curve));
     }
     const Axis x = settings.x.value_or(round_axis(of_x.minimum, of_x.maximum));
+    const double most = std::max(1.0, values_within(curves, settings.x).maximum);
     const Axis y = settings.y.value_or(Axis{0.5, round_up(most), true});
     const std::string beyond = outside > 0 ? fmt::format(", {} beyond the axis", outside) : "";
     const PlotArea area = draw_axes(canvas, where, x, y, unit_title(settings), "ticks" + beyond);
     draw_curves(canvas, area, {}, curves);
+    return area;
+}
+
+/// Where there is no room for labels beside the curves: a frame.
+PlotArea draw_frame(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y) {
+    const PlotArea area{
+        {where.corner, {std::max(1.0F, where.size.x), std::max(1.0F, where.size.y)}}, x, y};
+    const float right = where.corner.x + area.where.size.x;
+    const float bottom = where.corner.y + area.where.size.y;
+    ImVec4 faint = kFaintInk;
+    faint.w = 0.2F;
+    const std::array<ImVec2, 5> corners{{where.corner,
+                                         {right, where.corner.y},
+                                         {right, bottom},
+                                         {where.corner.x, bottom},
+                                         where.corner}};
+    canvas.polyline(corners, {faint, 1.0F});
     return area;
 }
 
@@ -484,6 +590,41 @@ std::string unit_title(const PlotSettings &settings) {
     return title;
 }
 
+bool pairs_channels(PlotKind kind) { return kind == PlotKind::xy || kind == PlotKind::polar; }
+
+PlotSettings without_first(PlotSettings settings) {
+    if (!settings.channels.empty()) {
+        settings.channels.erase(settings.channels.begin());
+    }
+    return settings;
+}
+
+std::optional<std::uint64_t> row_shown_at(const record::ChannelStore &store, double time_s) {
+    const std::uint64_t row = store.row_at(time_s);
+    if (row == store.end() || time_s < store.time_s(store.begin())) {
+        return std::nullopt;
+    }
+    return row;
+}
+
+void draw_sample(Canvas &canvas, const SamplePlace &place, const Stroke &stroke, PlotKind kind) {
+    const auto at = [&place](float share) {
+        return ImVec2{place.left.x + share * place.length, place.left.y};
+    };
+    Stroke bold = stroke; // of one width, so that all can be seen
+    bold.width = 2.0F;
+    if (kind == PlotKind::polar) {
+        for (const float share : {0.15F, 0.5F, 0.85F}) {
+            draw_mark(canvas, at(share), bold);
+        }
+    } else if (kind == PlotKind::xy && stroke.dash != Dash::solid) {
+        canvas.line(at(0.0F), at(1.0F), line_between_marks(stroke));
+        draw_mark(canvas, at(0.5F), stroke);
+    } else {
+        canvas.line(at(0.0F), at(1.0F), bold);
+    }
+}
+
 PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
                    const std::string &x_title, const std::string &y_title) {
     const float height = text_height();
@@ -493,11 +634,12 @@ PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const 
     for (const Tick &tick : y_ticks) {
         widest = std::max(widest, text_width(tick.label));
     }
-    PlotArea area{{}, x, y};
     const float left = widest + 0.6F * height;
-    area.where.corner = {where.corner.x + left, where.corner.y + 1.6F * height};
-    area.where.size = {std::max(10.0F, where.size.x - left - 0.6F * height),
-                       std::max(10.0F, where.size.y - 2.9F * height)};
+    const ImVec2 size{where.size.x - left - 0.6F * height, where.size.y - 2.9F * height};
+    if (size.x < 4.0F * height || size.y < 1.5F * height) {
+        return draw_frame(canvas, where, x, y);
+    }
+    const PlotArea area{{{where.corner.x + left, where.corner.y + 1.6F * height}, size}, x, y};
     canvas.text(where.corner, kFaintInk, y_title);
     const auto grid = [](const Tick &tick) {
         ImVec4 faint = kFaintInk;
@@ -520,7 +662,8 @@ PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const 
         canvas.line({place, area.where.corner.y}, {place, bottom}, grid(tick));
         const float width = text_width(tick.label);
         if (place + 0.5F * width < right - title_width) {
-            canvas.text({place - 0.5F * width, bottom + 0.1F * height}, kFaintInk, tick.label);
+            canvas.text({std::max(where.corner.x, place - 0.5F * width), bottom + 0.1F * height},
+                        kFaintInk, tick.label);
         }
     }
     canvas.text({right - text_width(x_title), bottom + 0.1F * height}, kFaintInk, x_title);

@@ -37,7 +37,7 @@ struct PlotSettings {
     std::vector<std::size_t> channels;
     bool in_si = false;
     // Ranges after zooming, in shown units; otherwise the plot chooses. A time axis is common to
-    // all plots, so it is not here.
+    // all plots, so it is not here. A polar plot has y only, for both directions.
     std::optional<Axis> x;
     std::optional<Axis> y;
 };
@@ -100,11 +100,31 @@ struct Curve {
 PlotArea draw_plot(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
                    const PlotSource &source, PlotCache &cache);
 
-/// Axes with ticks, and their titles. @return the area within
+/// The beginning of a horizontal line, with how far it goes, and its height.
+struct SamplePlace {
+    ImVec2 left; ///< its middle
+    float length = 0.0F;
+};
+
+/// A short piece of a channel's curve as plots of this kind draw it, for legends.
+void draw_sample(Canvas &canvas, const SamplePlace &place, const Stroke &stroke, PlotKind kind);
+
+/// Axes with ticks, and their titles; without the room for them, only a frame.
+/// @return the area within
 PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
                    const std::string &x_title, const std::string &y_title);
 
 /// The unit of the values of these channels, if it is the same for all; else the units.
 [[nodiscard]] std::string unit_title(const PlotSettings &settings);
+
+/// Whether the first channel goes to the right, or is the angle, and so has no curve of its own.
+[[nodiscard]] bool pairs_channels(PlotKind kind);
+/// The same plot without its first channel.
+[[nodiscard]] PlotSettings without_first(PlotSettings settings);
+
+/// The row whose values are shown at a time: the first one that is not before it. Nothing before
+/// the oldest kept row, or after the newest.
+[[nodiscard]] std::optional<std::uint64_t> row_shown_at(const record::ChannelStore &store,
+                                                        double time_s);
 
 } // namespace springdrive::app

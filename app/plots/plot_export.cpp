@@ -3,6 +3,7 @@
 
 #include "app/commands/output_files.h"
 #include "app/plots/channel_look.h"
+#include "app/plots/plot_menu.h"
 #include "app/widgets/look.h"
 #include "base/file_names.h"
 #include "base/print.h"
@@ -36,6 +37,32 @@ std::vector<std::size_t> all_channels(const PlotPanelState &state) {
     return all;
 }
 
+/// The names of the channels, as those above the plot in the window. @return their height
+float draw_names(Canvas &canvas, const Rectangle &where, const PlotSettings &settings) {
+    const float height = text_height();
+    std::vector<float> widths;
+    for (const std::size_t channel : settings.channels) {
+        widths.push_back(text_width(legend_text(settings, channel)) + 2.6F * height);
+    }
+    const LegendLayout layout = legend_layout(widths, {{where.size.x, kLegendShare * where.size.y},
+                                                       1.3F * height,
+                                                       text_width(kWidestHiddenText)});
+    for (std::size_t i = 0; i < layout.places.size(); ++i) {
+        const ImVec2 at{where.corner.x + layout.places[i].x, where.corner.y + layout.places[i].y};
+        const std::size_t channel = settings.channels[i];
+        if (i > 0 || !pairs_channels(settings.kind)) {
+            draw_sample(canvas, {{at.x, at.y + 0.5F * height}, 1.4F * height},
+                        look_of(channel).stroke, settings.kind);
+        }
+        canvas.text({at.x + 1.7F * height, at.y}, kInk, legend_text(settings, channel));
+    }
+    if (layout.hidden > 0) {
+        canvas.text({where.corner.x + layout.more.x, where.corner.y + layout.more.y}, kFaintInk,
+                    hidden_text(layout));
+    }
+    return layout.height;
+}
+
 } // namespace
 
 void export_csv(PlotPanelState &state, const PlotSource &source) {
@@ -63,25 +90,14 @@ void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle
     SvgCanvas canvas(where, scale);
     canvas.fill(where, ImVec4(0.115F, 0.127F, 0.15F, 1.0F));
     const std::vector<Rectangle> places = plot_places(where, state.plots);
-    const float height = text_height();
     for (std::size_t i = 0; i < places.size(); ++i) {
-        ImVec2 at = places[i].corner;
-        const float right = places[i].corner.x + places[i].size.x;
-        for (const std::size_t channel : state.plots[i].settings.channels) {
-            const ChannelLook &look = look_of(channel);
-            const float width = text_width(look.label) + 2.6F * height;
-            if (at.x > places[i].corner.x && at.x + width > right) {
-                at = {places[i].corner.x, at.y + 1.3F * height};
-            }
-            canvas.line({at.x, at.y + 0.5F * height}, {at.x + 1.4F * height, at.y + 0.5F * height},
-                        {look.stroke.colour, 2.0F, look.stroke.dash});
-            canvas.text({at.x + 1.7F * height, at.y}, kInk, look.label);
-            at.x += width;
-        }
-        const float top = at.y + 1.4F * height;
-        const Rectangle contents{{places[i].corner.x, top},
-                                 {places[i].size.x, places[i].corner.y + places[i].size.y - top}};
+        const Rectangle &place = places[i];
+        canvas.clip(place);
+        const float head = draw_names(canvas, place, state.plots[i].settings);
+        const Rectangle contents{{place.corner.x, place.corner.y + head},
+                                 {place.size.x, place.size.y - head}};
         static_cast<void>(draw_contents(canvas, contents, state.plots[i], state, source));
+        canvas.unclip();
     }
     state.message =
         save_as(name_of_new_file(".svg"), [&](std::ostream &out) { out << canvas.svg(); });

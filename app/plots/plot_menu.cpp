@@ -1,13 +1,17 @@
 // The menus of plots: kind, channels, units, trigger; and the legend, from which channels are
 // dragged.
+#include "app/plots/plot_menu.h"
+
 #include "app/plots/channel_look.h"
-#include "app/plots/plot_panel.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <sstream>
 
@@ -38,12 +42,16 @@ bool matches(std::size_t channel, const std::string &words) {
 }
 
 /// Makes the previous item a source of a dragged channel.
-void offer_channel(std::size_t channel) {
-    if (ImGui::BeginDragDropSource()) {
-        ImGui::SetDragDropPayload(kChannelPayload, &channel, sizeof channel);
-        ImGui::TextUnformatted(look_of(channel).label.c_str());
-        ImGui::EndDragDropSource();
+void offer_channel(const DraggedChannel &dragged) {
+    if (!ImGui::BeginDragDropSource()) {
+        return;
     }
+    ImGui::SetDragDropPayload(kChannelPayload, &dragged, sizeof dragged);
+    ImGui::TextUnformatted(look_of(dragged.channel).label.c_str());
+    if (dragged.plot != 0) {
+        ui::text(kFaintInk, "{}", ImGui::GetIO().KeyCtrl ? "is copied" : "is moved");
+    }
+    ImGui::EndDragDropSource();
 }
 
 void toggle(std::vector<std::size_t> &channels, std::size_t channel) {
@@ -52,36 +60,39 @@ void toggle(std::vector<std::size_t> &channels, std::size_t channel) {
     }
 }
 
-/// A short piece of the channel's line at the cursor.
-void draw_swatch(const Stroke &stroke) {
+/// A short piece of the channel's curve at the cursor.
+void draw_swatch(const Stroke &stroke, PlotKind kind) {
     const float font = ImGui::GetFontSize();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ScreenCanvas canvas(*ImGui::GetWindowDrawList(), font / 15.0F);
-    const float y = corner.y + 0.5F * font;
-    canvas.line({corner.x, y}, {corner.x + 1.8F * font, y}, {stroke.colour, 2.0F, stroke.dash});
+    draw_sample(canvas, {{corner.x, corner.y + 0.5F * font}, 1.8F * font}, stroke, kind);
     ImGui::Dummy({1.8F * font, font});
 }
 
-void draw_channel_list(Plot &plot) {
+/// All channels, each with its line, narrowed by a search.
+/// @param rows       height of the list
+/// @param is_chosen  of a channel
+/// @param choose     called with the one that is clicked
+template <typename IsChosen, typename Choose>
+void draw_channel_list(std::string &searched, float rows, IsChosen &&is_chosen, Choose &&choose) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(20.0F * font);
-    ui::text_field("##search", "search: force, e_W, lateness …", plot.searched);
-    ImGui::BeginChild("list", {20.0F * font, 12.0F * font}, true);
+    ui::text_field("##search", "search: force, e_W, lateness …", searched);
+    ImGui::BeginChild("list", {20.0F * font, rows * font}, true);
     for (std::size_t channel = 0; channel < session::channels().size(); ++channel) {
-        if (!matches(channel, plot.searched)) {
+        if (!matches(channel, searched)) {
             continue;
         }
         const session::Channel &known = session::channels()[channel];
-        const bool is_shown =
-            std::ranges::find(plot.settings.channels, channel) != plot.settings.channels.end();
-        draw_swatch(look_of(channel).stroke);
+        const bool is_shown = is_chosen(channel);
+        draw_swatch(look_of(channel).stroke, PlotKind::time);
         ImGui::SameLine();
         // Several can be chosen before the menu closes.
         if (ImGui::Selectable(known.name.c_str(), is_shown, ImGuiSelectableFlags_DontClosePopups)) {
-            toggle(plot.settings.channels, channel);
+            choose(channel);
         }
         ui::enter(known.name, "entry", known.name, is_shown);
-        offer_channel(channel);
+        offer_channel({channel});
         if (!known.about.empty()) {
             ui::explain(known.about);
         }
@@ -89,34 +100,165 @@ void draw_channel_list(Plot &plot) {
     ImGui::EndChild();
 }
 
-/// The values of a channel under the cursors, and their difference.
-std::string values_under_cursors(std::size_t channel, const PlotPanelState &state,
-                                 const PlotSource &source, bool in_si) {
-    const ShownUnit unit = shown_unit(channel, in_si);
-    std::array<double, 2> values{};
-    for (std::size_t i = 0; i < 2; ++i) {
-        const std::uint64_t row = source.store.row_at(state.view.cursor_s[i]);
-        values[i] = row == source.store.end() ? std::numeric_limits<double>::quiet_NaN()
-                                              : source.store.value(channel, row) * unit.per_si;
+/// Of the level; in a list of its own, as an open menu does not move when it grows.
+void draw_trigger_channel(std::size_t &channel, std::string &searched) {
+    const ui::DropDown list("##channel", session::channels()[channel].name.c_str());
+    if (!list) {
+        return;
     }
-    const auto text_of = [](double value) {
-        return std::isnan(value) ? std::string("–") : ui::formatted("{:.4g}", value);
-    };
-    return " A " + text_of(values[0]) + "  B " + text_of(values[1]) + "  Δ " +
-           text_of(values[1] - values[0]) + " " + std::string(unit.name);
+    draw_channel_list(
+        searched, 8.0F, [&](std::size_t other) { return other == channel; },
+        [&](std::size_t chosen) {
+            channel = chosen;
+            ImGui::CloseCurrentPopup();
+        });
 }
 
-/// What the first channel is for, where it is for something else than the others.
-std::string role_of(const PlotSettings &settings, std::size_t channel) {
-    if (channel != settings.channels.front()) {
-        return "";
+/// One entry of a legend.
+struct LegendEntry {
+    std::string text;
+    std::string values; ///< under the cursors, if there are any
+    float width = 0.0F; ///< with its piece of curve, and the gap behind it
+};
+
+constexpr float kBesideText = 3.0F; ///< a piece of curve and gaps, in heights of text
+
+std::vector<LegendEntry> legend_entries(const Plot &plot, const PlotPanelState &state,
+                                        const PlotSource &source, float width) {
+    const bool has_values = state.view.shows_cursors && plot.settings.kind == PlotKind::time;
+    const float beside = kBesideText * text_height();
+    std::vector<LegendEntry> entries;
+    for (const std::size_t channel : plot.settings.channels) {
+        LegendEntry entry{legend_text(plot.settings, channel), "", 0.0F};
+        if (has_values) {
+            entry.values = values_under_cursors(channel, state.view.cursor_s, source.store,
+                                                plot.settings.in_si);
+        }
+        if (text_width(entry.text + entry.values) + beside < width) { // else in the tooltip only
+            entry.text += entry.values;
+        }
+        entry.width = text_width(entry.text) + beside;
+        entries.push_back(std::move(entry));
     }
-    return settings.kind == PlotKind::xy      ? "to the right: "
-           : settings.kind == PlotKind::polar ? "angle: "
-                                              : "";
+    return entries;
+}
+
+/// At the cursor. True if the channel is to be removed.
+bool draw_legend_entry(const Plot &plot, std::size_t channel, const LegendEntry &entry,
+                       float width) {
+    const float font = ImGui::GetFontSize();
+    if (pairs_channels(plot.settings.kind) && channel == plot.settings.channels.front()) {
+        ImGui::Dummy({1.8F * font, font}); // it has no curve
+    } else {
+        draw_swatch(look_of(channel).stroke, plot.settings.kind);
+    }
+    ImGui::SameLine(0.0F, 0.3F * font);
+    ImGui::PushID(static_cast<int>(channel));
+    const float room = std::max(1.0F, std::min(entry.width, width) - kBesideText * font);
+    const bool is_clicked = ImGui::Selectable(entry.text.c_str(), false, 0, {room, 0.0F});
+    const session::Channel &known = session::channels()[channel];
+    ui::enter(known.name, "legend", entry.text);
+    offer_channel({channel, plot.id});
+    ui::explain(known.name + entry.values +
+                "\na click removes it, a drag moves it to another plot, with Ctrl copies it" +
+                (known.about.empty() ? "" : "\n" + known.about));
+    ImGui::PopID();
+    return is_clicked;
+}
+
+/// All names, in so few lines that they fit into the window.
+std::string names_text(const std::vector<LegendEntry> &entries) {
+    constexpr std::size_t kMostLines = 30;
+    const std::size_t per_line = (entries.size() + kMostLines - 1) / kMostLines;
+    std::string text;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        text += (i == 0 ? "" : i % per_line == 0 ? "\n" : ", ") + entries[i].text;
+    }
+    return text + "\nto be added and removed in the menu";
+}
+
+/// The places of legend entries, one behind the other and in as many rows as that needs.
+std::vector<ImVec2> places_in_rows(const std::vector<float> &widths, const LegendRoom &room) {
+    std::vector<ImVec2> places;
+    ImVec2 at{};
+    for (const float width : widths) {
+        if (at.x > 0.0F && at.x + width > room.size.x) {
+            at = {0.0F, at.y + room.row};
+        }
+        places.push_back(at);
+        at.x += width;
+    }
+    return places;
 }
 
 } // namespace
+
+LegendLayout legend_layout(const std::vector<float> &widths, const LegendRoom &room) {
+    LegendLayout layout;
+    std::vector<float> shown = widths;
+    layout.places = places_in_rows(shown, room);
+    while (!layout.places.empty() && layout.places.back().y > 0.0F &&
+           layout.places.back().y + room.row > room.size.y) {
+        // One less, and the number of those that are hidden instead.
+        ++layout.hidden;
+        shown.resize(widths.size() - layout.hidden);
+        shown.push_back(room.more);
+        layout.places = places_in_rows(shown, room);
+    }
+    layout.height = (layout.places.empty() ? 0.0F : layout.places.back().y) + room.row;
+    if (layout.hidden > 0) {
+        layout.more = layout.places.back();
+        layout.places.pop_back();
+    }
+    return layout;
+}
+
+std::string hidden_text(const LegendLayout &layout) {
+    return layout.places.empty() ? fmt::format("{} channels", layout.hidden)
+                                 : fmt::format("+{} more", layout.hidden);
+}
+
+std::string legend_text(const PlotSettings &settings, std::size_t channel) {
+    std::string role;
+    if (channel == settings.channels.front()) {
+        role = settings.kind == PlotKind::xy      ? "to the right: "
+               : settings.kind == PlotKind::polar ? "angle: "
+                                                  : "";
+    }
+    return role + look_of(channel).label;
+}
+
+std::string values_under_cursors(std::size_t channel, const std::array<double, 2> &cursor_s,
+                                 const record::ChannelStore &store, bool in_si) {
+    const ShownUnit unit = shown_unit(channel, in_si);
+    const auto value_at = [&](double time_s) {
+        const std::optional<std::uint64_t> row = row_shown_at(store, time_s);
+        return row ? store.value(channel, *row) * unit.per_si
+                   : std::numeric_limits<double>::quiet_NaN();
+    };
+    const auto text_of = [](double value) {
+        return std::isnan(value) ? std::string("–") : ui::formatted("{:.4g}", value);
+    };
+    const double a = value_at(cursor_s[0]);
+    const double b = value_at(cursor_s[1]);
+    return " A " + text_of(a) + "  B " + text_of(b) + "  Δ " + text_of(b - a) + " " +
+           std::string(unit.name);
+}
+
+void drop_channel(std::vector<Plot> &plots, Plot &plot, const DraggedChannel &dragged,
+                  bool copies) {
+    if (dragged.plot == plot.id) {
+        return;
+    }
+    std::vector<std::size_t> &channels = plot.settings.channels;
+    if (std::ranges::find(channels, dragged.channel) == channels.end()) {
+        channels.push_back(dragged.channel);
+    }
+    const auto source = std::ranges::find(plots, dragged.plot, &Plot::id);
+    if (!copies && source != plots.end()) {
+        std::erase(source->settings.channels, dragged.channel);
+    }
+}
 
 bool draw_plot_menu(Plot &plot) {
     const ui::Scope scope("menu");
@@ -136,50 +278,38 @@ bool draw_plot_menu(Plot &plot) {
     ImGui::SameLine();
     const bool closes = ui::button("close##close");
     ui::explain("removes this plot");
-    draw_channel_list(plot);
+    std::vector<std::size_t> &shown = plot.settings.channels;
+    draw_channel_list(
+        plot.searched, 12.0F,
+        [&](std::size_t channel) { return std::ranges::find(shown, channel) != shown.end(); },
+        [&](std::size_t channel) { toggle(shown, channel); });
     return !closes;
 }
 
-float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &source, float width) {
-    const bool has_values = state.view.shows_cursors && plot.settings.kind == PlotKind::time;
-    std::optional<std::size_t> removed;
+float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &source, ImVec2 room) {
+    const std::vector<LegendEntry> entries = legend_entries(plot, state, source, room.x);
+    std::vector<float> widths;
+    std::ranges::transform(entries, std::back_inserter(widths), &LegendEntry::width);
+    const LegendLayout layout = legend_layout(
+        widths, {room, ImGui::GetTextLineHeightWithSpacing(), text_width(kWidestHiddenText)});
     const ImVec2 begin = ImGui::GetCursorScreenPos();
-    const float row = ImGui::GetTextLineHeightWithSpacing();
-    ImVec2 at = begin;
-    for (const std::size_t channel : plot.settings.channels) {
-        const ChannelLook &look = look_of(channel);
-        std::string text = role_of(plot.settings, channel) + look.label;
-        std::string values;
-        if (has_values) {
-            values = values_under_cursors(channel, state, source, plot.settings.in_si);
-        }
-        const float swatch = 3.0F * ImGui::GetFontSize();
-        if (text_width(text + values) + swatch < width) { // otherwise in the tooltip only
-            text += values;
-        }
-        const float needed = text_width(text) + swatch;
-        if (at.x > begin.x && at.x + needed > begin.x + width) {
-            at = {begin.x, at.y + row};
-        }
-        ImGui::SetCursorScreenPos(at);
-        at.x += needed;
-        draw_swatch(look.stroke);
-        ImGui::SameLine(0.0F, 0.3F * ImGui::GetFontSize());
-        ImGui::PushID(static_cast<int>(channel));
-        if (ImGui::Selectable(text.c_str(), false, 0, {text_width(text), 0.0F})) {
+    std::optional<std::size_t> removed;
+    for (std::size_t i = 0; i < layout.places.size(); ++i) {
+        ImGui::SetCursorScreenPos({begin.x + layout.places[i].x, begin.y + layout.places[i].y});
+        const std::size_t channel = plot.settings.channels[i];
+        if (draw_legend_entry(plot, channel, entries[i], room.x)) {
             removed = channel;
         }
-        ui::enter(session::channels()[channel].name, "legend", text);
-        offer_channel(channel);
-        const session::Channel &known = session::channels()[channel];
-        ui::explain(known.name + values + "\na click removes it, a drag takes it to another plot" +
-                    (known.about.empty() ? "" : "\n" + known.about));
-        ImGui::PopID();
+    }
+    if (layout.hidden > 0) {
+        ImGui::SetCursorScreenPos({begin.x + layout.more.x, begin.y + layout.more.y});
+        ui::text(kFaintInk, "{}", hidden_text(layout));
+        ui::explain(names_text(entries));
     }
     if (removed) {
         std::erase(plot.settings.channels, *removed);
     }
-    return at.y + row - begin.y;
+    return layout.height;
 }
 
 void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live) {
@@ -189,18 +319,8 @@ void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live) 
     ImGui::SetNextItemWidth(9.0F * font);
     ui::choice("event##source", typed.source, kTriggerSourceLabels);
     if (typed.source == TriggerSource::level) {
-        const session::Channel &channel = session::channels()[typed.channel];
         ImGui::SetNextItemWidth(12.0F * font);
-        if (const ui::DropDown list("##channel", channel.name.c_str()); list) {
-            for (const Plot &plot : state.plots) {
-                for (const std::size_t shown : plot.settings.channels) {
-                    if (ui::selectable(session::channels()[shown].name.c_str(),
-                                       shown == typed.channel)) {
-                        typed.channel = shown;
-                    }
-                }
-            }
-        }
+        draw_trigger_channel(typed.channel, state.trigger.searched);
         ImGui::SameLine();
         ImGui::SetNextItemWidth(8.0F * font);
         ui::choice("##edge", typed.edge, kTriggerEdgeLabels);

@@ -1,7 +1,10 @@
 // The mouse on a plot: the wheel and drags zoom and pan, the pointer reads values.
+#include "app/plots/plot_mouse.h"
+
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
 #include "app/widgets/widgets.h"
+#include "base/degrees.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
@@ -36,7 +39,9 @@ void zoom_by_wheel(Plot &plot, PlotPanelState &state, const PlotSource &source,
     }
     const double factor = std::pow(0.8, io.MouseWheel);
     const PlotArea &area = plot.area;
-    if (io.KeyCtrl) {
+    if (plot.settings.kind == PlotKind::polar) {
+        plot.settings.y = area.y.zoomed(0.5, factor); // about its middle, the radius 0
+    } else if (io.KeyCtrl) {
         const double share = area.y.share(area.y_at(io.MousePos.y));
         plot.settings.y = area.y.zoomed(share, factor);
     } else {
@@ -104,14 +109,14 @@ std::optional<std::size_t> cursor_under_mouse(const Plot &plot, const PlotPanelS
 std::string values_text(const Plot &plot, const PlotSource &source) {
     const double time_s = plot.area.x_at(ImGui::GetIO().MousePos.x) + source.zero_s;
     const record::ChannelStore &store = source.store;
-    const std::uint64_t row = store.row_at(time_s);
-    if (row == store.end()) {
+    const std::optional<std::uint64_t> row = row_shown_at(store, time_s);
+    if (!row) {
         return "";
     }
-    std::string text = fmt::format("{:.4f} s", store.time_s(row));
+    std::string text = fmt::format("{:.4f} s", store.time_s(*row));
     for (const std::size_t channel : plot.settings.channels) {
         const ShownUnit unit = shown_unit(channel, plot.settings.in_si);
-        const double value = store.value(channel, row) * unit.per_si;
+        const double value = store.value(channel, *row) * unit.per_si;
         text += std::isnan(value)
                     ? fmt::format("\n{}: –", look_of(channel).label)
                     : fmt::format("\n{}: {:.4g} {}", look_of(channel).label, value, unit.name);
@@ -137,6 +142,7 @@ void read_values(const Plot &plot, const PlotPanelState &state, const PlotSource
         text = state.stiffness.values_at(plot.area.x_at(mouse.x));
         break;
     case PlotKind::polar:
+        text = polar_text(plot.area, mouse, plot.settings);
         break;
     default:
         text = fmt::format("{:.4g}, {:.4g}", plot.area.x_at(mouse.x), plot.area.y_at(mouse.y));
@@ -147,6 +153,13 @@ void read_values(const Plot &plot, const PlotPanelState &state, const PlotSource
 }
 
 } // namespace
+
+std::string polar_text(const PlotArea &area, ImVec2 place, const PlotSettings &settings) {
+    const double x = area.x_at(place.x);
+    const double y = area.y_at(place.y);
+    return fmt::format("{:.1f}°, {:.4g} {}", kDegreesPerRadian * std::atan2(y, x), std::hypot(x, y),
+                       unit_title(without_first(settings)));
+}
 
 void use_mouse_on_plot(Plot &plot, PlotPanelState &state, const PlotSource &source,
                        const record::ChannelStore &live) {
@@ -159,7 +172,7 @@ void use_mouse_on_plot(Plot &plot, PlotPanelState &state, const PlotSource &sour
         state.view.go_live();
         return;
     }
-    if (is_hovered && has_axes) {
+    if (is_hovered) {
         zoom_by_wheel(plot, state, source, live);
         read_values(plot, state, source);
     }

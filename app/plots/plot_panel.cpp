@@ -1,6 +1,7 @@
 #include "app/plots/plot_panel.h"
 
 #include "app/plots/channel_look.h"
+#include "app/plots/plot_menu.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <initializer_list>
 #include <string_view>
 
@@ -250,16 +252,14 @@ void report_plot(const Plot &plot, const PlotPanelState &state) {
 }
 
 /// Accepts a channel that is dragged here from a list or another plot.
-void accept_channel(Plot &plot) {
+void accept_channel(Plot &plot, PlotPanelState &state) {
     if (!ImGui::BeginDragDropTarget()) {
         return;
     }
     if (const ImGuiPayload *payload = ImGui::AcceptDragDropPayload(kChannelPayload)) {
-        const std::size_t channel = *static_cast<const std::size_t *>(payload->Data);
-        std::vector<std::size_t> &channels = plot.settings.channels;
-        if (std::ranges::find(channels, channel) == channels.end()) {
-            channels.push_back(channel);
-        }
+        DraggedChannel dragged;
+        std::memcpy(&dragged, payload->Data, sizeof dragged); // which may not be aligned
+        drop_channel(state.plots, plot, dragged, ImGui::GetIO().KeyCtrl);
     }
     ImGui::EndDragDropTarget();
 }
@@ -268,6 +268,9 @@ void accept_channel(Plot &plot) {
 bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
               const record::ChannelStore &live, const Rectangle &where, float scale) {
     const ui::Scope scope(fmt::format("plot {}", plot.id));
+    // Whatever the plot has no room for must not cover its neighbours.
+    ImGui::PushClipRect(where.corner,
+                        {where.corner.x + where.size.x, where.corner.y + where.size.y}, true);
     float head = ImGui::GetFrameHeight();
     ImGui::SetCursorScreenPos(where.corner);
     if (ui::small_button("≡##menu")) {
@@ -291,18 +294,20 @@ bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
                     "tuning;\nthe device in the scene is not disturbed");
     } else {
         const float used = ImGui::GetCursorScreenPos().x - where.corner.x;
-        head = std::max(head, draw_legend(plot, state, source, where.size.x - used));
+        const ImVec2 room{where.size.x - used, kLegendShare * where.size.y};
+        head = std::max(head, draw_legend(plot, state, source, room));
     }
+    head = std::min(head, where.size.y - 1.0F);
     const Rectangle contents{{where.corner.x, where.corner.y + head},
                              {where.size.x, where.size.y - head}};
     ScreenCanvas canvas(*ImGui::GetWindowDrawList(), scale);
     plot.area = draw_contents(canvas, contents, plot, state, source);
     ImGui::SetCursorScreenPos(contents.corner);
-    ImGui::InvisibleButton("##area",
-                           {std::max(1.0F, contents.size.x), std::max(1.0F, contents.size.y)});
+    ImGui::InvisibleButton("##area", contents.size);
     report_plot(plot, state);
-    accept_channel(plot);
+    accept_channel(plot, state);
     use_mouse_on_plot(plot, state, source, live);
+    ImGui::PopClipRect();
     return stays;
 }
 
@@ -389,8 +394,8 @@ std::vector<Rectangle> plot_places(const Rectangle &where, const std::vector<Plo
         const std::size_t row = first / columns;
         for (std::size_t i = first; i < last; ++i) {
             const float width = where.size.x * weight_of(plots[i]) / weights;
-            places.push_back(
-                {{left, where.corner.y + height * static_cast<float>(row)}, {width - gap, height}});
+            places.push_back({{left, where.corner.y + height * static_cast<float>(row)},
+                              {std::max(1.0F, width - gap), std::max(1.0F, height - 0.5F * gap)}});
             left += width;
         }
     }

@@ -83,11 +83,7 @@ void use_mouse_on_plot(Plot &plot, PlotPanelState &state, const PlotSource &sour
 /// The menu of the trigger.
 void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live);
 
-/// The channels of a plot by colour and name; a click removes one, a drag takes it to another plot.
-/// In as many rows as the width needs. @return their height
-float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &source, float width);
-
-/// Payload of ImGui's drag and drop: a channel's number.
+/// Payload of ImGui's drag and drop: a DraggedChannel, see plot_menu.h.
 inline constexpr const char *kChannelPayload = "channel";
 
 /// Each writes to a new file in the folder where the program was started, and says so in `message`.

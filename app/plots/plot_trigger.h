@@ -43,6 +43,8 @@ public:
     /// For display: "armed", "collecting", "stopped at the event".
     [[nodiscard]] const char *state_text() const;
 
+    std::string searched; ///< in the menu's list of channels
+
 private:
     [[nodiscard]] bool fires(const record::ChannelStore &live, std::uint64_t row);
 

@@ -20,7 +20,7 @@ void PlotView::hold(const record::ChannelStore &live) {
 
 void PlotView::show_event(const record::ChannelStore &live, const signals::TimeWindow &window) {
     held_ = std::make_shared<const record::ChannelStore>(live); // with the event
-    set_span(window.to_s - window.from_s);
+    zoom_to_span(window.to_s - window.from_s);
     end_s_ = reference_end_s_ = window.to_s;
     held_by_hand_ = false;
 }
@@ -29,7 +29,7 @@ void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow 
     hold(live);
     const signals::TimeWindow before = window(live);
     const double length_s = wanted.to_s - wanted.from_s;
-    set_span(length_s);
+    zoom_to_span(length_s);
     end_s_ = wanted.to_s;
     if (span_s_ != length_s) {
         // At the end of zooming: the time at which both windows agree stays where it is.
@@ -42,6 +42,11 @@ void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow 
 }
 
 void PlotView::set_span(double span_s) {
+    zoom_to_span(span_s);
+    chosen_span_s_ = span_s_;
+}
+
+void PlotView::zoom_to_span(double span_s) {
     span_s_ = std::clamp(span_s, kLeastSpan_s, kGreatestSpan_s);
 }
 

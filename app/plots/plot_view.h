@@ -31,9 +31,11 @@ public:
     /// of the view.
     [[nodiscard]] std::shared_ptr<const record::ChannelStore> held() const { return held_; }
 
+    /// Follows again, with the span from before the view was zoomed.
     void go_live() {
         held_.reset();
         held_by_hand_ = false;
+        span_s_ = chosen_span_s_;
     }
     /// Stops the view where it is.
     void hold(const record::ChannelStore &live);
@@ -45,7 +47,7 @@ public:
     [[nodiscard]] double reference_end_s(const record::ChannelStore &live) const {
         return is_live() ? window(live).to_s : reference_end_s_;
     }
-    /// Changes the span, with the same end.
+    /// Chooses the span, with the same end.
     void set_span(double span_s);
 
     bool shows_cursors = false;
@@ -55,7 +57,10 @@ public:
     void place_cursors(const record::ChannelStore &live);
 
 private:
-    double span_s_ = 5.0;
+    void zoom_to_span(double span_s);
+
+    double chosen_span_s_ = 5.0;
+    double span_s_ = 5.0; ///< as chosen, unless zoomed or that of an event
     bool held_by_hand_ = false;
     double end_s_ = 0.0; ///< of a held view
     double reference_end_s_ = 0.0;

@@ -19,9 +19,10 @@ constexpr double kFirst_Hz = 1.0;
 constexpr int kPredicted = 160;
 constexpr int kMeasured = 25;
 
-const Stroke kAnalytic{{0.62F, 0.65F, 0.69F, 1.0F}, 1.4F, Dash::dashed};
-const Stroke kSampled{{0.36F, 0.73F, 0.95F, 1.0F}, 1.8F};
-const ImVec4 kMeasuredInk{1.0F, 0.86F, 0.16F, 1.0F};
+// Greys: no channel is shown, whose colour they could have.
+const Stroke kAnalytic{kFaintInk, 1.4F, Dash::dashed};
+const Stroke kSampled{{0.74F, 0.77F, 0.81F, 1.0F}, 1.8F};
+const ImVec4 kMeasuredInk = kInk;
 
 /// The sweep goes up to a quarter of the servo rate, as that of the command `stiffness`.
 double last_Hz(const loops::SpringDrive &drive) { return 0.25 / drive.period_s; }
@@ -112,7 +113,6 @@ PlotArea StiffnessCurves::draw(Canvas &canvas, const Rectangle &where,
     for (const loops::StiffnessPoint &point : measured_) {
         canvas.dot(area.place(point.frequency_hz, std::abs(point.measured_Nm_per_rad)), 3.0F, ink);
     }
-    canvas.unclip();
     const float height = text_height();
     ImVec2 at{area.where.corner.x + 0.5F * height, area.where.corner.y + 0.2F * height};
     const auto legend = [&](const ImVec4 &colour, std::string_view text) {
@@ -124,6 +124,7 @@ PlotArea StiffnessCurves::draw(Canvas &canvas, const Rectangle &where,
     if (!measured_.empty()) {
         legend(ink, is_of_now() ? "• measured" : "• measured, with the tuning before");
     }
+    canvas.unclip();
     return area;
 }
 

@@ -1,17 +1,20 @@
 // Covers app/plots/plot.cpp, drawn into pictures.
 #include "app/plots/plot.h"
 
+#include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
 #include "tests/support/channel_stores.h"
 #include "tests/support/imgui_frame.h"
 #include "tests/support/xml_check.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -308,6 +311,206 @@ TEST_F(PlotTest, AHistogramCountsTheTicksOfTheWindow) {
     EXPECT_NEAR(plot.area.y_at(highest.y), 900.0, 10.0);
     EXPECT_LE(plot.area.x.from, 1000.0); // µs
     EXPECT_GE(plot.area.x.to, 1200.0);
+}
+
+// --- what is visible of zoomed plots ---
+
+TEST_F(PlotTest, ASpectrumZoomedToTheRightIsFittedToWhatIsThere) {
+    MadeUpStore made;
+    for (int row = 0; row < 8192; ++row) {
+        made["force_N"] = 10.0 * std::sin(2.0 * std::numbers::pi * 31.25e-3 * row) +
+                          0.02 * std::sin(2.0 * std::numbers::pi * 250e-3 * row);
+        made.add();
+    }
+    PlotSettings settings = plot_of(PlotKind::spectrum, {"force_N"});
+    EXPECT_EQ(drawn(settings, made, {0.0, 9.0}).area.y.to, 10.0);
+    settings.x = Axis{200.0, 300.0, true};
+    EXPECT_EQ(drawn(settings, made, {0.0, 9.0}).area.y.to, 0.02);
+    settings.y = Axis{1e-3, 1.0, true};
+    EXPECT_EQ(drawn(settings, made, {0.0, 9.0}).area.y, *settings.y);
+    // Beyond all values, and between two bins.
+    settings.y.reset();
+    for (const Axis &x : {Axis{1e4, 1e5, true}, Axis{250.1, 250.2, true}}) {
+        settings.x = x;
+        const Axis y = drawn(settings, made, {0.0, 9.0}).area.y;
+        EXPECT_GT(y.from, 0.0);
+        EXPECT_GT(y.to, y.from);
+    }
+    EXPECT_LT(drawn(settings, made, {0.0, 9.0}).area.y.to, 0.1);
+}
+
+TEST_F(PlotTest, AnXyPlotZoomedToTheRightIsFittedToWhatIsThere) {
+    MadeUpStore made;
+    for (int row = 0; row < 1000; ++row) {
+        made["force_outward_N"] = 0.01 * row;                // 0 to 10 N
+        made["force_up_N"] = row < 500 ? 0.01 * row : 100.0; // to 5 N, then far above
+        made.add();
+    }
+    PlotSettings settings = plot_of(PlotKind::xy, {"force_outward_N", "force_up_N"});
+    EXPECT_GE(drawn(settings, made, {0.0, 1.0}).area.y.to, 100.0);
+    settings.x = Axis{1.0, 4.0};
+    const Axis fitted = drawn(settings, made, {0.0, 1.0}).area.y;
+    EXPECT_LE(fitted.from, 1.0);
+    EXPECT_GE(fitted.to, 4.0);
+    EXPECT_LE(fitted.to, 5.0);
+    // Between two ticks: their values.
+    settings.x = Axis{3.0001, 3.0002};
+    const Axis between = drawn(settings, made, {0.0, 1.0}).area.y;
+    EXPECT_LE(between.from, 3.0);
+    EXPECT_GE(between.to, 3.01);
+    EXPECT_LE(between.to, 6.0);
+}
+
+TEST_F(PlotTest, AHistogramZoomedToTheRightIsFittedToWhatIsThere) {
+    MadeUpStore made;
+    for (int row = 0; row < 10'000; ++row) {
+        made["period_s"] = row % 20 == 0 ? 1.2e-3 : 1e-3;
+        made.add();
+    }
+    PlotSettings settings = plot_of(PlotKind::histogram, {"period_s"});
+    EXPECT_EQ(drawn(settings, made, {0.0, 9.9995}).area.y.to, 10'000.0);
+    settings.x = Axis{1100.0, 1300.0}; // µs
+    EXPECT_EQ(drawn(settings, made, {0.0, 9.9995}).area.y.to, 500.0);
+}
+
+TEST_F(PlotTest, APolarPlotShowsTheRangeThatItIsZoomedTo) {
+    MadeUpStore made;
+    made["normal_direction_rad"] = 0.5;
+    made["force_N"] = 3.0;
+    made.add(100);
+    PlotSettings settings = plot_of(PlotKind::polar, {"normal_direction_rad", "force_N"});
+    const Axis chosen = drawn(settings, made, {0.0, 1.0}).area.y;
+    EXPECT_GE(chosen.to, 3.0);
+    EXPECT_DOUBLE_EQ(chosen.from, -chosen.to);
+    settings.y = Axis{-0.7, 0.7};
+    const PlotArea zoomed = drawn(settings, made, {0.0, 1.0}).area;
+    EXPECT_EQ(zoomed.y, *settings.y);
+    EXPECT_EQ(zoomed.x, *settings.y);
+    EXPECT_EQ(zoomed.where.size.x, zoomed.where.size.y);
+}
+
+// --- looks that need no dashes ---
+
+/// What is drawn in the colour of a channel, apart from its colour: widths of lines, their dashes,
+/// and their numbers of points.
+std::set<std::string> looks(const std::vector<LineCanvas::Line> &lines, std::size_t of) {
+    const ImVec4 &wanted = look_of(of).stroke.colour;
+    std::set<std::string> found;
+    for (const auto &[points, stroke] : lines) {
+        const ImVec4 &colour = stroke.colour;
+        if (colour.x == wanted.x && colour.y == wanted.y && colour.z == wanted.z) {
+            found.insert(fmt::format("{:.1f} {} {}", stroke.width, static_cast<int>(stroke.dash),
+                                     std::min<std::size_t>(points.size(), 6)));
+        }
+    }
+    return found;
+}
+
+TEST_F(PlotTest, AnXyPlotTellsIdealFromMeasuredAsItsLegendDoes) {
+    MadeUpStore made;
+    for (int row = 0; row < 1000; ++row) {
+        made["normal_direction_rad"] = std::sin(0.01 * row);
+        made["transpose_error_rad"] = made["transpose_measured_rad"] = std::cos(0.02 * row);
+        made.add();
+    }
+    std::vector<std::set<std::string>> in_plot;
+    std::vector<std::set<std::string>> in_legend;
+    for (const std::string_view name : {"transpose_error_rad", "transpose_measured_rad"}) {
+        const PlotSettings settings = plot_of(PlotKind::xy, {"normal_direction_rad", name});
+        LineCanvas plot;
+        PlotCache cache;
+        static_cast<void>(
+            draw_plot(plot, kPlace, settings, {made.store(), 1000.0, {0.0, 1.0}, 0.0}, cache));
+        in_plot.push_back(looks(plot.lines, channel(name)));
+        LineCanvas legend;
+        draw_sample(legend, {{0.0F, 0.0F}, 30.0F}, look_of(channel(name)).stroke, PlotKind::xy);
+        in_legend.push_back(looks(legend.lines, channel(name)));
+    }
+    EXPECT_NE(in_plot[0], in_plot[1]);
+    EXPECT_NE(in_legend[0], in_legend[1]);
+    // Crosses: lines of two points.
+    EXPECT_TRUE(in_plot[0].contains("1.0 0 2"));
+    EXPECT_TRUE(in_legend[0].contains("1.0 0 2"));
+    EXPECT_FALSE(in_plot[1].contains("1.0 0 2"));
+    EXPECT_FALSE(in_legend[1].contains("1.0 0 2"));
+}
+
+TEST_F(PlotTest, MarksOfALongCurveAreFew) {
+    MadeUpStore made;
+    for (int row = 0; row < 20'000; ++row) {
+        made["normal_direction_rad"] = std::sin(1.7 * row);
+        made["transpose_error_rad"] = std::cos(2.9 * row);
+        made.add();
+    }
+    LineCanvas canvas;
+    PlotCache cache;
+    static_cast<void>(draw_plot(
+        canvas, kPlace, plot_of(PlotKind::xy, {"normal_direction_rad", "transpose_error_rad"}),
+        {made.store(), 1000.0, {0.0, 20.0}, 0.0}, cache));
+    EXPECT_LT(canvas.lines.size(), 2000U);
+}
+
+TEST_F(PlotTest, AnXyPlotOfAllChannelsHasABoundedNumberOfPoints) {
+    MadeUpStore made;
+    for (int row = 0; row < 6000; ++row) {
+        make_waves(made, row);
+        made.add();
+    }
+    for (const PlotKind kind : {PlotKind::xy, PlotKind::polar}) {
+        PlotSettings settings;
+        settings.kind = kind;
+        for (std::size_t i = 0; i < session::channels().size(); ++i) {
+            settings.channels.push_back(i);
+        }
+        LineCanvas canvas;
+        PlotCache cache;
+        static_cast<void>(
+            draw_plot(canvas, kPlace, settings, {made.store(), 1000.0, {0.0, 6.0}, 0.0}, cache));
+        std::size_t points = 0;
+        for (const LineCanvas::Line &line : canvas.lines) {
+            points += line.points.size();
+        }
+        EXPECT_LT(points, 120'000U); // marks of five points included
+    }
+}
+
+// --- room ---
+
+TEST_F(PlotTest, AxesKeepToTheirPlaceHoweverSmallItIs) {
+    for (int i = 0; i < 25; ++i) {
+        for (int j = 0; j < 25; ++j) {
+            const auto width = static_cast<float>(std::pow(1.3, i));
+            const auto height = static_cast<float>(std::pow(1.3, j));
+            const Rectangle place{{100.0F, 50.0F}, {width, height}};
+            LineCanvas canvas;
+            const PlotArea area = draw_axes(canvas, place, {-1e-4, 1e-4}, {0.0, 1e6}, "s", "N");
+            EXPECT_GE(area.where.corner.x, place.corner.x);
+            EXPECT_GE(area.where.corner.y, place.corner.y);
+            EXPECT_GE(area.where.size.x, 1.0F);
+            EXPECT_GE(area.where.size.y, 1.0F);
+            EXPECT_LE(area.where.corner.x + area.where.size.x, place.corner.x + width + 0.01F);
+            EXPECT_LE(area.where.corner.y + area.where.size.y, place.corner.y + height + 0.01F);
+            for (const LineCanvas::Line &line : canvas.lines) {
+                for (const ImVec2 &point : line.points) {
+                    EXPECT_LE(point.x, place.corner.x + width + 0.01F);
+                    EXPECT_LE(point.y, place.corner.y + height + 0.01F);
+                }
+            }
+        }
+    }
+}
+
+// --- rows ---
+
+TEST(RowShownAt, IsNoneBeforeTheOldestAndAfterTheNewest) {
+    EXPECT_FALSE(row_shown_at(MadeUpStore().store(), 0.0));
+    MadeUpStore made;
+    made.add(100);
+    EXPECT_FALSE(row_shown_at(made.store(), -1e-6));
+    EXPECT_EQ(row_shown_at(made.store(), 0.0), 0U);
+    EXPECT_EQ(row_shown_at(made.store(), 0.0405), 41U);
+    EXPECT_EQ(row_shown_at(made.store(), 0.099), 99U);
+    EXPECT_FALSE(row_shown_at(made.store(), 0.0991));
 }
 
 } // namespace

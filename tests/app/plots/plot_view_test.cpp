@@ -174,5 +174,25 @@ TEST(PlotView, CursorsBeginWithinTheViewAndStayAtTheirTimes) {
     EXPECT_NEAR(view.cursor_s[0], 8.0, 1e-9);
 }
 
+TEST(PlotView, FollowsAgainWithTheSpanFromBeforeItWasZoomed) {
+    MadeUpStore made;
+    made.add_until(10.0);
+    PlotView view;
+    view.set_span(2.0);
+    view.show(made.store(), {4.0, 4.1});
+    view.show(made.store(), {4.02, 4.03});
+    EXPECT_NEAR(view.span_s(), 0.01, 1e-12);
+    view.go_live();
+    EXPECT_EQ(view.span_s(), 2.0);
+    view.show(made.store(), {4.0, 4.1});
+    view.set_span(0.5); // chosen while it was zoomed
+    view.go_live();
+    EXPECT_EQ(view.span_s(), 0.5);
+    view.show_event(made.store(), {1.0, 4.0});
+    EXPECT_DOUBLE_EQ(view.span_s(), 3.0);
+    view.go_live();
+    EXPECT_EQ(view.span_s(), 0.5);
+}
+
 } // namespace
 } // namespace springdrive::app

@@ -413,10 +413,9 @@ TEST(PlotsInTheWindow, ADragTakesAChannelToAnotherPlot) {
     const std::string before = first_plot(window).channels;
     window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.1);
     EXPECT_EQ(first_plot(window).channels, before + ", force_N");
+    EXPECT_EQ(plots_of(window.look()).at(1).channels, ""); // from where it was taken
     // Once more changes nothing, nor does a drag to where it is, which is no click either.
-    if (plots_of(window.look()).at(1).channels.empty()) {
-        toggle_channel(window, "plot 2", "force_N");
-    }
+    toggle_channel(window, "plot 2", "force_N");
     window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.1);
     EXPECT_EQ(first_plot(window).channels, before + ", force_N");
     window.person().drag(window.point_in("plot 1/force_N"), first_plot(window).point(0.5), 0.1);
@@ -424,6 +423,7 @@ TEST(PlotsInTheWindow, ADragTakesAChannelToAnotherPlot) {
     // From the list of a menu, too.
     window.click("plot 2/menu");
     window.click("plot 2/menu/search");
+    window.person().clear_field();
     window.person().type("tip_x_m");
     window.person().drag(window.point_in("plot 2/menu/tip_x_m"), first_plot(window).point(0.2),
                          0.1);
@@ -545,7 +545,7 @@ std::array<double, 3> numbers_of(const std::string &legend) {
 
 TEST(PlotsInTheWindow, CursorsShowTheValuesThereAndTheirDifference) {
     const std::filesystem::path folder = folder_with_touches("plots_cursors");
-    ShownWindow window(touching(folder), {}, folder); // wide enough for values in the legend
+    ShownWindow window(touching(folder), {1600, 720}, folder); // room for values in the legend
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
     let_pass(window, 0.3);
@@ -791,6 +791,38 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PlotSets,
                          ::testing::Values(WindowSize{640, 400, 1.0}, WindowSize{1280, 720, 1.0},
                                            WindowSize{2560, 1440, 2.0}),
                          [](const auto &size) { return std::to_string(size.param.width); });
+
+TEST(PlotsInTheWindow, ADragWithCtrlCopiesAChannel) {
+    ShownWindow window({}, kWindow);
+    window.wait_until_running();
+    const std::string before = first_plot(window).channels;
+    window.person().press_key("Control_L");
+    window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.3);
+    window.person().release_key("Control_L");
+    EXPECT_EQ(first_plot(window).channels, before + ", force_N");
+    EXPECT_EQ(plots_of(window.look()).at(1).channels, "force_N");
+}
+
+TEST(PlotsInTheWindow, TenPlotsFitASmallWindow) {
+    const std::filesystem::path folder = folder_with_touches("ten_plots");
+    ShownWindow window(touching(folder), {640, 400, 1.0}, folder);
+    window.wait_until_running();
+    window.choose("Plots/sets", "figure 6, live");
+    for (int i = 0; i < 8; ++i) {
+        window.choose("Plots/sets", "add a plot");
+    }
+    window.person().move_to(1.0F, 1.0F);
+    const Report report = window.look();
+    EXPECT_EQ(plots_of(report).size(), 10U);
+    testing::expect_side_by_side(report, "Plots", "ten");
+    for (const ShownPlot &plot : plots_of(report)) {
+        const nlohmann::json &item = report.item(plot.id);
+        EXPECT_LE(plot.left + plot.width,
+                  item.at("x").get<double>() + item.at("width").get<double>() + 1.0);
+        EXPECT_LE(plot.top + plot.height,
+                  item.at("y").get<double>() + item.at("height").get<double>() + 1.0);
+    }
+}
 
 } // namespace
 } // namespace springdrive::app
