@@ -177,10 +177,13 @@ PlantParts plant_parts(const device::DeviceDescription &description,
                        const SimulationOptions &options) {
     check_options(description, options);
     const DrawnDevice drawn = drawn_device(description, options.device_seed);
+    device::HandParameters hand = options.hand;
+    hand.mass_kg = options.dynamics == PlantDynamics::coupling ? 0.0 : hand.mass_kg;
     return {options.dynamics,
             options.effects,
             options.longest_step_s,
-            options.dynamics == PlantDynamics::coupling ? 0.0 : options.hand.mass_kg,
+            options.delay_periods,
+            hand,
             linkage_plant(description, options),
             true_motors(description, options, drawn),
             sensing(options, drawn),

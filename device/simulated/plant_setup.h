@@ -24,8 +24,9 @@ struct PlantParts {
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
     double longest_step_s = 0.0;
-    double hand_mass_kg = 0.0; ///< 0 if the dynamics have no masses
-    LinkagePlant linkage;      ///< with rotors, enabled effects and the load at the tip
+    double delay_periods = 0.0;
+    device::HandParameters hand; ///< without mass if the dynamics have none
+    LinkagePlant linkage;        ///< with rotors, enabled effects and the load at the tip
     /// True parameters: R differs from the data sheet by `resistance_share`, and as drawn; ripple
     /// and inductance as enabled.
     std::array<device::MotorParameters, 3> motor;

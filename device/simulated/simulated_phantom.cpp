@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::simulated {
 
@@ -24,8 +25,9 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
     : description_(simulated_description(description, options)), options_(options),
       parts_(plant_parts(description, options)), wanted_parts_(parts_),
+      delay_periods_(options.delay_periods),
       hand_target_(options.path ? options.path->points().back().position_m : start_tip_m),
-      follows_path_(options.path.has_value()),
+      path_(std::exchange(options_.path, {})), follows_path_(path_.has_value()),
       temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
@@ -47,7 +49,7 @@ void SimulatedPhantom::activate(const PlantParts &parts) noexcept {
     first_joint_ = parts_.linkage.planar ? 1 : 0;
     if (parts_.effects.structural_compliance) {
         free_tip_ =
-            FreeTip{description_.structure, description_.inertia.tip_load_kg + parts_.hand_mass_kg,
+            FreeTip{description_.structure, description_.inertia.tip_load_kg + parts_.hand.mass_kg,
                     truth_.tip_m, truth_.tip_velocity_m_per_s};
     } else if (free_tip_) {
         free_tip_.reset();
@@ -61,19 +63,23 @@ void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
     wanted.effects = options.effects;
     wanted.planar = options.planar;
     wanted.longest_step_s = options.longest_step_s;
+    wanted.delay_periods = options.delay_periods;
+    wanted.hand = options.hand;
     PlantParts parts = plant_parts(description_, wanted);
     parts.number = ++newest_parts_;
     wanted_parts_.publish(parts);
+    delay_periods_ = options.delay_periods;
+}
+
+void SimulatedPhantom::follow(HandPath path) {
+    hand_target_.publish(path.points().back().position_m);
+    path_ = std::move(path);
+    path_start_s_ = truth_.time_s;
+    follows_path_ = true;
 }
 
 void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
     const bool was_planar = parts_.linkage.planar;
-    if (wanted.effects.winding_heat != parts_.effects.winding_heat) {
-        temperature_ = wanted.temperature;
-        for (device::WindingTemperature &motor : temperature_) { // that of `wanted` may be outdated
-            motor.set_period(options_.servo_period_s);
-        }
-    }
     PlantParts parts = wanted;
     parts.linkage.planar = wanted.linkage.planar && was_planar;
     // Otherwise a stop that the linkage is already beyond would throw it back.
@@ -107,8 +113,8 @@ device::Measurement SimulatedPhantom::read() noexcept {
     }
     std::shift_right(pending_.begin(), pending_.end(), 1);
     pending_.front() = connected_ ? written_ : PlantCommand{device::DeviceCommand::braking(), {}};
-    const auto whole = static_cast<std::size_t>(options_.delay_periods);
-    const double fraction = options_.delay_periods - static_cast<double>(whole);
+    const auto whole = static_cast<std::size_t>(parts_.delay_periods);
+    const double fraction = parts_.delay_periods - static_cast<double>(whole);
     const double period_s = options_.servo_period_s;
     Vector3 impulse = Vector3::Zero();
     if (fraction > 0.0) {
@@ -244,14 +250,14 @@ void SimulatedPhantom::warm_windings() noexcept {
 void SimulatedPhantom::move_hand_target(double h) noexcept {
     const double middle_s = truth_.time_s + 0.5 * h;
     if (follows_path_) {
-        hand_ = options_.path->at(middle_s);
-        follows_path_ = middle_s <= options_.path->end_s();
+        hand_ = path_->at(middle_s - path_start_s_);
+        follows_path_ = middle_s - path_start_s_ <= path_->end_s();
     } else {
         // Critically damped, semi-implicit: stable for any h below 1/rate.
         const Vector3 gap = hand_target_.latest() - hand_.position_m;
         hand_.velocity_m_per_s +=
             h * kHandReachRate * (kHandReachRate * gap - 2.0 * hand_.velocity_m_per_s);
-        hand_.velocity_m_per_s = limited(hand_.velocity_m_per_s, options_.hand.max_speed_m_per_s);
+        hand_.velocity_m_per_s = limited(hand_.velocity_m_per_s, parts_.hand.max_speed_m_per_s);
         hand_.position_m += h * hand_.velocity_m_per_s;
     }
     pull_target_ = hand_;
@@ -330,7 +336,7 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
 /// The hand's spring acts with its stretch at the middle of the step, so h/2 times its stiffness
 /// adds to the damping; at its maximum force it has no stiffness.
 VelocityLoad SimulatedPhantom::hand_load(double h) const noexcept {
-    const device::HandParameters &hand = options_.hand;
+    const device::HandParameters &hand = parts_.hand;
     const Vector3 pull = hand.stiffness_N_per_m * (pull_target_.position_m - truth_.tip_m);
     const bool saturated = pull.norm() > hand.max_force_N;
     return {limited(pull, hand.max_force_N) + hand.damping_Ns_per_m * pull_target_.velocity_m_per_s,
@@ -401,7 +407,7 @@ Vector3 SimulatedPhantom::step(const PlantCommand &command, double h) noexcept {
     const Vector3 mean_velocity = (truth_.tip_m - tip_before_m) / h;
     const Vector3 acceleration = (truth_.tip_velocity_m_per_s - velocity_before) / h;
     return hand.force_N - hand.damping_Ns_per_m * mean_velocity -
-           parts_.hand_mass_kg * acceleration;
+           parts_.hand.mass_kg * acceleration;
 }
 
 } // namespace springdrive::simulated

@@ -57,7 +57,7 @@ public:
         return description_;
     }
     [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
-    [[nodiscard]] double delay_periods() const override { return options_.delay_periods; }
+    [[nodiscard]] double delay_periods() const override { return delay_periods_; }
     [[nodiscard]] device::Measurement read() noexcept override;
     void write(const device::DeviceCommand &command) noexcept override;
     [[nodiscard]] device::DeviceIdentity identity() const override { return simulated_identity(); }
@@ -71,6 +71,8 @@ public:
     }
     void play(const HandStimulus &stimulus) noexcept override { stimulus_.publish(stimulus); }
     void simulate_as(const SimulationOptions &options) override;
+    void follow(HandPath path) override;
+    [[nodiscard]] Vector3 hand_m() const override { return hand_.position_m; }
 
     /// For a current drive, instead of `write`: the currents for its windings. RT-safe.
     void write_current(const Vector3 &current_A) noexcept;
@@ -132,15 +134,18 @@ private:
     void note_linkage(const LinkageState &linkage) noexcept;
 
     device::DeviceDescription description_;
-    SimulationOptions options_;
+    SimulationOptions options_; ///< without path; read by other threads, too
     PlantParts parts_;
     LatestValue<PlantParts> wanted_parts_;
     std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`
+    double delay_periods_;            ///< of these, for the same thread
     std::optional<FreeTip> free_tip_; ///< with structural compliance
     Eigen::Index first_joint_ = 0;    ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
+    std::optional<HandPath> path_;
     bool follows_path_; ///< until its end
+    double path_start_s_ = 0.0;
     HandTarget hand_;
     LatestValue<HandStimulus> stimulus_;
     std::uint32_t stimulus_number_ = 0; ///< of the one that plays, or played last

@@ -23,13 +23,21 @@ public:
     /// time, any thread.
     virtual void play(const HandStimulus &stimulus) noexcept = 0;
 
-    /// From the next period on, uses the dynamics, effects, planar and longest_step_s of `options`;
-    /// all else is unchanged. Motors and linkage continue from their present state, so no encoder
-    /// jumps. A moving base joint is not locked: planar takes effect only if it was on before.
-    /// Stops that the linkage is beyond become active once it is back between them. One thread at a
-    /// time, any thread.
+    /// From the next period on, uses the dynamics, effects, planar, longest_step_s, delay_periods
+    /// and hand of `options`; all else is unchanged, and what the device reports of itself, too.
+    /// Motors and linkage continue from their present state, so no encoder jumps. A moving base
+    /// joint is not locked: planar takes effect only if it was on before. Stops that the linkage is
+    /// beyond become active once it is back between them. One thread at a time, any thread.
     /// @throw InputError for options that are out of range or incompatible
     virtual void simulate_as(const SimulationOptions &options) = 0;
+
+    // While no other thread uses the device:
+
+    /// The hand follows this path from now on: its time 0 is now.
+    virtual void follow(HandPath path) = 0;
+
+    /// Where the hand's spring pulls to now, without a test signal [m].
+    [[nodiscard]] virtual Vector3 hand_m() const = 0;
 };
 
 } // namespace springdrive::simulated

@@ -28,9 +28,9 @@ struct PlantEffects {
     bool viscous_friction = true;
     bool coulomb_friction = true;
     bool joint_limits = true;
-    bool amplifier_limits = true;       ///< supply voltage and peak current
-    bool winding_heat = true;           ///< R(T); if off, windings stay at 25 °C
-    bool commutation_ripple = true;     ///< R(θ)
+    bool amplifier_limits = true;   ///< supply voltage and peak current
+    bool winding_heat = true;       ///< R(T); if off, windings stay as they are, at first at 25 °C
+    bool commutation_ripple = true; ///< R(θ)
     bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
     // With a `device_seed` only:
     bool motor_tolerances = true; ///< of R and k_T, each motor its own

@@ -62,7 +62,7 @@ void ServoLoop::set_period(double period_s) {
     time_base_tick_ = last_tick;
     period_s_ = period_s;
     transfer_.set_period(period_s);
-    observers_.set_period(period_s);
+    observers_.set_timing(device_.delay_periods(), period_s);
     safety_.set_period(period_s);
 }
 

@@ -58,7 +58,8 @@ public:
     /// guard the loop by `run_guarded`; otherwise a failed assertion ends the program. RT-safe.
     void fail(const AssertionFailure &failure) noexcept;
 
-    /// Sets T of loop and device from the next tick on; keeps the state. Not on the servo's thread.
+    /// Sets T of loop and device from the next tick on, and takes over the device's delay; keeps
+    /// the state. Not on the servo's thread.
     /// @throw InputError for a period that the device does not support
     void set_period(double period_s);
 

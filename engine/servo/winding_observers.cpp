@@ -33,17 +33,23 @@ WindingObservers::WindingObservers(const device::DeviceDescription &device, doub
       // R̂ follows R less so many deviations, all of which may change at once
       max_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device) /
                           (1.0 + control::kHeldUpDeviations)),
-      whole_delay_(delay_periods <= static_cast<double>(kLongestDelay)
-                       ? static_cast<std::size_t>(delay_periods)
-                       : kHistory),
+      whole_delay_(whole_delay(delay_periods)),
       delay_fraction_(delay_periods - std::floor(delay_periods)),
       observer_{control::ResistanceObserver(device, 0, period_s),
                 control::ResistanceObserver(device, 1, period_s),
                 control::ResistanceObserver(device, 2, period_s)},
       motor_(device.motor), used_(control::motors_of_file(device.motor)) {}
 
-void WindingObservers::set_period(double period_s) noexcept {
+std::size_t WindingObservers::whole_delay(double delay_periods) noexcept {
+    return delay_periods <= static_cast<double>(kLongestDelay)
+               ? static_cast<std::size_t>(delay_periods)
+               : kHistory;
+}
+
+void WindingObservers::set_timing(double delay_periods, double period_s) noexcept {
     period_s_ = period_s;
+    whole_delay_ = whole_delay(delay_periods);
+    delay_fraction_ = delay_periods - std::floor(delay_periods);
     known_commands_ = 0; // delays were of another period
     has_previous_ = false;
     for (control::ResistanceObserver &observer : observer_) {

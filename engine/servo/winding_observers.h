@@ -20,7 +20,7 @@ public:
                      double period_s);
 
     /// Keeps the estimates. RT-safe.
-    void set_period(double period_s) noexcept;
+    void set_timing(double delay_periods, double period_s) noexcept;
 
     /// Once a tick, before its command: what was measured.
     /// @param theta_rad  angles of its counts
@@ -66,6 +66,7 @@ private:
     static constexpr std::size_t kLongestDelay = 8;
     static constexpr std::size_t kHistory = kLongestDelay + 2;
 
+    [[nodiscard]] static std::size_t whole_delay(double delay_periods) noexcept;
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
     void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
     void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;

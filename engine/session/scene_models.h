@@ -31,6 +31,13 @@ public:
     void set_ground(const ModelGround &ground);
     [[nodiscard]] const ModelGround &ground() const { return ground_; }
 
+    /// Effects that the user chose: of a plant that the options fix, too.
+    void set_effects(const simulated::PlantEffects &effects) {
+        if (wanted_.plant) {
+            wanted_.plant->effects = effects;
+        }
+    }
+
     /// From now on every scene gets its own model.
     void choose_automatically() { wanted_.automatic = true; }
     [[nodiscard]] bool is_automatic() const { return wanted_.automatic; }

@@ -72,7 +72,7 @@ void Session::start(const std::function<void()> &on_thread) {
 void Session::advance(double frame_s) {
     servo_->advance(frame_s);
     recording_->pump();
-    hand_.follow(latest().time_s);
+    hand_.advance(latest().time_s);
     scenes_->note_in_use(latest().scene_id);
     note_standstill();
     note_failed_assertion();
@@ -119,6 +119,8 @@ void Session::start_recording(const std::filesystem::path &file, Existing existi
     reported_failure_ = false; // noted in each record
 }
 
+void Session::note(std::string json) { recording_->note(json); }
+
 void Session::request_scene(const std::filesystem::path &file) {
     scenes_->request(file, models_->finish(servo_->inputs().tuning));
 }
@@ -145,11 +147,11 @@ void Session::show(const LoadedScene &before) {
     models_->note_shown(now);
     models_->apply_to(now, before.choice, simulation_.planar, simulation_, tuning);
     if (now.choice && device_->world() != nullptr) {
-        device_->world()->simulate_as(simulation_);
+        world().simulate_as(simulation_);
     }
     observe_as_wanted();
     servo_->touch(now.surface, scenes_->id(), tuning);
-    recording_->note(note_on_scene(scenes_->id(), now));
+    note(note_on_scene(scenes_->id(), now));
     if (next_device_) {
         prepare_again(); // to start above this scene, not the previous one
     }
@@ -171,17 +173,23 @@ void Session::set_servo_rate(double servo_hz) {
     const double period_s = servo::servo_period_s(servo_hz);
     if (next_device_) {
         next_device_->device.device().set_period(period_s);
+        next_device_->request.simulation.servo_period_s = period_s;
     }
     servo_->paused([&] {
         const std::uint64_t from_tick = servo_->set_rate(servo_hz);
-        recording_->note(nlohmann::json{{"servo_hz", servo_hz}, {"from_tick", from_tick}}.dump());
+        note(dump({{"servo_hz", servo_hz}, {"from_tick", from_tick}}));
     });
     if (servo_hz == before_hz) {
         return;
     }
     simulation_.servo_period_s = period_s;
+    measure_anew();
+}
+
+/// Of this device, after a change of rate or delay: what was measured of models holds no more.
+void Session::measure_anew() {
     const ModelGround &old = models_->ground();
-    models_->set_ground(ground(old.memory.device_text, old.device, servo_hz));
+    models_->set_ground(ground(old.memory.device_text, old.device, servo_->rate_hz()));
     choose_again();
 }
 

@@ -71,6 +71,26 @@ public:
     /// @throw InputError for a rate that servo or device do not support; it is then unchanged
     void set_servo_rate(double servo_hz);
 
+    // Of a simulated device, from now on; noted in the record.
+
+    /// @param delay_periods  d, see SimulationOptions
+    /// @throw InputError if it is out of range, or the device is none; nothing is then changed
+    void set_delay(double delay_periods);
+    /// @throw InputError for effects that the simulated dynamics exclude, or if the device is none;
+    ///        or the model chooses them (--model auto); nothing is then changed. Effects that
+    ///        change what the device reports of itself, its tolerances, take an exchange of the
+    ///        device.
+    void set_effects(const simulated::PlantEffects &effects);
+    /// @throw InputError if the hand is a real one, or its parameters are out of range
+    void set_hand(const device::HandParameters &hand);
+    /// The hand moves to the path's start, evenly, and then follows it.
+    /// @throw InputError if the hand is a real one, or cannot reach all of it
+    void follow_path(const simulated::HandPath &path);
+    /// The hand stops where it is on its path.
+    void leave_path();
+    /// The same with the scripted touch of the shown scene.
+    void follow_script();
+
     /// Opens the new device immediately. Then ramps down the force of the current one, closes it,
     /// and starts on the new one as usual, waiting for rest in free space. This takes about a
     /// second of `advance`, during which everything continues. A record continues in a new file.
@@ -99,7 +119,7 @@ public:
     [[nodiscard]] const device::DeviceDescription &description() const {
         return device_->device().description();
     }
-    /// The options of the simulated device, including the hand's path.
+    /// The options of the simulated device, including the hand's path from the start.
     [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
     [[nodiscard]] Remarks &remarks() { return remarks_; }
     [[nodiscard]] const Remarks &remarks() const { return remarks_; }
@@ -110,8 +130,14 @@ private:
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
     void show(const LoadedScene &before);
+    [[nodiscard]] simulated::SimulatedWorld &world();
+    void simulate_as(const simulated::SimulationOptions &simulation);
+    void start_again_with(const simulated::PlantEffects &effects);
+    void begin_path(const simulated::HandPath &path, const char *what);
     void observe_as_wanted();
     void choose_again();
+    void measure_anew();
+    void renew_exchange();
     void go_on_with_exchange();
     void prepare_again();
     void begin_on(Prepared next);
@@ -121,6 +147,7 @@ private:
                                      const device::DeviceDescription &device,
                                      double servo_hz) const;
     [[nodiscard]] record::RecordHeader header_of_record() const;
+    void note(std::string json);
 
     SessionOptions options_;
     std::unique_ptr<Scenes> scenes_; ///< declared before `servo_`, which uses their surfaces

@@ -13,13 +13,9 @@
 
 namespace springdrive::session {
 
-namespace {
-
 std::string dump(const nlohmann::json &json) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
-
-} // namespace
 
 std::string text_of_device(const std::filesystem::path &file) {
     static_cast<void>(device::read_device_file(file)); // throws if it is not a valid device file
@@ -40,7 +36,7 @@ ModelGround Session::ground(const std::string &device_text, const device::Device
     return {device,
             {device_text, options_.program_version},
             servo::servo_period_s(servo_hz),
-            options_.delay_periods};
+            device_ ? device_->device().delay_periods() : options_.delay_periods};
 }
 
 /// Opens a device for the shown scene: the tip starts above it, or at the start of the hand's path.
@@ -60,6 +56,7 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     simulation.delay_periods = options_.delay_periods;
     simulation.effects = options_.effects;
     simulation.device_seed = options_.device_seed;
+    simulation.hand = simulation_.hand;
     const std::optional<model_selection::ModelSelection> before =
         servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);
@@ -104,9 +101,9 @@ void Session::note_failed_assertion() {
     reported_failure_ = true;
     next_device_.reset(); // see `exchange_device`
     const servo::SafetyStatus &safety = latest().safety;
-    recording_->note(dump({{"assertion_failed", safety.failure.condition},
-                           {"file", safety.failure.file},
-                           {"line", safety.failure.line}}));
+    note(dump({{"assertion_failed", safety.failure.condition},
+               {"file", safety.failure.file},
+               {"line", safety.failure.line}}));
 }
 
 void Session::go_on_with_exchange() {
@@ -122,6 +119,7 @@ void Session::begin_on(Prepared next) {
     const std::filesystem::path part_before = recording_->file();
     recording_->end_part(dump({{"device", "exchanged"}, {"for", next.request.description.name}}));
     device_->close();
+    const double speed = servo_->speed();
     servo_->renew(next.device.device());
     *device_ = std::move(next.device);
     options_.device = next.choice;
@@ -145,6 +143,7 @@ void Session::begin_on(Prepared next) {
         for (const std::string &refused : servo_->start(on_thread_)) {
             remarks_.add(refused);
         }
+        servo_->set_speed(speed);
     }
     choose_again();
 }
@@ -154,7 +153,7 @@ void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
         const Vector3 theta = theta_rad.value_or(latest().theta_rad);
         device_->reconnect();
         device_->zero(theta);
-        recording_->note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
+        note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
     });
 }
 

@@ -30,6 +30,7 @@ void SimulatedHand::take_hold(simulated::SimulatedWorld *world,
     geometry_ = device.geometry;
     workspace_ = device.workspace;
     path_ = path;
+    path_began_s_ = 0.0;
     target_m_ = target_m;
 }
 
@@ -50,10 +51,15 @@ void SimulatedHand::play(simulated::HandStimulus stimulus) {
     }
 }
 
-void SimulatedHand::follow(double time_s) {
+void SimulatedHand::follow(const simulated::HandPath &path, double began_s) {
+    path_ = path;
+    path_began_s_ = began_s;
+}
+
+void SimulatedHand::advance(double time_s) {
     if (path_) {
-        target_m_ = path_->at(time_s).position_m;
-        if (time_s > path_->end_s()) {
+        target_m_ = path_->at(time_s - path_began_s_).position_m;
+        if (time_s - path_began_s_ > path_->end_s()) {
             path_.reset();
         }
     }

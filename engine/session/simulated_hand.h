@@ -24,9 +24,12 @@ public:
     void play(simulated::HandStimulus stimulus);
     [[nodiscard]] bool is_simulated() const { return world_ != nullptr; }
 
+    /// Notes that the device's hand follows this path, which began at this servo time.
+    void follow(const simulated::HandPath &path, double began_s);
+
     /// Sets the target to that of the path at this servo time, up to the path's end: from then on
     /// the hand holds still until it is moved.
-    void follow(double time_s);
+    void advance(double time_s);
 
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }
     [[nodiscard]] bool follows_path() const { return path_.has_value(); }
@@ -36,6 +39,7 @@ private:
     device::PhantomGeometry geometry_;
     device::Workspace workspace_;
     std::optional<simulated::HandPath> path_;
+    double path_began_s_ = 0.0;
     Vector3 target_m_{Vector3::Zero()};
     std::uint32_t stimuli_ = 0; ///< played so far
 };

@@ -179,5 +179,64 @@ TEST(PlantExchange, InvalidOptionsAreRejectedAndChangeNothing) {
     EXPECT_EQ(device.truth().tip_m, twin.truth().tip_m);
 }
 
+TEST(PlantExchange, ADelaySetWhileItRunsShiftsTheCommand) {
+    for (int delay = 0; delay <= 3; ++delay) {
+        SimulationOptions options = simulating(kPlantModels.back());
+        options.effects = PlantEffects::none();
+        options.delay_periods = 1.0;
+        SimulatedPhantom device(testing::phantom_1_0(), options, testing::kOffCentre_m);
+        run(device, 10);
+        options.delay_periods = delay;
+        device.simulate_as(options);
+        EXPECT_EQ(device.delay_periods(), delay);
+        run(device, 5);
+        device::DeviceCommand kick;
+        kick.e_W_V = Vector3(1.0, 0.0, 0.0);
+        int silent = 0;
+        while (device.advance(kick).current_A[0] < 1e-4 && silent < 10) {
+            ++silent;
+        }
+        EXPECT_EQ(silent, delay);
+    }
+}
+
+TEST(PlantExchange, AHandSetWhileItHoldsIsAsStiffAsIfItHadHeldFromTheStart) {
+    SimulationOptions options = simulating(kPlantModels.back());
+    options.effects = PlantEffects::none();
+    options.effects.gravity = true; // pulls the tip down by weight / stiffness
+    const auto sag_m = [&](double changed_to_N_per_m, bool while_it_runs) {
+        SimulationOptions before = options;
+        before.hand.stiffness_N_per_m = while_it_runs ? 100.0 : changed_to_N_per_m;
+        SimulatedPhantom device(testing::phantom_1_0(), before, testing::kOffCentre_m);
+        run(device, 1000);
+        before.hand.stiffness_N_per_m = changed_to_N_per_m;
+        device.simulate_as(before);
+        run(device, 6000);
+        return (device.truth().tip_m - testing::kOffCentre_m).norm();
+    };
+    for (const double stiffness_N_per_m : {200.0, 400.0, 800.0}) {
+        const double from_start_m = sag_m(stiffness_N_per_m, false);
+        EXPECT_GT(from_start_m, 1e-4);
+        EXPECT_NEAR(sag_m(stiffness_N_per_m, true), from_start_m, 1e-6);
+    }
+}
+
+TEST(PlantExchange, APathFollowedWhileItRunsBeginsThen) {
+    SimulatedPhantom device(testing::phantom_1_0(), simulating(kPlantModels.back()),
+                            testing::kOffCentre_m);
+    run(device, 300);
+    device.follow(HandPath({{0.0, testing::kOffCentre_m},
+                            {0.5, testing::kOffCentre_m + kSideways_m},
+                            {0.6, testing::kOffCentre_m + kSideways_m}}));
+    run(device, 250); // half of the way; a target is that of the middle of the last sub-step
+    const auto target_m = [&] { return Vector3(device.truth().hand_target_m); };
+    EXPECT_NEAR((target_m() - testing::kOffCentre_m).norm(), 0.5 * kSideways_m.norm(), 1e-5);
+    run(device, 1000);
+    EXPECT_NEAR((target_m() - testing::kOffCentre_m - kSideways_m).norm(), 0.0, 1e-12);
+    device.set_hand_target(testing::kOffCentre_m);
+    run(device, 1000);
+    EXPECT_NEAR((target_m() - testing::kOffCentre_m).norm(), 0.0, 1e-6);
+}
+
 } // namespace
 } // namespace springdrive::simulated

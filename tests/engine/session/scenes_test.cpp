@@ -86,19 +86,19 @@ TEST(SimulatedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
         (from_centre_m.cwiseAbs().array() <= 0.5 * device.workspace.size_m.array() + 1e-12).all());
     EXPECT_TRUE(device::can_reach(device, hand.target_m()));
     EXPECT_FALSE(hand.follows_path());
-    hand.follow(3.0);
+    hand.advance(3.0);
     EXPECT_EQ(hand.target_m() - device.workspace.centre_m, from_centre_m);
     const simulated::HandPath path({{0.0, Vector3::Zero()}, {1.0, Vector3(0.01, 0.0, 0.0)}});
     hand.take_hold(nullptr, device, path, Vector3::Zero());
     EXPECT_TRUE(hand.follows_path());
-    hand.follow(1.0);
+    hand.advance(1.0);
     EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
     EXPECT_TRUE(hand.follows_path());
-    hand.follow(1.001);
+    hand.advance(1.001);
     EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
     EXPECT_FALSE(hand.follows_path());
     hand.move_to(Vector3(0.0, 0.01, 0.0));
-    hand.follow(1.002);
+    hand.advance(1.002);
     EXPECT_EQ(hand.target_m(), Vector3(0.0, 0.01, 0.0));
 }
 

@@ -178,6 +178,31 @@ void trip_and_reset(Touch &touch) {
         touch, [&] { session.servo().lower_limits(weak); }, servo::TripCause::tip_force);
 }
 
+/// What reaches the simulated device by its mailboxes; delays and paths are set while it is paused.
+void change_the_plant(Touch &touch) {
+    Session &session = touch.session();
+    for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
+        for (int times = 0; times < 2; ++times) {
+            simulated::PlantEffects effects = session.simulation().effects;
+            effects.*effect.on = !(effects.*effect.on);
+            session.set_effects(effects);
+            touch.ticks(20);
+        }
+    }
+    for (const double stiffness_N_per_m : {30.0, 3000.0, 300.0}) {
+        device::HandParameters hand = session.simulation().hand;
+        hand.stiffness_N_per_m = stiffness_N_per_m;
+        session.set_hand(hand);
+        touch.ticks(50);
+    }
+    simulated::HandStimulus stimulus;
+    stimulus.kind = simulated::StimulusKind::chirp;
+    stimulus.amplitude_m = 0.001;
+    session.hand().play(stimulus);
+    touch.ticks(100);
+    touch.recover();
+}
+
 class RealTimeSession : public ::testing::Test {
 protected:
     void SetUp() override {
@@ -198,6 +223,7 @@ TEST_F(RealTimeSession, NoActionMakesTheServoAllocateLockOrCall) {
         turn_every_knob(touch);
         touch.session().recording().stop();
         touch.session().start_recording(folder / "safety.rec");
+        change_the_plant(touch);
         lower_and_raise_every_limit(touch);
         trip_and_reset(touch);
         touch.session().recording().stop();
