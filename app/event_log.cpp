@@ -70,6 +70,32 @@ void EventLog::watch_tuning(const session::TuningHistory &tuning) {
     }
 }
 
+/// Of a simulated device.
+void EventLog::watch_plant(const session::Session &session, double now_s) {
+    if (!session.hand().is_simulated()) {
+        plant_.reset();
+        return;
+    }
+    const simulated::SimulationOptions &now = session.simulation();
+    if (plant_ && plant_->delay_periods != now.delay_periods) {
+        add(now_s, Kind::note, fmt::format("delay of {:g} periods", now.delay_periods));
+    }
+    for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
+        if (plant_ && plant_->effects.*effect.on != now.effects.*effect.on) {
+            add(now_s, Kind::note,
+                fmt::format("{} {}", effect.name, now.effects.*effect.on ? "on" : "off"));
+        }
+    }
+    if (plant_ && plant_->hand_stiffness_N_per_m != now.hand.stiffness_N_per_m) {
+        add(now_s, Kind::note, fmt::format("hand of {:.0f} N/m", now.hand.stiffness_N_per_m));
+    }
+    plant_ = Plant{now.delay_periods, now.effects, now.hand.stiffness_N_per_m};
+    const bool follows = session.hand().follows_path();
+    if (std::exchange(follows_path_, follows) != follows) {
+        add(now_s, Kind::note, follows ? "the hand follows a path" : "the hand's path is over");
+    }
+}
+
 void EventLog::watch_rest(const session::Session &session, double now_s) {
     const std::uint32_t scene_id = session.scenes().id();
     if (std::exchange(scene_id_, scene_id) != scene_id) {
@@ -103,7 +129,9 @@ void EventLog::update(const session::Session &session, const session::TuningHist
     const auto before = static_cast<std::ptrdiff_t>(events_.size());
     watch_safety(session);
     watch_tuning(tuning);
-    watch_rest(session, store.is_empty() ? 0.0 : store.time_s(store.end() - 1));
+    const double now_s = store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+    watch_plant(session, now_s);
+    watch_rest(session, now_s);
     std::stable_sort(events_.begin() + std::min(before, std::ssize(events_)), events_.end(),
                      [](const Event &a, const Event &b) { return a.time_s < b.time_s; });
 }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 
 namespace springdrive::app {
@@ -33,6 +34,7 @@ private:
     void add(double time_s, Kind kind, std::string what);
     void watch_safety(const session::Session &session);
     void watch_tuning(const session::TuningHistory &tuning);
+    void watch_plant(const session::Session &session, double now_s);
     void watch_rest(const session::Session &session, double now_s);
 
     std::deque<Event> events_;
@@ -42,6 +44,13 @@ private:
     std::uint32_t scene_id_ = 0;
     double rate_hz_ = 0.0;
     std::string device_;
+    struct Plant {
+        double delay_periods = 0.0;
+        simulated::PlantEffects effects;
+        double hand_stiffness_N_per_m = 0.0;
+    };
+    std::optional<Plant> plant_; ///< of a simulated device
+    bool follows_path_ = false;
     std::size_t parts_ = 0; ///< of records
     bool recording_ = false;
     std::size_t remarks_ = 0;

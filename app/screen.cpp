@@ -74,7 +74,11 @@ void Screen::take_orders() {
         obey(key);
     }
     for (const std::filesystem::path &file : window_.take_dropped_files()) {
-        session_.request_scene(file);
+        if (file.extension() == ".csv") {
+            follow_path_file(session_, scene_panel_.hand, file);
+        } else {
+            session_.request_scene(file);
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 #include "app/panels/panels.h"
 #include "app/panels/tuning_consequences.h"
 #include "app/widgets/widgets.h"
+#include "base/complaint.h"
+#include "engine/lab/loops/hand_family.h"
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>
@@ -84,7 +86,72 @@ void edit(const char *label, double &value, double per_si, double minimum, doubl
     }
 }
 
+struct Grip {
+    const char *name;
+    double firmness; ///< see hand_of_firmness
+};
+
+constexpr std::array<Grip, 3> kGrips{
+    {{"light hand", 0.0}, {"relaxed hand", 0.5}, {"firm hand", 1.0}}};
+
+device::HandParameters hand_of(const device::HandParameters &before, const Grip &grip) {
+    const loops::Hand wanted = loops::hand_of_firmness(grip.firmness);
+    device::HandParameters hand = before;
+    hand.mass_kg = wanted.mass_kg;
+    hand.damping_Ns_per_m = wanted.damping_Ns_per_m;
+    hand.stiffness_N_per_m = wanted.stiffness_N_per_m;
+    return hand;
+}
+
+void draw_grip(session::Session &session, HandTabState &state) {
+    const device::HandParameters &now = session.simulation().hand;
+    const auto *const grip = std::ranges::find_if(kGrips, [&now](const Grip &some) {
+        return hand_of(now, some).stiffness_N_per_m == now.stiffness_N_per_m;
+    });
+    ImGui::SetNextItemWidth(8.6F * ImGui::GetFontSize());
+    {
+        const ui::DropDown list("##grip", grip != kGrips.end() ? grip->name : "other hand");
+        for (const Grip &some : kGrips) {
+            if (list && ui::selectable(some.name, &some == grip)) {
+                state.complaint = complaint_of([&] { session.set_hand(hand_of(now, some)); });
+            }
+        }
+    }
+    ui::explain(ui::formatted("the simulated hand: {:.0f} g, {:.1f} N·s/m, {:.0f} N/m, at most "
+                              "{:.0f} N",
+                              1e3 * now.mass_kg, now.damping_Ns_per_m, now.stiffness_N_per_m,
+                              now.max_force_N));
+}
+
+void draw_paths(session::Session &session, HandTabState &state) {
+    draw_grip(session, state);
+    ImGui::SameLine();
+    if (session.hand().follows_path()) {
+        if (ui::button("stop the path")) {
+            session.leave_path();
+        }
+        return;
+    }
+    if (ui::button("scripted touch")) {
+        state.complaint = complaint_of([&] { session.follow_script(); });
+    }
+    ui::explain(
+        "the hand moves above the scene, presses and strokes it as `springdrive touch` does");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1.0F);
+    if (ui::text_field("##path", "path: a CSV file t,x,y,z", state.path)) {
+        follow_path_file(session, state, state.path);
+    }
+}
+
 } // namespace
+
+void follow_path_file(session::Session &session, HandTabState &state,
+                      const std::filesystem::path &file) {
+    state.path = file.string();
+    state.complaint =
+        complaint_of([&] { session.follow_path(simulated::HandPath::read_csv(file)); });
+}
 
 StiffnessMeasured measured_stiffness(const record::ChannelStore &store, double from_s,
                                      double to_s) {
@@ -134,6 +201,7 @@ void draw_hand_tab(session::Session &session, HandTabState &state) {
         ui::wrapped(kFaintInk, "The hand is a real one.");
         return;
     }
+    draw_paths(session, state);
     simulated::HandStimulus &stimulus = state.stimulus;
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.6F * font);
@@ -159,6 +227,9 @@ void draw_hand_tab(session::Session &session, HandTabState &state) {
         edit("##to", stimulus.to_Hz, 1.0, 0.2, 100.0, "to %.1f Hz");
     }
     show_result(session, state);
+    if (!state.complaint.empty()) {
+        ui::wrapped(kDanger, "{}", state.complaint);
+    }
 }
 
 } // namespace springdrive::app

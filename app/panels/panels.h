@@ -82,16 +82,37 @@ struct HandTabState {
     double started_s = 0.0;
     double predicted_N_per_m = 0.0; ///< when it began
     std::optional<StiffnessMeasured> measured;
+    std::string path;      ///< file being typed
+    std::string complaint; ///< why a path cannot be followed
 };
 
-/// Within the scene panel: test signals of the simulated hand, and the stiffness that they meet.
+/// The simulated hand follows the path of a CSV file, `t,x,y,z`; what is wrong with it is shown in
+/// the tab.
+void follow_path_file(session::Session &session, HandTabState &state,
+                      const std::filesystem::path &file);
+
+/// Within the scene panel: how firm the simulated hand is, the paths that it follows, and test
+/// signals with the stiffness that they meet.
 void draw_hand_tab(session::Session &session, HandTabState &state);
+
+/// State of the plant's tab between frames.
+struct PlantTabState {
+    bool typing_rate = false;
+    double rate_hz = 0.0;
+    bool dragging_delay = false;
+    double delay_periods = 0.0;
+    std::string complaint; ///< why the last change was refused
+};
+
+/// Within the scene panel: the servo's rate; delay and effects of a simulated device.
+void draw_plant_tab(session::Session &session, PlantTabState &state);
 
 /// State of the scene panel between frames.
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
     HandTabState hand;
+    PlantTabState plant;
 };
 void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place);
 

@@ -62,6 +62,9 @@ void draw_scene_panel(session::Session &session, ScenePanelState &state, const R
     if (const ui::Tab hand("Hand"); hand) {
         draw_hand_tab(session, state.hand);
     }
+    if (const ui::Tab plant("Plant"); plant) {
+        draw_plant_tab(session, state.plant);
+    }
     if (const ui::Tab model("Model"); model) {
         draw_model_tab(session);
     }
