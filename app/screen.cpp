@@ -10,11 +10,13 @@
 #include <imgui_internal.h> // ClosePopupsOverWindow
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -86,14 +88,54 @@ void Screen::obey(const KeyPress &key) {
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && ImGui::IsAnyItemActive()) {
         return; // a slider is being dragged: it would go on in another slot or step
     }
+    if ((!key.with_ctrl && move_by_key(key)) || key.is_repeated) {
+        return;
+    }
     const bool is_redo = key.with_ctrl && (key.name == "y" || (key.name == "z" && key.with_shift));
-    if (is_redo) {
+    if (key.name == "F6") {
+        go_to_next_panel(key.with_shift);
+    } else if (is_redo) {
         desk_.redo(session_);
     } else if (key.with_ctrl && key.name == "z") {
         desk_.undo(session_);
     } else if (!key.with_ctrl) {
         obey_plain(key.name);
     }
+}
+
+/// The hand, and the view. False if the key is for neither.
+bool Screen::move_by_key(const KeyPress &key) {
+    constexpr double kStep_m = 1e-3;
+    constexpr double kFineStep_m = 1e-4;
+    constexpr double kTurn_px = 12.0;
+    // On the floor, away from who looks.
+    const Vector3 right = camera_.right();
+    const Vector3 away = Vector3::UnitY().cross(right);
+    const std::array<std::pair<std::string_view, Vector3>, 6> moves{{{"w", away},
+                                                                     {"s", -away},
+                                                                     {"d", right},
+                                                                     {"a", -right},
+                                                                     {"e", Vector3::UnitY()},
+                                                                     {"q", -Vector3::UnitY()}}};
+    for (const auto &[name, direction] : moves) {
+        if (key.name == name) {
+            if (!session_.hand().follows_path()) {
+                session_.hand().move_to(session_.hand().target_m() +
+                                        (key.with_shift ? kFineStep_m : kStep_m) * direction);
+            }
+            return true;
+        }
+    }
+    if (key.name == "j" || key.name == "l") {
+        camera_.orbit(key.name == "j" ? -kTurn_px : kTurn_px, 0.0);
+    } else if (key.name == "i" || key.name == "k") {
+        camera_.orbit(0.0, key.name == "i" ? -kTurn_px : kTurn_px);
+    } else if (key.name == "u" || key.name == "o") {
+        camera_.zoom(key.name == "u" ? 1.0 : -1.0);
+    } else {
+        return false;
+    }
+    return true;
 }
 
 void Screen::obey_plain(const std::string &key) {
@@ -104,6 +146,10 @@ void Screen::obey_plain(const std::string &key) {
         desk_.toggle_map(session_);
     } else if (key == "h") {
         toggle_hold(plot_panel_, servo.history().store());
+    } else if (key == "-" || key == "+" || key == "=") {
+        move_in_time(plot_panel_, servo.history().store(), key == "-" ? 1.5 : 1.0 / 1.5, 0.0);
+    } else if (key == "PageUp" || key == "PageDown") {
+        move_in_time(plot_panel_, servo.history().store(), 1.0, key == "PageUp" ? -0.25 : 0.25);
     } else if (key == "p") {
         toggle_pause();
     } else if (key == ".") {
@@ -129,6 +175,21 @@ void Screen::toggle_pause() {
     }
 }
 
+/// For keys: to the first widget of the next panel, or to the one that was left last.
+void Screen::go_to_next_panel(bool backwards) {
+    constexpr std::array<const char *, 5> kPanels{"stopped", "Tuning", "Servo", "Scene", "Plots"};
+    for (std::size_t i = 0; i < kPanels.size(); ++i) {
+        panel_ = (panel_ + (backwards ? kPanels.size() - 1 : 1)) % kPanels.size();
+        ImGuiWindow *const window = ImGui::FindWindowByName(kPanels[panel_]);
+        if (window != nullptr && window->WasActive) {
+            ImGui::FocusWindow(window);
+            ImGui::NavInitWindow(window, false);
+            ImGui::GetCurrentContext()->NavDisableHighlight = false;
+            return;
+        }
+    }
+}
+
 /// One thing at a time, the topmost first. ImGui itself ends typing.
 void Screen::escape() {
     if (ImGui::GetIO().WantTextInput) {
@@ -136,8 +197,8 @@ void Screen::escape() {
     }
     if (shows_keys_) {
         shows_keys_ = false;
-    } else if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId)) {
-        ImGui::ClosePopupsOverWindow(nullptr, false);
+    } else if (had_popup_) {
+        ImGui::ClosePopupsOverWindow(nullptr, false); // if ImGui did not
     } else if (plot_panel_.is_large) {
         plot_panel_.is_large = false;
     } else if (window_.is_full_screen()) {
@@ -209,6 +270,7 @@ void Screen::draw_contents() {
     if (shows_keys_) {
         draw_keys_overlay({{0.0F, 0.0F}, ImGui::GetIO().DisplaySize});
     }
+    had_popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId);
 }
 
 Layout Screen::current_layout() const {

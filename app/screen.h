@@ -44,7 +44,9 @@ private:
     void take_orders();
     void obey(const KeyPress &key);
     void obey_plain(const std::string &key);
+    bool move_by_key(const KeyPress &key);
     void escape();
+    void go_to_next_panel(bool backwards);
     void toggle_pause();
     void frame_scene();
     void show_scene();
@@ -66,6 +68,8 @@ private:
     EventLog log_;
     double speed_before_pause_ = 1.0;
     bool shows_keys_ = false; ///< the overlay with all keys
+    bool had_popup_ = false;  ///< in the last frame
+    std::size_t panel_ = 0;   ///< to which F6 went last
     std::uint32_t shown_scene_ = 0;
     bool keeps_frames_;
     bool reports_;

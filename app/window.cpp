@@ -1,6 +1,7 @@
 #include "app/window.h"
 
 #include "app/widgets/look.h"
+#include "app/widgets/widgets.h"
 #include "base/input_error.h"
 
 #include <epoxy/gl.h>
@@ -118,6 +119,7 @@ Window::Window(const std::string &title, Size size, double scale) {
     glfwSetKeyCallback(window_, on_key);
     glfwSetDropCallback(window_, on_drop);
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    use_keyboard();
     ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 
@@ -127,6 +129,13 @@ Window::~Window() {
     ImGui::DestroyContext();
     glfwDestroyWindow(window_);
     glfwTerminate();
+}
+
+/// All widgets can be reached by keys. The space bar stops the device: Enter presses buttons, too.
+void Window::use_keyboard() {
+    ImGuiIO &io = ImGui::GetIO();
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+    io.KeyMap[ImGuiKey_Space] = io.KeyMap[ImGuiKey_Enter];
 }
 
 /// Enlarges the window for a high-density screen.
@@ -253,18 +262,23 @@ std::vector<KeyPress> Window::take_keys() { return std::exchange(keys_, {}); }
 
 void Window::on_key(GLFWwindow *window, int key, int scancode, int action, int mods) {
     auto *self = static_cast<Window *>(glfwGetWindowUserPointer(window));
-    if (action != GLFW_PRESS || key < 0 || key > GLFW_KEY_LAST) {
+    if (action == GLFW_RELEASE || key < 0 || key > GLFW_KEY_LAST) {
+        return;
+    }
+    self->note_key(key, scancode, action, mods);
+    if (action == GLFW_REPEAT) {
         return;
     }
     self->pressed_keys_.push_back(key);
-    const bool is_space = key == GLFW_KEY_SPACE && !ImGui::GetIO().WantTextInput;
+    const bool is_space =
+        key == GLFW_KEY_SPACE && (!ImGui::GetIO().WantTextInput || ui::types_number());
     self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_F12 || is_space;
-    self->note_key(key, scancode, mods);
 }
 
-void Window::note_key(int key, int scancode, int mods) {
+void Window::note_key(int key, int scancode, int action, int mods) {
     const auto note = [&](const char *name) {
-        keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+        keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0,
+                         action == GLFW_REPEAT});
     };
     switch (key) {
     case GLFW_KEY_ESCAPE:
@@ -272,6 +286,15 @@ void Window::note_key(int key, int scancode, int mods) {
         return;
     case GLFW_KEY_F1:
         note("F1");
+        return;
+    case GLFW_KEY_PAGE_UP:
+        note("PageUp");
+        return;
+    case GLFW_KEY_PAGE_DOWN:
+        note("PageDown");
+        return;
+    case GLFW_KEY_F6:
+        note("F6");
         return;
     case GLFW_KEY_F11:
         note("F11");

@@ -15,9 +15,11 @@ namespace springdrive::app {
 
 /// A key with those held for it.
 struct KeyPress {
-    std::string name; ///< the letter on the keyboard, lower case; or "Home", "Escape", "F1", "F11"
+    std::string name; ///< the letter on the keyboard, lower case; or "Home", "Escape", "F1", "F6",
+                      ///< "F11", "PageUp", "PageDown"
     bool with_ctrl = false;
     bool with_shift = false;
+    bool is_repeated = false; ///< held down
 };
 
 class Window {
@@ -59,8 +61,8 @@ public:
     /// bar, unless a text is being typed.
     [[nodiscard]] bool take_emergency_stop();
 
-    /// Letters pressed since the last call, except those typed as text; and keys that are no
-    /// letters.
+    /// Letters pressed since the last call, or repeated because they are held down, except those
+    /// typed as text; and keys that are no letters.
     [[nodiscard]] std::vector<KeyPress> take_keys();
 
     /// Files dropped on the window since the last call.
@@ -77,7 +79,8 @@ private:
     static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
     static void on_drop(GLFWwindow *window, int count, const char **paths);
     void choose_font();
-    void note_key(int key, int scancode, int mods);
+    static void use_keyboard();
+    void note_key(int key, int scancode, int action, int mods);
     void enlarge_for_scale();
     void fit_scale_to_window();
     void show_short_key_presses();

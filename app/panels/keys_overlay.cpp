@@ -13,15 +13,20 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 17> kKeys{{
+constexpr std::array<KeyHelp, 22> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
     {"B", "switch between the tunings A and B"},
     {"M", "switch between the maps"},
     {"H", "hold the plots, or follow the present"},
+    {"+ -, PgUp PgDn", "zoom the plots in time; move them to earlier or later"},
     {"P", "pause the simulated device, or go on"},
     {".", "one tick of the paused device"},
+    {"W A S D Q E", "move the hand: forward, left, back, right, down, up; with Shift finely"},
+    {"I J K L U O", "turn the view: up, left, down, right; nearer, farther"},
+    {"F6", "go to the next panel; with Shift, to the one before"},
+    {"arrows, Tab", "go from widget to widget; Enter presses it, or begins to change it"},
     {"Home", "show the whole scene"},
     {"F11", "fill the screen"},
     {"F1", "show or hide these keys"},

@@ -66,7 +66,8 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
     ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.66F, 0.12F, 0.10F, 1.0F));
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.80F, 0.17F, 0.14F, 1.0F));
     ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.92F, 0.24F, 0.20F, 1.0F));
-    ImGui::Begin("stop", nullptr, Banner::kOverlay | ImGuiWindowFlags_NoBackground);
+    ImGui::Begin("stop", nullptr,
+                 Banner::kOverlay | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
     if (ui::button("STOP  F12", {width, 2.0F * ImGui::GetFontSize()})) {
         session.servo().emergency_stop();
     }

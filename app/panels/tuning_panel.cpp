@@ -193,7 +193,7 @@ void draw_history_buttons(session::Session &session, TuningDesk &desk) {
     ui::explain("Ctrl+Y");
     ImGui::SameLine();
     const bool is_a = history.slots().active() == session::TuningSlot::a;
-    if (ui::button(is_a ? "A | b##slot" : "a | B##slot")) {
+    if (ui::button(is_a ? "A | b###slot" : "a | B###slot")) {
         desk.toggle_slot(session);
     }
     ui::explain("two tunings to compare; key B switches. The other one:\n" +
@@ -238,7 +238,7 @@ void draw_lamp(TuningDesk &desk) {
                       "a motion {} by a factor of e in {:.0f} ms, of motor {} with {}",
                       is_stable ? "decays" : "grows", time_ms, lamp.worst.member.motor + 1,
                       loops::hand_text(lamp.worst.member.hand.name)));
-    ImGui::SameLine(6.4F * font);
+    ImGui::SameLine(7.2F * font);
     ImGui::SetNextItemWidth(8.6F * font);
     ui::choice("##hand", desk.hand, kLampHandLabels);
     ui::explain("for which hand the lamp predicts: gains that rest in a firm hand may be unstable\n"

@@ -96,7 +96,7 @@ void draw_exports(PlotPanelState &state, const PlotSource &source, const Rectang
 void draw_trigger_button(PlotPanelState &state, const record::ChannelStore &live) {
     const TriggerSource source = state.trigger.settings().source;
     const std::string label = std::string("trigger: ") +
-                              kTriggerSourceLabels[static_cast<std::size_t>(source)] + "##trigger";
+                              kTriggerSourceLabels[static_cast<std::size_t>(source)] + "###trigger";
     if (ui::button(label.c_str())) {
         if (source != TriggerSource::off) { // otherwise as typed before, to be armed again
             state.typed_trigger = state.trigger.settings();
@@ -139,7 +139,7 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
                   const Rectangle &where, float scale) {
     const bool is_live = state.view.is_live();
     // The same width in both states, so that what follows does not move.
-    if (ui::button(is_live ? "pause##hold" : "live##hold", {4.0F * ImGui::GetFontSize(), 0.0F})) {
+    if (ui::button(is_live ? "pause###hold" : "live###hold", {4.0F * ImGui::GetFontSize(), 0.0F})) {
         toggle_hold(state, live);
     }
     ui::explain(is_live ? "stops the plots; the servo goes on. Key H"
@@ -319,6 +319,15 @@ void toggle_hold(PlotPanelState &state, const record::ChannelStore &live) {
     } else {
         state.view.go_live();
     }
+}
+
+void move_in_time(PlotPanelState &state, const record::ChannelStore &live, double span,
+                  double shift) {
+    const signals::TimeWindow before = state.view.window(live);
+    const double middle_s = 0.5 * (before.from_s + before.to_s);
+    const double length_s = span * (before.to_s - before.from_s);
+    const double from_s = middle_s + (shift - 0.5) * length_s;
+    state.view.show(live, {from_s, from_s + length_s});
 }
 
 PlotPanelState::PlotPanelState() { choose_plot_set(*this, 0); }

@@ -68,6 +68,12 @@ void choose_plot_set(PlotPanelState &state, std::size_t index);
 void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
                      PlotPanelState &state, const Rectangle &place, float scale);
 
+/// Holds the plots, and zooms their time about its middle and moves it.
+/// @param span   of the new view, relative to the old one
+/// @param shift  to later, in new spans
+void move_in_time(PlotPanelState &state, const record::ChannelStore &live, double span,
+                  double shift);
+
 /// Stops the plots, or lets them follow the present again.
 void toggle_hold(PlotPanelState &state, const record::ChannelStore &live);
 

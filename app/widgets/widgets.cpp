@@ -2,6 +2,7 @@
 
 #include <imgui_stdlib.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace springdrive::app::ui {
@@ -12,6 +13,7 @@ struct State {
     WindowReport report;
     std::vector<std::string> scopes;
     bool is_disabled = false;
+    int number_typed_in = -1; ///< frame
 };
 
 State &state() {
@@ -22,7 +24,10 @@ State &state() {
 /// The part of a label that names it in ids.
 std::string_view name_of(std::string_view label) {
     const std::size_t marks = label.find("##");
-    return marks == std::string_view::npos ? label : label.substr(marks + 2);
+    if (marks == std::string_view::npos) {
+        return label;
+    }
+    return label.substr(std::min(label.find_first_not_of('#', marks), label.size()));
 }
 
 std::string_view text_of(std::string_view label) { return label.substr(0, label.find("##")); }
@@ -58,11 +63,21 @@ void enter_item(std::string_view label, const char *kind, std::string_view text,
     item.place = {lower, size};
     item.is_visible = ImGui::IsItemVisible();
     item.is_enabled = !state().is_disabled;
+    item.is_focused = ImGui::IsItemFocused();
     item.overflows = overflows();
     state().report.enter(std::move(item));
 }
 
+/// After the previous item, a field for a number.
+void note_number() {
+    if (ImGui::IsItemActive() && ImGui::GetIO().WantTextInput) {
+        state().number_typed_in = ImGui::GetFrameCount();
+    }
+}
+
 } // namespace
+
+bool types_number() { return state().number_typed_in >= ImGui::GetFrameCount() - 1; }
 
 WindowReport &report() { return state().report; }
 
@@ -182,12 +197,14 @@ bool slider_with_number(const char *label, double &value, double minimum, double
                         const char *format) {
     const bool is_changed = ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &minimum,
                                                 &maximum, format, ImGuiSliderFlags_AlwaysClamp);
+    note_number();
     enter(label, "slider", text_of(label), value);
     return is_changed;
 }
 
 bool number_field(const char *label, double &value, const char *format) {
     const bool result = ImGui::InputDouble(label, &value, 0.0, 0.0, format);
+    note_number();
     enter(label, "number", text_of(label), value);
     return result;
 }
@@ -195,6 +212,7 @@ bool number_field(const char *label, double &value, const char *format) {
 void number_text_field(const char *label, std::string &text, double value) {
     ImGui::InputText(label, &text,
                      ImGuiInputTextFlags_CharsScientific | ImGuiInputTextFlags_AutoSelectAll);
+    note_number();
     enter(label, "number", text, value);
 }
 
@@ -219,6 +237,8 @@ DropDown::DropDown(const char *label, const char *shown) {
     is_open_ = ImGui::BeginCombo(label, shown);
     if (is_open_) {
         state().scopes.emplace_back(name_of(label));
+    } else if (state().report.is_wanted() && ImGui::IsItemFocused()) {
+        state().report.note_focus();
     }
 }
 

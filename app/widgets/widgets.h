@@ -3,7 +3,8 @@
 //
 // An item's id in the report is the path of its scopes and its label: "Tuning/Gains/K_P/slider". Of
 // a label like "##slider" or "×##close" the part behind the marks counts, of which ImGui shows
-// none.
+// none. A label that changes needs three marks, "stop###play": for ImGui only the part behind them
+// is then the item.
 #pragma once
 
 #include "app/layout.h"
@@ -129,6 +130,9 @@ bool small_button(const char *label);
 
 /// True when changed.
 bool checkbox(const char *label, bool &value);
+
+/// Whether a number was being typed in the last frame, for which the space bar is no letter.
+[[nodiscard]] bool types_number();
 
 /// A slider without a number. True when changed. @param shown  in the report
 bool slider(const char *label, double &value, double minimum, double maximum, bool is_logarithmic);

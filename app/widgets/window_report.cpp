@@ -38,6 +38,9 @@ json json_of(const ShownItem &item) {
     if (!item.is_enabled) {
         shown["enabled"] = false;
     }
+    if (item.is_focused) {
+        shown["focused"] = true;
+    }
     if (item.overflows) {
         shown["overflows"] = true;
     }

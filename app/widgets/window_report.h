@@ -25,7 +25,8 @@ struct ShownItem {
     Rectangle place;                                     ///< in the window's units
     bool is_visible = true;                              ///< not scrolled out of its panel
     bool is_enabled = true;
-    bool overflows = false; ///< wider than its panel
+    bool is_focused = false; ///< keys act on it
+    bool overflows = false;  ///< wider than its panel
 };
 
 /// Collects the items of a frame, if they are wanted.
@@ -39,6 +40,7 @@ public:
     [[nodiscard]] bool is_wanted() const { return is_wanted_; }
 
     void enter(ShownItem item) { items_.push_back(std::move(item)); }
+    void note_focus() { items_.back().is_focused = true; } ///< on the last one
     [[nodiscard]] const std::vector<ShownItem> &items() const { return items_; }
 
 private:

@@ -98,5 +98,82 @@ TEST(KeysInTheWindow, AForceThatIsHeldBackIsNamedWithItsLimit) {
                       "below the limit");
 }
 
+TEST(KeysInTheWindow, PlotsAreZoomedAndMovedInTime) {
+    ShownWindow window;
+    window.wait_until_running();
+    const auto shown = [&] {
+        const auto plot = window.look().item("plot 1/area").at("numbers");
+        return std::pair<double, double>(plot.at("x_from"), plot.at("x_to"));
+    };
+    window.person().key("h");
+    const auto [from, to] = shown();
+    window.person().key("minus");
+    const auto [wide_from, wide_to] = shown();
+    EXPECT_NEAR(wide_to - wide_from, 1.5 * (to - from), 1e-6);
+    EXPECT_NEAR(wide_to + wide_from, to + from, 1e-6); // about the middle
+    window.person().key("equal");
+    window.person().key("Prior");
+    const auto [early_from, early_to] = shown();
+    EXPECT_NEAR(early_from, from - 0.25 * (to - from), 1e-6);
+    window.person().key("Next");
+    EXPECT_NEAR(shown().first, from, 1e-6);
+}
+
+/// The id of the item on which keys act; empty if there is none.
+std::string focused(const Report &report) {
+    for (const auto &item : report.all().at("items")) {
+        if (item.value("focused", false)) {
+            return item.at("id");
+        }
+    }
+    return {};
+}
+
+/// Presses a key until the focus is on that item.
+void go_to(ShownWindow &window, const std::string &id, const std::vector<std::string> &keys) {
+    std::string passed;
+    for (int i = 0; i < 40; ++i) {
+        for (const std::string &key : keys) {
+            window.person().key(key);
+            const std::string now = focused(window.look());
+            if (now.ends_with(id)) {
+                return;
+            }
+            passed += now + '\n';
+        }
+    }
+    FAIL() << id << " was not reached; passed were:\n" << passed;
+}
+
+TEST(KeysInTheWindow, WithoutAMouseGainsAreSetAndButtonsPressed) {
+    ShownWindow window;
+    window.wait_until_running();
+    window.person().key("F6");
+    EXPECT_TRUE(focused(window.look()).starts_with("Tuning")) << focused(window.look());
+    go_to(window, "Gains/soft", {"Down", "Left"});
+    const double before = window.look().item("K_P_V_per_rad/typed").at("value");
+    window.person().key("Return");
+    const double soft = window.look().item("K_P_V_per_rad/typed").at("value");
+    EXPECT_NE(soft, before);
+    go_to(window, "K_P_V_per_rad/slider", {"Down"});
+    window.person().key("Return");
+    window.person().key("Right");
+    window.person().key("Return");
+    EXPECT_GT(window.look().item("K_P_V_per_rad/typed").at("value"), soft);
+    window.person().key("ctrl+z");
+    EXPECT_EQ(window.look().item("K_P_V_per_rad/typed").at("value"), soft);
+    go_to(window, "K_P_V_per_rad/typed", {"Right"});
+    window.person().key("Return");
+    window.person().key("ctrl+a");
+    window.person().type("7.5");
+    window.person().key("Return");
+    EXPECT_EQ(window.look().item("K_P_V_per_rad/typed").at("value"), 7.5);
+    window.person().key("ctrl+z");
+    EXPECT_EQ(window.look().item("K_P_V_per_rad/typed").at("value"), soft);
+    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
+    window.person().key("space"); // no widget takes the stop away
+    EXPECT_NE(window.look().column("trip_cause"), 0.0);
+}
+
 } // namespace
 } // namespace springdrive::app

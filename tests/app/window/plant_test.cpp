@@ -70,5 +70,25 @@ TEST(PlantInTheWindow, TheHandFollowsAScriptOrAFile) {
     std::filesystem::remove_all(folder);
 }
 
+TEST(PlantInTheWindow, TheHandMovesByKeys) {
+    ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf"});
+    window.wait_until_running();
+    const double from_m = window.look().column("tip_y_m");
+    for (int i = 0; i < 10; ++i) {
+        window.person().key("e");
+    }
+    window.wait_until(
+        [&](const Report &report) { return report.column("tip_y_m") > from_m + 5e-3; }, "up");
+    for (int i = 0; i < 10; ++i) {
+        window.person().key("shift+q");
+    }
+    // 10 mm up, 1 mm down; friction and weight hold the tip up to 0.7 mm from the hand's target.
+    window.wait_until(
+        [&](const Report &report) {
+            return std::abs(report.column("tip_y_m") - from_m - 9e-3) < 8e-4;
+        },
+        "a little down");
+}
+
 } // namespace
 } // namespace springdrive::app

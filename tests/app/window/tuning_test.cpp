@@ -69,7 +69,7 @@ TEST(TuningInTheWindow, ADragIsOneStepAMonotoneRecordAndNoStepOfTheVoltage) {
                       "the tip rests on the plate");
     const double start_s = window.look().column("time_s");
     const Point from = window.point_in(std::string(kK_P) + "/slider", 0.67F);
-    window.person().drag(from, {from.x + 25.0F, from.y}, 4.0);
+    window.person().drag(from, {from.x + 25.0F, from.y}, 10.0);
     const double end_s = window.look().column("time_s");
     const double reached = window.look().item("K_P_V_per_rad/typed").at("value");
     EXPECT_GT(reached, 10.0);
