@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::record {
 
@@ -49,10 +50,13 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     control::VelocityFilter filter; // a servo starts at rest
     filter.reset(theta_rad);
     if (follows && has_measured_) {
-        filter = control::VelocityFilter(before_->theta_rad, before_->theta_rate_rad_per_s);
+        filter = control::VelocityFilter(before_->theta_rad, theta_rate_rad_per_s_);
     }
     has_measured_ = has_measured_ || sample.tick != 0 || sample.since_last_s > 0.0;
     before_ = sample;
+    theta_rate_rad_per_s_ = sample.theta_rate_rad_per_s;
+    const device::DeviceCommand held = std::exchange(command_, sample.command);
+    const servo::ActiveLimits held_back = std::exchange(held_back_, sample.held_back);
     if (servo::is_final(sample.safety.cause)) {
         return std::nullopt;
     }
@@ -70,6 +74,9 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         theta_rate_rad_per_s = filter.update(theta_rad, pole, sample.since_last_s);
     }
     ReplayedTick tick;
+    if (tuning_) { // another λ acts over many ticks
+        theta_rate_rad_per_s_ = theta_rate_rad_per_s;
+    }
     tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
     tick.found =
         law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2, sample.motor);
@@ -78,11 +85,16 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     } else if (has_news) {
         device::DeviceCommand wanted = tick.found.command;
         wanted.e_W_V += sample.carried_V;
-        tick.command = servo::limited(device_, wanted, limiter_inputs(sample, tick.now)).command;
+        const servo::LimitedCommand passed =
+            servo::limited(device_, wanted, limiter_inputs(sample, tick.now));
+        tick.command = passed.command;
+        tick.held_back = passed.held_back;
     } else { // no new measurement: the last command is held
-        tick.command = command_;
+        tick.command = held;
+        tick.held_back = held_back;
     }
     command_ = tick.command;
+    held_back_ = tick.held_back;
     compare(sample, tick);
     return tick;
 }

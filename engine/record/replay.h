@@ -6,8 +6,9 @@
 //
 // The proxy's contact, the monitor's decisions (state, ramp and limits) and the offset of a
 // bumpless transfer are taken from the record; all else is computed by the servo's own code. A tick
-// without its predecessor only initialises the filter. Without a new measurement, the law is
-// evaluated for the last state again, and the last command is held.
+// without its predecessor only initialises the filter, which with another tuning continues from its
+// own θ̇_f, not the record's. Without a new measurement, the law is evaluated for the last state
+// again, and the last command is held.
 #pragma once
 
 #include "device/core/device_file.h"
@@ -26,6 +27,7 @@ struct ReplayedTick {
     control::Configuration now;
     control::LawOutcome found;
     device::DeviceCommand command;
+    servo::ActiveLimits held_back{}; ///< when the command was computed
 };
 
 /// One quantity of a replay, compared bit by bit.
@@ -63,7 +65,9 @@ private:
     std::optional<control::Tuning> tuning_;
     control::HapticLaw law_;
     std::optional<servo::ServoSample> before_;
+    Vector3 theta_rate_rad_per_s_{Vector3::Zero()}; ///< from which the filter continues
     device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< of the previous tick
+    servo::ActiveLimits held_back_;                                    ///< the same
     bool has_measured_ = false; ///< whether there was a measurement since the servo started
     std::uint64_t replayed_ = 0;
     std::uint64_t skipped_ = 0;

@@ -1,8 +1,8 @@
 #include "engine/servo/servo_loop.h"
 
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/control/force_direction.h"
 #include "engine/control/tuning.h"
+#include "engine/servo/law_sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,6 @@
 namespace springdrive::servo {
 
 namespace {
-
-/// Below this the direction of a rendered force is meaningless: single encoder counts in the
-/// velocity signal cause forces of this size.
-constexpr double kMinForceWithDirection_N = 0.1;
-
-/// Below this a set-point coincides with the tip up to round-off, for instance at η = 1.
-constexpr double kMinSetPointGap_m = 1e-6;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -127,28 +120,12 @@ ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
                                    ServoSample &sample) const noexcept {
-    const contact::Contact &contact = sample.contact;
     const LawSettings &active = transfer_.active();
     const control::LawOutcome found =
-        law_(now, contact, active.tuning, active.global_alpha_rad2_per_m2, motors_);
+        law_(now, sample.contact, active.tuning, active.global_alpha_rad2_per_m2, motors_);
     sample.motor = motors_;
-    sample.eta = found.eta;
-    sample.alpha_rad2_per_m2 = found.alpha_rad2_per_m2;
-    sample.alpha_bound_rad2_per_m2 = found.alpha_bound_rad2_per_m2;
-    sample.inverse_possible = found.inverse.has_value();
-    sample.x_Sd_m = found.x_Sd_m;
-    sample.theta_Sd_rad = found.used.theta_Sd_rad;
-
-    const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kMinSetPointGap_m;
-    const auto static_error = [&](const control::MotorSetPoint &set_point) {
-        return control::direction_error_rad(law_.force_direction(now, set_point), contact.normal);
-    };
-    sample.inverse_error_rad = pushes && found.inverse ? static_error(*found.inverse) : kNone;
-    sample.transpose_error_rad = pushes ? static_error(found.transpose) : kNone;
-    sample.rendered_error_rad =
-        contact.touching && sample.tip_force_N.norm() > kMinForceWithDirection_N
-            ? control::direction_error_rad(sample.tip_force_N, contact.normal)
-            : kNone;
+    note_law(law_, now, found, sample);
+    note_rendered_error(sample);
     return found;
 }
 
