@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -54,6 +55,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     }
     observe_as_wanted();
     servo_->touch(scenes_->now().surface, scenes_->id(), tuning);
+    begin_past();
 }
 
 Session::~Session() = default;
@@ -62,6 +64,8 @@ void Session::start(const std::function<void()> &on_thread) {
     if (!options_.record.empty()) {
         start_recording(options_.record, options_.existing_record);
     }
+    past_.clear();
+    begin_past();
     has_started_ = true;
     on_thread_ = on_thread;
     for (const std::string &refused : servo_->start(on_thread_)) {
@@ -73,6 +77,7 @@ void Session::advance(double frame_s) {
     servo_->advance(frame_s);
     recording_->pump();
     hand_.advance(latest().time_s);
+    forget_old_past();
     scenes_->note_in_use(latest().scene_id);
     note_standstill();
     note_failed_assertion();
@@ -119,7 +124,57 @@ void Session::start_recording(const std::filesystem::path &file, Existing existi
     reported_failure_ = false; // noted in each record
 }
 
-void Session::note(std::string json) { recording_->note(json); }
+/// Of all that is recorded of the present device.
+void Session::note(std::string json) {
+    recording_->note(json);
+    past_.back().device = device_of_run();
+    past_.back().notes.push_back(
+        {{servo_->history().store().end(), std::move(json)}, header_of_record()});
+}
+
+void Session::begin_past() {
+    const TelemetryHistory &history = servo_->history();
+    past_.push_back(
+        {history.store().end(), history.start_s(), device_of_run(), header_of_record(), {}});
+}
+
+RunDevice Session::device_of_run() const {
+    return {description().name,
+            options_.device.file.string(),
+            models_->ground().memory.device_text,
+            simulation_.device_seed,
+            simulation_.effects,
+            options_.observes_resistance};
+}
+
+void Session::forget_old_past() {
+    while (past_.size() > 1 && past_[1].from_row <= servo_->history().store().begin()) {
+        past_.pop_front();
+    }
+}
+
+std::vector<PastRecord> Session::past() const {
+    const record::ChannelStore &store = servo_->history().store();
+    std::vector<PastRecord> records;
+    for (std::size_t i = 0; i < past_.size(); ++i) {
+        const Past &past = past_[i];
+        PastRecord record{store, std::max(past.from_row, store.begin()), past.header, {}};
+        record.to_row = i + 1 < past_.size() ? past_[i + 1].from_row : store.end();
+        record.start_s = past.start_s;
+        record.device = past.device;
+        for (const Past::Note &noted : past.notes) {
+            if (noted.note.before_row <= record.from_row) {
+                record.header = noted.header;
+            } else {
+                record.notes.push_back(noted.note);
+            }
+        }
+        if (record.from_row < record.to_row) {
+            records.push_back(std::move(record));
+        }
+    }
+    return records;
+}
 
 void Session::request_scene(const std::filesystem::path &file) {
     scenes_->request(file, models_->finish(servo_->inputs().tuning));
@@ -160,6 +215,7 @@ void Session::show(const LoadedScene &before) {
 void Session::observe_resistance(bool on) {
     options_.observes_resistance = on;
     observe_as_wanted();
+    past_.back().device = device_of_run();
 }
 
 void Session::observe_as_wanted() {

@@ -11,12 +11,14 @@
 #include "device/factory/device_factory.h"
 #include "engine/session/recording.h"
 #include "engine/session/remarks.h"
+#include "engine/session/run_folder.h"
 #include "engine/session/scene_models.h"
 #include "engine/session/scenes.h"
 #include "engine/session/servo_run.h"
 #include "engine/session/session_options.h"
 #include "engine/session/simulated_hand.h"
 
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -61,6 +63,10 @@ public:
 
     /// Records every tick from now on. @throw InputError if the file cannot be created.
     void start_recording(const std::filesystem::path &file, Existing existing = Existing::keep);
+
+    /// What recordings would hold of the ticks that are still in memory: one for each device on
+    /// which they ran, the present one last. See write_past.
+    [[nodiscard]] std::vector<PastRecord> past() const;
 
     /// Whether R̂ follows the windings' resistances. They are observed by currents that inductances
     /// smooth: a simulation without inductance (--model auto may choose one) is not observed.
@@ -121,11 +127,26 @@ public:
     }
     /// The options of the simulated device, including the hand's path from the start.
     [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
+    [[nodiscard]] const std::string &program_version() const { return options_.program_version; }
     [[nodiscard]] Remarks &remarks() { return remarks_; }
     [[nodiscard]] const Remarks &remarks() const { return remarks_; }
 
 private:
     struct Prepared; ///< an opened device with all that is needed to start on it
+
+    /// What was noted of a device's ticks.
+    struct Past {
+        struct Note {
+            PastNote note;
+            record::RecordHeader header; ///< of a record that begins after it
+        };
+
+        std::uint64_t from_row = 0; ///< of the history
+        double start_s = 0.0;       ///< the history's time at which the device's was 0
+        RunDevice device;
+        record::RecordHeader header;
+        std::vector<Note> notes;
+    };
 
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
@@ -148,6 +169,9 @@ private:
                                      double servo_hz) const;
     [[nodiscard]] record::RecordHeader header_of_record() const;
     void note(std::string json);
+    void begin_past();
+    [[nodiscard]] RunDevice device_of_run() const;
+    void forget_old_past();
 
     SessionOptions options_;
     std::unique_ptr<Scenes> scenes_; ///< declared before `servo_`, which uses their surfaces
@@ -157,6 +181,7 @@ private:
     std::unique_ptr<ServoRun> servo_;
     std::unique_ptr<Recording> recording_;
     std::unique_ptr<Prepared> next_device_;
+    std::deque<Past> past_; ///< of each device with ticks in memory
     SimulatedHand hand_;
     bool has_started_ = false;
     bool reported_standstill_ = false;

@@ -130,6 +130,7 @@ void Session::begin_on(Prepared next) {
     observe_as_wanted();
     servo_->set_global_alpha(control::global_alpha_bound(description));
     models_->set_ground(ground(next.text, description, servo_->rate_hz()));
+    begin_past();
     try {
         const std::filesystem::path part = recording_->begin_part(header_of_record());
         if (!part.empty()) {

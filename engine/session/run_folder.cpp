@@ -1,0 +1,240 @@
+#include "engine/session/run_folder.h"
+
+#include "base/file_names.h"
+#include "base/input_error.h"
+#include "base/input_file.h"
+#include "base/new_file.h"
+#include "engine/control/tuning_file.h"
+#include "engine/record/record_writer.h"
+#include "engine/session/run_folder_texts.h"
+#include "engine/session/telemetry_channels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <sys/stat.h>
+#include <system_error>
+
+namespace springdrive::session {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of one text, far above any run: 100,000 tunings take some 15 MB.
+constexpr std::size_t kMaxText_bytes = std::size_t{256} << 20U;
+
+/// Of run.json, whose values take some 80 times as much memory as their text.
+constexpr std::size_t kMaxFacts_bytes = std::size_t{1} << 20U;
+
+/// A disk with less room is full: the small files would not fit.
+constexpr std::size_t kLeastRoom_bytes = std::size_t{64} << 10U;
+
+void write_text(const fs::path &file, std::string_view text) {
+    if (text.size() > kMaxText_bytes) {
+        throw InputError(fmt::format("{}: cannot be written: it would have {} bytes; up to {} can "
+                                     "be read again",
+                                     file.string(), text.size(), kMaxText_bytes));
+    }
+    write_file(
+        file, [text](std::ostream &out) { out << text; }, Existing::replace);
+}
+
+/// Empty if there is no such file.
+std::optional<std::string> text_if_any(const fs::path &file,
+                                       std::size_t max_bytes = kMaxText_bytes) {
+    std::error_code ignored;
+    if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
+        return std::nullopt;
+    }
+    check_input_file(file, "a text", max_bytes);
+    std::ifstream stream(file, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (!stream.is_open() || stream.bad()) {
+        throw InputError(file.string() + ": cannot be read; check its permissions");
+    }
+    return text;
+}
+
+std::string text_of_file(const fs::path &file) {
+    std::optional<std::string> text = text_if_any(file);
+    if (!text) {
+        throw InputError(file.string() + ": is missing; the folder of a run needs it");
+    }
+    return *std::move(text);
+}
+
+std::string tuning_text(const control::Tuning &tuning, const std::string &description) {
+    std::ostringstream text;
+    control::write_tuning_file(text, {tuning, description, std::nullopt});
+    return text.str();
+}
+
+/// @throw InputError if the new folder cannot be written to; it is then removed.
+void check_room_in(const fs::path &folder) {
+    try {
+        const NewFile tried(folder / "run.json");
+        std::ofstream stream(tried.temporary(), std::ios::binary);
+        stream << std::string(kLeastRoom_bytes, ' ');
+        stream.close();
+        if (!stream) {
+            throw InputError(folder.string() +
+                             ": cannot be written to; is the disk full? Free some space");
+        }
+    } catch (const InputError &) {
+        std::error_code ignored;
+        fs::remove(folder, ignored);
+        throw;
+    }
+}
+
+/// Both slots, of which A is active.
+TuningSlots slots_in(const fs::path &folder) {
+    TuningSlots slots(control::read_tuning_file(folder / "slot_b.toml"));
+    slots.set(control::read_tuning_file(folder / "slot_a.toml"));
+    return slots;
+}
+
+/// The rows of the past, with the notes between them.
+class PastRows {
+public:
+    PastRows(const PastRecord &past, BackgroundTalk &talk)
+        : past_(past), talk_(talk),
+          begin_(std::clamp(past.from_row, past.store.begin(), past.store.end())),
+          end_(std::clamp(past.to_row, begin_, past.store.end())) {}
+
+    [[nodiscard]] std::uint64_t count() const { return end_ - begin_; }
+
+    [[nodiscard]] record::RecordHeader header() const {
+        record::RecordHeader header = past_.header;
+        if (count() > 0) {
+            const servo::ServoSample first = sample_at(past_.store, begin_);
+            header.tuning = first.tuning;
+            header.global_alpha_rad2_per_m2 = first.global_alpha_rad2_per_m2;
+        }
+        return header;
+    }
+
+    void write_to(record::RecordWriter &writer, const std::string &name) const {
+        auto note = past_.notes.begin();
+        for (std::uint64_t row = begin_; row < end_; ++row) {
+            for (; note != past_.notes.end() && note->before_row <= row; ++note) {
+                writer.note(note->json);
+            }
+            if ((row - begin_) % record::ChannelStore::kRowsPerChunk == 0) {
+                talk_.report("writing " + name,
+                             static_cast<double>(row - begin_) / static_cast<double>(count()));
+            }
+            writer.write(sample_at(past_.store, row));
+        }
+        for (; note != past_.notes.end(); ++note) {
+            writer.note(note->json);
+        }
+        writer.close();
+    }
+
+private:
+    const PastRecord &past_;
+    BackgroundTalk &talk_;
+    std::uint64_t begin_;
+    std::uint64_t end_;
+};
+
+} // namespace
+
+RunFolder RunFolder::create(const fs::path &parent) {
+    constexpr int kMostOfOneSecond = 1000;
+    const std::string name = dated_name("springdrive");
+    int error = EEXIST;
+    for (int number = 1; error == EEXIST && number <= kMostOfOneSecond; ++number) {
+        const fs::path folder = parent / (number == 1 ? name : fmt::format("{}-{}", name, number));
+        error = mkdir(folder.c_str(), 0777) == 0 ? 0 : errno;
+        if (error == 0) {
+            check_room_in(folder);
+            return RunFolder(folder);
+        }
+    }
+    throw InputError(fmt::format("{}: cannot be created: {}; check its folder and permissions",
+                                 (parent / name).string(), std::generic_category().message(error)));
+}
+
+void RunFolder::save(const RunFacts &facts) const {
+    for (std::size_t number = 0; number < facts.devices.size(); ++number) {
+        write_text(path_ / name_of_device_file(number), facts.devices[number].toml);
+    }
+    write_text(path_ / "tuning.toml", tuning_text(facts.slots.now(), "active when it was kept"));
+    const bool is_a = facts.slots.active() == TuningSlot::a;
+    const control::Tuning &a = is_a ? facts.slots.now() : facts.slots.other();
+    const control::Tuning &b = is_a ? facts.slots.other() : facts.slots.now();
+    write_text(path_ / "slot_a.toml", tuning_text(a, "slot A"));
+    write_text(path_ / "slot_b.toml", tuning_text(b, "slot B"));
+    write_text(path_ / "tuning_history.csv", journal_csv(facts.journal));
+    write_text(path_ / "events.csv", events_csv(facts.events));
+    write_text(path_ / "notes.txt", facts.notes);
+    write_text(path_ / "run.json", run_json(facts, path_));
+}
+
+fs::path RunFolder::next_screenshot() const {
+    for (std::size_t number = 1;; ++number) {
+        fs::path picture = path_ / fmt::format("screenshot-{}.png", number);
+        std::error_code ignored;
+        if (!fs::exists(fs::symlink_status(picture, ignored))) {
+            return picture;
+        }
+    }
+}
+
+RunFacts read_run(const fs::path &folder) {
+    const std::optional<std::string> json = text_if_any(folder / "run.json", kMaxFacts_bytes);
+    if (!json) {
+        throw InputError(folder.string() + ": has no run.json, so it is not the folder of a run, "
+                                           "or the program ended before it was written");
+    }
+    RunFacts facts;
+    read_run_json(*json, folder / "run.json", facts);
+    for (std::size_t number = 0; number < facts.devices.size(); ++number) {
+        facts.devices[number].toml = text_of_file(folder / name_of_device_file(number));
+    }
+    const TuningSlot active = facts.slots.active();
+    facts.slots = slots_in(folder);
+    if (facts.slots.active() != active) {
+        facts.slots.toggle();
+    }
+    const fs::path journal = folder / "tuning_history.csv";
+    facts.journal = read_journal_csv(text_of_file(journal), journal);
+    const fs::path events = folder / "events.csv";
+    if (const std::optional<std::string> text = text_if_any(events)) {
+        facts.events = read_events_csv(*text, events);
+    }
+    facts.notes = text_if_any(folder / "notes.txt").value_or("");
+    return facts;
+}
+
+void write_past(const fs::path &file, const PastRecord &past, BackgroundTalk &talk) {
+    const PastRows rows(past, talk);
+    record::RecordWriter writer(file, rows.header());
+    std::error_code ignored;
+    try {
+        rows.write_to(writer, file.filename().string());
+    } catch (const InputError &) {
+        fs::remove(file, ignored);
+        if (writer.is_open()) { // not the disk, but a note
+            throw;
+        }
+        throw InputError(fmt::format("{}: cannot be written completely, but only {} of {} ticks; "
+                                     "is the disk full? Nothing of it is kept",
+                                     file.string(), writer.rows_in_file(), rows.count()));
+    } catch (...) {
+        fs::remove(file, ignored);
+        throw;
+    }
+}
+
+} // namespace springdrive::session

@@ -1,0 +1,647 @@
+// Covers engine/session/run_folder.cpp and run_folder_texts.cpp.
+#include "engine/session/run_folder.h"
+
+#include "base/input_error.h"
+#include "engine/record/record_reader.h"
+#include "engine/session/telemetry_history.h"
+#include "tests/engine/record/samples.h"
+#include "tests/support/complaint.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace springdrive::session {
+namespace {
+
+using testing::complaint_of;
+using testing::contents_of;
+using testing::fresh_folder;
+
+/// What `step` says in a process that is prepared for it.
+std::string said_in_child(const std::function<void()> &prepare,
+                          const std::function<std::string()> &step) {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(pipe(ends.data()), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        prepare();
+        const std::string said = step();
+        const bool sent = write(ends[1], said.data(), said.size()) == std::ssize(said);
+        _exit(sent ? 0 : 1);
+    }
+    close(ends[1]);
+    std::string said;
+    std::array<char, 4096> part{};
+    for (ssize_t got = 0; (got = read(ends[0], part.data(), part.size())) > 0;) {
+        said.append(part.data(), static_cast<std::size_t>(got));
+    }
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    return said;
+}
+
+/// The same with files that cannot grow beyond `bytes`, as on a full disk.
+std::string said_with_files_up_to(std::uint64_t bytes, const std::function<std::string()> &step) {
+    return said_in_child(
+        [bytes] {
+            std::signal(SIGXFSZ, SIG_IGN);
+            rlimit limit{};
+            getrlimit(RLIMIT_FSIZE, &limit);
+            limit.rlim_cur = bytes;
+            setrlimit(RLIMIT_FSIZE, &limit);
+        },
+        step);
+}
+
+std::set<std::string> names_in(const std::filesystem::path &folder) {
+    std::set<std::string> names;
+    for (const auto &entry : std::filesystem::directory_iterator(folder)) {
+        names.insert(entry.path().filename());
+    }
+    return names;
+}
+
+/// With a 0 for every digit.
+std::string without_digits(const std::filesystem::path &folder) {
+    std::string name = folder.filename();
+    std::ranges::replace_if(
+        name, [](char c) { return c >= '0' && c <= '9'; }, '0');
+    return name;
+}
+
+/// Text that breaks careless formats.
+const std::string kHardText = "a \"quoted\" name,\nof two lines;\r\n Ω → ü\t'%s' {} \\ \xff end";
+
+control::Tuning hard_tuning(double K_P_V_per_rad) {
+    control::Tuning tuning;
+    tuning.K_P_V_per_rad = K_P_V_per_rad;
+    tuning.dR_Ohm = 1.0 / 3.0;
+    tuning.map = control::MotionMap::inverse;
+    tuning.alpha_mode = control::AlphaMode::by_hand;
+    return tuning;
+}
+
+RunFacts some_facts() {
+    using namespace std::chrono_literals;
+    RunFacts facts;
+    facts.software = "0.1.0";
+    facts.started = std::chrono::sys_days(std::chrono::year(2024) / 5 / 31) + 12h + 34min + 56s;
+    facts.kept = facts.started + 100s;
+    facts.until_s = 0.1 + 0.2;
+    facts.servo_hz = 4000.0;
+    facts.delay_periods = 0.7;
+    facts.devices.push_back(
+        {"PHANTOM", "a/b.toml", "first = 1\n", 7, simulated::PlantEffects::none(), false});
+    facts.devices.push_back({"another", "c.toml", "second = 2\n", 0, {}, true});
+    facts.scene = {"/scenes/plate.gltf", "0123abcd", 12};
+    facts.slots = TuningSlots(hard_tuning(1.0));
+    facts.slots.toggle();
+    facts.slots.set(hard_tuning(2.0));
+    facts.journal = {{0.0, 0.0, "start", hard_tuning(1.0)},
+                     {1.0, 1.0 + 1e-15, kHardText, hard_tuning(0.1)},
+                     {1.5, 2.5, "", hard_tuning(499.99999999999994)}};
+    facts.events = {{0.5, kHardText}, {0.75, ""}};
+    facts.notes = kHardText;
+    facts.records = {{"past.rec", -1.0 / 3.0, 0}, {"/elsewhere/touch.rec", 5.0, 1}};
+    facts.screenshots = {"screenshot-1.png", "screenshot-2.png"};
+    return facts;
+}
+
+void expect_same(const RunFacts &read, const RunFacts &written) {
+    EXPECT_EQ(read.software, written.software);
+    EXPECT_EQ(read.started, written.started);
+    EXPECT_EQ(read.kept, written.kept);
+    EXPECT_EQ(read.until_s, written.until_s);
+    EXPECT_EQ(read.servo_hz, written.servo_hz);
+    EXPECT_EQ(read.delay_periods, written.delay_periods);
+    EXPECT_EQ(read.scene.file, written.scene.file);
+    EXPECT_EQ(read.scene.sha256, written.scene.sha256);
+    EXPECT_EQ(read.scene.triangles, written.scene.triangles);
+    EXPECT_TRUE(read.slots == written.slots);
+    EXPECT_TRUE(read.notes == written.notes);
+    EXPECT_EQ(read.screenshots, written.screenshots);
+    ASSERT_EQ(read.devices.size(), written.devices.size());
+    for (std::size_t i = 0; i < read.devices.size(); ++i) {
+        EXPECT_EQ(read.devices[i].name, written.devices[i].name);
+        EXPECT_EQ(read.devices[i].file, written.devices[i].file);
+        EXPECT_EQ(read.devices[i].toml, written.devices[i].toml);
+        EXPECT_EQ(read.devices[i].seed, written.devices[i].seed);
+        EXPECT_EQ(read.devices[i].observes_resistance, written.devices[i].observes_resistance);
+        for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
+            EXPECT_EQ(read.devices[i].effects.*effect.on, written.devices[i].effects.*effect.on);
+        }
+    }
+    ASSERT_EQ(read.journal.size(), written.journal.size());
+    for (std::size_t i = 0; i < read.journal.size(); ++i) {
+        EXPECT_EQ(read.journal[i].began_s, written.journal[i].began_s);
+        EXPECT_EQ(read.journal[i].time_s, written.journal[i].time_s);
+        EXPECT_EQ(read.journal[i].what, written.journal[i].what);
+        EXPECT_TRUE(read.journal[i].tuning == written.journal[i].tuning);
+    }
+    ASSERT_EQ(read.events.size(), written.events.size());
+    for (std::size_t i = 0; i < read.events.size(); ++i) {
+        EXPECT_EQ(read.events[i].time_s, written.events[i].time_s);
+        EXPECT_EQ(read.events[i].text, written.events[i].text);
+    }
+    ASSERT_EQ(read.records.size(), written.records.size());
+    for (std::size_t i = 0; i < read.records.size(); ++i) {
+        EXPECT_EQ(read.records[i].file, written.records[i].file);
+        EXPECT_EQ(read.records[i].start_s, written.records[i].start_s);
+        EXPECT_EQ(read.records[i].device, written.records[i].device);
+    }
+}
+
+void expect_one_line_about(const std::string &said, const std::string &file,
+                           const std::string &problem) {
+    EXPECT_NE(said.find(file), std::string::npos) << said << "\nand not about " << file;
+    EXPECT_NE(said.find(problem), std::string::npos) << said << "\nand not " << problem;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+}
+
+TEST(RunFolder, IsNamedByTheTimeAndNeverOneThatExists) {
+    const auto parent = fresh_folder("run_names");
+    const std::time_t now = std::time(nullptr);
+    for (std::time_t second = now; second < now + 5; ++second) { // as a file, and as a broken link
+        std::tm parts{};
+        localtime_r(&second, &parts);
+        std::array<char, 64> name{};
+        std::strftime(name.data(), name.size(), "springdrive-%Y%m%d-%H%M%S", &parts);
+        testing::write_file(parent / name.data(), "a file");
+        std::filesystem::create_symlink("nowhere", parent / (std::string(name.data()) + "-2"));
+    }
+    std::set<std::filesystem::path> made;
+    for (int i = 0; i < 20; ++i) {
+        const RunFolder folder = RunFolder::create(parent);
+        EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+        EXPECT_TRUE(made.insert(folder.path()).second);
+        EXPECT_TRUE(without_digits(folder.path()).starts_with("springdrive-00000000-000000-0"));
+    }
+    const RunFolder plain = RunFolder::create(fresh_folder("run_name"));
+    EXPECT_EQ(without_digits(plain.path()), "springdrive-00000000-000000");
+}
+
+TEST(RunFolder, ThatCannotBeMadeIsRefused) {
+    const auto parent = fresh_folder("run_refused");
+    testing::write_file(parent / "file", "");
+    const auto refusal = [](const std::filesystem::path &in) {
+        return complaint_of([&in] { static_cast<void>(RunFolder::create(in)); });
+    };
+    expect_one_line_about(refusal(parent / "none"), "none/springdrive-", "No such file");
+    expect_one_line_about(refusal(parent / "file"), "file/springdrive-", "Not a directory");
+    std::filesystem::permissions(parent, std::filesystem::perms(0555));
+    const std::string said = said_in_child(
+        [] { // permissions do not apply to root
+            constexpr uid_t kNobody = 65534;
+            [[maybe_unused]] const int result = geteuid() == 0 ? setuid(kNobody) : 0;
+        },
+        [&] { return refusal(parent); });
+    expect_one_line_about(said, "springdrive-", "Permission denied");
+    std::filesystem::permissions(parent, std::filesystem::perms(0755));
+    EXPECT_EQ(names_in(parent), std::set<std::string>{"file"});
+}
+
+TEST(RunFolder, OnAFullDiskLeavesNothingBehind) {
+    const auto parent = fresh_folder("run_full");
+    const std::string said = said_with_files_up_to(
+        1000, [&] { return complaint_of([&] { static_cast<void>(RunFolder::create(parent)); }); });
+    expect_one_line_about(said, "springdrive-", "is the disk full?");
+    EXPECT_TRUE(std::filesystem::is_empty(parent));
+    if (mount("none", parent.c_str(), "tmpfs", 0, "size=32k") != 0) {
+        GTEST_SKIP() << "mounting a small disk takes root";
+    }
+    expect_one_line_about(complaint_of([&] { static_cast<void>(RunFolder::create(parent)); }),
+                          "springdrive-", "is the disk full?");
+    EXPECT_TRUE(std::filesystem::is_empty(parent));
+    umount(parent.c_str());
+}
+
+TEST(RunFolder, GivesBackWhatWasSaved) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_saved"));
+    for (RunFacts facts : {some_facts(), RunFacts{}}) {
+        facts.devices.resize(std::max(std::size_t{1}, facts.devices.size()));
+        folder.save(facts);
+        expect_same(read_run(folder.path()), facts);
+    }
+    RunFacts facts = some_facts();
+    facts.slots.toggle();
+    facts.notes.assign(20U << 20U, '\n'); // huge
+    facts.journal.resize(20'000, {3.0, 3.0, "and so on", {}});
+    folder.save(facts);
+    expect_same(read_run(folder.path()), facts);
+    EXPECT_EQ(names_in(folder.path()),
+              (std::set<std::string>{"device.toml", "device-2.toml", "events.csv", "notes.txt",
+                                     "run.json", "slot_a.toml", "slot_b.toml", "tuning.toml",
+                                     "tuning_history.csv"}));
+    EXPECT_EQ(contents_of(folder.path() / "device-2.toml"), "second = 2\n");
+}
+
+TEST(RunFolder, IsReadableForPeopleAndSpreadsheets) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_text"));
+    RunFacts facts = some_facts();
+    facts.journal = {{0.0, 1.5, "K_P 6 → 8, \"by hand\"", {}}};
+    facts.events = {{0.25, "reset"}};
+    folder.save(facts);
+    EXPECT_EQ(contents_of(folder.path() / "tuning_history.csv"),
+              "began_s,time_s,what,dR_Ohm,K_P_V_per_rad,K_D_Vs_per_rad,lambda_rad_per_s,"
+              "alpha_rad2_per_m2,eta,map,alpha_mode\n"
+              "0,1.5,\"K_P 6 → 8, \"\"by hand\"\"\",0.5,6,0.01,1000,3000,0,transpose,on_the_fly\n");
+    EXPECT_EQ(contents_of(folder.path() / "events.csv"), "time_s,text\n0.25,reset\n");
+    EXPECT_EQ(contents_of(folder.path() / "notes.txt"), kHardText);
+    const std::string json = contents_of(folder.path() / "run.json");
+    for (const char *line :
+         {R"("format": "springdrive run 1")", R"("started_utc": "2024-05-31T12:34:56Z")",
+          "\"gravity\": false", "\"servo_hz\": 4000.0", R"("file": "/elsewhere/touch.rec")"}) {
+        EXPECT_NE(json.find(line), std::string::npos) << line << '\n' << json;
+    }
+}
+
+TEST(RunFolder, ReadsWhatASpreadsheetSavedAgain) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_crlf"));
+    folder.save(some_facts());
+    testing::write_file(folder.path() / "events.csv",
+                        "time_s,text\r\n1,\"plain\"\r\n\r\n2,\"a \"\"b\"\",\n c\"");
+    const RunFacts read = read_run(folder.path());
+    ASSERT_EQ(read.events.size(), 2U);
+    EXPECT_EQ(read.events[0].text, "plain");
+    EXPECT_EQ(read.events[1].text, "a \"b\",\n c");
+}
+
+TEST(RunFolder, NamesFilesSoThatItCanBeMovedAway) {
+    const auto parent = fresh_folder("run_moved");
+    const RunFolder folder = RunFolder::create(parent);
+    RunFacts facts = some_facts();
+    facts.scene.file = "scenes/../plate.gltf";
+    facts.records = {{folder.path() / "past.rec", 0.0, 0},
+                     {std::filesystem::relative(folder.path()) / "record.rec", 0.0, 0},
+                     {"../elsewhere/touch.rec", 0.0, 0},
+                     {"bare.rec", 0.0, 0}};
+    facts.screenshots = {folder.next_screenshot()};
+    folder.save(facts);
+    std::filesystem::rename(folder.path(), parent / "moved");
+    std::filesystem::create_directory_symlink(parent / "moved", parent / "linked");
+    const RunFacts read = read_run(parent / "linked");
+    EXPECT_EQ(read.scene.file, std::filesystem::current_path() / "plate.gltf");
+    EXPECT_EQ(read.records[0].file, "past.rec");
+    EXPECT_EQ(read.records[1].file, "record.rec");
+    EXPECT_EQ(read.records[2].file,
+              std::filesystem::current_path().parent_path() / "elsewhere/touch.rec");
+    EXPECT_EQ(read.records[3].file, "bare.rec");
+    EXPECT_EQ(read.screenshots[0], "screenshot-1.png");
+}
+
+TEST(RunFolder, KeepsWhatItHadIfTheDiskIsFull) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_half"));
+    const RunFacts before = some_facts();
+    folder.save(before);
+    const std::set<std::string> files = names_in(folder.path());
+    RunFacts facts = before;
+    facts.notes.assign(100'000, 'x');
+    facts.software = "later";
+    const std::string said =
+        said_with_files_up_to(50'000, [&] { return complaint_of([&] { folder.save(facts); }); });
+    expect_one_line_about(said, "notes.txt", "as it was; is the disk full?");
+    EXPECT_EQ(names_in(folder.path()), files); // no temporary files either
+    expect_same(read_run(folder.path()), before);
+    folder.save(facts);
+    expect_same(read_run(folder.path()), facts);
+}
+
+TEST(RunFolder, WithAFolderInAFilesPlaceIsRefused) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_blocked"));
+    std::filesystem::create_directory(folder.path() / "notes.txt");
+    expect_one_line_about(complaint_of([&] { folder.save(some_facts()); }), "notes.txt",
+                          "is not a regular file");
+    std::filesystem::remove_all(folder.path());
+    expect_one_line_about(complaint_of([&] { folder.save(some_facts()); }), "device.toml",
+                          "No such file");
+}
+
+TEST(RunFolder, NumbersItsScreenshots) {
+    const RunFolder folder = RunFolder::create(fresh_folder("run_pictures"));
+    EXPECT_EQ(folder.next_screenshot(), folder.path() / "screenshot-1.png");
+    testing::write_file(folder.path() / "screenshot-1.png", "");
+    std::filesystem::create_symlink("nowhere", folder.path() / "screenshot-2.png");
+    EXPECT_EQ(folder.next_screenshot(), folder.path() / "screenshot-3.png");
+    std::filesystem::remove_all(folder.path());
+    EXPECT_EQ(folder.next_screenshot(), folder.path() / "screenshot-1.png");
+}
+
+class ReadRun : public ::testing::Test {
+protected:
+    ReadRun() {
+        folder.save(some_facts());
+        json = contents_of(folder.path() / "run.json");
+    }
+    [[nodiscard]] std::string complaint() const {
+        return complaint_of([this] { static_cast<void>(read_run(folder.path())); });
+    }
+    /// With another text in a file.
+    [[nodiscard]] std::string complaint_with(const std::string &file,
+                                             const std::string &text) const {
+        const std::string before = contents_of(folder.path() / file);
+        testing::write_file(folder.path() / file, text);
+        std::string said = complaint();
+        testing::write_file(folder.path() / file, before);
+        return said;
+    }
+    /// With one part of run.json replaced.
+    [[nodiscard]] std::string complaint_after(const std::string &part,
+                                              const std::string &by) const {
+        std::string changed = json;
+        const std::size_t at = changed.find(part);
+        EXPECT_NE(at, std::string::npos) << part;
+        return complaint_with("run.json", changed.replace(at, part.size(), by));
+    }
+
+    RunFolder folder = RunFolder::create(fresh_folder("run_read"));
+    std::string json;
+};
+
+TEST_F(ReadRun, RefusesWhatItMustNotBelieve) {
+    const std::vector<std::array<std::string, 3>> cases{
+        {"\"springdrive run 1\"", "\"springdrive run 2\"", "format is 'springdrive run 2'"},
+        {"\"springdrive run 1\"", "1", "format is 1"},
+        {"\"format\"", "\"form\"", "format is missing"},
+        {"4000.0", "NaN", "is no JSON"},
+        {"4000.0", "1e999", "is no JSON"},
+        {"4000.0", "null", "servo_hz is a value of type null; it must be a number"},
+        {"4000.0", "\"fast\"", "servo_hz is 'fast'; it must be a number"},
+        {"\"servo_hz\"", "\"servo\"", "servo_hz is missing"},
+        {"2024-05-31T12:34:56Z", "yesterday\\nat noon", "started_utc is 'yesterday at noon'"},
+        {"\"seed\": 7", "\"seed\": -7", "devices[0].seed is -7; it must be a whole number"},
+        {"\"seed\": 7", "\"seed\": 7.5", "devices[0].seed is 7.5"},
+        {"\"gravity\": false", "\"gravity\": 0",
+         "devices[0].effects.gravity is 0; it must be true"},
+        {R"("active_slot": "B")", R"("active_slot": "C")", "active_slot is 'C'"},
+        {"\"records\"", "\"recorded\"", "records is missing"},
+        {"\"past.rec\"", "\"../past.rec\"", "records[0].file is '../past.rec'"},
+        {"\"past.rec\"", "\"in/past.rec\"", "records[0].file is 'in/past.rec'"},
+        {"\"past.rec\"", "\"..\"", "records[0].file is '..'"},
+        {"\"past.rec\"", "\"\"", "records[0].file is ''"},
+        {"\"past.rec\"", R"("past.rec\u0000")", "records[0].file"},
+        {"\"past.rec\"", "[]", "records[0].file is a value of type array"},
+        {R"("device": "device.toml")", R"("device": "device-3.toml")", "records[0].device"},
+        {"\"screenshot-1.png\"", "\"/etc/passwd\"", "screenshots[0] is '/etc/passwd'"},
+        {"\"triangles\": 12", "\"triangles\": true", "scene.triangles is a value of type boolean"}};
+    for (const auto &[part, by, problem] : cases) {
+        expect_one_line_about(complaint_after(part, by), (folder.path() / "run.json").string(),
+                              problem);
+    }
+    for (const char *text : {"", "[]", "7", "null", "\xff\xfe", "{}}"}) {
+        expect_one_line_about(complaint_with("run.json", text), "run.json", ": ");
+    }
+    EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(ReadRun, AcceptsWhatIsNewOrLost) {
+    EXPECT_EQ(complaint_after("\"software\"", "\"colour\": \"red\", \"software\""), "");
+    EXPECT_EQ(complaint_after("\"gravity\": false", "\"magnetism\": true"), "");
+    std::filesystem::remove(folder.path() / "notes.txt");
+    std::filesystem::remove(folder.path() / "events.csv");
+    std::filesystem::remove(folder.path() / "tuning.toml"); // for people: one of the slots
+    const RunFacts read = read_run(folder.path());
+    EXPECT_EQ(read.notes, "");
+    EXPECT_TRUE(read.events.empty());
+    for (const char *needed : {"slot_a.toml", "device-2.toml", "tuning_history.csv"}) {
+        const std::string text = contents_of(folder.path() / needed);
+        std::filesystem::remove(folder.path() / needed);
+        expect_one_line_about(complaint(), needed, "");
+        testing::write_file(folder.path() / needed, text);
+    }
+    EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(ReadRun, OfATruncatedTextIsRefusedWhereverItEnds) {
+    for (std::size_t length = 0; length + 3 < json.size(); length += 7) {
+        expect_one_line_about(complaint_with("run.json", json.substr(0, length)), "run.json",
+                              "is no JSON");
+    }
+    const std::string csv = contents_of(folder.path() / "tuning_history.csv");
+    for (std::size_t length = 0; length < csv.size(); ++length) { // may end after a whole line
+        const std::string said = complaint_with("tuning_history.csv", csv.substr(0, length));
+        EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    }
+}
+
+TEST_F(ReadRun, OfRandomBytesNeverFailsOtherwise) {
+    std::mt19937_64 random(1);
+    for (const char *file : {"run.json", "tuning_history.csv", "events.csv"}) {
+        const std::string text = contents_of(folder.path() / file);
+        for (int trial = 0; trial < 300; ++trial) {
+            std::string changed = text;
+            for (std::uint64_t i = 0; i <= random() % 4; ++i) {
+                changed[random() % changed.size()] = static_cast<char>(random());
+            }
+            const std::string said = complaint_with(file, changed);
+            EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+        }
+    }
+    for (const char *deep : {"[", "{\"a\":"}) {
+        std::string text;
+        for (int i = 0; i < 200'000; ++i) {
+            text += deep;
+        }
+        expect_one_line_about(complaint_with("run.json", text), "run.json", "is no JSON");
+    }
+}
+
+TEST_F(ReadRun, RefusesAJournalThatIsNone) {
+    const std::string csv = contents_of(folder.path() / "tuning_history.csv");
+    const std::string title = csv.substr(0, csv.find('\n') + 1);
+    const std::string values = ",0.5,6,0.01,1000,3000,0,transpose,on_the_fly\n";
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {"", "its first line must be began_s,time_s,what"},
+        {"time_s,began_s\n", "its first line must be"},
+        {title + "1,2\n", "line 2: has 2 cells; it must have 11"},
+        {title + "1,nan,x" + values, "line 2: cell 2 is 'nan'; it must be a number"},
+        {title + "1,,x" + values, "line 2: cell 2 is ''; it must be a number"},
+        {title + "2,1,x" + values, "line 2: cell 2 is '1'; it must be no earlier than began_s"},
+        {title + "2,2,\"a\n\nb\"" + values + "1,1,x" + values, "line 5: cell 2 is '1'"},
+        {title + "1,1,x,0.5,6,0.01,1000,3000,0,sideways,on_the_fly\n", "cell 10 is 'sideways'"},
+        {title + "1,1,x,0.5,6,0.01,1000,3000,0,inverse,off\n", "cell 11 is 'off'"},
+        {title + "1,1,x,0x5,6,0.01,1000,3000,0,inverse,global\n", "cell 4 is '0x5'"},
+        {title + "1,1,\"x" + values, "line 2: a quote is not closed"},
+        {title + "1,1,\"x\"y" + values, "line 2: a comma is missing after a quote"}};
+    for (const auto &[text, problem] : cases) {
+        expect_one_line_about(complaint_with("tuning_history.csv", text), "tuning_history.csv",
+                              problem);
+    }
+    EXPECT_EQ(complaint_with("tuning_history.csv", title), ""); // nothing happened
+}
+
+TEST_F(ReadRun, RefusesWhatIsNoFolderOfARun) {
+    const auto other = fresh_folder("run_other");
+    const auto complaint_about = [](const std::filesystem::path &path) {
+        return complaint_of([&path] { static_cast<void>(read_run(path)); });
+    };
+    expect_one_line_about(complaint_about(other), other.string(), "has no run.json");
+    expect_one_line_about(complaint_about(other / "none"), "none", "has no run.json");
+    testing::write_file(other / "file", "");
+    expect_one_line_about(complaint_about(other / "file"), "file", "has no run.json");
+    std::filesystem::create_directory(other / "run.json");
+    expect_one_line_about(complaint_about(other), "run.json", "is a folder");
+    std::filesystem::remove(other / "run.json");
+    std::filesystem::create_symlink("run.json", other / "run.json"); // to itself
+    expect_one_line_about(complaint_about(other), "run.json", "cannot be read");
+}
+
+/// Rows of random bits, of which the first are of another device.
+class PastRecordTest : public ::testing::Test {
+protected:
+    PastRecordTest() { past.header = record::record_header(testing::kServo_hz); }
+
+    void add(std::size_t rows) {
+        ChannelRow row(testing::phantom_1_0().geometry, testing::kServo_hz);
+        for (servo::ServoSample &sample :
+             testing::random_samples(rows, testing::kServo_hz, past.store.end())) {
+            sample.tick += past.store.end();
+            // Integers of more than 53 bits are no numbers of ticks or measurements.
+            sample.measurement_number %= std::uint64_t{1} << 53U;
+            past.store.add(sample.time_s + static_cast<double>(past.store.end()), row.of(sample));
+            added.push_back(testing::row_of(sample));
+        }
+    }
+    [[nodiscard]] std::string complaint(BackgroundTalk &&talk = {}) {
+        return complaint_of([&] { write_past(file, past, talk); });
+    }
+
+    std::vector<std::string> added; ///< as rows of a record
+    std::filesystem::path folder = fresh_folder("past_record");
+    std::filesystem::path file = folder / "past.rec";
+    PastRecord past{
+        record::ChannelStore(channels().size(), TelemetryHistory::kMaxBytes), 0, {}, {}};
+};
+
+/// Rows and notes of a record, one after another.
+std::vector<std::string> contents_of_record(const std::filesystem::path &file) {
+    std::vector<std::string> contents;
+    record::RecordReader reader(file);
+    while (reader.next()) {
+        if (reader.is_note()) {
+            contents.emplace_back(reader.note());
+        }
+        for (std::uint32_t row = 0; row < reader.rows(); ++row) {
+            contents.push_back(testing::row_of(reader.read_sample(row)));
+        }
+    }
+    EXPECT_EQ(reader.ending().why, "");
+    return contents;
+}
+
+TEST_F(PastRecordTest, HoldsEveryBitAndEachNoteInItsPlace) {
+    add(2500);
+    past.from_row = 100;
+    past.notes = {{3, "\"before\""},
+                  {100, "\"first\""},
+                  {2000, "\"a\""},
+                  {2000, "\"b\""},
+                  {2500, "\"last\""}};
+    BackgroundTalk talk;
+    write_past(file, past, talk);
+    std::vector<std::string> expected;
+    auto note = past.notes.begin();
+    for (std::uint64_t row = 100; row <= 2500; ++row) {
+        for (; note != past.notes.end() && note->before_row <= row; ++note) {
+            expected.push_back(note->json);
+        }
+        if (row < 2500) {
+            expected.push_back(added[row]);
+        }
+    }
+    EXPECT_TRUE(contents_of_record(file) == expected);
+    const record::RecordReader reader(file);
+    const servo::ServoSample first = sample_at(past.store, 100);
+    EXPECT_EQ(reader.header().tuning.map, first.tuning.map);
+    EXPECT_GT(talk.share, 0.5);
+    EXPECT_EQ(talk.what(), "writing past.rec");
+}
+
+TEST_F(PastRecordTest, BeginsWithTheFirstRowThatIsStillKept) {
+    past.store = record::ChannelStore(channels().size(), 1); // two chunks
+    add(6000);
+    ASSERT_GT(past.store.begin(), 3000U);
+    BackgroundTalk talk;
+    write_past(file, past, talk);
+    const std::vector<std::string> rows = contents_of_record(file);
+    ASSERT_EQ(rows.size(), past.store.end() - past.store.begin());
+    EXPECT_TRUE(rows.front() == added[past.store.begin()]);
+    EXPECT_TRUE(rows.back() == added.back());
+}
+
+TEST_F(PastRecordTest, WithoutRowsIsARecordOfItsNotes) {
+    past.notes = {{0, "{}"}};
+    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
+    add(10);
+    past.from_row = 1000; // of a device that has not yet run
+    file = folder / "another.rec";
+    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
+}
+
+TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
+    add(3000);
+    BackgroundTalk talk;
+    talk.is_given_up = true;
+    EXPECT_THROW(write_past(file, past, talk), NotWanted);
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    Background<bool> writing;
+    writing.start([past = past, file = file](BackgroundTalk &own) {
+        for (;;) { // until it is cancelled in the middle of one
+            write_past(file, past, own);
+            std::filesystem::remove(file);
+        }
+        return true;
+    });
+    while (!std::filesystem::exists(file)) {
+    }
+    writing.ask_to_end();
+    EXPECT_THROW(while (!writing.take()){}, NotWanted);
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+TEST_F(PastRecordTest, LeavesNothingBehindOnAFullDisk) {
+    add(3000);
+    const std::uint64_t some = record::expected_bytes(1000, past.header);
+    const std::string said = said_with_files_up_to(some, [&] { return complaint(); });
+    expect_one_line_about(said, file, "of 3000 ticks; is the disk full? Nothing of it is kept");
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    expect_one_line_about(said_with_files_up_to(100, [&] { return complaint(); }), file,
+                          "nothing was recorded");
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+TEST_F(PastRecordTest, ReplacesNoFileAndRefusesAnEndlessNote) {
+    add(10);
+    testing::write_file(file, "mine");
+    expect_one_line_about(complaint(), file, "exists already");
+    EXPECT_EQ(contents_of(file), "mine");
+    file = folder / "another.rec";
+    past.notes = {{5, std::string(record::RecordWriter::kLongestNote + 1, ' ')}};
+    expect_one_line_about(complaint(), file, "is too long");
+    EXPECT_FALSE(std::filesystem::exists(file));
+    file = folder / "none/past.rec";
+    expect_one_line_about(complaint(), file, "No such file");
+}
+
+} // namespace
+} // namespace springdrive::session
