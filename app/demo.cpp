@@ -49,6 +49,10 @@ bool run_demo(const DemoOptions &options) {
     print_new_remarks(session);
     play(options, session, screen);
     session.stop();
+    const std::string unkept = screen.finish();
+    if (!unkept.empty()) {
+        std::cerr << "springdrive: the session was not kept completely: " << unkept << '\n';
+    }
     if (!options.screenshot.empty()) {
         write_output(
             options.screenshot.string(),
@@ -63,7 +67,7 @@ bool run_demo(const DemoOptions &options) {
     }
     // An attended run shows the stop in its window.
     const bool stopped = options.unattended() && session::was_stopped(session, std::cerr);
-    return session::record_is_whole(session, std::cerr) && !stopped;
+    return session::record_is_whole(session, std::cerr) && !stopped && unkept.empty();
 }
 
 } // namespace springdrive::app

@@ -39,7 +39,7 @@ struct Layout {
     const float column = std::min(400.0F * scale, 0.55F * size.x);
     const float strip = std::min(plots_height, size.y - 100.0F * scale);
     const float left = size.x - column;
-    const float tuning = std::min(392.0F * scale, 0.6F * size.y);
+    const float tuning = std::min(372.0F * scale, 0.6F * size.y);
     const float servo = std::min(176.0F * scale, 0.25F * size.y);
     Layout result;
     result.scene_view = {{0.0F, 0.0F}, {left, size.y - strip}};

@@ -4,6 +4,7 @@
 #include "app/commands/output_files.h"
 #include "app/frame_pace.h"
 #include "app/widgets/widgets.h"
+#include "base/complaint.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 
@@ -85,7 +86,8 @@ void Screen::take_orders() {
 }
 
 void Screen::obey(const KeyPress &key) {
-    if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && ImGui::IsAnyItemActive()) {
+    const bool keeps = key.with_ctrl && key.name == "s";
+    if (!keeps && ImGui::IsMouseDown(ImGuiMouseButton_Left) && ImGui::IsAnyItemActive()) {
         return; // a slider is being dragged: it would go on in another slot or step
     }
     if ((!key.with_ctrl && move_by_key(key)) || key.is_repeated) {
@@ -98,6 +100,8 @@ void Screen::obey(const KeyPress &key) {
         desk_.redo(session_);
     } else if (key.with_ctrl && key.name == "z") {
         desk_.undo(session_);
+    } else if (keeps) {
+        keep();
     } else if (!key.with_ctrl) {
         obey_plain(key.name);
     }
@@ -215,9 +219,10 @@ void Screen::draw_frame() {
     ui::report().begin(is_reported);
     window_.begin_frame();
     draw_contents();
-    window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value());
+    const std::optional<std::filesystem::path> picture = keeper_.take_picture();
+    window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value() || picture.has_value());
     window_.end_frame();
-    write_picture();
+    write_pictures(picture);
     ++frame_;
     const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
     frame_durations_.add(duration.count());
@@ -226,15 +231,35 @@ void Screen::draw_frame() {
     }
 }
 
-/// Of plots, once the frame that shows them is complete.
-void Screen::write_picture() {
-    if (!plot_panel_.picture) {
-        return;
+void Screen::write_pictures(const std::optional<std::filesystem::path> &of_session) {
+    const auto picture_of = [this](const Rectangle &part) {
+        return [this, part](std::ostream &out) { window_.write_screenshot(out, part); };
+    };
+    if (plot_panel_.picture) {
+        const auto [file, where] = *std::exchange(plot_panel_.picture, {});
+        plot_panel_.message = save_as(file, picture_of(where));
     }
-    const PlotPanelState::Picture picture = *std::exchange(plot_panel_.picture, {});
-    plot_panel_.message = save_as(picture.file, [&](std::ostream &out) {
-        window_.write_screenshot(out, picture.where);
-    });
+    if (of_session) {
+        const std::string complaint = complaint_of([&] {
+            write_file(*of_session, picture_of({}), Existing::keep);
+            keeper_.note_picture(*of_session, session_, desk_.history(), log_);
+        });
+        if (!complaint.empty()) {
+            keeper_.fail(complaint);
+        }
+    }
+}
+
+void Screen::keep() {
+    desk_.let_go();
+    keeper_.keep(session_, desk_.history(), log_);
+}
+
+std::string Screen::finish() {
+    desk_.let_go();
+    log_.update(session_, desk_.history());
+    keeper_.finish(session_, desk_.history(), log_);
+    return keeper_.folder().empty() ? std::string() : keeper_.error();
 }
 
 std::string Screen::report_line() const {
@@ -261,7 +286,10 @@ void Screen::draw_contents() {
         desk_.let_go();
     }
     log_.update(session_, desk_.history());
-    draw_servo_panel(session_, log_, servo_panel_, places.servo);
+    keeper_.update(session_);
+    if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
+        keep();
+    }
     draw_scene_panel(session_, scene_panel_, places.scene);
     draw_plot_panel(session_, desk_.history().slots(), plot_panel_, places.plots, window_.scale());
     draw_scene_overlay(session_, places.scene_view, window_.scale());

@@ -7,6 +7,7 @@
 #include "app/panels/panels.h"
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
+#include "app/session_keeper.h"
 #include "app/tuning_desk.h"
 #include "app/view/camera.h"
 #include "app/view/renderer.h"
@@ -28,6 +29,10 @@ public:
 
     void draw_frame();
 
+    /// Once the session has stopped: completes the folder in which it is kept.
+    /// @return why that was not possible; else empty
+    std::string finish();
+
     [[nodiscard]] const Window &window() const { return window_; }
 
     /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
@@ -38,7 +43,9 @@ public:
 
 private:
     void draw_contents();
-    void write_picture();
+    /// Of plots and session, once the frame that shows them is complete.
+    void write_pictures(const std::optional<std::filesystem::path> &of_session);
+    void keep();
     [[nodiscard]] Layout current_layout() const;
     [[nodiscard]] std::string report_line() const;
     void take_orders();
@@ -65,6 +72,7 @@ private:
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
+    SessionKeeper keeper_{"."};
     EventLog log_;
     double speed_before_pause_ = 1.0;
     bool shows_keys_ = false; ///< the overlay with all keys

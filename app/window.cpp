@@ -71,6 +71,12 @@ float display_scale(GLFWwindow *window) {
     return std::clamp(std::max(x, y) / already, 1.0F, 4.0F);
 }
 
+/// By the keyboard's layout.
+bool names(int key, int scancode, std::string_view letter) {
+    const char *const name = glfwGetKeyName(key, scancode);
+    return name != nullptr && name == letter;
+}
+
 } // namespace
 
 Window::Window(const std::string &title, Size size, double scale) {
@@ -302,7 +308,8 @@ void Window::note_key(int key, int scancode, int action, int mods) {
     default:
         break;
     }
-    if (ImGui::GetIO().WantTextInput) {
+    const bool is_order = (mods & GLFW_MOD_CONTROL) != 0 && names(key, scancode, "s");
+    if (ImGui::GetIO().WantTextInput && !is_order) {
         return;
     }
     // By the keyboard's layout: GLFW's own codes are those of a US keyboard.

@@ -13,10 +13,11 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 22> kKeys{{
+constexpr std::array<KeyHelp, 23> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
+    {"Ctrl+S", "keep the session in a folder, or bring it up to date"},
     {"B", "switch between the tunings A and B"},
     {"M", "switch between the maps"},
     {"H", "hold the plots, or follow the present"},

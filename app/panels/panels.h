@@ -5,6 +5,7 @@
 #include "app/layout.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
+#include "app/session_keeper.h"
 #include "app/tuning_desk.h"
 #include "engine/session/session.h"
 
@@ -47,9 +48,11 @@ struct ServoPanelState {
     std::string record_error; ///< why the last record could not be started
 };
 
-/// State, recording, speed of the simulation; tabs with timing, limits, and what happened.
-void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanelState &state,
-                      const Rectangle &place);
+/// State, recording, speed of the simulation; tabs with timing, limits, what happened, and the
+/// person's notes. True if the session is to be kept.
+[[nodiscard]] bool draw_servo_panel(session::Session &session, const EventLog &log,
+                                    SessionKeeper &keeper, ServoPanelState &state,
+                                    const Rectangle &place);
 
 /// Within the servo panel: the safety limits with what is held against them, and sliders to lower
 /// them.

@@ -143,27 +143,59 @@ void toggle_recording(session::Session &session, ServoPanelState &state) {
 
 void show_recording(session::Session &session, ServoPanelState &state) {
     const bool recording = session.recording().is_running();
-    // The same width in both states, so that the next button does not move.
-    const float width = ImGui::CalcTextSize("stop recording").x + ImGui::GetFontSize();
-    if (ui::button(recording ? "stop recording" : "record", {width, 0.0F})) {
+    const record::RecorderStatus status = session.recording().status();
+    const double recorded_s = static_cast<double>(status.rows) / session.servo().rate_hz();
+    // The same width in all states, so that the next button does not move.
+    const float width = ImGui::CalcTextSize("stop, 10000 s").x + ImGui::GetFontSize();
+    const std::string label =
+        recording ? ui::formatted("stop, {:.0f} s###record", recorded_s) : "record###record";
+    if (ui::button(label.c_str(), {width, 0.0F})) {
         toggle_recording(session, state);
     }
-    ui::explain(recording ? "ends the file"
-                          : "writes every tick to a file in the folder where springdrive was "
-                            "started");
-    const record::RecorderStatus status = session.recording().status();
-    const std::string &error = state.record_error.empty() ? status.error : state.record_error;
-    if (!error.empty()) {
-        ui::wrapped(kDanger, "{}", error);
-    } else if (!session.recording().file().empty()) {
-        ImGui::SameLine();
-        ui::text(recording ? kDanger : kFaintInk, "{} {:.1f} s, {:.1f} MB",
-                 recording ? "recorded" : "saved",
-                 static_cast<double>(status.rows) / session.servo().rate_hz(),
-                 1e-6 * static_cast<double>(status.bytes));
-        ui::explain(
-            ui::formatted("{}, {} ticks lost", session.recording().file().string(), status.lost));
+    if (session.recording().file().empty()) {
+        ui::explain("writes every tick to a file in the folder where springdrive was started");
+    } else {
+        ui::explain(ui::formatted("{}: {:.1f} s, {:.1f} MB, {} ticks lost",
+                                  session.recording().file().string(), recorded_s,
+                                  1e-6 * static_cast<double>(status.bytes), status.lost));
     }
+}
+
+/// True if it is to be kept.
+bool show_keeping(const SessionKeeper &keeper) {
+    const bool is_asked = ui::button("keep");
+    ui::explain(
+        "keeps this session in a folder: what is still in memory and what follows, tunings,\n"
+        "notes, log and a picture. Again: brings it up to date. Ctrl+S");
+    if (keeper.is_writing()) {
+        ImGui::SameLine();
+        ui::text(kFaintInk, "writing");
+    } else if (keeper.is_kept()) {
+        ImGui::SameLine();
+        const ui::Scope scope("kept");
+        ui::text(kGood, "kept");
+        ui::explain(keeper.folder().filename().string());
+    }
+    return is_asked;
+}
+
+void show_errors(const session::Session &session, const SessionKeeper &keeper,
+                 const ServoPanelState &state) {
+    for (const std::string &error :
+         {state.record_error, session.recording().status().error, keeper.error()}) {
+        if (!error.empty()) {
+            ui::wrapped(kDanger, "{}", error);
+        }
+    }
+}
+
+void show_notes(SessionKeeper &keeper) {
+    const float line = ImGui::GetTextLineHeightWithSpacing();
+    const float height = std::max(2.5F * line, ImGui::GetContentRegionAvail().y - line);
+    ui::text_box("##notes", keeper.notes, {-1.0F, height});
+    ui::text(kFaintInk, "{}",
+             keeper.folder().empty() ? "kept with the session: Ctrl+S"
+                                     : keeper.folder().filename().string() + "; Ctrl+S saves them");
 }
 
 struct Speed {
@@ -228,15 +260,18 @@ void show_timing(const session::Session &session) {
 
 } // namespace
 
-void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanelState &state,
-                      const Rectangle &place) {
+bool draw_servo_panel(session::Session &session, const EventLog &log, SessionKeeper &keeper,
+                      ServoPanelState &state, const Rectangle &place) {
     const ui::Panel panel("Servo", place, ImGuiWindowFlags_NoTitleBar);
     show_state(session);
     show_speed(session);
     show_recording(session, state);
+    ImGui::SameLine();
+    const bool keeps = show_keeping(keeper);
+    show_errors(session, keeper, state);
     const ui::Tabs tabs("servo");
     if (!tabs) {
-        return;
+        return keeps;
     }
     if (const ui::Tab timing("Timing"); timing) {
         show_timing(session);
@@ -247,6 +282,10 @@ void draw_servo_panel(session::Session &session, const EventLog &log, ServoPanel
     if (const ui::Tab events("Log"); events) {
         show_log(log);
     }
+    if (const ui::Tab notes("Notes"); notes) {
+        show_notes(keeper);
+    }
+    return keeps;
 }
 
 } // namespace springdrive::app

@@ -223,6 +223,12 @@ bool text_field(const char *label, const char *hint, std::string &text) {
     return is_entered;
 }
 
+bool text_box(const char *label, std::string &text, ImVec2 size) {
+    const bool is_changed = ImGui::InputTextMultiline(label, &text, size);
+    enter(label, "field", text_of(label), text);
+    return is_changed;
+}
+
 bool selectable(const char *label, bool is_selected) {
     const bool is_clicked = ImGui::Selectable(label, is_selected);
     enter(label, "entry", text_of(label), is_selected);

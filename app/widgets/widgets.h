@@ -152,6 +152,9 @@ void number_text_field(const char *label, std::string &text, double value);
 /// A line of text to be typed; `hint` is shown while it is empty. True on Enter.
 bool text_field(const char *label, const char *hint, std::string &text);
 
+/// Several lines of text to be typed. True when changed.
+bool text_box(const char *label, std::string &text, ImVec2 size);
+
 /// An entry of a list or menu. True when clicked.
 bool selectable(const char *label, bool is_selected);
 

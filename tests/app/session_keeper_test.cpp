@@ -1,0 +1,262 @@
+// Covers app/session_keeper.cpp: whatever happens between two keeps, no tick that was in memory is
+// missing in the folder.
+#include "app/session_keeper.h"
+
+#include "engine/record/record_reader.h"
+#include "tests/engine/session/session_fixture.h"
+#include "tests/support/program.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <set>
+#include <sys/resource.h>
+#include <thread>
+
+namespace springdrive::app {
+namespace {
+
+/// Files of this process cannot grow beyond `bytes` while this lives, as on a full disk.
+class FullDisk {
+public:
+    explicit FullDisk(std::uint64_t bytes) {
+        before_ = std::signal(SIGXFSZ, SIG_IGN);
+        getrlimit(RLIMIT_FSIZE, &limit_);
+        rlimit small = limit_;
+        small.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &small);
+    }
+    ~FullDisk() {
+        setrlimit(RLIMIT_FSIZE, &limit_);
+        std::signal(SIGXFSZ, before_);
+    }
+    FullDisk(const FullDisk &) = delete;
+    FullDisk &operator=(const FullDisk &) = delete;
+
+private:
+    rlimit limit_{};
+    void (*before_)(int) = nullptr;
+};
+
+class SessionKeeperTest : public ::testing::Test {
+protected:
+    SessionKeeperTest() { played.start(); }
+
+    void run(double seconds) {
+        for (int frame = 0; frame < static_cast<int>(std::round(seconds * 60.0)); ++frame) {
+            played.advance(testing::kFrame_s);
+            log.update(played, tuning);
+            keeper.update(played);
+        }
+    }
+    void keep() {
+        keeper.keep(played, tuning, log);
+        while (keeper.is_writing()) {
+            keeper.update(played);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    }
+    void finish() {
+        played.stop();
+        keeper.finish(played, tuning, log);
+    }
+    void exchange() {
+        played.exchange_device(testing::premium());
+        for (int frame = 0; played.is_exchanging() && frame < 300; ++frame) {
+            run(testing::kFrame_s);
+        }
+        ASSERT_FALSE(played.is_exchanging());
+    }
+
+    /// The ticks of each device in the folder's records, by the session's time of its start.
+    [[nodiscard]] std::map<double, std::set<std::uint64_t>> ticks() const {
+        std::map<double, std::set<std::uint64_t>> found;
+        for (const session::RunRecord &record : session::read_run(keeper.folder()).records) {
+            record::RecordReader reader(keeper.folder() / record.file);
+            while (reader.next()) {
+                for (std::uint32_t row = 0; row < reader.rows(); ++row) {
+                    found[record.start_s].insert(reader.read_sample(row).tick);
+                }
+            }
+        }
+        return found;
+    }
+    void expect_all_of(const std::set<std::uint64_t> &found, std::uint64_t last) const {
+        EXPECT_EQ(found.size(), last + 1);
+        EXPECT_EQ(*found.begin(), 0U);
+        EXPECT_EQ(*found.rbegin(), last);
+    }
+    /// By the program.
+    void expect_replays() const {
+        const testing::Ending ending = testing::run_program({"replay", keeper.folder()});
+        EXPECT_EQ(ending.exit_status, 0) << ending.out << ending.error;
+        EXPECT_EQ(ending.out.find("not recorded"), std::string::npos) << ending.out;
+    }
+
+    std::filesystem::path parent = testing::fresh_folder("session_keeper");
+    session::Session played{testing::scripted()};
+    session::TuningHistory tuning{played.servo().inputs().tuning};
+    EventLog log;
+    SessionKeeper keeper{parent};
+};
+
+TEST_F(SessionKeeperTest, KeepsThePastAndWhatFollows) {
+    run(2.0);
+    keep();
+    EXPECT_TRUE(keeper.is_kept()) << keeper.error();
+    run(1.0);
+    keep(); // once more: no further file is needed
+    run(0.5);
+    finish();
+    EXPECT_EQ(keeper.error(), "");
+    EXPECT_EQ(session::read_run(keeper.folder()).records.size(), 2U);
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, KeepsWhatCameAfterAStoppedRecording) {
+    run(1.0);
+    keep();
+    run(1.0);
+    played.recording().stop();
+    run(3.0);
+    keep();
+    EXPECT_TRUE(played.recording().is_running()); // from now on again
+    run(0.5);
+    played.recording().stop();
+    run(0.5);
+    finish();
+    EXPECT_EQ(keeper.error(), "");
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, ListsARecordThatRunsElsewhere) {
+    run(0.5);
+    played.start_recording(parent / "mine.rec");
+    run(0.5);
+    keep();
+    run(0.5);
+    played.recording().stop();
+    run(1.0);
+    finish();
+    EXPECT_EQ(keeper.error(), "");
+    bool is_listed = false;
+    for (const session::RunRecord &record : session::read_run(keeper.folder()).records) {
+        is_listed = is_listed || record.file == std::filesystem::absolute(parent / "mine.rec");
+    }
+    EXPECT_TRUE(is_listed);
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, KeepsThePastOfEarlierDevices) {
+    run(3.0);
+    exchange();
+    const std::string second = played.description().name;
+    run(2.0);
+    keep();
+    exchange(); // and those that follow, each from its tick 0
+    run(1.0);
+    finish();
+    EXPECT_EQ(keeper.error(), "");
+    const session::RunFacts facts = session::read_run(keeper.folder());
+    ASSERT_EQ(facts.devices.size(), 3U);
+    EXPECT_EQ(facts.devices[1].name, second);
+    EXPECT_NE(facts.devices[0].name, second);
+    const auto found = ticks();
+    ASSERT_EQ(found.size(), 3U);
+    std::uint64_t of_all = 0;
+    for (const auto &[start_s, of_device] : found) {
+        expect_all_of(of_device, *of_device.rbegin());
+        of_all += of_device.size();
+    }
+    EXPECT_EQ(of_all, played.servo().history().store().end());
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, TriesAgainWhatAFullDiskPrevented) {
+    run(4.0);
+    {
+        const FullDisk full(200'000);
+        keep();
+        run(0.5);
+        EXPECT_FALSE(keeper.is_kept());
+        EXPECT_NE(keeper.error(), "");
+        keep(); // still full
+        EXPECT_FALSE(keeper.is_kept());
+    }
+    run(0.5);
+    keep();
+    EXPECT_TRUE(keeper.is_kept()) << keeper.error();
+    run(0.5);
+    finish();
+    EXPECT_EQ(keeper.error(), "");
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, BeginsAnotherFolderIfItsOwnIsGone) {
+    run(1.0);
+    keep();
+    const std::filesystem::path first = keeper.folder();
+    std::filesystem::remove_all(first);
+    run(0.5);
+    keeper.notes = "still here";
+    keep();
+    EXPECT_TRUE(keeper.is_kept()) << keeper.error();
+    run(0.5);
+    finish();
+    EXPECT_EQ(session::read_run(keeper.folder()).notes, "still here");
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+    expect_replays();
+}
+
+TEST_F(SessionKeeperTest, ListsTheDeviceAsItIsNow) {
+    run(0.5);
+    keep();
+    simulated::PlantEffects effects = played.simulation().effects;
+    effects.gravity = false;
+    played.set_effects(effects);
+    played.observe_resistance(false);
+    run(0.5);
+    keep();
+    const session::RunFacts facts = session::read_run(keeper.folder());
+    EXPECT_FALSE(facts.devices.back().effects.gravity);
+    EXPECT_FALSE(facts.devices.back().observes_resistance);
+}
+
+TEST_F(SessionKeeperTest, KeepsNotesThatWereNeverKept) {
+    run(0.5);
+    keeper.notes = "a thought";
+    finish();
+    ASSERT_FALSE(keeper.folder().empty());
+    EXPECT_EQ(session::read_run(keeper.folder()).notes, "a thought");
+    expect_all_of(ticks().at(0.0), played.latest().tick);
+}
+
+TEST_F(SessionKeeperTest, LeavesNothingIfNothingIsToBeKept) {
+    run(0.5);
+    finish();
+    EXPECT_TRUE(keeper.folder().empty());
+    EXPECT_TRUE(std::filesystem::is_empty(parent));
+}
+
+TEST_F(SessionKeeperTest, TheRecordBeginsAsTheDeviceWasThen) {
+    run(0.5);
+    played.set_delay(1.5);
+    run(0.5);
+    keep();
+    finish();
+    record::RecordReader past(keeper.folder() / "past.rec");
+    EXPECT_EQ(past.header().delay_periods, 0.0); // at its first tick
+    std::string notes;
+    while (past.next()) {
+        notes += past.is_note() ? past.note() : "";
+    }
+    EXPECT_NE(notes.find("\"delay_periods\":1.5"), std::string::npos) << notes;
+    EXPECT_EQ(record::RecordReader(keeper.folder() / "record.rec").header().delay_periods, 1.5);
+}
+
+} // namespace
+} // namespace springdrive::app
