@@ -10,8 +10,9 @@ namespace springdrive::app {
 
 struct DemoOptions {
     session::SessionOptions session;
-    int frames = 0;       ///< end after this many; 0: no limit
-    double seconds = 0.0; ///< end after this time (in lockstep: frame time); 0: no limit
+    int frames = 0;               ///< end after this many; 0: no limit
+    double seconds = 0.0;         ///< end after this time (in lockstep: frame time); 0: no limit
+    std::filesystem::path opened; ///< a record or the folder of a run; empty: none
     std::filesystem::path screenshot;   ///< empty: none
     Existing existing = Existing::keep; ///< of the screenshot
     int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale

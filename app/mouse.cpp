@@ -11,7 +11,8 @@ constexpr double kDepthPerNotch_m = 0.002;
 
 } // namespace
 
-void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view) {
+void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view,
+                        bool may_move_hand) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
     // A drag ends before this frame's motion, which is not part of it.
@@ -37,7 +38,7 @@ void MouseInView::apply(session::Session &session, Camera &camera, const Rectang
     const double dx = was_dragging ? io.MouseDelta.x : 0.0;
     const double dy = was_dragging ? io.MouseDelta.y : 0.0;
     const double height = view.size.y;
-    const bool may_move_hand = !session.hand().follows_path();
+    may_move_hand = may_move_hand && !session.hand().follows_path();
     switch (dragging_) {
     case Drag::hand:
         if (may_move_hand) {

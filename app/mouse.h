@@ -11,7 +11,9 @@ namespace springdrive::app {
 /// middle drag pans, the wheel zooms. A drag belongs to the view in which it began.
 class MouseInView {
 public:
-    void apply(session::Session &session, Camera &camera, const Rectangle &view);
+    /// @param may_move_hand  false while something else than the present is shown
+    void apply(session::Session &session, Camera &camera, const Rectangle &view,
+               bool may_move_hand);
 
     [[nodiscard]] bool holds_hand() const { return dragging_ == Drag::hand; }
 

@@ -67,6 +67,9 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
     }
     show_scene();
     upload(std::numeric_limits<double>::infinity()); // the first frame shows it
+    if (!options.opened.empty()) {
+        opened_.open(options.opened);
+    }
 }
 
 void Screen::take_orders() {
@@ -77,11 +80,19 @@ void Screen::take_orders() {
         obey(key);
     }
     for (const std::filesystem::path &file : window_.take_dropped_files()) {
-        if (file.extension() == ".csv") {
-            follow_path_file(session_, scene_panel_.hand, file);
-        } else {
-            session_.request_scene(file);
-        }
+        open(file);
+    }
+}
+
+/// By its kind.
+void Screen::open(const std::filesystem::path &file) {
+    std::error_code ignored;
+    if (file.extension() == ".rec" || std::filesystem::is_directory(file, ignored)) {
+        opened_.open(file);
+    } else if (file.extension() == ".csv") {
+        follow_path_file(session_, scene_panel_.hand, file);
+    } else {
+        session_.request_scene(file);
     }
 }
 
@@ -123,7 +134,7 @@ bool Screen::move_by_key(const KeyPress &key) {
                                                                      {"q", -Vector3::UnitY()}}};
     for (const auto &[name, direction] : moves) {
         if (key.name == name) {
-            if (!session_.hand().follows_path()) {
+            if (!opened_.is_shown() && !session_.hand().follows_path()) {
                 session_.hand().move_to(session_.hand().target_m() +
                                         (key.with_shift ? kFineStep_m : kStep_m) * direction);
             }
@@ -149,11 +160,17 @@ void Screen::obey_plain(const std::string &key) {
     } else if (key == "m") {
         desk_.toggle_map(session_);
     } else if (key == "h") {
-        toggle_hold(plot_panel_, servo.history().store());
+        toggle_hold(plot_panel_, opened_.subject(session_).store);
     } else if (key == "-" || key == "+" || key == "=") {
-        move_in_time(plot_panel_, servo.history().store(), key == "-" ? 1.5 : 1.0 / 1.5, 0.0);
+        move_in_time(plot_panel_, opened_.subject(session_).store, key == "-" ? 1.5 : 1.0 / 1.5,
+                     0.0);
     } else if (key == "PageUp" || key == "PageDown") {
-        move_in_time(plot_panel_, servo.history().store(), 1.0, key == "PageUp" ? -0.25 : 0.25);
+        move_in_time(plot_panel_, opened_.subject(session_).store, 1.0,
+                     key == "PageUp" ? -0.25 : 0.25);
+    } else if (key == "r" && opened_.playback().is_open()) {
+        opened_.view = opened_.is_shown() ? RecordView::present : RecordView::instead_of;
+    } else if (opened_.is_shown() && (key == "p" || key == "." || key == ",")) {
+        obey_on_record(key);
     } else if (key == "p") {
         toggle_pause();
     } else if (key == ".") {
@@ -169,6 +186,15 @@ void Screen::obey_plain(const std::string &key) {
     }
 }
 
+void Screen::obey_on_record(const std::string &key) {
+    session::RecordPlayback &playback = opened_.playback();
+    if (key == "p") {
+        playback.play(!playback.is_playing());
+    } else {
+        playback.step(key == "." ? 1 : -1);
+    }
+}
+
 void Screen::toggle_pause() {
     session::ServoRun &servo = session_.servo();
     if (servo.speed() > 0.0) {
@@ -181,7 +207,8 @@ void Screen::toggle_pause() {
 
 /// For keys: to the first widget of the next panel, or to the one that was left last.
 void Screen::go_to_next_panel(bool backwards) {
-    constexpr std::array<const char *, 5> kPanels{"stopped", "Tuning", "Servo", "Scene", "Plots"};
+    constexpr std::array<const char *, 6> kPanels{"stopped", "Tuning", "Servo",
+                                                  "Scene",   "Plots",  "record"};
     for (std::size_t i = 0; i < kPanels.size(); ++i) {
         panel_ = (panel_ + (backwards ? kPanels.size() - 1 : 1)) % kPanels.size();
         ImGuiWindow *const window = ImGui::FindWindowByName(kPanels[panel_]);
@@ -277,7 +304,8 @@ void Screen::draw_contents() {
     }
     upload(kUploadPerFrame_s);
     const Layout places = current_layout();
-    mouse_.apply(session_, camera_, places.scene_view);
+    opened_.update(ImGui::GetIO().DeltaTime, desk_.now());
+    mouse_.apply(session_, camera_, places.scene_view, !opened_.is_shown());
     window_.clear();
     draw_scene(places.scene_view);
     desk_.update(session_);
@@ -290,9 +318,10 @@ void Screen::draw_contents() {
     if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
         keep();
     }
-    draw_scene_panel(session_, scene_panel_, places.scene);
-    draw_plot_panel(session_, desk_.history().slots(), plot_panel_, places.plots, window_.scale());
-    draw_scene_overlay(session_, places.scene_view, window_.scale());
+    draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
+    draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
+                    places.plots, window_.scale());
+    draw_scene_overlay(session_, opened_, places.scene_view, window_.scale());
     // Raised by its first frame only: to be raised in each would end what is done with the mouse.
     shows_keys_ = shows_keys_ && !ImGui::IsMouseClicked(ImGuiMouseButton_Left);
     if (shows_keys_) {
@@ -356,8 +385,10 @@ void Screen::draw_scene(const Rectangle &view) {
 }
 
 ViewState Screen::view_state() const {
-    const servo::ServoSample &now = session_.latest();
-    const device::DeviceDescription &device = session_.description();
+    const bool is_record = opened_.is_shown();
+    const servo::ServoSample now = is_record ? opened_.playback().sample() : session_.latest();
+    const device::DeviceDescription &device =
+        is_record ? opened_.playback().record().device : session_.description();
     ViewState state;
     state.linkage = device::linkage_pose(device.geometry,
                                          device::joint_from_motor(device.geometry, now.theta_rad));
@@ -366,7 +397,7 @@ ViewState Screen::view_state() const {
     state.touching = now.contact.touching;
     state.normal = now.contact.normal;
     state.tip_force_N = now.tip_force_N;
-    state.hand_target_m = session_.hand().target_m();
+    state.hand_target_m = is_record ? now.tip_m : session_.hand().target_m();
     state.hand_held = mouse_.holds_hand();
     state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;

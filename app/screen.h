@@ -4,6 +4,7 @@
 #include "app/demo_options.h"
 #include "app/layout.h"
 #include "app/mouse.h"
+#include "app/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
@@ -61,6 +62,8 @@ private:
     void print(const std::vector<std::string> &remarks) const; ///< on the scene
     void draw_scene(const Rectangle &view);
     [[nodiscard]] ViewState view_state() const;
+    void open(const std::filesystem::path &file);
+    void obey_on_record(const std::string &key);
 
     Window window_;
     session::Session &session_;
@@ -72,6 +75,7 @@ private:
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
+    OpenedRecord opened_;
     SessionKeeper keeper_{"."};
     EventLog log_;
     double speed_before_pause_ = 1.0;

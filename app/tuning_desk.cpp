@@ -144,6 +144,10 @@ void TuningDesk::replace(session::Session &session, const control::Tuning &to,
 bool TuningDesk::may_go_to(const session::Session &session, const control::Tuning &to,
                            const char *what) {
     complaint_.clear();
+    if (!control::is_valid(to)) {
+        complaint_ = std::string(what) + ": not done, as it has values out of their ranges";
+        return false;
+    }
     if (is_refused(session, to)) {
         complaint_ = std::string(what) + ": not done, as that tuning is predicted to be unstable "
                                          "now; unlock first";

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <system_error>
 
 namespace springdrive::app {
 
@@ -22,6 +23,8 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     DemoOptions &options = typed.options;
     demo.add_option("--frames", options.frames, "end after this many frames")->type_name("N");
     demo.add_option("--seconds", options.seconds, "end after this time")->type_name("S");
+    demo.add_option("--open", options.opened, "show a record, or the folder of a kept session")
+        ->type_name("PATH");
     demo.add_option("--screenshot", options.screenshot, "write the last frame as PNG")
         ->type_name("FILE");
     demo.add_option("--record", typed.session.options.record,
@@ -64,6 +67,11 @@ void run(const TypedDemo &typed) {
     options.session.plays_script = options.unattended();
     options.session.existing_record = options.existing;
     check(options);
+    std::error_code ignored;
+    if (!options.opened.empty() && !std::filesystem::exists(options.opened, ignored)) {
+        throw InputError(options.opened.string() + ": not found; --open takes a record or the "
+                                                   "folder of a kept session");
+    }
     check_outputs(typed.session.files({options.screenshot}), options.existing);
     if (!run_demo(options)) {
         throw CLI::RuntimeError(1);

@@ -13,7 +13,7 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 23> kKeys{{
+constexpr std::array<KeyHelp, 24> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
@@ -22,8 +22,9 @@ constexpr std::array<KeyHelp, 23> kKeys{{
     {"M", "switch between the maps"},
     {"H", "hold the plots, or follow the present"},
     {"+ -, PgUp PgDn", "zoom the plots in time; move them to earlier or later"},
-    {"P", "pause the simulated device, or go on"},
-    {".", "one tick of the paused device"},
+    {"P", "pause the simulated device, or go on; a record that is shown, too"},
+    {". ,", "one tick of the paused device, or of the record: on, back"},
+    {"R", "show the record that is open, or the present"},
     {"W A S D Q E", "move the hand: forward, left, back, right, down, up; with Shift finely"},
     {"I J K L U O", "turn the view: up, left, down, right; nearer, farther"},
     {"F6", "go to the next panel; with Shift, to the one before"},

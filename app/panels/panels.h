@@ -3,6 +3,7 @@
 
 #include "app/event_log.h"
 #include "app/layout.h"
+#include "app/opened_record.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
 #include "app/session_keeper.h"
@@ -110,14 +111,29 @@ struct PlantTabState {
 /// Within the scene panel: the servo's rate; delay and effects of a simulated device.
 void draw_plant_tab(session::Session &session, PlantTabState &state);
 
+/// State of the record's tab between frames.
+struct RecordTabState {
+    std::vector<std::filesystem::path> files; ///< offered in the list
+    std::string path;                         ///< being typed
+};
+
+/// Within the scene panel: opens a record, compares it with the active tuning.
+void draw_record_tab(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+                     RecordTabState &state);
+
+/// Over the lower edge of the scene: where the record stands, and how fast it is played.
+void draw_record_controls(OpenedRecord &opened, const Rectangle &view, float scale);
+
 /// State of the scene panel between frames.
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
     HandTabState hand;
     PlantTabState plant;
+    RecordTabState record;
 };
-void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place);
+void draw_scene_panel(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+                      ScenePanelState &state, const Rectangle &place);
 
 /// Within the scene panel: the model selected by the scene's tolerance, and the active model.
 void draw_model_tab(session::Session &session);
@@ -126,6 +142,7 @@ void draw_model_tab(session::Session &session);
 void draw_keys_overlay(const Rectangle &window);
 
 /// Over the scene: how to use the mouse, and a banner after a safety trip.
-void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale);
+void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const Rectangle &view,
+                        float scale);
 
 } // namespace springdrive::app

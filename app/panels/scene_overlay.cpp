@@ -1,5 +1,6 @@
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
+#include "base/one_line.h"
 
 #include <algorithm>
 
@@ -55,6 +56,20 @@ void draw_waiting_banner(const session::Session &session, const Rectangle &view,
                     : "The motors start as soon as the tip is held still.");
 }
 
+/// So that a record is not taken for the present.
+void draw_record_banner(const session::Session &session, const OpenedRecord &opened,
+                        const Rectangle &view, float scale) {
+    const Banner banner("record shown", view, scale, ImVec4(0.10F, 0.20F, 0.36F, 0.96F));
+    const session::LoadedRecord &record = opened.playback().record();
+    ui::wrapped(kInk, "Record: {}. The servo goes on; R shows the present.",
+                record.file.filename().string());
+    const session::RecordedScene then = record.scene_of(opened.playback().sample());
+    if (then.sha256 != session.scenes().now().sha256) {
+        ui::wrapped(kWarning, "Not its scene: it was recorded on {}.",
+                    in_quotes(std::filesystem::path(then.file).filename().string()));
+    }
+}
+
 void draw_stop_button(session::Session &session, const Rectangle &view, float scale) {
     const float margin = 10.0F * scale;
     const float width = Banner::room_of_stop(scale) - margin;
@@ -80,18 +95,29 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
 
 } // namespace
 
-void draw_scene_overlay(session::Session &session, const Rectangle &view, float scale) {
+void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const Rectangle &view,
+                        float scale) {
+    const bool is_record = opened.is_shown();
     switch (session.latest().safety.state) {
     case servo::SafetyState::tripped:
         draw_trip_banner(session, view, scale);
         break;
     case servo::SafetyState::waiting:
-        draw_waiting_banner(session, view, scale);
+        if (!is_record) {
+            draw_waiting_banner(session, view, scale);
+        }
         break;
     default:
         break;
     }
     draw_stop_button(session, view, scale);
+    if (is_record) {
+        if (session.latest().safety.state != servo::SafetyState::tripped) {
+            draw_record_banner(session, opened, view, scale);
+        }
+        draw_record_controls(opened, view, scale);
+        return;
+    }
     const char *help = session.hand().follows_path()
                            ? "the hand follows a path · right drag: orbit · middle drag: pan · "
                              "wheel: zoom · F1: keys"

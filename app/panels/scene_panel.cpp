@@ -50,7 +50,8 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
 
 } // namespace
 
-void draw_scene_panel(session::Session &session, ScenePanelState &state, const Rectangle &place) {
+void draw_scene_panel(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+                      ScenePanelState &state, const Rectangle &place) {
     const ui::Panel panel("Scene", place, ImGuiWindowFlags_NoTitleBar);
     const ui::Tabs tabs("##tabs");
     if (!tabs) {
@@ -67,6 +68,9 @@ void draw_scene_panel(session::Session &session, ScenePanelState &state, const R
     }
     if (const ui::Tab model("Model"); model) {
         draw_model_tab(session);
+    }
+    if (const ui::Tab record("Record"); record) {
+        draw_record_tab(session, desk, opened, state.record);
     }
 }
 

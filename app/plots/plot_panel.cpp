@@ -12,6 +12,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <string_view>
+#include <utility>
 
 namespace springdrive::app {
 
@@ -97,6 +98,7 @@ void draw_trigger_button(PlotPanelState &state, const record::ChannelStore &live
     const TriggerSource source = state.trigger.settings().source;
     const std::string label = std::string("trigger: ") +
                               kTriggerSourceLabels[static_cast<std::size_t>(source)] + "###trigger";
+    const ui::Disabled of_record(state.is_of_record);
     if (ui::button(label.c_str())) {
         if (source != TriggerSource::off) { // otherwise as typed before, to be armed again
             state.typed_trigger = state.trigger.settings();
@@ -132,6 +134,9 @@ std::string state_text(const PlotPanelState &state, const record::ChannelStore &
     }
     const double kept_s =
         live.is_empty() ? 0.0 : live.time_s(live.end() - 1) - live.time_s(live.begin());
+    if (state.is_of_record) {
+        return "a record of " + span_text(kept_s) + (state.view.is_live() ? "" : ", held");
+    }
     return (state.view.is_live() ? "live, " : "held, ") + span_text(kept_s) + " kept";
 }
 
@@ -139,11 +144,15 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
                   const Rectangle &where, float scale) {
     const bool is_live = state.view.is_live();
     // The same width in both states, so that what follows does not move.
-    if (ui::button(is_live ? "pause###hold" : "live###hold", {4.0F * ImGui::GetFontSize(), 0.0F})) {
+    const char *const label = is_live              ? "pause###hold"
+                              : state.is_of_record ? "follow###hold"
+                                                   : "live###hold";
+    if (ui::button(label, {4.0F * ImGui::GetFontSize(), 0.0F})) {
         toggle_hold(state, live);
     }
-    ui::explain(is_live ? "stops the plots; the servo goes on. Key H"
-                        : "follows the present again. Key H");
+    ui::explain(is_live              ? "stops the plots; the servo goes on. Key H"
+                : state.is_of_record ? "follows the record again. Key H"
+                                     : "follows the present again. Key H");
     ImGui::SameLine();
     draw_span(state);
     ImGui::SameLine();
@@ -229,6 +238,30 @@ void keep_trace(const session::TuningSlots &slots, PlotPanelState &state,
         PlotTrace{state.view.store(live), state.view.window(live),
                   "slot " + std::string(session::name_of(state.slot))};
     state.slot = slots.active();
+}
+
+/// Another subject is shown as it goes on.
+void turn_to(const PlotSubject &subject, PlotPanelState &state) {
+    state.view.follow(subject.position_s);
+    state.is_of_record = subject.position_s.has_value();
+    if (std::exchange(state.subject, subject.number) != subject.number) {
+        state.view.go_live();
+        state.trigger = {};
+        for (Plot &plot : state.plots) {
+            plot.cache = {}; // rows of the same numbers are others now
+        }
+    }
+}
+
+/// May be null.
+const PlotTrace *trace_behind(const PlotSubject &subject, const session::TuningSlots &slots,
+                              const PlotPanelState &state) {
+    if (subject.trace != nullptr || state.is_of_record || !state.shows_trace) {
+        return subject.trace;
+    }
+    const std::optional<PlotTrace> &other =
+        state.traces[static_cast<std::size_t>(slots.inactive())];
+    return other ? &*other : nullptr;
 }
 
 /// Enters the plot into the window's report.
@@ -423,23 +456,28 @@ PlotArea draw_contents(Canvas &canvas, const Rectangle &where, Plot &plot, PlotP
     return area;
 }
 
-void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
-                     PlotPanelState &state, const Rectangle &place, float scale) {
-    const record::ChannelStore &live = session.servo().history().store();
-    state.trigger.advance(live, state.view);
+void draw_plot_panel(session::Session &session, const PlotSubject &subject,
+                     const session::TuningSlots &slots, PlotPanelState &state,
+                     const Rectangle &place, float scale) {
+    const record::ChannelStore &live = subject.store;
+    turn_to(subject, state);
+    if (!state.is_of_record) {
+        state.trigger.advance(live, state.view);
+        keep_trace(slots, state, live);
+    }
+    state.slot = slots.active();
     state.stiffness.update(drive_of(session));
     const signals::TimeWindow window = state.view.window(live);
-    keep_trace(slots, state, live);
-    const std::optional<PlotTrace> &trace =
-        state.traces[static_cast<std::size_t>(slots.inactive())];
     // A press of a button may end the hold while this frame is being drawn.
     const std::shared_ptr<const record::ChannelStore> held = state.view.held();
-    const PlotSource source{held ? *held : live,
-                            session.servo().history().servo_hz(),
-                            window,
-                            state.view.is_live() ? window.to_s : 0.0,
-                            state.shows_trace && trace ? &*trace : nullptr,
-                            state.view.reference_end_s(live)};
+    const PlotSource source{held ? *held : live, subject.servo_hz, window,
+                            // The time of a record is its own.
+                            state.view.is_live() && !state.is_of_record ? window.to_s : 0.0,
+                            trace_behind(subject, slots, state),
+                            // The answer belongs to the record's own time.
+                            state.is_of_record && subject.trace != nullptr
+                                ? subject.trace->window.to_s
+                                : state.view.reference_end_s(live)};
     const ui::Panel panel("Plots", place,
                           ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar |
                               ImGuiWindowFlags_NoScrollWithMouse);

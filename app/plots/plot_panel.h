@@ -29,6 +29,15 @@ struct Plot {
     PlotArea area{};                   ///< in the last frame
 };
 
+/// What the plots are of: the present, or a record that is open.
+struct PlotSubject {
+    const record::ChannelStore &store;
+    double servo_hz = 1000.0;
+    std::optional<double> position_s{}; ///< where a record stands; empty: the present
+    const PlotTrace *trace = nullptr;   ///< to be drawn behind, instead of the other slot's
+    std::uint32_t number = 0;           ///< of the record; 0: the present
+};
+
 /// State of the panel between frames.
 struct PlotPanelState {
     PlotPanelState();
@@ -49,6 +58,8 @@ struct PlotPanelState {
     std::array<std::optional<PlotTrace>, 2> traces;
     bool shows_trace = true;
     session::TuningSlot slot = session::TuningSlot::a; ///< in the last frame
+    bool is_of_record = false;                         ///< in the last frame
+    std::uint32_t subject = 0;                         ///< its number
 
     /// A picture of this part of the window to write when the frame is complete.
     struct Picture {
@@ -65,8 +76,9 @@ inline constexpr std::array<const char *, 7> kPlotSetLabels{
 void choose_plot_set(PlotPanelState &state, std::size_t index);
 
 /// @param slots  of tunings: the trace of the other one is shown faintly
-void draw_plot_panel(session::Session &session, const session::TuningSlots &slots,
-                     PlotPanelState &state, const Rectangle &place, float scale);
+void draw_plot_panel(session::Session &session, const PlotSubject &subject,
+                     const session::TuningSlots &slots, PlotPanelState &state,
+                     const Rectangle &place, float scale);
 
 /// Holds the plots, and zooms their time about its middle and moves it.
 /// @param span   of the new view, relative to the old one

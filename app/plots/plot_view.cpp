@@ -6,7 +6,7 @@ namespace springdrive::app {
 
 signals::TimeWindow PlotView::window(const record::ChannelStore &live) const {
     const double newest_s = live.is_empty() ? 0.0 : live.time_s(live.end() - 1);
-    const double end_s = is_live() ? newest_s : end_s_;
+    const double end_s = is_live() ? followed_s_.value_or(newest_s) : end_s_;
     return {end_s - span_s_, end_s};
 }
 

@@ -7,11 +7,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 namespace springdrive::app {
 
-/// A live view ends at the newest tick. A held one never moves by itself: it keeps a snapshot, from
-/// which nothing is lost while the servo goes on.
+/// A live view ends at the newest tick, or where a record stands. A held one never moves by itself:
+/// it keeps a snapshot, from which nothing is lost while the servo goes on.
 class PlotView {
 public:
     static constexpr double kLeastSpan_s = 1e-4;
@@ -37,6 +38,8 @@ public:
         held_by_hand_ = false;
         span_s_ = chosen_span_s_;
     }
+    /// What a live view ends at: this time of a record, or the newest tick.
+    void follow(std::optional<double> time_s) { followed_s_ = time_s; }
     /// Stops the view where it is.
     void hold(const record::ChannelStore &live);
     /// Holds, and shows this window of an event.
@@ -62,7 +65,8 @@ private:
     double chosen_span_s_ = 5.0;
     double span_s_ = 5.0; ///< as chosen, unless zoomed or that of an event
     bool held_by_hand_ = false;
-    double end_s_ = 0.0; ///< of a held view
+    std::optional<double> followed_s_; ///< empty: the newest tick
+    double end_s_ = 0.0;               ///< of a held view
     double reference_end_s_ = 0.0;
     std::shared_ptr<const record::ChannelStore> held_;
 };

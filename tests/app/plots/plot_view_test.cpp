@@ -194,5 +194,22 @@ TEST(PlotView, FollowsAgainWithTheSpanFromBeforeItWasZoomed) {
     EXPECT_EQ(view.span_s(), 0.5);
 }
 
+TEST(PlotView, EndsWhereARecordStands) {
+    MadeUpStore made;
+    made.add_until(10.0);
+    PlotView view;
+    view.set_span(2.0);
+    view.follow(4.5);
+    EXPECT_DOUBLE_EQ(view.window(made.store()).to_s, 4.5);
+    EXPECT_DOUBLE_EQ(view.window(made.store()).from_s, 2.5);
+    view.hold(made.store());
+    view.follow(6.0); // a held view does not move
+    EXPECT_DOUBLE_EQ(view.window(made.store()).to_s, 4.5);
+    view.go_live();
+    EXPECT_DOUBLE_EQ(view.window(made.store()).to_s, 6.0);
+    view.follow(std::nullopt);
+    EXPECT_DOUBLE_EQ(view.window(made.store()).to_s, made.store().time_s(made.store().end() - 1));
+}
+
 } // namespace
 } // namespace springdrive::app

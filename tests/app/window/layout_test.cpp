@@ -1,4 +1,6 @@
 // Covers what fits where: no panel may clip or overlap its contents at any size of the window.
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
 #include "tests/support/shown_window.h"
 
 #include <gtest/gtest.h>
@@ -75,6 +77,28 @@ TEST_P(Layout, NoPanelClipsOrOverlapsItsContents) {
         window.click(tab);
         expect_all_fits(window.look(), tab);
     }
+}
+
+TEST_P(Layout, ARecordFitsWithWhatOtherGainsWouldHaveDone) {
+    const std::filesystem::path folder = testing::fresh_folder("layout_record");
+    const std::filesystem::path file = folder / "touch.rec";
+    ASSERT_EQ(testing::run_program({"record", file, "--lockstep", "--seconds", "3"}).exit_status,
+              0);
+    ShownWindow window(
+        {"--open", file, "--kp", "7", "--scene", testing::assets() / "scenes/plate.gltf"},
+        GetParam(), folder);
+    window.wait_until(
+        [](const Report &report) { return report.find("record/position") != nullptr; }, "shown");
+    window.click("Scene/Record");
+    window.click("Record/what if: the active tuning");
+    window.wait_until([](const Report &report) { return report.shows("active tuning"); },
+                      "answered");
+    expect_all_fits(window.look(), "a record");
+    window.person().key("ctrl+s");
+    window.wait_until([](const Report &report) { return report.find("Servo/kept") != nullptr; },
+                      "kept");
+    expect_all_fits(window.look(), "kept");
+    std::filesystem::remove_all(folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Layout,

@@ -1,0 +1,214 @@
+// Covers records and kept sessions in the window: app/opened_record.cpp, app/session_keeper.cpp,
+// app/panels/record_tab.cpp.
+#include "tests/support/devices.h"
+#include "tests/support/program.h"
+#include "tests/support/shown_window.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+namespace springdrive::app {
+namespace {
+
+using testing::Report;
+using testing::run_program;
+using testing::ShownWindow;
+
+/// A record of a drawn device that touches a sphere.
+std::filesystem::path recorded(const std::filesystem::path &folder) {
+    std::filesystem::path file = folder / "touch.rec";
+    const testing::Ending ending =
+        run_program({"record", file, "--lockstep", "--seconds", "6", "--device-seed", "7",
+                     "--scene", testing::assets() / "scenes/sphere.gltf"});
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
+    return file;
+}
+
+double position_s(const Report &report) { return report.item("record/position").at("value"); }
+
+bool shows_record(const Report &report) { return report.find("record/position") != nullptr; }
+
+/// The only folder of a run in `folder`; empty if there is none.
+std::filesystem::path run_in(const std::filesystem::path &folder) {
+    std::filesystem::path found;
+    for (const auto &entry : std::filesystem::directory_iterator(folder)) {
+        if (std::filesystem::exists(entry.path() / "run.json")) {
+            EXPECT_TRUE(found.empty());
+            found = entry.path();
+        }
+    }
+    return found;
+}
+
+std::string text_of(const std::filesystem::path &file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(RecordsInTheWindow, ARecordIsPlayedSteppedAndLeft) {
+    const std::filesystem::path folder = testing::fresh_folder("window_records");
+    const std::filesystem::path file = recorded(folder);
+    ShownWindow window({"--scene", testing::assets() / "scenes/sphere.gltf"}, {}, folder);
+    window.wait_until_running();
+    window.click("Scene/Record");
+    window.choose("Record/files", "touch.rec");
+    window.wait_until(shows_record, "the record is shown");
+    EXPECT_TRUE(window.look().shows("Record: touch.rec"));
+    EXPECT_FALSE(window.look().shows("Not its scene"));
+    EXPECT_NEAR(position_s(window.look()), 0.0, 1e-3);
+    // In the plots time ends where the record stands.
+    window.person().key("period");
+    window.person().key("period");
+    window.person().key("comma");
+    EXPECT_NEAR(position_s(window.look()), 1e-3, 1e-6);
+    window.person().key("p");
+    const Report played = window.wait_until(
+        [](const Report &report) { return position_s(report) > 1.0; }, "it plays");
+    window.person().key("p");
+    const double stands_s = position_s(window.look());
+    EXPECT_EQ(position_s(window.look()), stands_s);
+    EXPECT_NEAR(window.look().item("plot 1/area").at("numbers").at("x_to"), stands_s, 1e-9);
+    // The servo went on, and the mouse moved no hand that is not shown.
+    EXPECT_GT(played.column("tick"), 1000.0);
+    window.person().key("r");
+    EXPECT_FALSE(shows_record(window.look()));
+    EXPECT_EQ(window.look().item("plot 1/area").at("numbers").at("x_to"), 0.0);
+    window.person().key("r");
+    EXPECT_EQ(position_s(window.look()), stands_s);
+    window.click("Record/close");
+    EXPECT_FALSE(shows_record(window.look()));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
+    const std::filesystem::path folder = testing::fresh_folder("window_what_if");
+    recorded(folder);
+    ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf", "--open", "touch.rec"},
+                       {}, folder);
+    window.wait_until(shows_record, "the record is shown");
+    EXPECT_TRUE(window.look().shows("Not its scene: it was recorded on 'sphere.gltf'"));
+    window.click("Scene/Record");
+    window.click("Record/what if: the active tuning");
+    EXPECT_TRUE(window.look().shows("it is that of the record"));
+    window.enter("Gains/dR_Ohm/typed", "0.25");
+    window.person().move_to(100.0F, 300.0F);
+    // Past the first seconds, where the tip touches.
+    const testing::Point at = window.point_in("record/position", 0.75F, 0.5F);
+    window.person().click(at.x, at.y);
+    const auto forces_N = [](const Report &report) {
+        std::vector<double> force_N;
+        for (const auto &item : report.all().at("items")) {
+            if (item.at("id") == "Scene/Record/force") {
+                force_N.push_back(std::stod(item.at("text").get<std::string>()));
+            }
+        }
+        return force_N;
+    };
+    const std::vector<double> force_N = forces_N(window.wait_until(
+        [&](const Report &report) { return forces_N(report).size() == 2; }, "the answer"));
+    // A record of 1 N or so, with dR of 0.5 Ω; half of that pulls about twice as much for the same
+    // depth (13), friction and back-EMF apart.
+    EXPECT_GT(force_N[0], 0.3);
+    EXPECT_GT(force_N[1], 1.4 * force_N[0]);
+    EXPECT_LT(force_N[1], 2.6 * force_N[0]);
+    window.click("Record/load its tuning");
+    EXPECT_EQ(window.look().item("Gains/dR_Ohm/typed").at("value"), 0.5);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(RecordsInTheWindow, FilesAreDroppedByTheirKind) {
+    const std::filesystem::path folder = testing::fresh_folder("window_drops");
+    const std::filesystem::path file = recorded(folder);
+    std::ofstream(folder / "up.csv") << "t,x,y,z\n0,0,0.05,0\n1,0.02,0.05,0\n";
+    ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf"}, {}, folder);
+    window.wait_until_running();
+    window.person().drop_files(200.0F, 200.0F, {folder / "up.csv"});
+    window.wait_until(
+        [](const Report &report) { return std::abs(report.column("tip_x_m") - 0.02) < 2e-3; },
+        "the hand follows the path");
+    window.person().drop_files(200.0F, 200.0F, {file});
+    window.wait_until(shows_record, "the record is shown");
+    window.person().key("r");
+    window.person().drop_files(200.0F, 200.0F, {testing::assets() / "scenes/sphere.gltf"});
+    window.wait_until([](const Report &report) { return report.shows("sphere.gltf"); },
+                      "the scene is shown");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(RecordsInTheWindow, AFileThatIsNoRecordIsRefusedInALine) {
+    const std::filesystem::path folder = testing::fresh_folder("window_no_record");
+    std::ofstream(folder / "touch.rec") << "this is no record";
+    ShownWindow window({}, {}, folder);
+    window.wait_until_running();
+    window.click("Scene/Record");
+    window.enter("Record/path", "touch.rec");
+    window.wait_until([](const Report &report) { return report.shows("touch.rec: "); }, "refused");
+    EXPECT_FALSE(shows_record(window.look()));
+    window.enter("Record/path", "nothing");
+    window.wait_until([](const Report &report) { return report.shows("nothing: "); }, "refused");
+    testing::expect_refused(run_program({"demo", "--open", folder / "nothing.rec"}),
+                            "nothing.rec: not found");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(KeepingInTheWindow, AKeptSessionIsReplayedTomorrow) {
+    const std::filesystem::path folder = testing::fresh_folder("window_kept");
+    std::ofstream(folder / "down.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2,0,-0.012,0\n";
+    {
+        ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf", "--path",
+                            folder / "down.csv", "--device-seed", "7"},
+                           {}, folder);
+        window.wait_until([](const Report &report) { return report.column("time_s") > 3.0; },
+                          "the tip touches");
+        window.enter("Gains/dR_Ohm/typed", "0.4");
+        window.click("Servo/Notes");
+        window.click("Notes/notes");
+        window.person().type("softer than steel");
+        window.person().key("ctrl+s"); // while typing
+        window.wait_until([](const Report &report) { return report.find("Servo/kept") != nullptr; },
+                          "kept");
+        EXPECT_EQ(window.look().column("trip_cause"), 0.0); // no space stopped it
+        const double kept_s = window.look().column("time_s");
+        window.wait_until(
+            [&](const Report &report) { return report.column("time_s") > kept_s + 1.0; },
+            "it goes on");
+        EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
+    }
+    const std::filesystem::path run = run_in(folder);
+    ASSERT_FALSE(run.empty());
+    EXPECT_EQ(text_of(run / "notes.txt"), "softer than steel");
+    EXPECT_TRUE(std::filesystem::exists(run / "screenshot-1.png"));
+    const testing::Ending replayed = run_program({"replay", run});
+    EXPECT_EQ(replayed.exit_status, 0) << replayed.out << replayed.error;
+    EXPECT_NE(replayed.out.find("2 of 2 records"), std::string::npos) << replayed.out;
+    EXPECT_EQ(replayed.out.find("differs"), std::string::npos) << replayed.out;
+
+    ShownWindow tomorrow({"--scene", testing::assets() / "scenes/plate.gltf", "--open", run}, {},
+                         folder);
+    tomorrow.wait_until(shows_record, "the record is shown");
+    tomorrow.click("Scene/Record");
+    EXPECT_TRUE(tomorrow.look().shows("softer than steel"));
+    tomorrow.choose("Record/part", "record.rec");
+    tomorrow.wait_until([](const Report &report) { return report.shows("Record: record.rec"); },
+                        "the other part");
+    tomorrow.click("Record/load its tuning");
+    EXPECT_EQ(tomorrow.look().item("Gains/dR_Ohm/typed").at("value"), 0.4);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(KeepingInTheWindow, AFolderThatCannotBeMadeIsSaid) {
+    const std::filesystem::path folder = testing::fresh_folder("window_not_kept");
+    ShownWindow window({}, {}, folder);
+    window.wait_until_running();
+    std::filesystem::remove_all(folder); // where it was started
+    window.person().key("ctrl+s");
+    window.wait_until([](const Report &report) { return report.shows("springdrive-"); }, "said");
+    EXPECT_EQ(window.look().find("Servo/kept"), nullptr);
+    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
+}
+
+} // namespace
+} // namespace springdrive::app
