@@ -8,10 +8,12 @@
 
 #include "base/vector.h"
 #include "device/core/device_file.h"
+#include "device/core/link_status.h"
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace springdrive::device {
@@ -112,7 +114,7 @@ public:
     [[nodiscard]] virtual DeviceClock clock() const = 0;
 
     /// d: servo periods, whole or fractional, from a measurement until the command computed from it
-    /// reaches the windings.
+    /// reaches the windings. Measured on a real device, as the mean of the latest ones.
     [[nodiscard]] virtual double delay_periods() const = 0;
 
     /// Called once at the start of a servo tick: the newest measurement. RT-safe.
@@ -125,6 +127,12 @@ public:
 
     [[nodiscard]] virtual DeviceIdentity identity() const = 0;
 
+    /// The connection, of a device that has one. Not on the servo's thread, but while it runs.
+    [[nodiscard]] virtual std::optional<LinkStatus> link() const { return std::nullopt; }
+
+    /// Whether counts give the rotors' angles; otherwise they must be declared by `zero`.
+    [[nodiscard]] virtual bool is_zeroed() const = 0;
+
     /// Sets the servo's period T from the next `read` on [s].
     /// @throw InputError for a period that the device does not support
     virtual void set_period(double period_s) = 0;
@@ -135,7 +143,8 @@ public:
     /// Brakes and releases the device, which reports `lost` from then on.
     virtual void close() noexcept = 0;
 
-    /// Connects again after it was lost or closed. The device brakes and must be zeroed.
+    /// Connects again after it was lost or closed. The device brakes. It is still zeroed if it can
+    /// tell that it kept its counts.
     /// @throw InputError if it cannot be found
     virtual void reconnect() = 0;
 };

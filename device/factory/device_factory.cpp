@@ -21,7 +21,7 @@ OpenDevice open_simulated(const DeviceRequest &request) {
     auto phantom = std::make_unique<simulated::SimulatedPhantom>(request.description, options,
                                                                  request.start_tip_m);
     simulated::SimulatedWorld *const world = phantom.get();
-    return {std::move(phantom), world, DeviceState::zeroed};
+    return {std::move(phantom), world};
 }
 
 } // namespace
@@ -35,8 +35,8 @@ std::optional<DeviceKind> device_kind_named(std::string_view name) {
 }
 
 OpenDevice::OpenDevice(std::unique_ptr<device::HapticDevice> device,
-                       simulated::SimulatedWorld *world, DeviceState state)
-    : device_(std::move(device)), world_(world), state_(state) {}
+                       simulated::SimulatedWorld *world)
+    : device_(std::move(device)), world_(world) {}
 
 OpenDevice::~OpenDevice() { close(); }
 
@@ -44,30 +44,35 @@ OpenDevice &OpenDevice::operator=(OpenDevice &&other) noexcept {
     close();
     device_ = std::move(other.device_);
     world_ = other.world_;
-    state_ = other.state_;
+    is_closed_ = other.is_closed_;
     return *this;
 }
 
+DeviceState OpenDevice::state() const {
+    return is_closed_             ? DeviceState::closed
+           : device_->is_zeroed() ? DeviceState::zeroed
+                                  : DeviceState::open;
+}
+
 void OpenDevice::zero(const Vector3 &theta_rad) {
-    if (state_ == DeviceState::closed) {
+    if (is_closed_) {
         throw InputError(device_->description().name +
                          " is closed and cannot be zeroed; connect it again");
     }
     device_->zero(theta_rad);
-    state_ = DeviceState::zeroed;
 }
 
 void OpenDevice::close() noexcept {
-    if (device_ && state_ != DeviceState::closed) {
+    if (device_ && !is_closed_) {
         device_->close();
-        state_ = DeviceState::closed;
+        is_closed_ = true;
     }
 }
 
 void OpenDevice::reconnect() {
     close();
     device_->reconnect();
-    state_ = DeviceState::open;
+    is_closed_ = false;
 }
 
 OpenDevice open_device(const DeviceRequest &request) {

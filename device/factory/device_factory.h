@@ -6,8 +6,8 @@
 //                 reconnect()          close()
 //                      └──── closed ◄────┘
 //
-// A device that knows its rotors' angles when it is opened, such as the simulated one, is zeroed
-// from the start.
+// A device that knows its rotors' angles when it is opened or connected again is zeroed from then
+// on: the simulated one, and a board that kept its counts.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -52,8 +52,7 @@ enum class DeviceState : std::uint8_t {
 class OpenDevice {
 public:
     /// @param world  the world of the device, if it is simulated
-    OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world,
-               DeviceState state);
+    OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world);
     ~OpenDevice();                                      ///< closes
     OpenDevice(OpenDevice &&) noexcept = default;       ///< the source may then only be assigned to
     OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes the previous device
@@ -69,7 +68,7 @@ public:
     [[nodiscard]] simulated::SimulatedWorld *world() { return world_; }
 
     [[nodiscard]] device::DeviceIdentity identity() const { return device_->identity(); }
-    [[nodiscard]] DeviceState state() const { return state_; }
+    [[nodiscard]] DeviceState state() const;
 
     /// @throw InputError if it is closed
     void zero(const Vector3 &theta_rad);
@@ -77,14 +76,14 @@ public:
     /// May be called twice.
     void close() noexcept;
 
-    /// Must be zeroed afterwards, whatever the state was before.
+    /// Must be zeroed afterwards, unless it kept its counts.
     /// @throw InputError if it cannot be found; it is then closed
     void reconnect();
 
 private:
     std::unique_ptr<device::HapticDevice> device_;
     simulated::SimulatedWorld *world_;
-    DeviceState state_;
+    bool is_closed_ = false;
 };
 
 /// @throw InputError with one line, for a device that is absent, or options that it rejects

@@ -166,6 +166,7 @@ void SimulatedPhantom::set_period(double period_s) {
 
 void SimulatedPhantom::zero(const Vector3 &theta_rad) {
     count_zero_rad_ = truth_.theta_rad - theta_rad;
+    is_zeroed_ = true;
 }
 
 /// A board that was just connected counts from the rotors' present angles.
@@ -173,6 +174,7 @@ void SimulatedPhantom::reconnect() {
     connected_ = true;
     written_ = {device::DeviceCommand::braking(), Vector3::Zero()};
     zero(Vector3::Zero());
+    is_zeroed_ = false;
 }
 
 /// Runs the plant with a constant command; returns the hand's impulse on the tip [N·s].

@@ -61,6 +61,7 @@ public:
     [[nodiscard]] device::Measurement read() noexcept override;
     void write(const device::DeviceCommand &command) noexcept override;
     [[nodiscard]] device::DeviceIdentity identity() const override { return simulated_identity(); }
+    [[nodiscard]] bool is_zeroed() const override { return is_zeroed_; }
     void set_period(double period_s) override;
     void zero(const Vector3 &theta_rad) override;
     void close() noexcept override { connected_ = false; }
@@ -165,6 +166,7 @@ private:
     std::uint64_t clock_base_periods_ = 0;
     Vector3 count_zero_rad_{Vector3::Zero()}; ///< θ at which the counts are zero
     bool connected_ = true;
+    bool is_zeroed_ = true;
 };
 
 } // namespace springdrive::simulated

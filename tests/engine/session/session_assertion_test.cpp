@@ -34,8 +34,7 @@ public:
         session.hand().take_hold(nullptr, session.description(), std::nullopt,
                                  testing::kPlantedStart_m);
         const factory::OpenDevice opened =
-            std::exchange(session.device(), factory::OpenDevice(std::move(planted), nullptr,
-                                                                factory::DeviceState::zeroed));
+            std::exchange(session.device(), factory::OpenDevice(std::move(planted), nullptr));
         session.servo().renew(*device);
         static_cast<void>(session.recording().begin_part(record::record_header(1000.0)));
     }
