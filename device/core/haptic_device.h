@@ -31,7 +31,8 @@ struct DeviceCommand {
     Vector3 e_W_V{Vector3::Zero()};                    ///< e_W of (6), per motor
     Vector3 cancelled_resistance_Ohm{Vector3::Zero()}; ///< R̂ of (6), per motor
     CommandMode mode = CommandMode::drive;
-    std::uint64_t number = 0; ///< of the measurement from which it was computed
+    std::uint64_t number = 0;   ///< of the measurement from which it was computed
+    bool resets_faults = false; ///< the board shall clear faults whose causes have gone; brakes
 
     [[nodiscard]] static DeviceCommand braking() {
         DeviceCommand command;
@@ -67,10 +68,14 @@ enum class Arrival : std::uint8_t {
 struct BoardFaults {
     static constexpr std::uint16_t kAmplifier = 1U << 0U;   ///< a power stage: opens the windings
     static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was reached
-    static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages
+    static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages or motors
     static constexpr std::uint16_t kSupply = 1U << 3U;      ///< too high or too low
     static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< implausible encoder signals
     static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: the board brakes
+    static constexpr std::uint16_t kStop = 1U << 6U;        ///< stop switch or enable line
+    static constexpr std::uint16_t kHeat = 1U << 7U;        ///< of a winding, by its currents
+    static constexpr std::uint16_t kSensor = 1U << 8U;      ///< a current sensor: opens
+    static constexpr std::uint16_t kOverrun = 1U << 9U;     ///< its amplifiers' loop was late
 
     std::uint16_t bits = 0;
 

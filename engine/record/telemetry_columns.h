@@ -103,7 +103,8 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"theta_Sd1_rad", "theta_Sd2_rad", "theta_Sd3_rad"}, "rad", s.theta_Sd_rad);
     visit("inverse_possible", "1", s.inverse_possible);
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
-    visit("command_mode", "1", s.command.mode); // command.number equals measurement_number
+    // command.number equals measurement_number; command.resets_faults concerns the board alone
+    visit("command_mode", "1", s.command.mode);
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
     constexpr std::array<std::array<std::string_view, 8>, 3> kMotorNames{{
         {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "k_T1_Nm_per_A",

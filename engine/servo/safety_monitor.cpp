@@ -66,6 +66,7 @@ void SafetyMonitor::reset() noexcept {
             guard.forget_observations();
         }
         status_ = {};
+        board_reset_left_s_ = board_has_faults_ ? kBoardReset_s : 0.0;
         cut_off_s_ = 0.0;
         rest_.reset();
         energy_.reset();
@@ -135,11 +136,14 @@ void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) n
 }
 
 /// A late measurement is new, but does not show that the device keeps up. Only a new measurement
-/// can clear an amplifier fault.
+/// can clear a fault.
 void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     stale_s_ = link.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
     amplifier_is_at_fault_ = link.faults.has(device::BoardFaults::kAmplifier) ||
                              (amplifier_is_at_fault_ && !device::has_news(link.arrival));
+    board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::has_news(link.arrival));
+    const double left_s = board_reset_left_s_ - elapsed_s;
+    board_reset_left_s_ = board_has_faults_ && left_s > kRoundOff ? left_s : 0.0;
 }
 
 /// The observer runs only while the gains are constant; while they ramp up the spring changes every
@@ -220,7 +224,7 @@ void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noe
     if (link.health != device::DeviceHealth::ok) {
         trip(TripCause::device_lost);
     }
-    if (link.faults.any()) {
+    if (link.faults.any() && !is_resetting_board()) {
         trip(TripCause::board_fault, link.faults.bits);
     }
     trip_above(TripCause::stale_measurement, (1.0 - kRoundOff) * stale_s_, limits_.stale_s);
@@ -243,7 +247,12 @@ void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation
         trip(TripCause::not_finite);
     }
     check_clocks(seen.link);
-    check_motion(seen);
+    // Of a device that is released angles need not be known: it may be zeroed now.
+    if (orders.release && status_.state == SafetyState::waiting) {
+        check_windings(seen.current_A);
+    } else {
+        check_motion(seen);
+    }
 }
 
 /// From waiting via starting to running; on a request to release, via releasing back to waiting.
@@ -255,7 +264,7 @@ void SafetyMonitor::proceed(bool release) noexcept {
     }
     switch (status_.state) {
     case SafetyState::waiting:
-        if (!release && rest_.is_at_rest()) {
+        if (!release && rest_.is_at_rest() && !is_resetting_board()) {
             status_.state = SafetyState::starting;
         }
         break;
@@ -325,7 +334,9 @@ device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, c
 
 device::DeviceCommand SafetyMonitor::safe_state() const noexcept {
     device::DeviceCommand command = device::DeviceCommand::braking();
-    command.mode = amplifier_is_at_fault_ ? device::CommandMode::open : device::CommandMode::brake;
+    command.resets_faults = is_resetting_board();
+    command.mode = amplifier_is_at_fault_ && !command.resets_faults ? device::CommandMode::open
+                                                                    : device::CommandMode::brake;
     return command;
 }
 

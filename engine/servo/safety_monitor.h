@@ -36,6 +36,9 @@ inline constexpr double kRampTime_s = 1.0;
 /// it.
 inline constexpr double kVoltageTolerated_s = 0.02;
 
+/// How long a board may take to clear its faults after a reset. No motor is driven meanwhile.
+inline constexpr double kBoardReset_s = 0.1;
+
 /// Limits of voltage, current and force reduce e_W: when lowered or raised they change at the rate
 /// of the device's limit per this time, so that there is no force step.
 inline constexpr double kLimitGlide_s = 1.0;
@@ -91,8 +94,9 @@ public:
     device::DeviceCommand hold(const device::DeviceCommand &active, const Link &link,
                                const SafetyOrders &orders) noexcept;
 
-    /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. A trip
-    /// by a failed assertion stays, because the servo's state cannot be trusted. RT-safe.
+    /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. Faults
+    /// of the device's board get kBoardReset_s, in which the board is told to clear them. A trip by
+    /// a failed assertion stays, because the servo's state cannot be trusted. RT-safe.
     void reset() noexcept;
 
     /// Trips in any state; returns the safe state. RT-safe.
@@ -117,6 +121,7 @@ private:
     void trip_above(TripCause cause, double measured, double limit) noexcept;
     void check_link(const Link &link, const SafetyOrders &orders) noexcept;
     void check_clocks(const Link &link) noexcept;
+    [[nodiscard]] bool is_resetting_board() const noexcept { return board_reset_left_s_ > 0.0; }
     void check(const device::DeviceCommand &wanted, const Observation &seen,
                const SafetyOrders &orders) noexcept;
     [[nodiscard]] device::DeviceCommand safe_state() const noexcept;
@@ -144,6 +149,8 @@ private:
     double stale_s_ = 0.0;               ///< since the last fresh measurement
     std::uint32_t held_ticks_ = 0;       ///< since the last new measurement
     bool amplifier_is_at_fault_ = false; ///< as last reported by the board
+    bool board_has_faults_ = false;      ///< the same
+    double board_reset_left_s_ = 0.0;    ///< of kBoardReset_s
     ActiveLimits held_back_;
     double force_share_ = 1.0; ///< passed on by the limiter in the previous tick
     SafetyStatus status_;

@@ -37,13 +37,17 @@ std::string text_of(const AssertionFailure &failure) {
 
 /// Names of a board's faults, given as bits.
 std::string names_of(double bits) {
-    constexpr std::array<std::pair<std::uint16_t, const char *>, 6> kNames{{
+    constexpr std::array<std::pair<std::uint16_t, const char *>, 10> kNames{{
         {device::BoardFaults::kAmplifier, "an amplifier fault"},
         {device::BoardFaults::kOverCurrent, "overcurrent"},
         {device::BoardFaults::kTemperature, "overtemperature"},
         {device::BoardFaults::kSupply, "a supply voltage out of range"},
         {device::BoardFaults::kEncoder, "implausible encoder signals"},
         {device::BoardFaults::kNoCommand, "a command timeout"},
+        {device::BoardFaults::kStop, "its stop switch, or its enable line open"},
+        {device::BoardFaults::kHeat, "a winding too hot by its currents"},
+        {device::BoardFaults::kSensor, "a failed current sensor"},
+        {device::BoardFaults::kOverrun, "an amplifier loop that came late"},
     }};
     const device::BoardFaults faults{static_cast<std::uint16_t>(bits)};
     std::string text;

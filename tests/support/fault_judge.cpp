@@ -50,6 +50,8 @@ void FaultJudge::reset() {
     may_volts_ = 0;
     must_volts_ = 0;
     state_ = servo::SafetyState::waiting;
+    is_resetting_board_ = board_has_faults_;
+    since_board_reset_s_ = 0.0;
 }
 
 servo::TripCause FaultJudge::first_must() const {
@@ -74,7 +76,13 @@ void FaultJudge::look_at_link(const device::Measurement &measured,
                               const servo::SafetyLimits &limits) {
     find(servo::TripCause::device_lost, measured.health == device::DeviceHealth::ok ? 0.0 : 1.0,
          0.5, 0.0);
-    find(servo::TripCause::board_fault, measured.faults.bits, 0.0, 0.0);
+    // A reset gives the board a tenth of a second to clear its faults.
+    constexpr double kBoardReset_s = 0.1;
+    since_board_reset_s_ += elapsed_s_;
+    board_has_faults_ = measured.faults.any();
+    is_resetting_board_ = is_resetting_board_ && board_has_faults_ &&
+                          since_board_reset_s_ < kBoardReset_s * (1.0 - kRoundOff);
+    find(servo::TripCause::board_fault, is_resetting_board_ ? 0.0 : measured.faults.bits, 0.0, 0.0);
     stale_s_ = measured.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s_;
     find(servo::TripCause::stale_measurement, stale_s_, limits.stale_s, kRoundOff);
 }

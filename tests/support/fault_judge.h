@@ -88,6 +88,9 @@ private:
     std::uint32_t heartbeat_ = 0;
     double silent_s_ = 0.0;
     double stale_s_ = 0.0;
+    bool board_has_faults_ = false;
+    bool is_resetting_board_ = false;
+    double since_board_reset_s_ = 0.0;
     double elapsed_s_ = 0.0;        ///< since the last tick
     std::uint64_t period_ = 0;      ///< of the device, in the last tick
     std::uint64_t told_period_ = 0; ///< the same in the last tick with a new measurement

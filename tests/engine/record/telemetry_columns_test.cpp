@@ -22,11 +22,13 @@ std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
 }
 
 TEST(TelemetryColumns, CoverEveryByteOfASampleExceptPaddingAndDocumentedExceptions) {
-    // The command's number equals the measurement's; a failed assertion is stored as a note.
+    // The command's number equals the measurement's, and its reset concerns the board alone; a
+    // failed assertion is stored as a note.
     const servo::ServoSample sample;
     auto found = places(sample);
     const auto *const begin = reinterpret_cast<const char *>(&sample);
     found.emplace(reinterpret_cast<const char *>(&sample.command.number), sizeof(std::uint64_t));
+    found.emplace(reinterpret_cast<const char *>(&sample.command.resets_faults), sizeof(bool));
     found.emplace(reinterpret_cast<const char *>(&sample.safety.failure), sizeof(AssertionFailure));
     found.emplace(begin + sizeof sample, 0);
     const char *at = begin;
@@ -53,7 +55,8 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
     [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
-    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number] = command;
+    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number, resets_faults] =
+        command;
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted] =
         winding[0];
     [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted] = motor[0];

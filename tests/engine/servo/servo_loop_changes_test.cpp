@@ -454,6 +454,38 @@ TEST(ServoLoopChanges, BoardFaultsTripAndOnlyAmplifierFaultsOpenTheWindings) {
     }
 }
 
+/// How many ticks it tells the board to clear its faults, from a reset on.
+int ticks_of_reset(FailingRig &rig, std::optional<int> cleared_after) {
+    int ticks = 0;
+    rig.inputs.reset_count += 1;
+    for (int i = 0; i < 300; ++i) {
+        if (i == cleared_after) {
+            rig.device().clear_fault();
+        }
+        const ServoSample sample = rig.tick();
+        ticks += sample.command.resets_faults ? 1 : 0;
+        EXPECT_NE(sample.command.mode, device::CommandMode::drive);
+        EXPECT_TRUE(!sample.command.resets_faults ||
+                    sample.command.mode == device::CommandMode::brake);
+    }
+    return ticks;
+}
+
+TEST(ServoLoopChanges, OnlyAResetTellsTheBoardToClearItsFaults) {
+    for (const std::uint16_t bits :
+         {device::BoardFaults::kAmplifier, device::BoardFaults::kNoCommand}) {
+        FailingRig rig;
+        rig.fail(rig::FaultKind::board, bits);
+        for (int i = 0; i < 300; ++i) {
+            EXPECT_FALSE(rig.tick().command.resets_faults);
+        }
+        EXPECT_EQ(ticks_of_reset(rig, std::nullopt), 99); // 0.1 s, and trips again
+        EXPECT_EQ(rig.tick().safety.cause, TripCause::board_fault);
+        EXPECT_EQ(ticks_of_reset(rig, 3), 3);
+        EXPECT_EQ(rig.tick().safety.cause, TripCause::none);
+    }
+}
+
 TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
     Rig rig(firm_contact());
     rig.device().commit({rig::FaultKind::absent});
