@@ -1,0 +1,73 @@
+// The board's end of the protocol: frames and control requests in, reports out.
+//
+// Numbering. After power-up and after a disconnection a board accepts no command until one that
+// begins the numbering, which brakes: neither a board that restarted nor a host that did resumes
+// driving unnoticed. From then on, a command is accepted if its number is after that of the last
+// accepted one. Only an accepted command feeds the watchdog.
+#pragma once
+
+#include "device/usb/board/exchange.h"
+
+namespace springdrive::board {
+
+/// Largest payload of a control request.
+inline constexpr std::size_t kLargestPayload = usb::kCapabilitiesSize;
+
+class Link {
+public:
+    Link(const BoardSettings &settings, const usb::Identity &identity);
+
+    /// A frame from the OUT endpoint.
+    /// @return what became of it
+    usb::FrameStatus receive(const std::uint8_t *data, std::size_t size,
+                             std::uint32_t arrived_at_us, const LoopStatus &loop);
+
+    /// The newest report for the IN endpoint, once.
+    [[nodiscard]] bool take_report(usb::Frame &frame, const LoopStatus &loop);
+
+    /// A control request with data from the host.
+    /// @return false: to be stalled
+    [[nodiscard]] bool control_out(std::uint8_t request, const std::uint8_t *data, std::size_t size,
+                                   const LoopStatus &loop);
+
+    /// A control request for data.
+    /// @param payload  kLargestPayload bytes
+    /// @return the size of the payload; 0: to be stalled
+    [[nodiscard]] std::size_t control_in(std::uint8_t request, std::uint16_t value,
+                                         std::uint8_t *payload, const LoopStatus &loop) const;
+
+    /// The bus was reset or suspended, or the cable pulled.
+    void disconnect();
+    void set_speed(bool is_high_speed) { is_high_speed_ = is_high_speed; }
+
+    /// A stored calibration block, at the start.
+    void load(const usb::CalibrationBlock &block);
+    /// The next block that the host wrote, once.
+    [[nodiscard]] bool take_block_to_store(usb::CalibrationBlock &block);
+
+    /// The orders are about to be passed on.
+    void count_change() { ++orders_.changes; }
+    [[nodiscard]] const Orders &orders() const { return orders_; }
+
+private:
+    usb::FrameStatus reject(usb::FrameStatus status);
+    [[nodiscard]] usb::FrameStatus check_number(const usb::Command &command) const;
+    [[nodiscard]] bool write_block(const usb::CalibrationBlock &block);
+    [[nodiscard]] std::uint32_t shortest_report_period_us() const;
+    [[nodiscard]] usb::Capabilities capabilities(const LoopStatus &loop) const;
+    [[nodiscard]] usb::Counters counters(const LoopStatus &loop) const;
+
+    BoardSettings settings_;
+    usb::Identity identity_;
+    bool is_high_speed_ = true;
+    Orders orders_;
+    bool has_number_ = false;
+    usb::FrameStatus last_rejection_ = usb::FrameStatus::ok;
+    std::uint16_t rejected_frames_ = 0;
+    usb::Counters counters_;
+    std::uint32_t reports_taken_ = 0;
+    std::array<usb::CalibrationBlock, kCalibrationBlocks> block_{};
+    std::array<bool, kCalibrationBlocks> must_store_{};
+};
+
+} // namespace springdrive::board

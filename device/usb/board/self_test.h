@@ -1,0 +1,66 @@
+// Short voltage pulses on one winding after the other, the others open: measures each resistance,
+// and whether motor, current sensor and encoder of a channel belong together and agree in sign.
+//
+//   voltage  +V ┌───────┐
+//             ──┘       │       ┌── braking       resistance = 2 V/(i₊ − i₋)
+//          −V           └───────┘
+//   means           i₊       i₋
+//
+// The two means are taken at equal times before and after the change of sign, where the rotor has
+// equal speeds, so that the back-EMF drops out. Then all windings brake until the rotors rest.
+//
+// A host that falls silent, a fault, or a limit of this test ends it.
+#pragma once
+
+#include "device/usb/board/settings.h"
+
+namespace springdrive::board {
+
+class SelfTest {
+public:
+    /// @return whether the order is within the limits, so that the test may start
+    [[nodiscard]] bool start(const usb::SelfTestOrder &order, const BoardSettings &settings);
+
+    /// One loop of a running test: which stages to drive, and with which voltage.
+    struct Step {
+        std::array<Stage, kChannels> stage{Stage::brake, Stage::brake, Stage::brake};
+        Triple voltage_V{};
+        bool has_ended = false;
+    };
+    [[nodiscard]] Step update(const Triple &current_A,
+                              const std::array<std::int32_t, kChannels> &counts,
+                              const BoardSettings &settings);
+
+    void abort() {
+        if (result_.state == usb::SelfTestState::running) {
+            result_.state = usb::SelfTestState::aborted;
+        }
+    }
+
+    [[nodiscard]] const usb::SelfTestResult &result() const { return result_; }
+
+private:
+    void begin_channel(const std::array<std::int32_t, kChannels> &counts);
+    void add_currents(const Triple &current_A);
+    void judge_channel(const std::array<std::int32_t, kChannels> &counts,
+                       const BoardSettings &settings);
+    [[nodiscard]] std::int32_t moved(std::size_t encoder,
+                                     const std::array<std::int32_t, kChannels> &counts) const;
+    [[nodiscard]] bool is_beyond(const Triple &current_A,
+                                 const std::array<std::int32_t, kChannels> &counts,
+                                 const SelfTestLimits &limits) const;
+
+    static constexpr std::uint32_t kRestShare_hz = 6; ///< braking after a channel lasts 1/6 s
+
+    usb::SelfTestResult result_;
+    float voltage_V_ = 0.0F;
+    std::uint32_t pulse_loops_ = 0;
+    std::uint32_t rest_loops_ = 0;
+    std::size_t channel_ = 0;
+    std::uint32_t loop_ = 0; ///< of this channel
+    Triple positive_As_{};   ///< sums over loops
+    Triple negative_As_{};
+    std::array<std::int32_t, kChannels> counts_at_start_{};
+};
+
+} // namespace springdrive::board

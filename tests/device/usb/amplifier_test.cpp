@@ -1,0 +1,225 @@
+// Covers device/usb/board/amplifier.{h,cpp}, on windings in double precision.
+#include "device/usb/board/amplifier.h"
+
+#include "base/vector.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include <cmath>
+#include <limits>
+
+namespace springdrive::board {
+namespace {
+
+constexpr double kR_Ohm = 2.18;
+constexpr double kL_H = 0.238e-3;
+
+Triple to_triple(const Vector3 &v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+SymmetricMatrix to_matrix(const Matrix3 &M) {
+    return {to_triple(M.diagonal()), to_triple({M(0, 1), M(0, 2), M(1, 2)})};
+}
+
+struct Trial {
+    Matrix3 R_hat_Ohm = Matrix3::Zero();
+    Matrix3 L_hat_H = Matrix3::Zero();
+    Vector3 e_W_V{0.1, -0.05, 0.08};
+    Vector3 start_A{0.0, 0.0, 0.0};
+};
+
+BoardSettings at_rate(std::uint32_t loop_rate_hz) {
+    BoardSettings settings;
+    settings.loop_rate_hz = loop_rate_hz;
+    settings.lead_bandwidth_rad_per_s = static_cast<float>(loop_rate_hz); // the same in periods
+    return settings;
+}
+
+/// Sampled in the middle of a PWM period, applied in the next, as on a board.
+Vector3 amplified_A(const Trial &trial, double duration_s, const BoardSettings &settings) {
+    Amplifier amplifier(settings);
+    const double half_s = 0.5 / settings.loop_rate_hz;
+    usb::Command command;
+    command.e_W_V = to_triple(trial.e_W_V);
+    command.cancelled_resistance_Ohm = to_matrix(trial.R_hat_Ohm);
+    command.cancelled_inductance_H = to_matrix(trial.L_hat_H);
+    const DriveSettings drive =
+        drive_settings(command, settings.actuation_lag_periods * settings.loop_period_s());
+    Vector3 current_A = trial.start_A;
+    amplifier.forget(to_triple(current_A));
+    Vector3 applied_V = trial.e_W_V + trial.R_hat_Ohm * current_A;
+    const double decay = std::exp(-kR_Ohm * half_s / kL_H);
+    const auto run = [&] {
+        current_A = applied_V / kR_Ohm + decay * (current_A - applied_V / kR_Ohm);
+    };
+    const auto loops = static_cast<int>(std::lround(duration_s * settings.loop_rate_hz));
+    for (int i = 0; i < loops; ++i) {
+        amplifier.observe(to_triple(current_A));
+        const Triple next_V = amplifier.voltage_V(drive);
+        run();
+        applied_V = Vector3(next_V[0], next_V[1], next_V[2]);
+        run();
+    }
+    return current_A;
+}
+
+/// (L − L̂) di/dt + (R − R̂) i = e_W, by the matrix exponential.
+Vector3 exact_A(const Trial &trial, double duration_s) {
+    const Matrix3 Z_R = kR_Ohm * Matrix3::Identity() - trial.R_hat_Ohm;
+    const Matrix3 Z_L = kL_H * Matrix3::Identity() - trial.L_hat_H;
+    const Matrix3 exponent = -duration_s * (Z_L.inverse() * Z_R);
+    const Vector3 settled_A = Z_R.inverse() * trial.e_W_V;
+    return settled_A + Matrix3(exponent.exp()) * (trial.start_A - settled_A);
+}
+
+/// The largest difference over a rise, by the settled current.
+double rise_error(const Trial &trial, const BoardSettings &settings) {
+    double largest = 0.0;
+    for (const double duration_s : {0.2e-3, 0.4e-3, 0.6e-3, 1.0e-3, 1.6e-3}) {
+        const double error_A =
+            (amplified_A(trial, duration_s, settings) - exact_A(trial, duration_s)).norm();
+        largest = std::max(largest, error_A / exact_A(trial, 1.0).norm());
+    }
+    return largest;
+}
+
+Trial diagonal_trial(double dR_Ohm, double inductance_share) {
+    Trial trial;
+    trial.R_hat_Ohm = (kR_Ohm - dR_Ohm) * Matrix3::Identity();
+    trial.L_hat_H = inductance_share * kL_H * Matrix3::Identity();
+    return trial;
+}
+
+/// R − R̂ = dR M, L − L̂ = L M, with M's eigenvalues 1, 1.6 and 2.4 in odd directions.
+Trial coupled_trial(double dR_Ohm, bool couples_inductance) {
+    const Vector3 a = Vector3(1.0, 2.0, -1.0).normalized();
+    const Vector3 b = a.cross(Vector3(0.3, 0.2, 1.0)).normalized();
+    const Matrix3 M = Matrix3::Identity() + 0.6 * a * a.transpose() + 1.4 * b * b.transpose();
+    Trial trial;
+    trial.R_hat_Ohm = kR_Ohm * Matrix3::Identity() - dR_Ohm * M;
+    if (couples_inductance) {
+        trial.L_hat_H = kL_H * (Matrix3::Identity() - M);
+    }
+    return trial;
+}
+
+TEST(Amplifier, WithoutCancellationIsThePlainWinding) {
+    // The first voltage acts from half a period on.
+    const Trial trial = diagonal_trial(kR_Ohm, 0.0);
+    EXPECT_LT(rise_error(trial, BoardSettings()), 1e-6);
+}
+
+TEST(Amplifier, CancelsResistanceAndInductance) {
+    for (const double dR_Ohm : {1.0, 0.5, 0.2}) {
+        for (const double inductance_share : {-1.0, -0.5, 0.0, 0.3}) {
+            EXPECT_LT(rise_error(diagonal_trial(dR_Ohm, inductance_share), BoardSettings()),
+                      inductance_share > 0.0 ? 0.05 : 0.03) // the lead's bandwidth
+                << dR_Ohm << " Ω, L̂ " << inductance_share << " L";
+        }
+    }
+}
+
+TEST(Amplifier, CouplesChannels) {
+    for (const double dR_Ohm : {1.0, 0.5, 0.2}) {
+        for (const bool couples_inductance : {false, true}) {
+            EXPECT_LT(rise_error(coupled_trial(dR_Ohm, couples_inductance), BoardSettings()), 0.03);
+        }
+    }
+}
+
+/// Compensated for its lag, the loop errs in second order only: four times less at twice the rate,
+/// until the rounding of `float` shows.
+TEST(Amplifier, ErrsInSecondOrderOfItsPeriod) {
+    for (const Trial &trial : {diagonal_trial(0.5, 0.0), coupled_trial(0.5, false)}) {
+        const double coarse = rise_error(trial, at_rate(40'000));
+        const double fine = rise_error(trial, at_rate(80'000));
+        const double finest = rise_error(trial, at_rate(160'000));
+        EXPECT_GT(coarse / fine, 3.0);
+        EXPECT_GT(fine / finest, 3.0);
+        EXPECT_GT(coarse, 1e-4); // not vacuous
+    }
+}
+
+/// Without compensation it would add R̂ τ to L, 18 % at 40 kHz.
+TEST(Amplifier, WithoutCompensationWouldAddInductance) {
+    BoardSettings settings;
+    settings.actuation_lag_periods = 0.0F;
+    const Trial trial = diagonal_trial(0.5, 0.0);
+    EXPECT_GT(rise_error(trial, settings), 0.04);
+    Trial slower = trial;
+    const double lag_s = 25e-6;
+    const Matrix3 added_H = lag_s * trial.R_hat_Ohm;
+    slower.L_hat_H = -added_H;
+    const double duration_s = 0.6e-3;
+    EXPECT_LT((amplified_A(trial, duration_s, settings) - exact_A(slower, duration_s)).norm(),
+              0.02 * exact_A(trial, 1.0).norm());
+}
+
+TEST(Amplifier, SettlesWhereResistanceSaysWhateverTheInductance) {
+    for (const bool couples_inductance : {false, true}) {
+        const Trial trial = coupled_trial(0.5, couples_inductance);
+        const Vector3 settled_A = exact_A(trial, 1.0);
+        EXPECT_LT((amplified_A(trial, 0.05, BoardSettings()) - settled_A).norm(),
+                  1e-5 * settled_A.norm());
+    }
+}
+
+/// The corners of the permitted range of R̂ and L̂ are stable: currents decay.
+TEST(Amplifier, IsStableAtItsLimits) {
+    const BoardSettings settings;
+    for (const double R_hat_Ohm : {2.1, 0.0, -static_cast<double>(settings.largest_added_Ohm)}) {
+        for (const double L_hat_H : {static_cast<double>(settings.largest_cancelled_H), 0.0,
+                                     -static_cast<double>(settings.largest_added_H)}) {
+            Trial trial = diagonal_trial(kR_Ohm - R_hat_Ohm, L_hat_H / kL_H);
+            trial.e_W_V.setZero();
+            trial.start_A = {1.0, -0.5, 0.3};
+            EXPECT_LT(amplified_A(trial, 0.06, settings).norm(), 1e-2)
+                << R_hat_Ohm << " Ω, " << L_hat_H << " H";
+        }
+    }
+}
+
+TEST(Amplifier, OverCancellationGrowsAsInTheClosedForm) {
+    Trial trial = diagonal_trial(-0.1, 0.0);
+    trial.e_W_V.setZero();
+    trial.start_A = {0.1, 0.0, 0.0};
+    const double duration_s = 5e-3;
+    EXPECT_NEAR(amplified_A(trial, duration_s, BoardSettings())[0] /
+                    (0.1 * std::exp(0.1 * duration_s / kL_H)),
+                1.0, 0.05);
+}
+
+TEST(AmplifierLimits, ScaleToTheLargestVoltageAndKeepTheDirection) {
+    const Amplifier amplifier{BoardSettings()};
+    std::uint8_t acting = 0;
+    EXPECT_EQ(amplifier.limited_V({12.0F, -3.0F, 1.0F}, 12.0F, acting),
+              (Triple{12.0F, -3.0F, 1.0F}));
+    EXPECT_EQ(acting, 0);
+    const Triple limited_V = amplifier.limited_V({24.0F, -3.0F, 1.0F}, 12.0F, acting);
+    EXPECT_EQ(limited_V, (Triple{12.0F, -1.5F, 0.5F}));
+    EXPECT_EQ(acting, usb::ActingLimits::kVoltage);
+}
+
+TEST(AmplifierLimits, CurrentLimitOnBothSides) {
+    const BoardSettings settings;
+    const float sustaining_V = settings.current_limit_A * settings.winding[0].resistance_Ohm;
+    for (const float side : {1.0F, -1.0F}) {
+        for (const float current_A : {5.499F, 5.501F}) {
+            Amplifier amplifier{settings};
+            amplifier.forget({side * current_A, 0.0F, 0.0F});
+            std::uint8_t acting = 0;
+            const Triple driven_V = amplifier.limited_V({side * 13.0F, 0.0F, 0.0F}, 20.0F, acting);
+            EXPECT_EQ(driven_V[0], side * (current_A > 5.5F ? sustaining_V : 13.0F));
+            EXPECT_EQ(acting, current_A > 5.5F ? usb::ActingLimits::kCurrent : 0);
+            // Against the current nothing is taken away.
+            EXPECT_EQ(amplifier.limited_V({side * -13.0F, 0.0F, 0.0F}, 20.0F, acting)[0],
+                      side * -13.0F);
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive::board
