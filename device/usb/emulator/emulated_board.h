@@ -1,0 +1,147 @@
+// A board with a simulated PHANTOM behind it, as a USB peripheral: the firmware's core, its plant,
+// a link that can fail, and time.
+//
+//   put ──► faults ──► Board ◄──► EmulatedPlant          one loop of the amplifiers after the other
+//   take ◄── faults ◄──┘
+//
+// Time passes by one of two clocks:
+//
+// - Frame clock: with packets only, so that a run does not depend on the host's timing, and d is
+//   imposed. After `attach` one report is permitted, and one more with each packet. `take` runs the
+//   loop to the next report. A packet that was put after a report was taken is applied d periods
+//   after that report was measured, to within a loop. So a host should answer each report by one
+//   packet, and leave the reports' phase as it is: then reports are equidistant.
+//   A host that has been silent for kSilence_s of wall time no longer stops time: it then passes by
+//   the wall clock, so that the watchdog acts, and one report is permitted each kSilence_s.
+// - Wall clock: `pass` runs the loops that are due, packets arrive when they are put, and `take`
+//   gives the newest report, once. What the machine is too slow for is lost: `late_s`.
+//
+// Detached, time passes by the wall clock in both.
+#pragma once
+
+#include "device/usb/emulator/emulated_plant.h"
+#include "device/usb/emulator/emulator_faults.h"
+#include "device/usb/emulator/packet_faults.h"
+#include "device/usb/emulator/peripheral.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::emulator {
+
+enum class BoardClock : std::uint8_t { frame, wall };
+
+/// @param serial  printable ASCII, at most usb::kSerialSize characters
+/// @throw InputError for another one
+[[nodiscard]] usb::Identity emulated_identity(std::string_view serial);
+
+struct EmulatedBoardOptions {
+    board::BoardSettings settings;
+    usb::Identity identity = emulated_identity("emulated");
+    /// Effects, hand and its path; servo period and delay are the board's.
+    simulated::SimulationOptions simulation;
+    std::optional<Vector3> start_tip_m; ///< without: the centre of the workspace
+    BoardClock clock = BoardClock::frame;
+    double delay_periods = 0.3; ///< d by the frame clock, in periods of reports
+    std::vector<Fault> faults;
+    std::uint64_t seed = 1; ///< of faults that strike at random
+    /// Board time at power-up: near 2^32, it soon begins again at 0.
+    std::uint32_t start_us = 0;
+};
+
+class EmulatedBoard final : public Peripheral {
+public:
+    static constexpr double kLongestDelay_periods = 8.0;
+    static constexpr double kSilence_s = 0.1;
+    /// In one call of `pass`; the machine has been too slow for the rest.
+    static constexpr double kLongestStep_s = 0.01;
+    /// With a lower supply, the board itself is off.
+    static constexpr double kLeastLogicSupply_V = 6.0;
+
+    /// Powers up: runs until the current sensors' offsets are measured.
+    /// @throw InputError for options that are out of range
+    EmulatedBoard(const device::DeviceDescription &description,
+                  const EmulatedBoardOptions &options);
+
+    void put(std::span<const std::uint8_t> packet) override;
+    std::size_t take(usb::Frame &packet) override;
+    bool control_out(std::uint8_t request, std::uint16_t value,
+                     std::span<const std::uint8_t> payload) override;
+    std::size_t control_in(std::uint8_t request, std::uint16_t value,
+                           std::span<std::uint8_t> payload) override;
+    void attach(bool is_high_speed) override;
+    void detach() override;
+    double pass(double elapsed_s) override;
+
+    void set_fault(const Fault &fault);
+    /// What is damaged is whole again; what the board has latched remains.
+    void clear_faults();
+    /// Whether whoever holds the device shall have it unplugged now: by a fault, or as the board
+    /// is off.
+    [[nodiscard]] bool unplug_wanted() const { return is_unplug_wanted_ || !is_powered_; }
+    /// Whether an endpoint shall be halted now. Without that its packets are lost.
+    [[nodiscard]] bool is_stalled(Direction direction) const;
+
+    /// d that the frame clock imposes at least, in present periods: a packet that is put after a
+    /// report is seen by the next loop, and applied half a loop later.
+    [[nodiscard]] double least_delay_periods() const;
+    /// Of reports, as requested last [s].
+    [[nodiscard]] double period_s() const { return 1e-6 * static_cast<double>(period_us_); }
+
+    /// Time since the construction, in whole loops.
+    [[nodiscard]] double time_s() const {
+        return static_cast<double>(plant_.loops()) / options_.settings.loop_rate_hz;
+    }
+    /// By which the board's time has fallen behind the wall clock.
+    [[nodiscard]] double late_s() const { return late_s_; }
+    [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
+    [[nodiscard]] const PacketLine &line(Direction direction) const {
+        return direction == Direction::in ? in_ : out_;
+    }
+    [[nodiscard]] const board::Board &board() const { return *board_; }
+    [[nodiscard]] const EmulatedPlant &plant() const { return plant_; }
+    /// Its hand, and its truth.
+    [[nodiscard]] simulated::SimulatedPhantom &phantom() { return plant_.phantom(); }
+
+private:
+    [[nodiscard]] std::uint64_t loop_at(double time_s) const;
+    [[nodiscard]] std::uint64_t arrival_loop() const;
+    [[nodiscard]] double period_loops() const;
+    void power_up();
+    void run_loop();
+    void run_owed();
+    void run_to_report();
+    bool collect_report();
+    void update_faults();
+    void apply_faults();
+    void set_power(bool is_powered);
+
+    EmulatedBoardOptions options_;
+    EmulatedPlant plant_;
+    std::optional<board::Board> board_;
+    PacketLine in_;
+    PacketLine out_;
+
+    bool is_attached_ = false;
+    bool is_high_speed_ = true;
+    std::uint32_t period_us_ = 1000;
+    std::uint64_t permitted_ = 0;  ///< reports, by the frame clock
+    bool offers_report_ = false;   ///< to a silent host
+    std::uint64_t taken_loop_ = 0; ///< when the report that was taken last was measured
+    double silence_s_ = 0.0;       ///< since the last packet
+    double owed_s_ = 0.0;          ///< of the wall clock, less than a loop after `pass`
+    double late_s_ = 0.0;
+
+    std::vector<Fault> active_; ///< of options_.faults
+    std::vector<bool> is_active_;
+    std::uint64_t next_change_loop_ = 0; ///< of active_
+    bool is_unplug_wanted_ = false;
+    bool is_powered_ = true;
+    std::uint32_t restarts_ = 0;
+};
+
+} // namespace springdrive::emulator

@@ -1,0 +1,165 @@
+#include "device/usb/emulator/emulated_plant.h"
+
+#include "base/input_error.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace springdrive::emulator {
+
+namespace {
+
+using board::Stage;
+
+simulated::SimulationOptions plant_options(const device::DeviceDescription &description,
+                                           const board::BoardSettings &settings,
+                                           const simulated::SimulationOptions &simulation) {
+    const bool has_board = simulation.dynamics == simulated::PlantDynamics::electromechanical &&
+                           simulation.amplifier == device::AmplifierKind::spring_drive &&
+                           simulation.quantised_encoders;
+    if (!has_board) {
+        throw InputError("emulated board: a board drives windings with inductance by voltage, and "
+                         "counts its encoders' lines; choose electromechanical dynamics, the "
+                         "spring drive and quantised encoders");
+    }
+    for (const std::uint32_t counts : settings.counts_per_turn) {
+        if (counts != static_cast<std::uint32_t>(description.encoder_counts_per_turn)) {
+            throw InputError(fmt::format(
+                "emulated board: its settings have {} counts a turn, the device file {}; set them "
+                "alike",
+                counts, description.encoder_counts_per_turn));
+        }
+    }
+    simulated::SimulationOptions options = simulation;
+    options.servo_period_s = 1.0 / settings.loop_rate_hz;
+    options.delay_periods = static_cast<double>(settings.actuation_lag_periods) - 0.5;
+    return options;
+}
+
+Vector3 torque_constants(const device::DeviceDescription &description,
+                         const simulated::SimulationOptions &options) {
+    const simulated::PlantParts parts = simulated::plant_parts(description, options);
+    return {parts.motor[0].torque_constant_Nm_per_A, parts.motor[1].torque_constant_Nm_per_A,
+            parts.motor[2].torque_constant_Nm_per_A};
+}
+
+} // namespace
+
+EmulatedPlant::EmulatedPlant(const device::DeviceDescription &description,
+                             const board::BoardSettings &settings,
+                             const simulated::SimulationOptions &simulation,
+                             const Vector3 &start_tip_m, std::uint32_t start_us)
+    : settings_(settings),
+      phantom_(description, plant_options(description, settings, simulation), start_tip_m),
+      torque_constant_Nm_per_A_(
+          torque_constants(description, plant_options(description, settings, simulation))),
+      start_us_(start_us) {}
+
+double EmulatedPlant::supply_V() const {
+    return faults_.supply_V.value_or(static_cast<double>(settings_.nominal_supply_V));
+}
+
+std::uint32_t EmulatedPlant::now_us() const {
+    constexpr std::uint64_t kPerSecond = 1'000'000;
+    return start_us_ + static_cast<std::uint32_t>((loops_ - power_up_loop_) * kPerSecond /
+                                                  settings_.loop_rate_hz);
+}
+
+board::Samples EmulatedPlant::sample() {
+    const device::Measurement measured = phantom_.advance(applied_);
+    ++loops_;
+    board::Samples samples;
+    samples.time_us = now_us();
+    sample_encoders(measured, samples);
+    sample_currents(measured, samples);
+    samples.supply_V = static_cast<float>(supply_V());
+    samples.temperature_C[usb::kPowerStages] =
+        static_cast<float>(faults_.stage_C.value_or(static_cast<double>(kStage_C)));
+    for (std::size_t i = 0; i < 3; ++i) {
+        samples.temperature_C[usb::kFirstMotor + i] =
+            static_cast<float>(phantom_.truth().housing_C[static_cast<Eigen::Index>(i)]);
+    }
+    samples.is_stopped = faults_.is_stopped;
+    samples.is_enabled = !faults_.is_disabled;
+    samples.stage_failed = faults_.has_failed_stage;
+    return samples;
+}
+
+void EmulatedPlant::sample_encoders(const device::Measurement &measured, board::Samples &samples) {
+    if (!has_counters_) {
+        counts_at_power_up_ = measured.counts;
+        counter_ = {};
+        has_counters_ = true;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        const PlantFaults::Channel &channel = faults_.channel[i];
+        const std::int32_t turned =
+            measured.counts[channel.encoder_motor] - counts_at_power_up_[channel.encoder_motor];
+        if (!channel.has_stuck_encoder) {
+            counter_[i] =
+                static_cast<std::uint16_t>(channel.has_reversed_encoder ? -turned : turned);
+        }
+    }
+    samples.encoder = counter_;
+}
+
+void EmulatedPlant::sample_currents(const device::Measurement &measured,
+                                    board::Samples &samples) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const PlantFaults::Channel &channel = faults_.channel[i];
+        const std::size_t motor = faults_.channel[channel.sensor_bridge].bridge_motor;
+        const double measured_A = measured.current_A[static_cast<Eigen::Index>(motor)];
+        samples.current_A[i] =
+            channel.has_failed_sensor
+                ? usb::kNotMeasured
+                : static_cast<float>(channel.has_reversed_sensor ? -measured_A : measured_A);
+    }
+}
+
+/// Of a driven, braked or open stage.
+double EmulatedPlant::voltage_V(const board::BridgeOrder &order, std::size_t channel) const {
+    const auto motor = static_cast<Eigen::Index>(faults_.channel[channel].bridge_motor);
+    if (order.stage[channel] == Stage::open || faults_.channel[channel].has_open_winding) {
+        return torque_constant_Nm_per_A_[motor] * phantom_.truth().theta_rate_rad_per_s[motor];
+    }
+    return order.stage[channel] == Stage::drive
+               ? supply_V() * static_cast<double>(order.duty_ratio[channel])
+               : 0.0;
+}
+
+void EmulatedPlant::apply(const board::BridgeOrder &order) {
+    applied_ = device::DeviceCommand();
+    const bool opens_all =
+        std::ranges::all_of(order.stage, [](Stage stage) { return stage == Stage::open; });
+    if (opens_all) {
+        applied_.mode = device::CommandMode::open;
+        return;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        applied_.e_W_V[static_cast<Eigen::Index>(faults_.channel[i].bridge_motor)] =
+            voltage_V(order, i);
+    }
+}
+
+void EmulatedPlant::restart() {
+    power_up_loop_ = loops_;
+    has_counters_ = false;
+}
+
+bool EmulatedPlant::load_block(std::uint16_t index, usb::CalibrationBlock &block) const {
+    if (index >= stored_.size() || !stored_[index]) {
+        return false;
+    }
+    block = *stored_[index];
+    return true;
+}
+
+bool EmulatedPlant::store_block(const usb::CalibrationBlock &block) {
+    if (block.index >= stored_.size()) {
+        return false;
+    }
+    stored_[block.index] = block;
+    return true;
+}
+
+} // namespace springdrive::emulator

@@ -1,0 +1,59 @@
+// One direction of an emulated link: packets in the order in which they arrive, and what faults
+// make of them.
+#pragma once
+
+#include "device/usb/emulator/emulator_faults.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace springdrive::emulator {
+
+struct Packet {
+    std::vector<std::uint8_t> data;
+    std::uint64_t due_loop = 0;      ///< it arrives once this loop has run
+    std::uint64_t measured_loop = 0; ///< of a report
+};
+
+/// How often each fault happened to a packet.
+using FaultCounts = std::array<std::uint64_t, kFaultKinds>;
+
+/// The same packets and faults give the same result for the same seed.
+class PacketLine {
+public:
+    PacketLine(Direction direction, std::uint64_t seed) : direction_(direction), random_(seed) {}
+
+    /// @param faults  that act now, of any kind and direction
+    /// @param period_loops  T, for delays
+    void put(Packet packet, std::span<const Fault> faults, double period_loops);
+
+    /// The next packet that has arrived by now.
+    [[nodiscard]] std::optional<Packet> take(std::uint64_t now_loop);
+
+    /// Loses what is under way.
+    void clear();
+
+    /// How many packets were put.
+    [[nodiscard]] std::uint64_t packets() const { return packets_; }
+    [[nodiscard]] const FaultCounts &faults() const { return counts_; }
+
+private:
+    [[nodiscard]] bool strikes(const Fault &fault);
+    void flip_bits(Packet &packet);
+    void insert(Packet packet);
+    [[nodiscard]] std::uint64_t below(std::uint64_t bound);
+
+    Direction direction_;
+    std::mt19937_64 random_;
+    std::uint64_t packets_ = 0;
+    std::uint64_t last_due_loop_ = 0; ///< of packets without a delay, which cannot overtake
+    std::vector<Packet> queue_;       ///< by due_loop; equal ones in the order they were put
+    std::optional<Packet> held_;      ///< until the next one has passed
+    FaultCounts counts_{};
+};
+
+} // namespace springdrive::emulator

@@ -1,0 +1,947 @@
+// Covers device/usb/emulator/{emulated_board,emulated_plant,emulator_faults,packet_faults}: time,
+// delay and packets against their definitions in PROTOCOL.md, forces against the simulated PHANTOM
+// with its own amplifiers, and each fault with and without.
+#include "device/usb/emulator/emulated_board.h"
+#include "tests/support/complaint.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+namespace springdrive::emulator {
+namespace {
+
+using board::kLargestPayload;
+using simulated::SimulatedPhantom;
+using usb::BoardState;
+using usb::ChannelFindings;
+using usb::Command;
+using usb::Counters;
+using usb::Faults;
+using usb::FrameStatus;
+using usb::Kind;
+using usb::Mode;
+using usb::Report;
+
+constexpr double kServo_s = 1e-3;
+constexpr double kR_hat_Ohm = 1.68;
+
+EmulatedBoardOptions options() {
+    EmulatedBoardOptions options;
+    options.simulation.effects.coulomb_friction = false; // it would leave the place of rest open
+    options.simulation.hand = {0.2, 8.0, 300.0, 20.0, 0.4};
+    options.start_tip_m = testing::kOffCentre_m;
+    return options;
+}
+
+Command driving(const Vector3 &e_W_V) {
+    Command command;
+    command.mode = Mode::drive;
+    for (std::size_t j = 0; j < 3; ++j) {
+        command.e_W_V[j] = static_cast<float>(e_W_V[static_cast<Eigen::Index>(j)]);
+        command.cancelled_resistance_Ohm.diagonal[j] = static_cast<float>(kR_hat_Ohm);
+    }
+    return command;
+}
+
+template <class Value> Value ask(EmulatedBoard &board, Kind kind) {
+    std::array<std::uint8_t, kLargestPayload> payload{};
+    const std::size_t size = board.control_in(static_cast<std::uint8_t>(kind), 0, payload);
+    Value value;
+    EXPECT_EQ(usb::decode(payload.data(), size, value), FrameStatus::ok);
+    return value;
+}
+
+template <class Value> bool order(EmulatedBoard &board, Kind kind, const Value &value) {
+    return board.control_out(static_cast<std::uint8_t>(kind), 0, usb::encode(value));
+}
+
+/// Answers each report with one packet, as the frame clock wants it.
+class Host {
+public:
+    explicit Host(const EmulatedBoardOptions &with = options())
+        : board(testing::phantom_1_0(), with) {}
+
+    /// Up to a first accepted command, which brakes.
+    void begin(int periods = 3) {
+        board.attach(true);
+        Command first;
+        first.begins_numbering = true;
+        for (int i = 0; i < periods; ++i) {
+            exchange(first);
+        }
+    }
+
+    void send(Command command) {
+        command.number = ++number;
+        measured_at_us[number] = report.measured_at_us;
+        board.put(usb::encode(command));
+    }
+
+    /// @return whether a valid report came
+    bool receive() {
+        usb::Frame frame;
+        const std::size_t size = board.take(frame);
+        status = usb::decode(frame.data(), size, report);
+        reports += status == FrameStatus::ok ? 1 : 0;
+        return status == FrameStatus::ok;
+    }
+
+    bool exchange(const Command &command) {
+        const bool has_report = receive();
+        send(command);
+        return has_report;
+    }
+    void exchange(const Command &command, int times) {
+        for (int i = 0; i < times; ++i) {
+            exchange(command);
+        }
+    }
+
+    /// d of the report's newest command, if it has been applied.
+    [[nodiscard]] double delay_s() const {
+        const auto from = measured_at_us.find(report.command_number);
+        if (!report.has_command || report.applied_after_us == usb::kNotApplied ||
+            from == measured_at_us.end()) {
+            return std::nan("");
+        }
+        return 1e-6 * usb::difference(report.command_arrived_at_us + report.applied_after_us,
+                                      from->second);
+    }
+
+    [[nodiscard]] BoardState state() const { return board.board().loop().state(); }
+    [[nodiscard]] std::uint16_t faults() const { return board.board().loop().faults(); }
+
+    EmulatedBoard board;
+    Report report;
+    FrameStatus status = FrameStatus::ok;
+    int reports = 0;
+    std::uint32_t number = 0;
+    std::map<std::uint32_t, std::uint32_t> measured_at_us; ///< by the command computed from it
+};
+
+// Time.
+
+TEST(FrameClock, MovesByOneReportForEachPacket) {
+    Host host;
+    usb::Frame frame;
+    EXPECT_EQ(host.board.take(frame), 0U); // not attached
+    EXPECT_EQ(host.state(), BoardState::braking);
+    const double began_s = host.board.time_s();
+    host.board.attach(true);
+    ASSERT_TRUE(host.receive());
+    EXPECT_FALSE(host.receive());
+    std::uint32_t last_us = host.report.measured_at_us;
+    for (int i = 0; i < 20; ++i) {
+        Command command;
+        command.begins_numbering = i % 3 == 0;
+        host.send(command);
+        if (i % 4 == 3) { // a packet that is rejected counts, too
+            host.board.put(std::array<std::uint8_t, 3>{1, 2, 3});
+            ASSERT_TRUE(host.receive());
+            last_us += 1000;
+        }
+        ASSERT_TRUE(host.receive());
+        EXPECT_EQ(host.report.measured_at_us, last_us + 1000);
+        last_us = host.report.measured_at_us;
+        EXPECT_FALSE(host.receive());
+    }
+    EXPECT_EQ(host.report.rejected_frames, 5);
+    EXPECT_NEAR(host.board.time_s() - began_s, 0.026, 1e-3);
+}
+
+TEST(FrameClock, PassesWithoutDriftAndModulo32Bits) {
+    for (const std::uint32_t rate_hz : {40'000U, 60'000U, 30'011U}) {
+        EmulatedBoardOptions with = options();
+        with.settings.loop_rate_hz = rate_hz;
+        with.start_us = 0xffffffffU - 100'000U;
+        Host host(with);
+        host.begin();
+        const double loop_us = 1e6 / rate_hz;
+        host.receive();
+        const std::uint32_t first_us = host.report.measured_at_us;
+        for (int i = 1; i <= 300; ++i) {
+            host.send({});
+            ASSERT_TRUE(host.receive());
+            ASSERT_NEAR(usb::difference(host.report.measured_at_us, first_us), 1000.0 * i, loop_us);
+        }
+        const double time_us = 1e6 * host.board.time_s();
+        EXPECT_NEAR(host.board.plant().now_us() - with.start_us, time_us, 1.0) << rate_hz;
+        EXPECT_LT(host.report.measured_at_us, first_us); // it began again at 0
+        EXPECT_EQ(ask<Counters>(host.board, Kind::counters).late_loops, 0U);
+    }
+}
+
+TEST(FrameClock, ImposesTheDelayToWithinALoop) {
+    for (const std::uint32_t rate_hz : {40'000U, 60'000U}) {
+        for (const std::uint32_t period_us : {500U, 1000U}) {
+            for (const double d : {0.1, 0.3, 1.0, 1.7, 2.4, 8.0}) {
+                EmulatedBoardOptions with = options();
+                with.settings.loop_rate_hz = rate_hz;
+                with.delay_periods = d;
+                Host host(with);
+                ASSERT_TRUE(order(host.board, Kind::report_rate, usb::ReportRate{period_us}));
+                host.begin();
+                int measured = 0;
+                for (int i = 0; i < 60; ++i) {
+                    ASSERT_TRUE(host.exchange(driving({0.1, 0.1, 0.1})));
+                    if (i > 20) {
+                        ++measured;
+                        EXPECT_NEAR(host.delay_s(), 1e-6 * d * period_us, 1.0 / rate_hz)
+                            << d << " at " << rate_hz << " Hz";
+                    }
+                }
+                EXPECT_GT(measured, 30);
+                EXPECT_EQ(host.report.rejected_frames, 0);
+                EXPECT_EQ(host.state(), BoardState::driving);
+            }
+        }
+    }
+}
+
+TEST(FrameClock, KeepsTheOrderOfPacketsWhenThePeriodChanges) {
+    EmulatedBoardOptions with = options();
+    with.delay_periods = 4.0;
+    Host host(with);
+    host.begin(8);
+    host.exchange(driving({0.1, 0.1, 0.1}), 10);
+    ASSERT_TRUE(order(host.board, Kind::report_rate, usb::ReportRate{250}));
+    host.exchange(driving({0.1, 0.1, 0.1}), 60);
+    EXPECT_EQ(host.report.rejected_frames, 0);
+    EXPECT_NEAR(host.delay_s(), 1e-3, 25e-6);
+}
+
+TEST(FrameClock, NamesItsLeastDelay) {
+    EmulatedBoardOptions with = options();
+    with.delay_periods = 0.0;
+    Host host(with);
+    host.begin();
+    host.exchange(driving({0.1, 0.1, 0.1}), 5);
+    EXPECT_NEAR(host.delay_s(), host.board.least_delay_periods() * kServo_s, 2e-6);
+    EXPECT_DOUBLE_EQ(host.board.least_delay_periods(), 1.5 * 25e-6 / kServo_s);
+}
+
+TEST(FrameClock, LetsTimePassForASilentHost) {
+    Host host;
+    host.begin();
+    host.exchange(driving({0.1, 0.1, 0.1}), 10);
+    ASSERT_TRUE(host.receive());
+    const double stopped_s = host.board.time_s();
+    for (int i = 0; i < 99; ++i) {
+        host.board.pass(1e-3);
+    }
+    EXPECT_EQ(host.board.time_s(), stopped_s);
+    EXPECT_FALSE(host.receive());
+    EXPECT_EQ(host.state(), BoardState::driving);
+    const auto pass_ms = [&](int duration_ms) {
+        for (int i = 0; i < duration_ms; ++i) {
+            host.board.pass(1e-3);
+        }
+    };
+    // The watchdog of 5 ms began when the last command arrived, most of a period ago.
+    pass_ms(5);
+    EXPECT_EQ(host.state(), BoardState::driving);
+    pass_ms(2);
+    EXPECT_EQ(host.state(), BoardState::fault_braking);
+    EXPECT_EQ(host.faults(), Faults::kNoCommand);
+    ASSERT_TRUE(host.receive()); // one for each tenth of a second
+    EXPECT_FALSE(host.receive());
+    // And by packets again, one report each.
+    const double silent_s = host.board.time_s();
+    EXPECT_NEAR(silent_s - stopped_s, 6e-3, 1e-4);
+    host.send({});
+    ASSERT_TRUE(host.receive());
+    EXPECT_EQ(host.report.faults, Faults::kNoCommand);
+    EXPECT_FALSE(host.receive());
+    pass_ms(50);
+    EXPECT_LE(host.board.time_s() - silent_s, 1.1e-3);
+}
+
+/// Reports with the times at which they are measured.
+std::string wall_clock_run(const std::vector<double> &pieces_s, double total_s) {
+    EmulatedBoardOptions with = options();
+    with.clock = BoardClock::wall;
+    Host host(with);
+    host.board.attach(true);
+    std::string text;
+    double passed_s = 0.0;
+    std::size_t next = 0;
+    while (passed_s < total_s) {
+        const double piece_s = std::min(pieces_s[next++ % pieces_s.size()], total_s - passed_s);
+        host.board.pass(piece_s);
+        passed_s += piece_s;
+        if (host.receive()) {
+            text += std::to_string(host.report.number) + "@" +
+                    std::to_string(host.report.measured_at_us) + ":" +
+                    std::to_string(host.report.counts[0]) + "/" +
+                    std::to_string(host.report.current_A[1]) + " ";
+        }
+    }
+    EXPECT_EQ(host.board.late_s(), 0.0);
+    return text;
+}
+
+TEST(WallClock, DoesNotDependOnHowItIsCut) {
+    const double total_s = 0.05001;
+    const std::string reference = wall_clock_run({1e-4}, total_s);
+    EXPECT_GT(reference.size(), 1000U);
+    EXPECT_EQ(wall_clock_run({3.3e-6}, total_s), reference);
+    EXPECT_EQ(wall_clock_run({7.7e-4, 1e-5, 0.0, 3.1e-4}, total_s), reference);
+}
+
+TEST(WallClock, FallsBehindRatherThanCatchesUp) {
+    EmulatedBoardOptions with = options();
+    with.clock = BoardClock::wall;
+    Host host(with);
+    host.board.attach(true);
+    const double began_s = host.board.time_s();
+    host.board.pass(0.25);
+    EXPECT_NEAR(host.board.late_s(), 0.25 - EmulatedBoard::kLongestStep_s, 1e-9);
+    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kLongestStep_s, 1e-9);
+    host.receive();
+    EXPECT_FALSE(host.receive()); // the others were replaced
+    host.board.pass(std::nan(""));
+    host.board.pass(-1.0);
+    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kLongestStep_s, 1e-9);
+}
+
+TEST(WallClock, TakesPacketsWhenTheyArePut) {
+    EmulatedBoardOptions with = options();
+    with.clock = BoardClock::wall;
+    Host host(with);
+    host.board.attach(true);
+    Command command;
+    command.begins_numbering = true;
+    double expected_s = 0.0;
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_TRUE(host.receive() || i == 0);
+        EXPECT_TRUE(i < 3 || std::abs(host.delay_s() - expected_s) <= 1e-6) << host.delay_s();
+        host.board.pass(0.3e-3);
+        // Seen by the next loop, and applied half a loop after it.
+        const std::uint32_t put_us = host.board.plant().now_us();
+        expected_s = 1e-6 * (usb::difference(put_us, host.report.measured_at_us) + 25 + 12);
+        host.send(i == 0 ? command : driving({0.1, 0.1, 0.1}));
+        host.board.pass(0.7e-3);
+    }
+    EXPECT_EQ(host.state(), BoardState::driving);
+}
+
+// The plant.
+
+/// A plant without a board.
+EmulatedPlant bare_plant(std::uint32_t start_us = 0) {
+    return {testing::phantom_1_0(), {}, options().simulation, testing::kOffCentre_m, start_us};
+}
+
+TEST(EmulatedPlant, AppliesVoltagesHalfALoopAfterTheSamples) {
+    EmulatedPlant plant = bare_plant();
+    board::BridgeOrder drive;
+    drive.stage.fill(board::Stage::drive);
+    drive.duty_ratio = {0.02F, -0.02F, 0.04F};
+    plant.apply(board::BridgeOrder::braking());
+    static_cast<void>(plant.sample());
+    plant.apply(drive);
+    const Vector3 before_A = plant.phantom().truth().current_A; // from its fall in the first loop
+    const double time_s = 0.238e-3 / 2.18;
+    for (const double loops : {0.5, 1.5, 2.5}) {
+        const board::Samples samples = plant.sample();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double settled_A = 15.0 * static_cast<double>(drive.duty_ratio[i]) / 2.18;
+            const double expected_A = settled_A * (1.0 - std::exp(-loops * 25e-6 / time_s)) +
+                                      before_A[static_cast<Eigen::Index>(i)];
+            // The winding's ripple of 2 %, and the rotors that begin to turn.
+            EXPECT_NEAR(static_cast<double>(samples.current_A[i]), expected_A,
+                        0.03 * std::abs(settled_A))
+                << loops;
+        }
+    }
+}
+
+TEST(EmulatedPlant, OpensSomeStagesWhileOthersDrive) {
+    const auto current_of = [](board::Stage others) {
+        EmulatedPlant plant = bare_plant();
+        plant.phantom().set_in_motion({1.0, 1.0, -1.0}, {0.3, 0.3, 0.3});
+        board::BridgeOrder order;
+        order.stage = {board::Stage::drive, others, others};
+        double largest_A = 0.0;
+        for (int loop = 0; loop < 100; ++loop) {
+            plant.apply(order);
+            const board::Samples samples = plant.sample();
+            if (loop > 40) { // nine time constants
+                largest_A =
+                    std::max({largest_A, std::abs(static_cast<double>(samples.current_A[1])),
+                              std::abs(static_cast<double>(samples.current_A[2]))});
+            }
+        }
+        return largest_A;
+    };
+    EXPECT_GT(current_of(board::Stage::brake), 0.05);
+    EXPECT_LT(current_of(board::Stage::open), 5e-3);
+}
+
+TEST(EmulatedPlant, LosesCountsAndTimeInARestart) {
+    EmulatedPlant plant = bare_plant(1'000'000);
+    plant.phantom().set_in_motion({1.0, 1.0, -1.0}, Vector3::Zero());
+    board::Samples samples;
+    for (int loop = 0; loop < 400; ++loop) {
+        plant.apply(board::BridgeOrder::opening());
+        samples = plant.sample();
+    }
+    EXPECT_EQ(samples.time_us, 1'010'000U);
+    EXPECT_NE(samples.encoder, (std::array<std::uint16_t, 3>{}));
+    EXPECT_GT(samples.encoder[2], 0x8000U); // counts modulo 2^16
+    plant.restart();
+    samples = plant.sample();
+    EXPECT_EQ(samples.time_us, 1'000'025U);
+    EXPECT_EQ(samples.encoder, (std::array<std::uint16_t, 3>{}));
+}
+
+std::array<std::int32_t, 3> counts_of(const SimulatedPhantom &device) {
+    std::array<std::int32_t, 3> counts{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        counts[j] = static_cast<std::int32_t>(
+            std::lround(device.truth().theta_rad[static_cast<Eigen::Index>(j)] /
+                        device.description().rad_per_count()));
+    }
+    return counts;
+}
+
+TEST(EmulatedPlant, CountsFromPowerUp) {
+    Host host;
+    const SimulatedPhantom unmoved(testing::phantom_1_0(), options().simulation,
+                                   testing::kOffCentre_m);
+    const auto at_power_up = counts_of(unmoved);
+    host.begin();
+    host.receive();
+    const auto now = counts_of(host.board.phantom());
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(host.report.counts[i], now[i] - at_power_up[i], 1) << i;
+    }
+    EXPECT_GT(std::abs(at_power_up[1]), 100);
+    EXPECT_FLOAT_EQ(host.report.supply_V, usb::truncated(15.0F));
+    EXPECT_FLOAT_EQ(host.report.temperature_C[0], 30.0F);
+    EXPECT_FALSE(host.report.is_stopped);
+    EXPECT_TRUE(host.report.is_enabled);
+}
+
+TEST(EmulatedPlant, KeepsACalibrationThroughARestart) {
+    Host host;
+    host.begin();
+    usb::BoardCalibration calibration;
+    calibration.encoder_sign = {-1, 1, -1};
+    ASSERT_TRUE(order(host.board, Kind::calibration, usb::block_of(calibration)));
+    host.board.set_fault({.kind = FaultKind::restart});
+    host.exchange({}, 5);
+    const auto block = ask<usb::CalibrationBlock>(host.board, Kind::calibration);
+    usb::BoardCalibration kept;
+    ASSERT_EQ(usb::calibration_in(block, kept), FrameStatus::ok);
+    EXPECT_EQ(kept.encoder_sign, calibration.encoder_sign);
+}
+
+TEST(EmulatedPlant, RefusesWhatABoardCannotHave) {
+    EmulatedBoardOptions with = options();
+    const auto complaint = [&] {
+        return testing::complaint_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
+    };
+    EXPECT_EQ(complaint(), "");
+    with.simulation.dynamics = simulated::PlantDynamics::rigid_body;
+    EXPECT_NE(complaint().find("choose electromechanical"), std::string::npos);
+    with = options();
+    with.settings.counts_per_turn[1] = 2000;
+    EXPECT_NE(complaint().find("2000 counts"), std::string::npos);
+    with = options();
+    with.delay_periods = 8.5;
+    EXPECT_NE(complaint().find("8.5 periods"), std::string::npos);
+    EXPECT_NE(
+        testing::complaint_of([] { static_cast<void>(emulated_identity("a serial number")); }), "");
+    EXPECT_EQ(
+        testing::complaint_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }),
+        "");
+}
+
+// Faults of the link.
+
+/// Twenty packets with one fault, by a host that brakes.
+struct LinkRun {
+    Counters counters;
+    std::vector<FrameStatus> statuses;  ///< of what was taken
+    std::vector<std::uint32_t> numbers; ///< of valid reports
+    std::uint64_t strikes = 0;
+
+    [[nodiscard]] std::uint32_t commands(FrameStatus status) const {
+        return counters.frames[static_cast<std::size_t>(status)];
+    }
+    [[nodiscard]] std::ptrdiff_t reports(FrameStatus status) const {
+        return std::ranges::count(statuses, status);
+    }
+};
+
+LinkRun link_run(const std::string &fault, std::uint64_t seed = 1, int packets = 20) {
+    EmulatedBoardOptions with = options();
+    with.seed = seed;
+    if (!fault.empty()) {
+        with.faults.push_back(parse_fault(fault));
+    }
+    Host host(with);
+    host.board.attach(true);
+    LinkRun run;
+    const auto receive_all = [&] {
+        usb::Frame frame;
+        while (const std::size_t size = host.board.take(frame)) {
+            run.statuses.push_back(usb::decode(frame.data(), size, host.report));
+            if (run.statuses.back() == FrameStatus::ok) {
+                run.numbers.push_back(host.report.number);
+            }
+        }
+    };
+    receive_all();
+    for (int i = 0; i < packets; ++i) {
+        Command command;
+        command.begins_numbering = i < 2;
+        host.send(command);
+        receive_all();
+    }
+    run.counters = ask<Counters>(host.board, Kind::counters);
+    if (!with.faults.empty()) {
+        const Fault &set = with.faults.front();
+        run.strikes = host.board.line(set.direction).faults()[static_cast<std::size_t>(set.kind)];
+    }
+    return run;
+}
+
+bool are_consecutive(const std::vector<std::uint32_t> &numbers) {
+    for (std::size_t i = 1; i < numbers.size(); ++i) {
+        if (numbers[i] != numbers[i - 1] + 1) {
+            return false;
+        }
+    }
+    return true;
+}
+
+TEST(LinkFaults, AreNotThereUnlessSet) {
+    const LinkRun run = link_run("");
+    EXPECT_EQ(run.commands(FrameStatus::ok), 20U);
+    EXPECT_EQ(run.reports(FrameStatus::ok), 21);
+    EXPECT_EQ(run.statuses.size(), 21U);
+    EXPECT_TRUE(are_consecutive(run.numbers));
+}
+
+TEST(LinkFaults, DropPackets) {
+    EXPECT_EQ(link_run("drop:out:#10").commands(FrameStatus::ok), 19U);
+    const LinkRun in = link_run("drop:in:#10");
+    EXPECT_EQ(in.reports(FrameStatus::ok), 20);
+    EXPECT_EQ(in.numbers.back() - in.numbers.front(), 20U); // one is missing
+    EXPECT_EQ(in.commands(FrameStatus::ok), 20U);
+    EXPECT_EQ(link_run("stall:out").commands(FrameStatus::ok), 0U);
+    EXPECT_EQ(link_run("stall:in").statuses.size(), 0U);
+}
+
+TEST(LinkFaults, DelayPackets) {
+    // By a period and a half, number 10 arrives after number 11.
+    const LinkRun out = link_run("delay:out:#10:1.5");
+    EXPECT_EQ(out.commands(FrameStatus::ok), 19U);
+    EXPECT_EQ(out.commands(FrameStatus::stale), 1U);
+    const LinkRun in = link_run("delay:in:#10:2");
+    ASSERT_EQ(in.numbers.size(), 21U);
+    EXPECT_FALSE(are_consecutive(in.numbers));
+    // 11 without 10; 12 together with 10.
+    EXPECT_EQ(in.numbers[9], in.numbers[8] + 2);
+    EXPECT_EQ(in.numbers[10], in.numbers[8] + 1);
+}
+
+TEST(LinkFaults, SwapPackets) {
+    const LinkRun out = link_run("reorder:out:#10");
+    EXPECT_EQ(out.commands(FrameStatus::ok), 19U);
+    EXPECT_EQ(out.commands(FrameStatus::stale), 1U);
+    const LinkRun in = link_run("reorder:in:#10");
+    ASSERT_EQ(in.numbers.size(), 21U);
+    EXPECT_EQ(in.numbers[9], in.numbers[8] + 2);
+    EXPECT_EQ(in.numbers[10], in.numbers[8] + 1);
+    EXPECT_EQ(in.numbers[11], in.numbers[8] + 3);
+}
+
+TEST(LinkFaults, DamagePackets) {
+    const LinkRun corrupt = link_run("corrupt:out:#10");
+    EXPECT_EQ(corrupt.commands(FrameStatus::ok), 19U);
+    EXPECT_EQ(corrupt.commands(FrameStatus::wrong_crc), 1U);
+    EXPECT_EQ(link_run("corrupt:in:1").reports(FrameStatus::wrong_crc), 21);
+    EXPECT_EQ(link_run("truncate:out").commands(FrameStatus::wrong_size), 20U);
+    EXPECT_EQ(link_run("truncate:in:#3").reports(FrameStatus::wrong_size), 1);
+}
+
+TEST(LinkFaults, RepeatPackets) {
+    const LinkRun out = link_run("repeat:out:#10");
+    EXPECT_EQ(out.commands(FrameStatus::ok), 20U);
+    EXPECT_EQ(out.commands(FrameStatus::repeated), 1U);
+    const LinkRun in = link_run("repeat:in:#10");
+    ASSERT_EQ(in.numbers.size(), 22U);
+    EXPECT_EQ(in.numbers[9], in.numbers[10]);
+}
+
+TEST(LinkFaults, StrikeAtRandomByTheirSeed) {
+    const LinkRun run = link_run("drop:in:0.3", 7, 400);
+    // Binomial: 120 of 401, with a standard deviation of 9.
+    EXPECT_NEAR(static_cast<double>(run.strikes), 120.3, 45.0);
+    EXPECT_EQ(run.numbers, link_run("drop:in:0.3", 7, 400).numbers);
+    EXPECT_NE(run.numbers, link_run("drop:in:0.3", 8, 400).numbers);
+}
+
+// Faults of the device.
+
+/// State and report after a fault acted on a driving board.
+struct DeviceRun {
+    BoardState state = BoardState::starting;
+    std::uint16_t faults = 0;
+    Report report;
+};
+
+DeviceRun device_run(const std::string &fault) {
+    Host host;
+    host.begin();
+    host.exchange(driving({0.2, -0.15, 0.2}), 20);
+    if (!fault.empty()) {
+        host.board.set_fault(parse_fault(fault));
+    }
+    host.exchange(driving({0.2, -0.15, 0.2}), 20);
+    host.receive();
+    return {host.state(), host.faults(), host.report};
+}
+
+TEST(DeviceFaults, AreNoticedByTheBoard) {
+    const DeviceRun sound = device_run("");
+    EXPECT_EQ(sound.state, BoardState::driving);
+    EXPECT_EQ(sound.faults, 0);
+    struct Case {
+        std::string fault;
+        std::uint16_t faults = 0;
+        BoardState state = BoardState::fault_braking;
+    };
+    for (const Case &wanted :
+         {Case{"stop", Faults::kStop}, Case{"disable", Faults::kStop},
+          Case{"brown-out:12", Faults::kSupply}, Case{"brown-out:20", Faults::kSupply},
+          Case{"hot-stage:95", Faults::kTemperature},
+          Case{"failed-stage", Faults::kAmplifier, BoardState::fault_open},
+          Case{"failed-sensor:2", Faults::kSensor, BoardState::fault_open}}) {
+        const DeviceRun run = device_run(wanted.fault);
+        EXPECT_EQ(run.faults, wanted.faults) << wanted.fault;
+        EXPECT_EQ(run.state, wanted.state) << wanted.fault;
+        EXPECT_EQ(run.report.faults, wanted.faults) << wanted.fault;
+    }
+    EXPECT_TRUE(device_run("stop").report.is_stopped);
+    EXPECT_FALSE(device_run("disable").report.is_enabled);
+    EXPECT_TRUE(usb::is_nan(device_run("failed-sensor:2").report.current_A[1]));
+    EXPECT_FALSE(usb::is_nan(device_run("failed-sensor:2").report.current_A[0]));
+}
+
+/// Counts and currents of a device whose hand and drives move it.
+struct Moved {
+    std::array<std::int32_t, 3> counts{};
+    std::array<double, 3> current_A{}; ///< reported
+    Vector3 true_A{Vector3::Zero()};
+    double largest_A = 0.0; ///< true, of channel 2, from 5 ms on
+};
+
+Moved moved_with(const std::string &fault) {
+    EmulatedBoardOptions with = options();
+    if (!fault.empty()) {
+        with.faults.push_back(parse_fault(fault));
+    }
+    Host host(with);
+    host.begin();
+    host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
+    Moved moved;
+    for (int i = 0; i < 150; ++i) {
+        host.exchange(driving({0.1, 0.25, -0.2}));
+        if (i > 5) {
+            moved.largest_A =
+                std::max(moved.largest_A, std::abs(host.board.phantom().truth().current_A[1]));
+        }
+    }
+    EXPECT_EQ(host.state(), BoardState::driving) << fault;
+    moved.counts = host.report.counts;
+    for (std::size_t i = 0; i < 3; ++i) {
+        moved.current_A[i] = static_cast<double>(host.report.current_A[i]);
+    }
+    moved.true_A = host.board.phantom().truth().current_A;
+    return moved;
+}
+
+TEST(DeviceFaults, OfEncodersChangeCounts) {
+    const Moved sound = moved_with("");
+    for (const std::int32_t counts : sound.counts) {
+        EXPECT_GT(std::abs(counts), 50);
+    }
+    EXPECT_EQ(moved_with("stuck-encoder:2").counts,
+              (std::array<std::int32_t, 3>{sound.counts[0], 0, sound.counts[2]}));
+    EXPECT_EQ(moved_with("reversed-encoder:1").counts,
+              (std::array<std::int32_t, 3>{-sound.counts[0], sound.counts[1], sound.counts[2]}));
+    EXPECT_EQ(moved_with("crossed-encoders:1:3").counts,
+              (std::array<std::int32_t, 3>{sound.counts[2], sound.counts[1], sound.counts[0]}));
+}
+
+TEST(DeviceFaults, OfSensorsChangeCurrents) {
+    const Moved sound = moved_with("");
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_GT(std::abs(sound.current_A[i]), 0.05);
+        EXPECT_NEAR(sound.current_A[i], sound.true_A[static_cast<Eigen::Index>(i)], 1e-3);
+    }
+    const Moved reversed = moved_with("reversed-sensor:2");
+    EXPECT_NEAR(reversed.current_A[1], -reversed.true_A[1], 1e-3);
+    EXPECT_NEAR(reversed.current_A[0], reversed.true_A[0], 1e-3);
+    const Moved crossed = moved_with("crossed-sensors:2:3");
+    EXPECT_NEAR(crossed.current_A[1], crossed.true_A[2], 1e-3);
+    EXPECT_NEAR(crossed.current_A[2], crossed.true_A[1], 1e-3);
+}
+
+TEST(DeviceFaults, OfMotorsChangeTorques) {
+    EXPECT_GT(moved_with("").largest_A, 0.3);
+    // Some milliamperes of 0.4 A remain, by the change of speed in a loop.
+    EXPECT_LT(moved_with("open-winding:2").largest_A, 5e-3);
+    const Moved crossed = moved_with("crossed-motors:2:3");
+    EXPECT_NEAR(crossed.current_A[1], crossed.true_A[2], 1e-3);
+    EXPECT_GT(crossed.true_A[2], 0.1); // driven by 0.25 V, not by −0.2 V
+    EXPECT_LT(crossed.true_A[1], -0.1);
+}
+
+/// The board's own test of a device.
+usb::SelfTestResult self_test(const std::string &fault) {
+    EmulatedBoardOptions with = options();
+    if (!fault.empty()) {
+        with.faults.push_back(parse_fault(fault));
+    }
+    Host host(with);
+    host.begin();
+    host.exchange({}, 200); // until it hangs still
+    EXPECT_TRUE(order(host.board, Kind::self_test, usb::SelfTestOrder{0.8F, 20'000}));
+    host.exchange({}, 700);
+    const auto result = ask<usb::SelfTestResult>(host.board, Kind::self_test);
+    EXPECT_EQ(result.state, usb::SelfTestState::completed) << fault;
+    return result;
+}
+
+TEST(DeviceFaults, AreFoundByTheSelfTest) {
+    const usb::SelfTestResult sound = self_test("");
+    for (const usb::ChannelTest &channel : sound.channel) {
+        EXPECT_EQ(channel.findings, 0);
+        EXPECT_NEAR(channel.resistance_Ohm, 2.18, 0.05 * 2.18);
+    }
+    struct Case {
+        std::string fault;
+        std::uint16_t finding = 0; ///< of channel 2
+    };
+    for (const Case &wanted : {Case{"open-winding:2", ChannelFindings::kOpenWinding},
+                               Case{"reversed-sensor:2", ChannelFindings::kReversedSensor},
+                               Case{"crossed-sensors:2:3", ChannelFindings::kCrossedSensor},
+                               Case{"stuck-encoder:2", ChannelFindings::kNoMotion},
+                               Case{"reversed-encoder:2", ChannelFindings::kReversedEncoder},
+                               Case{"crossed-encoders:2:3", ChannelFindings::kCrossedEncoder}}) {
+        EXPECT_NE(self_test(wanted.fault).channel[1].findings & wanted.finding, 0) << wanted.fault;
+    }
+}
+
+TEST(DeviceFaults, RestartTheBoard) {
+    for (const char *fault : {"restart@0.1-0.11", "brown-out:3@0.1-0.11"}) {
+        EmulatedBoardOptions with = options();
+        with.faults.push_back(parse_fault(fault));
+        Host host(with);
+        host.begin();
+        host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
+        host.exchange(driving({0.2, 0.2, 0.2}), 50);
+        EXPECT_EQ(host.state(), BoardState::driving);
+        EXPECT_GT(std::abs(host.report.counts[0]), 10);
+        EXPECT_FALSE(host.board.unplug_wanted());
+        const std::uint32_t before_us = host.report.measured_at_us;
+        bool was_off = false;
+        for (int i = 0; i < 40; ++i) {
+            host.exchange(driving({0.2, 0.2, 0.2}));
+            was_off = was_off || host.board.unplug_wanted();
+        }
+        EXPECT_EQ(was_off, std::string(fault).starts_with("brown-out"));
+        EXPECT_EQ(host.board.restarts(), 1U);
+        EXPECT_LT(host.report.measured_at_us, before_us);
+        EXPECT_EQ(host.report.number, host.report.measured_at_us / 1000 + 1);
+        EXPECT_FALSE(host.report.has_command);
+        EXPECT_EQ(host.report.last_rejection, FrameStatus::stale);
+        EXPECT_EQ(host.state(), BoardState::starting);
+        host.exchange(driving({0.2, 0.2, 0.2}), 30);
+        EXPECT_EQ(host.state(), BoardState::braking);
+        Command first;
+        first.begins_numbering = true;
+        host.exchange(first);
+        host.exchange(driving({0.2, 0.2, 0.2}), 3);
+        EXPECT_EQ(host.state(), BoardState::driving);
+    }
+}
+
+TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
+    EmulatedBoardOptions with = options();
+    with.faults.push_back(parse_fault("stop@0.06-0.08"));
+    Host host(with);
+    host.begin();
+    while (host.board.time_s() < 0.058) {
+        host.exchange(driving({0.1, 0.1, 0.1}));
+    }
+    EXPECT_EQ(host.state(), BoardState::driving);
+    host.exchange(driving({0.1, 0.1, 0.1}), 5);
+    EXPECT_EQ(host.faults(), Faults::kStop);
+    EXPECT_TRUE(host.report.is_stopped);
+    host.exchange(driving({0.1, 0.1, 0.1}), 20);
+    EXPECT_FALSE(host.report.is_stopped);
+    Command reset;
+    reset.resets_faults = true;
+    host.exchange(reset, 3);
+    EXPECT_EQ(host.state(), BoardState::braking);
+    host.board.set_fault(parse_fault("stop"));
+    host.exchange(reset, 3);
+    EXPECT_EQ(host.faults(), Faults::kStop);
+    host.board.clear_faults();
+    host.exchange(reset, 3);
+    EXPECT_EQ(host.faults(), 0);
+}
+
+TEST(DeviceFaults, AskForAnUnplug) {
+    EmulatedBoardOptions with = options();
+    with.faults.push_back(parse_fault("unplug@0.05-0.07"));
+    Host host(with);
+    host.begin();
+    host.exchange(driving({0.1, 0.1, 0.1}), 5);
+    EXPECT_FALSE(host.board.unplug_wanted());
+    host.exchange(driving({0.1, 0.1, 0.1}), 20);
+    EXPECT_TRUE(host.board.unplug_wanted());
+    host.board.detach();
+    for (int i = 0; i < 30; ++i) {
+        host.board.pass(1e-3);
+    }
+    EXPECT_FALSE(host.board.unplug_wanted());
+}
+
+TEST(EmulatedBoard, BrakesAtOnceWhenUnplugged) {
+    Host host;
+    host.begin();
+    host.exchange(driving({0.3, 0.3, 0.3}), 20);
+    EXPECT_EQ(host.state(), BoardState::driving);
+    host.board.detach();
+    host.board.pass(30e-6); // one loop
+    EXPECT_EQ(host.state(), BoardState::fault_braking);
+    EXPECT_EQ(host.faults(), Faults::kNoCommand);
+    for (int i = 0; i < 20; ++i) {
+        host.board.pass(1e-3);
+    }
+    EXPECT_FALSE(host.receive());
+    // Packets of before are lost, and nothing is numbered.
+    host.board.attach(true);
+    host.exchange(driving({0.3, 0.3, 0.3}), 3);
+    EXPECT_EQ(host.report.last_rejection, FrameStatus::stale);
+    EXPECT_EQ(host.state(), BoardState::fault_braking);
+}
+
+TEST(EmulatedBoard, LosesWhatIsUnderWayWhenUnplugged) {
+    EmulatedBoardOptions with = options();
+    with.delay_periods = 4.0;
+    with.faults.push_back(parse_fault("delay:in:#3:4"));
+    Host host(with);
+    host.begin(3); // none has arrived yet, and the third report has not been handed out
+    EXPECT_EQ(ask<Counters>(host.board, Kind::counters).frames[0], 0U);
+    host.board.detach();
+    for (int i = 0; i < 20; ++i) {
+        host.board.pass(1e-3);
+    }
+    EXPECT_EQ(ask<Counters>(host.board, Kind::counters).frames[0], 0U);
+    const std::uint32_t before_us = host.board.plant().now_us();
+    host.board.attach(true);
+    ASSERT_TRUE(host.receive());
+    EXPECT_GT(host.report.measured_at_us, before_us);
+}
+
+TEST(EmulatedBoard, IsTheSameForTheSameSeed) {
+    const auto run = [](std::uint64_t seed) {
+        EmulatedBoardOptions with = options();
+        with.seed = seed;
+        with.simulation.device_seed = 3; // noisy sensors
+        with.simulation.effects.coulomb_friction = true;
+        with.delay_periods = 1.3;
+        for (const char *fault : {"drop:in:0.1", "corrupt:out:0.1", "delay:out:0.2:2"}) {
+            with.faults.push_back(parse_fault(fault));
+        }
+        Host host(with);
+        host.begin(5);
+        std::vector<usb::Frame> frames;
+        for (int i = 0; i < 100; ++i) {
+            host.exchange(driving({0.2, 0.1, -0.1}));
+            frames.push_back(usb::encode(host.report));
+        }
+        return frames;
+    };
+    EXPECT_EQ(run(4), run(4));
+    EXPECT_NE(run(4), run(5));
+}
+
+// Texts.
+
+TEST(FaultTexts, AreRead) {
+    const Fault drop = parse_fault("drop:in:0.01");
+    EXPECT_EQ(drop.kind, FaultKind::drop);
+    EXPECT_EQ(drop.direction, Direction::in);
+    EXPECT_EQ(drop.share, 0.01);
+    EXPECT_EQ(drop.begin_s, 0.0);
+    EXPECT_TRUE(std::isinf(drop.end_s));
+    const Fault delay = parse_fault("delay:out:#7:2.5@1-2.5");
+    EXPECT_EQ(delay.packet, 7U);
+    EXPECT_EQ(delay.periods, 2.5);
+    EXPECT_EQ(delay.begin_s, 1.0);
+    EXPECT_EQ(delay.end_s, 2.5);
+    EXPECT_EQ(parse_fault("stuck-encoder:2").channel, 1U);
+    EXPECT_EQ(parse_fault("crossed-motors:3:1").other_channel, 0U);
+    EXPECT_EQ(parse_fault("unplug@3.5").begin_s, 3.5);
+    EXPECT_EQ(parse_fault("brown-out:9.5").supply_V, 9.5);
+    for (const FaultName &known : kFaultNames) {
+        EXPECT_NE(fault_usage().find(std::string(known.name)), std::string::npos);
+    }
+}
+
+TEST(FaultTexts, AreRefusedWithAReason) {
+    const auto complaint = [](const char *text) {
+        return testing::complaint_of([&] { static_cast<void>(parse_fault(text)); });
+    };
+    EXPECT_NE(complaint("dorp:in").find("nearest name is 'drop'"), std::string::npos);
+    EXPECT_EQ(complaint("drop:up"), "fault 'drop:up': 'up' is no direction; write "
+                                    "drop:in|out[:SHARE|:#NUMBER][@BEGIN[-END]]");
+    EXPECT_NE(complaint("drop:in:1.5").find("from 0 to 1"), std::string::npos);
+    EXPECT_NE(complaint("drop:in:nan").find("share"), std::string::npos);
+    for (const char *wrong : {"",
+                              ":",
+                              "@1",
+                              "drop",
+                              "drop:in:",
+                              "drop:in:#0",
+                              "drop:in:#x",
+                              "drop:in:0.1:2",
+                              "delay:in:0.1:x",
+                              "stuck-encoder",
+                              "stuck-encoder:0",
+                              "stuck-encoder:4",
+                              "stuck-encoder:1:2",
+                              "crossed-sensors:2:2",
+                              "crossed-sensors:2",
+                              "brown-out",
+                              "brown-out:-1",
+                              "hot-stage",
+                              "stop:1",
+                              "unplug@",
+                              "unplug@-1",
+                              "unplug@2-1",
+                              "unplug@1-",
+                              "unplug@inf",
+                              "unplug@nan",
+                              "stop@1@2"}) {
+        EXPECT_NE(complaint(wrong), "") << wrong;
+    }
+}
+
+} // namespace
+} // namespace springdrive::emulator
