@@ -42,6 +42,17 @@ public:
         }
     }
 
+    /// The oldest queued sample. Reader thread only. RT-safe. @return false if there is none
+    bool pop(Sample &sample) noexcept {
+        const std::size_t tail = tail_.load(std::memory_order_relaxed);
+        if (tail == head_.load(std::memory_order_acquire)) {
+            return false;
+        }
+        sample = samples_[tail & mask_];
+        tail_.store(tail + 1, std::memory_order_release);
+        return true;
+    }
+
     /// Samples dropped because the reader was too slow. Any thread.
     [[nodiscard]] std::uint64_t lost() const noexcept {
         return lost_.load(std::memory_order_relaxed);
