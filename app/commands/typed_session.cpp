@@ -63,9 +63,12 @@ void TypedSession::add_to(CLI::App &command) {
     command.add_option("--scene", options.scene, "a glTF file, .gltf or .glb")->type_name("FILE");
     command
         .add_option("--device", device,
-                    "sim: the simulated device (usb: not in this "
-                    "version)")
-        ->check(CLI::IsMember({"sim", "usb"}));
+                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several "
+                    "[sim]")
+        ->type_name("sim|usb[:SERIAL]");
+    command.add_flag("--at-zero", options.starts_at_zero,
+                     "the device on USB is held in its zero pose at the start, instead of zeroing "
+                     "it later: upper arm level, forearm hanging, tip at the origin");
     add_device_file_option(command, options.device.file);
     tuning.add_to(command);
     effects.add_to(command);
@@ -92,11 +95,35 @@ void TypedSession::add_to(CLI::App &command) {
                      "run the servo by frame time instead of the clock, which is repeatable");
 }
 
+/// Of a device on USB nothing is simulated.
+void TypedSession::set_device(session::SessionOptions &session) const {
+    const std::size_t colon = device.find(':');
+    const auto kind = factory::device_kind_named(device.substr(0, colon));
+    if (!kind || (*kind == factory::DeviceKind::simulated && colon != std::string::npos)) {
+        throw InputError("--device " + device + ": must be sim, usb or usb:SERIAL");
+    }
+    session.device.kind = *kind;
+    session.device.serial = colon == std::string::npos ? "" : device.substr(colon + 1);
+    const auto refuse = [](bool is_given, const char *option) {
+        if (is_given) {
+            throw InputError(std::string(option) +
+                             ": is for the simulated device; remove it, or --device usb");
+        }
+    };
+    if (*kind == factory::DeviceKind::usb) {
+        refuse(!options.path.empty(), "--path");
+        refuse(options.delay_periods != 0.0, "--delay");
+        refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");
+        refuse(effects.device_seed != 0, "--device-seed");
+        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+    }
+}
+
 session::SessionOptions TypedSession::session() const {
     static_cast<void>(servo::servo_period_s(options.servo_hz));
     session::SessionOptions session = options;
     session.program_version = SPRINGDRIVE_VERSION;
-    session.device.kind = *factory::device_kind_named(device);
+    set_device(session);
     if (late_limit_ms) {
         const double max_ms = 1e3 * device::read_device_file(session.device.file).limits.late_s;
         check_range("--late-limit-ms", *late_limit_ms, 1e-3, max_ms);

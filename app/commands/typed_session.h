@@ -46,6 +46,9 @@ struct TypedSession {
     /// What it reads and writes.
     /// @param written  beside the record
     [[nodiscard]] RunFiles files(std::vector<std::filesystem::path> written) const;
+
+private:
+    void set_device(session::SessionOptions &session) const;
 };
 
 } // namespace springdrive::app

@@ -2,6 +2,8 @@
 
 #include "base/input_error.h"
 #include "device/simulated/simulated_phantom.h"
+#include "device/usb/driver/libusb_port.h"
+#include "device/usb/driver/usb_device.h"
 
 #include <algorithm>
 #include <utility>
@@ -22,6 +24,13 @@ OpenDevice open_simulated(const DeviceRequest &request) {
                                                                  request.start_tip_m);
     simulated::SimulatedWorld *const world = phantom.get();
     return {std::move(phantom), world};
+}
+
+OpenDevice open_usb(const DeviceRequest &request) {
+    return {std::make_unique<usb::UsbDevice>(
+                usb::make_libusb_port(), request.description, request.serial, request.period_s,
+                request.has_clock ? usb::Pacing::clock : usb::Pacing::reports),
+            nullptr};
 }
 
 } // namespace
@@ -82,10 +91,16 @@ OpenDevice open_device(const DeviceRequest &request) {
     case DeviceKind::usb:
         break;
     }
-    throw InputError("--device usb: this version supports only the simulated device; remove the "
-                     "option");
+    return open_usb(request);
 }
 
-std::vector<device::DeviceIdentity> devices_present() { return {simulated::simulated_identity()}; }
+std::vector<PresentDevice> devices_present() {
+    std::vector<PresentDevice> present{
+        {DeviceKind::simulated, simulated::simulated_identity().serial, ""}};
+    for (usb::FoundBoard &board : usb::boards_present()) {
+        present.push_back({DeviceKind::usb, std::move(board.serial), std::move(board.problem)});
+    }
+    return present;
+}
 
 } // namespace springdrive::factory

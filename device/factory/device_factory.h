@@ -36,6 +36,7 @@ struct DeviceRequest {
     std::string serial; ///< empty: the only one of its kind
     device::DeviceDescription description;
     double period_s = 1e-3; ///< of the servo
+    bool has_clock = true;  ///< whether the servo has; otherwise the device paces it, in lockstep
 
     // For a simulated device only.
     simulated::SimulationOptions simulation; ///< except its period
@@ -89,7 +90,14 @@ private:
 /// @throw InputError with one line, for a device that is absent, or options that it rejects
 [[nodiscard]] OpenDevice open_device(const DeviceRequest &request);
 
-/// The devices that could be opened now.
-[[nodiscard]] std::vector<device::DeviceIdentity> devices_present();
+/// A device that is there, and why it cannot be used, with what to do; empty if it can.
+struct PresentDevice {
+    DeviceKind kind = DeviceKind::simulated;
+    std::string serial;
+    std::string problem;
+};
+
+/// Asks all USB devices for their serial numbers, which takes milliseconds.
+[[nodiscard]] std::vector<PresentDevice> devices_present();
 
 } // namespace springdrive::factory

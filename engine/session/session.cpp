@@ -68,6 +68,15 @@ void Session::start(const std::function<void()> &on_thread) {
     begin_past();
     has_started_ = true;
     on_thread_ = on_thread;
+    if (options_.starts_at_zero && !is_zeroed()) {
+        zero_device(Vector3::Zero());
+    }
+    if (!is_zeroed()) {
+        remarks_.add(
+            "no motor is driven until the device has been zeroed; in the window see Plant, "
+            "or start with --at-zero");
+    }
+    release_until_zeroed();
     for (const std::string &refused : servo_->start(on_thread_)) {
         remarks_.add(refused);
     }
@@ -81,6 +90,7 @@ void Session::advance(double frame_s) {
     scenes_->note_in_use(latest().scene_id);
     note_standstill();
     note_failed_assertion();
+    watch_link();
     if (const LoadedScene *const before = scenes_->take_loaded()) {
         show(*before);
     }

@@ -105,10 +105,17 @@ public:
     void exchange_device(const DeviceChoice &choice);
     [[nodiscard]] bool is_exchanging() const { return next_device_ != nullptr; }
 
-    /// Connects again to a device that was lost. A trip stays until it is reset.
-    /// @param theta_rad  the rotors' angles; by default those last known
+    /// Connects again to a device that was lost. A trip stays until it is reset. A device that is
+    /// no simulation, and lost its counts, must be zeroed; one on USB that is lost is connected
+    /// again by `advance` as soon as it is there.
+    /// @param theta_rad  the rotors' angles; by default those last known of a simulated device
     /// @throw InputError if it cannot be found
     void reconnect_device(const std::optional<Vector3> &theta_rad = std::nullopt);
+
+    /// Until the device is zeroed, no motor is driven.
+    [[nodiscard]] bool is_zeroed() const;
+    /// Declares the rotors' angles now. @throw InputError if the device does not accept them
+    void zero_device(const Vector3 &theta_rad);
 
     [[nodiscard]] ServoRun &servo() { return *servo_; }
     [[nodiscard]] const ServoRun &servo() const { return *servo_; }
@@ -125,6 +132,7 @@ public:
     [[nodiscard]] const device::DeviceDescription &description() const {
         return device_->device().description();
     }
+    [[nodiscard]] const DeviceChoice &device_choice() const { return options_.device; }
     /// The options of the simulated device, including the hand's path from the start.
     [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
     [[nodiscard]] const std::string &program_version() const { return options_.program_version; }
@@ -164,6 +172,9 @@ private:
     void begin_on(Prepared next);
     void note_standstill();
     void note_failed_assertion();
+    void release_until_zeroed();
+    void watch_link();
+    void adopt_delay();
     [[nodiscard]] ModelGround ground(const std::string &device_text,
                                      const device::DeviceDescription &device,
                                      double servo_hz) const;
@@ -186,6 +197,8 @@ private:
     bool has_started_ = false;
     bool reported_standstill_ = false;
     bool reported_failure_ = false; ///< of a failed assertion
+    double released_until_s_ = 0.0; ///< after a zeroing, by the servo's time; 0: no more
+    double next_look_s_ = 0.0;      ///< at the link, by the servo's time
     std::function<void()> on_thread_;
     Remarks remarks_;
 };

@@ -1,4 +1,4 @@
-// The part of `Session` that opens, exchanges and reconnects devices.
+// The part of `Session` that opens and exchanges devices.
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
@@ -50,6 +50,7 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     request.kind = choice.kind;
     request.serial = choice.serial;
     request.description = device::read_device_text(text, choice.file);
+    request.has_clock = !options_.lockstep;
     request.period_s = servo_ ? servo_->period_s() : servo::servo_period_s(options_.servo_hz);
     simulated::SimulationOptions &simulation = request.simulation;
     simulation.servo_period_s = request.period_s;
@@ -89,7 +90,7 @@ void Session::prepare_again() {
     try {
         exchange_device(choice);
     } catch (const InputError &error) {
-        servo_->release(false);
+        release_until_zeroed();
         remarks_.add(error.what());
     }
 }
@@ -146,16 +147,8 @@ void Session::begin_on(Prepared next) {
         }
         servo_->set_speed(speed);
     }
+    release_until_zeroed();
     choose_again();
-}
-
-void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
-    servo_->paused([&] {
-        const Vector3 theta = theta_rad.value_or(latest().theta_rad);
-        device_->reconnect();
-        device_->zero(theta);
-        note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
-    });
 }
 
 } // namespace springdrive::session

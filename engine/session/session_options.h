@@ -25,7 +25,8 @@ struct SessionOptions {
     DeviceChoice device;
     control::Tuning tuning;
     double servo_hz = 1000.0;
-    double delay_periods = 0.0;      ///< of the simulated device
+    bool starts_at_zero = false; ///< a device that must be zeroed is in its zero pose at the start
+    double delay_periods = 0.0;  ///< of simulated devices; of others, it is measured
     simulated::PlantEffects effects; ///< of the simulated device
     std::uint64_t device_seed = 0;   ///< see SimulationOptions
     bool observes_resistance = true; ///< R̂ follows the windings' resistances, see `Session`

@@ -96,7 +96,9 @@ TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
     expect_one_clear_line(testing::run_program({"--servo-hz", "-5"}), "10000");
     expect_one_clear_line(testing::run_program({"--servo-hz", "inf"}), "10000");
     expect_one_clear_line(testing::run_program({"--delay", "-1"}), "delay");
-    expect_one_clear_line(testing::run_program({"--device", "usb"}), "usb");
+    expect_one_clear_line(testing::run_program({"--device", "usb:none such"}), "USB");
+    expect_one_clear_line(testing::run_program({"--device", "serial"}), "serial");
+    expect_one_clear_line(testing::run_program({"--device", "usb", "--delay", "1"}), "--delay");
     expect_one_clear_line(testing::run_program({"--device-file", "none.toml"}), "none.toml");
     expect_one_clear_line(testing::run_program({"--tuning-file", "none.toml"}), "none.toml");
     expect_one_clear_line(testing::run_program({"--path", "none.csv"}), "none.csv");

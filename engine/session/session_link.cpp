@@ -1,0 +1,95 @@
+// The part of `Session` that zeroes a device, and keeps up the connection to one on USB.
+#include "base/complaint.h"
+#include "engine/session/session_parts.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace springdrive::session {
+
+namespace {
+
+/// Between two looks at a link: whether a lost device is there again, or d has changed.
+constexpr double kLook_s = 0.5;
+
+/// A measured d differs by so much from the one in use before the latter is replaced.
+constexpr double kDelayTolerance_periods = 0.05;
+
+/// After a zeroing, for the velocity filter to settle: to it, the device jumped.
+constexpr double kZeroing_s = 0.1;
+
+} // namespace
+
+bool Session::is_zeroed() const { return device_->state() == factory::DeviceState::zeroed; }
+
+void Session::release_until_zeroed() {
+    const bool is_settling = latest().time_s < released_until_s_;
+    servo_->release(is_exchanging() || !is_zeroed() || is_settling);
+}
+
+void Session::zero_device(const Vector3 &theta_rad) {
+    servo_->paused([&] {
+        device_->zero(theta_rad);
+        note(dump({{"device", "zeroed"},
+                   {"theta_rad", {theta_rad[0], theta_rad[1], theta_rad[2]}},
+                   {"after_tick", latest().tick}}));
+        released_until_s_ = latest().time_s + kZeroing_s;
+    });
+    release_until_zeroed();
+}
+
+void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
+    servo_->paused([&] {
+        const Vector3 theta = theta_rad.value_or(latest().theta_rad);
+        device_->reconnect();
+        if (theta_rad || device_->world() != nullptr) {
+            device_->zero(theta);
+        }
+        note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
+    });
+    release_until_zeroed();
+}
+
+/// A device that was unplugged is connected again once it is there; its trip stays.
+void Session::watch_link() {
+    if (device_->world() != nullptr || !has_started_ || is_exchanging() || servo_->has_failed()) {
+        return;
+    }
+    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_) {
+        released_until_s_ = 0.0;
+        release_until_zeroed();
+    }
+    if (latest().time_s < next_look_s_) {
+        return;
+    }
+    next_look_s_ = latest().time_s + kLook_s;
+    if (latest().health == device::DeviceHealth::ok) {
+        adopt_delay();
+        return;
+    }
+    const std::string complaint = complaint_of([this] { reconnect_device(); });
+    if (!complaint.empty()) {
+        remarks_.add(complaint);
+    } else {
+        remarks_.add(is_zeroed() ? "the device is connected again; reset the stop to go on"
+                                 : "the device is connected again, but lost its counts; zero it");
+    }
+}
+
+/// While no motor is driven: the servo pauses for it.
+void Session::adopt_delay() {
+    const double measured = device_->device().delay_periods();
+    if (servo::lets_pass(latest().safety.state) || servo_->is_in_lockstep() ||
+        std::abs(measured - models_->ground().delay_periods) <= kDelayTolerance_periods) {
+        return;
+    }
+    servo_->paused([&] {
+        const std::uint64_t from_tick = servo_->set_rate(servo_->rate_hz()); // the loop's delay
+        note(dump({{"delay_periods", measured}, {"from_tick", from_tick}}));
+    });
+    measure_anew();
+}
+
+} // namespace springdrive::session
