@@ -100,7 +100,14 @@ void follow_path_file(session::Session &session, HandTabState &state,
 void draw_hand_tab(session::Session &session, HandTabState &state);
 
 /// State of the plant's tab between frames.
+/// A device that the session could have instead.
+struct DeviceOffer {
+    session::DeviceChoice choice;
+    std::string problem; ///< why it cannot be used, with what to do; empty if it can
+};
+
 struct PlantTabState {
+    std::vector<DeviceOffer> offers; ///< when the list was opened last
     bool typing_rate = false;
     double rate_hz = 0.0;
     bool dragging_delay = false;
@@ -108,8 +115,15 @@ struct PlantTabState {
     std::string complaint; ///< why the last change was refused
 };
 
-/// Within the scene panel: the servo's rate; delay and effects of a simulated device.
+/// Within the scene panel: which device, and its connection; the servo's rate; delay and effects of
+/// a simulated device.
 void draw_plant_tab(session::Session &session, PlantTabState &state);
+
+/// Its first part: which device, zeroing, and the connection to one on USB.
+void draw_device_link(session::Session &session, PlantTabState &state);
+
+/// The device's name, and whether it is simulated.
+[[nodiscard]] std::string device_text(const session::Session &session);
 
 /// State of the record's tab between frames.
 struct RecordTabState {

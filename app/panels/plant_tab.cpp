@@ -81,6 +81,7 @@ void draw_effects(session::Session &session, PlantTabState &state) {
 } // namespace
 
 void draw_plant_tab(session::Session &session, PlantTabState &state) {
+    draw_device_link(session, state);
     draw_rate(session, state);
     if (session.hand().is_simulated()) {
         ImGui::SameLine();

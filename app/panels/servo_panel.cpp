@@ -51,8 +51,9 @@ void show_state(const session::Session &session) {
     switch (now.safety.state) {
     case servo::SafetyState::waiting:
         ui::text(kWarning, "{}",
-                 now.contact.touching ? "waiting: lift the tip off the surface"
-                                      : "waiting for the tip to rest in free space");
+                 !session.is_zeroed()   ? "waiting to be zeroed: tab Plant"
+                 : now.contact.touching ? "waiting: lift the tip off the surface"
+                                        : "waiting for the tip to rest in free space");
         break;
     case servo::SafetyState::starting:
         ui::text(kWarning, "starting, gains at {:.0f} %", 100.0 * now.safety.ramp);
@@ -65,6 +66,7 @@ void show_state(const session::Session &session) {
         break;
     case servo::SafetyState::tripped:
         ui::wrapped(kDanger, "stopped: {}", servo::description(now.safety));
+        ui::text(kFaintInk, "{}", device_text(session));
         return;
     }
     if (const std::string why = held_back_text(session); !why.empty()) {
@@ -74,7 +76,7 @@ void show_state(const session::Session &session) {
                     "so that pressing hard meets a greatest force instead of a stop");
     }
     ImGui::SameLine();
-    ui::text(kFaintInk, "{}", session.description().name);
+    ui::text(kFaintInk, "{}", device_text(session));
 }
 
 void show_duration(const char *name, const servo::DurationHistogram &durations,

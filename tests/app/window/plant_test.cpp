@@ -40,6 +40,16 @@ TEST(PlantInTheWindow, RateDelayAndEffectsChangeWhileItRuns) {
     EXPECT_EQ(window.look().column("trip_cause"), 0.0);
 }
 
+TEST(PlantInTheWindow, AnotherDeviceIsChosenAndNamed) {
+    ShownWindow window;
+    EXPECT_TRUE(window.look().shows("PHANTOM 1.0, simulated"));
+    window.click("Scene/Plant");
+    window.choose("Plant/device", "simulated phantom_premium_1_5");
+    window.wait_until(
+        [](const Report &report) { return report.shows("PHANTOM Premium 1.5, simulated"); },
+        "the other device is used");
+}
+
 TEST(PlantInTheWindow, TheHandFollowsAScriptOrAFile) {
     const std::filesystem::path folder = testing::fresh_folder("window_paths");
     ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf"}, {}, folder);

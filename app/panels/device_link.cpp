@@ -1,0 +1,146 @@
+// Which device the session has, and the connection to it.
+#include "app/asset_folder.h"
+#include "app/panels/panels.h"
+#include "app/widgets/widgets.h"
+#include "base/complaint.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+using factory::DeviceKind;
+
+std::string name_of(const session::DeviceChoice &choice) {
+    return choice.kind == DeviceKind::simulated
+               ? "simulated " + choice.file.stem().string()
+               : "USB " + (choice.serial.empty() ? "board" : choice.serial);
+}
+
+/// The simulated devices by their files; boards on USB are what the present file says.
+std::vector<DeviceOffer> offers(const session::DeviceChoice &present) {
+    std::vector<DeviceOffer> all;
+    std::error_code ignored;
+    for (const auto &entry :
+         std::filesystem::directory_iterator(asset_folder() / "devices", ignored)) {
+        if (entry.path().extension() == ".toml") {
+            all.push_back({{entry.path(), DeviceKind::simulated, ""}, ""});
+        }
+    }
+    std::ranges::sort(all, {}, [](const DeviceOffer &offer) { return offer.choice.file; });
+    for (const factory::PresentDevice &device : factory::devices_present()) {
+        if (device.kind == DeviceKind::usb) {
+            all.push_back({{present.file, DeviceKind::usb, device.serial}, device.problem});
+        }
+    }
+    return all;
+}
+
+void draw_offers(session::Session &session, PlantTabState &state) {
+    if (ImGui::IsWindowAppearing()) { // USB is asked when the list is opened
+        state.complaint = complaint_of([&] { state.offers = offers(session.device_choice()); });
+    }
+    for (const DeviceOffer &offer : state.offers) {
+        const ui::Disabled disabled(!offer.problem.empty());
+        const std::string name = name_of(offer.choice);
+        if (ui::selectable(name.c_str(), name == name_of(session.device_choice()))) {
+            state.complaint = complaint_of([&] { session.exchange_device(offer.choice); });
+        }
+        if (!offer.problem.empty()) {
+            ui::explain(offer.problem);
+        }
+    }
+    if (std::ranges::none_of(state.offers, [](const DeviceOffer &offer) {
+            return offer.choice.kind == DeviceKind::usb;
+        })) {
+        ui::text(kFaintInk, "no USB board is connected");
+    }
+}
+
+void draw_chooser(session::Session &session, PlantTabState &state) {
+    const ui::Disabled disabled(session.is_exchanging());
+    ImGui::SetNextItemWidth(-1.0F);
+    const ui::DropDown list("##device", name_of(session.device_choice()).c_str());
+    if (list) {
+        draw_offers(session, state);
+    }
+}
+
+void draw_zeroing(session::Session &session, PlantTabState &state) {
+    ui::wrapped(kWarning, "The board does not know where the device is. Hold the upper arm level "
+                          "and the forearm hanging, then:");
+    if (ui::button("zero here")) {
+        state.complaint = complaint_of([&] { session.zero_device(Vector3::Zero()); });
+    }
+    ui::explain("declares all angles zero: links square to each other, tip at the origin. No motor "
+                "is driven before");
+}
+
+/// A count that should be none.
+void show_count(const char *name, std::uint64_t count, const char *explanation) {
+    ui::text(count == 0 ? kFaintInk : kWarning, "{} {}", name, count);
+    ui::explain(explanation);
+}
+
+void show_link(const session::Session &session, const device::LinkStatus &link) {
+    const double period_s = session.servo().period_s();
+    const bool is_lost = session.latest().health == device::DeviceHealth::lost;
+    ui::text(is_lost ? kDanger : kInk, "Link: {}", is_lost ? "lost" : link.speed);
+    ImGui::SameLine();
+    ui::text(kFaintInk, "board {}", link.board_state);
+    ui::text(kInk, "d {:.2f} periods", link.delay_s / period_s);
+    ui::explain(ui::formatted("from a measurement to the command computed from it, on the board's "
+                              "clock, mean of the last 256; at most {:.2f} lately. Used by the "
+                              "stability margins",
+                              link.longest_delay_s / period_s));
+    ImGui::SameLine();
+    ui::text(kInk, "round trip {:.0f} us", 1e6 * link.round_trip_s);
+    ui::explain(ui::formatted("of packets alone, without the board's waiting; at most {:.0f} us "
+                              "lately",
+                              1e6 * link.longest_round_trip_s));
+    ImGui::SameLine();
+    ui::text(kFaintInk, "{} reports", link.reports);
+    show_count("lost", link.lost, "reports that never came");
+    ImGui::SameLine();
+    show_count("late", link.late, "ticks whose newest report was measured for an earlier one");
+    ImGui::SameLine();
+    show_count("absent", link.absent, "ticks without a new report");
+    ImGui::SameLine();
+    show_count("damaged", link.corrupt, "packets that are no valid report");
+    ImGui::SameLine();
+    show_count("old", link.repeated + link.stale, "reports that came twice, or after newer ones");
+    ImGui::SameLine();
+    show_count("rejected", link.rejected + link.unsent,
+               "commands that the board rejected, or that could not be sent");
+    if (!link.last_problem.empty()) {
+        ui::text(kWarning, "last: {}", link.last_problem);
+    }
+}
+
+} // namespace
+
+std::string device_text(const session::Session &session) {
+    const session::DeviceChoice &choice = session.device_choice();
+    return session.description().name + (choice.kind == DeviceKind::simulated
+                                             ? ", simulated"
+                                             : " on USB, " + session.device().identity().serial);
+}
+
+void draw_device_link(session::Session &session, PlantTabState &state) {
+    draw_chooser(session, state);
+    const bool is_open = session.device().state() == factory::DeviceState::open;
+    if (is_open && !session.is_exchanging()) {
+        draw_zeroing(session, state);
+    }
+    if (const auto link = session.device().device().link()) {
+        show_link(session, *link);
+    }
+}
+
+} // namespace springdrive::app
