@@ -102,6 +102,7 @@ int run_command_line(int argc, char **argv) {
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
                "For the options of a subcommand: springdrive stiffness --help.");
     add_demo_command(app);
+    add_device_command(app);
     add_record_command(app);
     add_replay_command(app);
     add_export_command(app);

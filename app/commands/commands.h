@@ -10,6 +10,8 @@ namespace springdrive::app {
 
 /// `demo`: the window.
 void add_demo_command(CLI::App &app);
+/// `device`: lists devices, or emulates one on USB.
+void add_device_command(CLI::App &app);
 /// `record`: a session without a window, recorded at full rate.
 void add_record_command(CLI::App &app);
 /// `replay`: a record through the control law again.
