@@ -1,0 +1,23 @@
+# The whole program on both ends of a USB, in tests/usb/virtual_machine: the emulator on one, a
+# recorded session on the other, which presses on a plate. The record must be whole, replayed to the
+# last bit, and hold half a second of touch at the least.
+set -e
+mkdir -p assets/devices
+cp phantom_1_0.toml assets/devices/
+export SPRINGDRIVE_ASSETS="$PWD/assets"
+printf 't,x,y,z\n0,0,0,0\n1,0,0,0\n2,0,0.03,0\n4,0,-0.01,0\n' >hand.csv
+./springdrive device emulate --clock frame --path hand.csv >emulator.txt &
+until ./springdrive device list | grep -q usb:emulated; do sleep 0.1; done
+./springdrive record touch.rec --device usb --at-zero --lockstep --seconds 4 --scene plate.gltf \
+    --device-file phantom_1_0.toml
+./springdrive replay touch.rec
+./springdrive export touch.rec --csv touch.csv
+awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) column[$i] = i; next }
+    $column["touching"] == 1 && $column["safety_state"] == 2 { touched++ }
+    { e = $column["supply_V"]; if (e != 15) wrong++ }
+    END {
+        print touched " ticks of touch with full gains; " wrong + 0 " without the supply of the board"
+        exit !(touched >= 500 && wrong == 0)
+    }' touch.csv
+kill %1
