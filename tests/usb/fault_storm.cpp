@@ -1,0 +1,527 @@
+#include "tests/usb/fault_storm.h"
+
+#include "engine/control/motion_control.h"
+#include "tests/support/devices.h"
+#include "tests/support/fault_judge.h"
+#include "tests/support/surfaces.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <random>
+
+namespace springdrive::testing {
+
+namespace {
+
+using device::BoardFaults;
+using device::LinkStatus;
+using emulator::Direction;
+using emulator::Fault;
+using emulator::FaultKind;
+using servo::TripCause;
+
+constexpr double kPublished_s = 0.04; ///< the driver publishes its counters every 32 ticks
+constexpr double kAfterwards_s = 0.1;
+constexpr double kHottest_C = 85.0; ///< of a power stage
+constexpr double kLeastSupply_V = 13.0;
+constexpr double kMostSupply_V = 18.0;
+
+// ---- Random cases.
+
+class StormDice {
+public:
+    StormDice(std::uint64_t seed, int number)
+        : random_(seed + static_cast<std::uint64_t>(number)) {}
+
+    double even(double from, double to) {
+        return std::uniform_real_distribution(from, to)(random_);
+    }
+    double by_ratio(double from, double to) { return from * std::pow(to / from, even(0.0, 1.0)); }
+    bool flip() { return even(0.0, 1.0) < 0.5; }
+    std::size_t below(std::size_t bound) {
+        return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random_);
+    }
+
+private:
+    std::mt19937_64 random_;
+};
+
+/// Beyond limits or within them, but not so near that the outcome is open.
+double random_supply_V(StormDice &dice) {
+    constexpr std::array<std::array<double, 2>, 4> kRanges{
+        {{0.0, 5.8}, {6.2, 12.9}, {13.1, 17.9}, {18.1, 25.0}}};
+    const auto &[from, to] = kRanges.at(dice.below(kRanges.size()));
+    return dice.even(from, to);
+}
+
+Fault random_fault(StormDice &dice, FaultKind kind) {
+    Fault fault;
+    fault.kind = kind;
+    fault.direction = dice.flip() ? Direction::in : Direction::out;
+    switch (dice.below(3)) {
+    case 0: // all
+        break;
+    case 1:
+        fault.share = dice.even(0.01, 0.9);
+        break;
+    default:
+        fault.packet = kind == FaultKind::stall ? 0 : 1; // the first; set when it is known
+        break;
+    }
+    fault.periods = dice.even(0.5, 7.0);
+    fault.channel = dice.below(3);
+    fault.other_channel = (fault.channel + 1 + dice.below(2)) % 3;
+    fault.supply_V = random_supply_V(dice);
+    fault.temperature_C = dice.flip() ? dice.even(86.0, 150.0) : dice.even(30.0, 84.0);
+    return fault;
+}
+
+/// The default, a softer and a stiffer one, all stable with d up to 1.
+control::Tuning random_gains(StormDice &dice) {
+    constexpr std::array<std::array<double, 2>, 3> kGains{{{0.5, 6.0}, {0.8, 3.0}, {0.3, 7.0}}};
+    control::Tuning tuning;
+    const auto &[dR_Ohm, K_P_V_per_rad] = kGains.at(dice.below(kGains.size()));
+    tuning.dR_Ohm = dR_Ohm;
+    tuning.K_P_V_per_rad = K_P_V_per_rad;
+    tuning.map = dice.flip() ? control::MotionMap::inverse : control::MotionMap::transpose;
+    return tuning;
+}
+
+// ---- What the documentation names.
+
+using Causes = std::uint32_t;
+
+constexpr Causes set_of(TripCause cause) { return 1U << static_cast<unsigned>(cause); }
+
+/// Force, speed or energy of a loop that does not do what it is told, or does it too late:
+/// safety_status.h, "a faulty measurement comes before its consequences".
+constexpr Causes kConsequences = set_of(TripCause::current) | set_of(TripCause::tip_force) |
+                                 set_of(TripCause::tip_speed) | set_of(TripCause::energy) |
+                                 set_of(TripCause::voltage);
+/// The same, of wrong angles.
+constexpr Causes kWrongAngles =
+    kConsequences | set_of(TripCause::encoder_jump) | set_of(TripCause::beyond_stops);
+
+/// An additional delay that counts as one.
+constexpr double kLater_s = 0.1e-3;
+
+using HasRisen = bool (*)(const LinkStatus &before, const LinkStatus &after);
+
+bool says_nothing(const LinkStatus & /*before*/, const LinkStatus & /*after*/) { return true; }
+bool says_rejected(const LinkStatus &before, const LinkStatus &after) {
+    return after.rejected > before.rejected;
+}
+bool says_lost(const LinkStatus &before, const LinkStatus &after) {
+    return after.absent > before.absent && after.lost > before.lost;
+}
+bool says_corrupt(const LinkStatus &before, const LinkStatus &after) {
+    return after.corrupt > before.corrupt;
+}
+bool says_repeated(const LinkStatus &before, const LinkStatus &after) {
+    return after.repeated > before.repeated;
+}
+bool says_stale(const LinkStatus &before, const LinkStatus &after) {
+    return after.stale > before.stale;
+}
+
+/// A command that comes late is applied later, or overtaken by the next one.
+bool says_later_or_rejected(const LinkStatus &before, const LinkStatus &after) {
+    return says_rejected(before, after) ||
+           after.longest_delay_s > before.longest_delay_s + kLater_s;
+}
+/// A report that comes late is missed, and then comes after newer ones, or each comes later.
+bool says_later_or_stale(const LinkStatus &before, const LinkStatus &after) {
+    return after.absent > before.absent || says_stale(before, after) ||
+           after.longest_delay_s > before.longest_delay_s + kLater_s;
+}
+
+/// How a fault is named.
+struct Naming {
+    FaultKind kind = FaultKind::drop;
+    Direction direction = Direction::out; ///< of packets
+    HasRisen counters = says_nothing;     ///< where it struck a packet
+    std::uint16_t bits = 0;               ///< of the board, with TripCause::board_fault
+    Causes causes = 0;                    ///< others
+    /// That must trip where the fault is total (not of some packets only) and lasts so long, within
+    /// the same time and what a report takes.
+    TripCause must = TripCause::none;
+    double after_periods = 0.0;
+    double after_s = 0.0;
+};
+
+/// One period to the next report, one to the servo's tick that reads it, one for rounding.
+constexpr double kReported_periods = 3.0;
+
+/// PROTOCOL.md: "no accepted command for the period → fault 5", which the driver sets to 5 T.
+constexpr double kWatchdog_periods = 5.0;
+
+/// docs/servo.md: "stale measurement: 5 ms without a new one".
+constexpr double kStale_s = 5e-3;
+
+/// docs/board.md: "supply: below 13 or above 18 V: firmware brakes within 1.2 ms".
+constexpr double kSlowCheck_s = 1.2e-3;
+
+constexpr auto kSilence = BoardFaults::kNoCommand;
+constexpr Causes kStaleCause = set_of(TripCause::stale_measurement);
+constexpr Causes kLostCause = set_of(TripCause::device_lost);
+constexpr auto kIn = Direction::in;
+constexpr auto kOut = Direction::out;
+
+// PROTOCOL.md, "Late, lost, repeated, corrupt", and "Watchdog". A lost command is named by nothing:
+// it leaves the last one in force.
+constexpr std::array<Naming, 14> kPacketNamings{{
+    {FaultKind::drop, kOut, says_nothing, kSilence, kConsequences, TripCause::board_fault,
+     kWatchdog_periods},
+    {FaultKind::stall, kOut, says_nothing, kSilence, kConsequences, TripCause::board_fault,
+     kWatchdog_periods},
+    {FaultKind::corrupt, kOut, says_rejected, kSilence, kConsequences, TripCause::board_fault,
+     kWatchdog_periods},
+    {FaultKind::truncate, kOut, says_rejected, kSilence, kConsequences, TripCause::board_fault,
+     kWatchdog_periods},
+    {FaultKind::delay, kOut, says_later_or_rejected, kSilence, kConsequences},
+    {FaultKind::reorder, kOut, says_rejected, kSilence, kConsequences},
+    {FaultKind::repeat, kOut, says_rejected},
+    {FaultKind::drop, kIn, says_lost, 0, kStaleCause | kConsequences, TripCause::stale_measurement,
+     0.0, kStale_s},
+    {FaultKind::stall, kIn, says_lost, 0, kStaleCause | kConsequences, TripCause::stale_measurement,
+     0.0, kStale_s},
+    {FaultKind::corrupt, kIn, says_corrupt, 0, kStaleCause | kConsequences,
+     TripCause::stale_measurement, 0.0, kStale_s},
+    {FaultKind::truncate, kIn, says_corrupt, 0, kStaleCause | kConsequences,
+     TripCause::stale_measurement, 0.0, kStale_s},
+    {FaultKind::delay, kIn, says_later_or_stale, 0, kStaleCause | kConsequences},
+    {FaultKind::reorder, kIn, says_stale, 0, kConsequences},
+    {FaultKind::repeat, kIn, says_repeated},
+}};
+
+// Where nothing must trip, only a self-test names the fault (PROTOCOL.md, "Control requests",
+// findings 0 to 5). In operation it may go unnoticed, or show by its consequences.
+constexpr std::array<Naming, 15> kBoardNamings{{
+    {FaultKind::stuck_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
+    {FaultKind::reversed_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
+    {FaultKind::crossed_encoders, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
+    {FaultKind::failed_sensor, kOut, says_nothing, BoardFaults::kSensor, 0, TripCause::board_fault},
+    {FaultKind::reversed_sensor, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::crossed_sensors, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::open_winding, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::crossed_motors, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::failed_stage, kOut, says_nothing, BoardFaults::kAmplifier, 0,
+     TripCause::board_fault},
+    {FaultKind::hot_stage, kOut, says_nothing, BoardFaults::kTemperature, 0, TripCause::board_fault,
+     0.0, kSlowCheck_s},
+    {FaultKind::brown_out, kOut, says_nothing, BoardFaults::kSupply, 0, TripCause::board_fault, 0.0,
+     kSlowCheck_s},
+    {FaultKind::stop, kOut, says_nothing, BoardFaults::kStop, 0, TripCause::board_fault},
+    {FaultKind::disable, kOut, says_nothing, BoardFaults::kStop, 0, TripCause::board_fault},
+    {FaultKind::restart, kOut, says_nothing, 0, kLostCause, TripCause::device_lost},
+    {FaultKind::unplug, kOut, says_nothing, 0, kLostCause, TripCause::device_lost},
+}};
+
+/// Without enough supply for its processor, the board leaves the bus.
+constexpr Naming kOff{FaultKind::brown_out,  kOut, says_nothing, 0, kLostCause,
+                      TripCause::device_lost};
+
+bool is_within_limits(const Fault &fault) {
+    return (fault.kind == FaultKind::hot_stage && fault.temperature_C <= kHottest_C) ||
+           (fault.kind == FaultKind::brown_out && fault.supply_V >= kLeastSupply_V &&
+            fault.supply_V <= kMostSupply_V);
+}
+
+/// One loop of the board suffices, and lasting is not needed to be reported.
+bool is_latched(FaultKind kind) {
+    return kind == FaultKind::failed_sensor || kind == FaultKind::failed_stage ||
+           kind == FaultKind::stop || kind == FaultKind::disable || kind == FaultKind::restart;
+}
+
+Naming naming_of(const Fault &fault) {
+    if (is_within_limits(fault)) {
+        return {.kind = fault.kind};
+    }
+    if (fault.kind == FaultKind::brown_out &&
+        fault.supply_V < emulator::EmulatedBoard::kLeastLogicSupply_V) {
+        return kOff;
+    }
+    const bool has_direction = emulator::is_of_packets(fault.kind);
+    const auto is_its = [&](const Naming &naming) {
+        return naming.kind == fault.kind && (!has_direction || naming.direction == fault.direction);
+    };
+    return has_direction ? *std::ranges::find_if(kPacketNamings, is_its)
+                         : *std::ranges::find_if(kBoardNamings, is_its);
+}
+
+// ---- The run.
+
+/// From what the servo senses to what is: i_true = S i_sensed.
+Matrix3 sensing(const Fault &fault) {
+    Matrix3 S = Matrix3::Identity();
+    const auto a = static_cast<Eigen::Index>(fault.channel);
+    const auto b = static_cast<Eigen::Index>(fault.other_channel);
+    if (fault.kind == FaultKind::reversed_sensor) {
+        S(a, a) = -1.0;
+    } else if (fault.kind == FaultKind::crossed_sensors ||
+               fault.kind == FaultKind::crossed_motors) {
+        S.col(a).swap(S.col(b));
+    }
+    return S;
+}
+
+/// The servo limits the force that it senses, F_s = J_s⁻ᵀ k_T i_s, to the device's limit F_max.
+/// With sensors and encoders in order that is the true one. Otherwise the true force is J⁻ᵀ k_T S
+/// k_T⁻¹ J_sᵀ F_s, and at most F_max times the norm of that matrix.
+///
+/// Above that it may be for the response of limit and trip: from the current to the measurement one
+/// period, and d until the answer acts.
+class ForceBound {
+public:
+    ForceBound(const device::DeviceDescription &device, const StormCase &what)
+        : device_(device), S_(sensing(what.fault)), k_T_(control::torque_constants(device)),
+          longest_ticks_(2 + static_cast<int>(std::ceil(what.delay_periods))) {}
+
+    /// @return the true force as a share of the bound
+    [[nodiscard]] double share(const simulated::SimulatedPhantom::Truth &truth,
+                               const Vector3 &sensed_rad, bool acts) const {
+        const TipAt is(device_.geometry, truth.theta_rad);
+        const double force_N = is.force_N(k_T_.cwiseProduct(truth.current_A)).norm();
+        const TipAt sensed(device_.geometry, sensed_rad);
+        const Matrix3 S = acts ? S_ : Matrix3(Matrix3::Identity());
+        const Matrix3 to_true = is.J.transpose().inverse() * k_T_.asDiagonal() * S *
+                                k_T_.cwiseInverse().asDiagonal() * sensed.J.transpose();
+        const double norm = to_true.jacobiSvd().singularValues()[0];
+        return force_N / (device_.limits.tip_force_N * std::max(1.0, norm));
+    }
+
+    /// @return whether it has been above for too long
+    bool is_broken_by(double share) {
+        above_ = share > 1.0 + kForceRoundOff ? above_ + 1 : 0;
+        return above_ > longest_ticks_;
+    }
+
+private:
+    static constexpr double kForceRoundOff = 2e-3; // of counts against true angles
+    device::DeviceDescription device_;
+    Matrix3 S_;
+    Vector3 k_T_;
+    int longest_ticks_;
+    int above_ = 0;
+};
+
+class Storm {
+public:
+    explicit Storm(const StormCase &what)
+        : what_(what), servo_(phantom_1_0(), options(what), what.period_s),
+          box_(box_soup(Vector3(-0.15, -0.05, -0.15), Vector3(0.15, 0.0, 0.15))),
+          bound_(servo_.device.description(), what),
+          trip_A_(options(what).settings.current_trip_A) {
+        servo_.inputs.surface = &box_;
+        servo_.inputs.tuning = what.tuning;
+        Fault fault = what.fault;
+        const double start_s = servo_.board.time_s();
+        fault.begin_s += start_s;
+        fault.end_s += start_s;
+        if (fault.packet != 0) { // of its direction, within the fault's time
+            const auto since =
+                static_cast<std::uint64_t>(std::ceil(what.fault.begin_s / what.period_s) + 2.0);
+            fault.packet = servo_.board.line(fault.direction).packets() + since;
+        }
+        servo_.board.set_fault(fault);
+    }
+
+    StormOutcome run() {
+        const int begin = servo_.ticks_in(what_.fault.begin_s);
+        const int end = servo_.ticks_in(what_.until_s);
+        for (int i = 0; i < end && outcome_.broken.empty(); ++i) {
+            if (i == servo_.ticks_in(what_.press_s)) {
+                servo_.board.phantom().set_hand_target(what_.target_m);
+            }
+            if (i == begin - 1) {
+                outcome_.was_driving = servo_.state() == board::State::driving;
+                outcome_.before = *servo_.device.link();
+                struck_before_ = struck();
+            }
+            step(i);
+            if (i >= begin) { // the driver forgets it after some hundred ticks
+                outcome_.after.longest_delay_s =
+                    std::max(outcome_.after.longest_delay_s, servo_.device.link()->longest_delay_s);
+            }
+        }
+        const double longest_delay_s = outcome_.after.longest_delay_s;
+        outcome_.after = *servo_.device.link();
+        outcome_.after.longest_delay_s = longest_delay_s;
+        outcome_.struck = struck() - struck_before_;
+        outcome_.safety = servo_.last.safety;
+        return outcome_;
+    }
+
+private:
+    static emulator::EmulatedBoardOptions options(const StormCase &what) {
+        emulator::EmulatedBoardOptions options;
+        options.start_tip_m = what.start_m;
+        options.delay_periods = what.delay_periods;
+        options.simulation.hand = what.hand;
+        options.seed = what.seed;
+        return options;
+    }
+
+    [[nodiscard]] std::uint64_t struck() const {
+        return servo_.board.line(what_.fault.direction)
+            .faults()[static_cast<std::size_t>(what_.fault.kind)];
+    }
+
+    void step(int tick) {
+        if (servo_.board.unplug_wanted() && servo_.port->is_connected()) {
+            servo_.port->unplug();
+        }
+        if (!servo_.port->is_connected()) {
+            servo_.board.pass(what_.period_s);
+        }
+        const bool had_tripped = servo_.has_tripped();
+        servo_.tick();
+        const double time_s = what_.period_s * tick;
+        const bool acts = time_s + 2.0 * what_.period_s >= what_.fault.begin_s &&
+                          time_s <= what_.fault.end_s + 0.02;
+        if (servo_.has_tripped() && !had_tripped) {
+            outcome_.tripped_after_s = time_s - what_.fault.begin_s;
+            if (time_s + what_.period_s < what_.fault.begin_s) {
+                outcome_.broken =
+                    "trips before any fault: " + servo::description(servo_.last.safety);
+            }
+        }
+        check(acts);
+    }
+
+    void check(bool acts) {
+        const double current_A = servo_.truth().current_A.cwiseAbs().maxCoeff();
+        outcome_.largest_A = std::max(outcome_.largest_A, current_A);
+        if (!(current_A < trip_A_)) {
+            outcome_.broken = fmt::format("{:.3g} A in a winding", current_A);
+        }
+        const double share = bound_.share(servo_.truth(), servo_.last.theta_rad, acts);
+        outcome_.largest_share = std::max(outcome_.largest_share, share);
+        if (bound_.is_broken_by(share)) {
+            outcome_.broken = fmt::format("{:.3g} of the force's bound", share);
+        }
+        const device::DeviceCommand &command = servo_.last.command;
+        if (servo_.has_tripped() &&
+            (command.mode == device::CommandMode::drive || !command.e_W_V.isZero(0.0) ||
+             !command.cancelled_resistance_Ohm.isZero(0.0))) {
+            outcome_.broken = "drives although it tripped";
+        }
+    }
+
+    const StormCase &what_;
+    ServoOnBoard servo_;
+    contact::HapticSurface box_;
+    ForceBound bound_;
+    double trip_A_;
+    StormOutcome outcome_;
+    std::uint64_t struck_before_ = 0;
+};
+
+} // namespace
+
+std::string StormCase::description() const {
+    const std::string packets =
+        !emulator::is_of_packets(fault.kind)
+            ? ""
+            : fmt::format(" {}, {}, {:.1f} periods",
+                          fault.direction == Direction::in ? "in" : "out",
+                          fault.packet != 0 ? "one packet" : fmt::format("{:.2f}", fault.share),
+                          fault.periods);
+    return fmt::format("{}{}, channels {} and {}, {:.1f} V, {:.0f} C, from {:.5f} s to {:.5f} s; "
+                       "{} at {:.3f} s; {:.0f} Hz, d {:.2f}, dR {}, {}",
+                       emulator::name_of(fault.kind), packets, fault.channel + 1,
+                       fault.other_channel + 1, fault.supply_V, fault.temperature_C, fault.begin_s,
+                       fault.end_s, presses ? "presses" : "moves", press_s, 1.0 / period_s,
+                       delay_periods, tuning.dR_Ohm, control::name_of(tuning.map));
+}
+
+StormCase random_storm_case(std::uint64_t seed, int number) {
+    StormDice dice(seed, number);
+    StormCase what;
+    what.fault = random_fault(
+        dice, static_cast<FaultKind>(static_cast<std::size_t>(number) % emulator::kFaultKinds));
+    what.presses = dice.flip();
+    what.tuning = random_gains(dice);
+    what.period_s = dice.flip() ? 1e-3 : 0.25e-3;
+    what.delay_periods = dice.even(0.2, 1.0);
+    what.seed = seed + static_cast<std::uint64_t>(number);
+    what.hand = dice.flip() ? device::HandParameters{}
+                            : device::HandParameters{0.3, 30.0, 1500.0, 20.0, 0.4};
+    what.hand.max_speed_m_per_s = dice.by_ratio(0.05, 0.4);
+    const auto across_m = [&] { return dice.even(-0.04, 0.04); };
+    what.start_m = {across_m(), dice.even(0.012, 0.03), across_m()};
+    what.target_m = {across_m(), dice.even(0.012, 0.03), across_m()};
+    // The gains have risen after 1.1 s.
+    what.press_s = dice.even(0.2, 1.3);
+    what.fault.begin_s = dice.even(0.02, 1.8);
+    if (what.presses) {
+        constexpr double kSurface_N_per_m = 1800.0;
+        const double force_N = dice.even(1.0, 12.0); // the servo limits it to 8.1 N
+        what.target_m = what.start_m + Vector3(0.005, 0.0, -0.003);
+        what.target_m.y() = -force_N * (1.0 / kSurface_N_per_m + 1.0 / what.hand.stiffness_N_per_m);
+        what.press_s = dice.even(0.9, 1.5);
+        what.fault.begin_s = dice.even(1.0, 1.8);
+    }
+    const double lasts_s = dice.by_ratio(2e-3, 0.6);
+    what.fault.end_s = what.fault.begin_s + lasts_s;
+    what.until_s = what.fault.end_s + kPublished_s + kAfterwards_s;
+    return what;
+}
+
+StormOutcome outcome_of(const StormCase &what) { return Storm(what).run(); }
+
+std::string misnaming(const StormCase &what, const StormOutcome &outcome) {
+    const Naming naming = naming_of(what.fault);
+    const servo::SafetyStatus &safety = outcome.safety;
+    const bool has_tripped = safety.state == servo::SafetyState::tripped;
+    if (has_tripped && safety.cause == TripCause::board_fault) {
+        const auto bits = static_cast<std::uint16_t>(safety.measured);
+        if ((bits & ~naming.bits) != 0 || bits == 0) {
+            return fmt::format("board faults {:#x}, not {:#x}", bits, naming.bits);
+        }
+    } else if (has_tripped && (naming.causes & set_of(safety.cause)) == 0) {
+        return "trips by " + servo::description(safety);
+    }
+    if (outcome.struck > 0 && !naming.counters(outcome.before, outcome.after)) {
+        return fmt::format("{} packets struck, but counters do not tell", outcome.struck);
+    }
+    const bool is_total = !emulator::is_of_packets(what.fault.kind) ||
+                          what.fault.kind == FaultKind::stall ||
+                          (what.fault.share >= 1.0 && what.fault.packet == 0);
+    const bool is_watched = naming.bits != kSilence || outcome.was_driving;
+    const double after_s = naming.after_periods * what.period_s + naming.after_s;
+    const double reported_s = after_s + kReported_periods * what.period_s;
+    const bool lasts =
+        is_latched(naming.kind) || what.fault.end_s - what.fault.begin_s >= reported_s;
+    if (naming.must == TripCause::none || !is_total || !is_watched || !lasts) {
+        return "";
+    }
+    if (!has_tripped || safety.cause != naming.must) {
+        return "must trip by " +
+               std::string(servo::kTripCauseNames[static_cast<std::size_t>(naming.must)]) +
+               ", but: " + servo::description(safety);
+    }
+    if (outcome.tripped_after_s > reported_s) {
+        return fmt::format("trips after {:.2f} ms, not {:.2f} ms", 1e3 * outcome.tripped_after_s,
+                           1e3 * reported_s);
+    }
+    return "";
+}
+
+std::string summary(const StormCase &what, const StormOutcome &outcome) {
+    const std::string_view direction = !emulator::is_of_packets(what.fault.kind) ? ""
+                                       : what.fault.direction == Direction::in   ? " in"
+                                                                                 : " out";
+    const bool has_tripped = outcome.safety.state == servo::SafetyState::tripped;
+    return fmt::format("{}{}: {}", emulator::name_of(what.fault.kind), direction,
+                       has_tripped
+                           ? servo::kTripCauseNames[static_cast<std::size_t>(outcome.safety.cause)]
+                           : "tolerated");
+}
+
+} // namespace springdrive::testing
