@@ -1,6 +1,6 @@
 // What libFuzzer calls with one input after the other: a parser of the program's files, which has
-// to read each input or refuse it with an InputError, or a target for the USB board's protocol
-// (usb_targets.h). SPRINGDRIVE_PARSER names one of them; see tests/fuzz/run.
+// to read each input or refuse it with an InputError. SPRINGDRIVE_PARSER names the parser; see
+// tests/fuzz/run.
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"
@@ -9,7 +9,6 @@
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/scene/gltf.h"
-#include "tests/fuzz/usb_targets.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -20,7 +19,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -69,32 +67,18 @@ const std::map<std::string_view, Parser> kParsers{
     {"record", {read_record, "input.springdrive"}},
 };
 
-/// What SPRINGDRIVE_PARSER names: one of the two.
-struct Chosen {
-    const Parser *parser = nullptr;
-    const fuzz::UsbTarget *usb_target = nullptr;
-};
-
-[[nodiscard]] Chosen choose() {
-    const char *const variable = std::getenv("SPRINGDRIVE_PARSER");
-    const std::string_view name = variable == nullptr ? "" : variable;
-    if (const auto found = kParsers.find(name); found != kParsers.end()) {
-        return {&found->second, nullptr};
-    }
-    for (const fuzz::UsbTarget &target : fuzz::kUsbTargets) {
-        if (target.name == name) {
-            return {nullptr, &target};
+[[nodiscard]] const Parser &parser() {
+    const char *const name = std::getenv("SPRINGDRIVE_PARSER");
+    const auto found = kParsers.find(name == nullptr ? "" : name);
+    if (found == kParsers.end()) {
+        fmt::print(stderr, "SPRINGDRIVE_PARSER has to be one of:");
+        for (const auto &[known, parser] : kParsers) {
+            fmt::print(stderr, " {}", known);
         }
+        fmt::print(stderr, "\n");
+        std::exit(2);
     }
-    fmt::print(stderr, "SPRINGDRIVE_PARSER has to be one of:");
-    for (const auto &[known, parser] : kParsers) {
-        fmt::print(stderr, " {}", known);
-    }
-    for (const fuzz::UsbTarget &target : fuzz::kUsbTargets) {
-        fmt::print(stderr, " {}", target.name);
-    }
-    fmt::print(stderr, "\n");
-    std::exit(2);
+    return found->second;
 }
 
 /// A folder in memory, one for each process.
@@ -104,13 +88,16 @@ struct Chosen {
     return folder;
 }
 
-void read_as_file(const Parser &parser, std::span<const std::uint8_t> input) {
-    static const fs::path file = make_folder() / parser.file_name;
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+    static const Parser &chosen = parser();
+    static const fs::path file = make_folder() / chosen.file_name;
     std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char *>(input.data()), // NOLINT(*-reinterpret-cast): bytes
-               static_cast<std::streamsize>(input.size()));
+        .write(reinterpret_cast<const char *>(data), // NOLINT(*-reinterpret-cast): bytes
+               static_cast<std::streamsize>(size));
     try {
-        parser.read(file);
+        chosen.read(file);
     } catch (const InputError &error) {
         // One line that names the file.
         const std::string_view text = error.what();
@@ -119,18 +106,6 @@ void read_as_file(const Parser &parser, std::span<const std::uint8_t> input) {
             fmt::print(stderr, "not one line with the file's name: {}\n", text);
             std::abort();
         }
-    }
-}
-
-} // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
-    static const Chosen chosen = choose();
-    const std::span input(data, size);
-    if (chosen.parser != nullptr) {
-        read_as_file(*chosen.parser, input);
-    } else {
-        chosen.usb_target->take(input);
     }
     return 0;
 }
