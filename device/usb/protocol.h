@@ -278,7 +278,8 @@ struct ChannelFindings {
 };
 
 struct ChannelTest {
-    float resistance_Ohm = kNotMeasured;
+    float resistance_Ohm = kNotMeasured; ///< as the current sensor sees it
+    float inductance_H = kNotMeasured;   ///< the same
     std::uint16_t findings = 0;
     std::array<std::int16_t, kChannels> moved_counts{}; ///< of each encoder, for a positive voltage
 };
@@ -287,7 +288,7 @@ struct SelfTestResult {
     SelfTestState state = SelfTestState::never;
     std::array<ChannelTest, kChannels> channel;
 };
-inline constexpr std::size_t kSelfTestResultSize = 44;
+inline constexpr std::size_t kSelfTestResultSize = 56;
 
 /// Difference of two numbers or board times modulo 2^32, later minus earlier; negative if `later`
 /// is the earlier one. Right while they are less than 2^31 apart (of times: 35 minutes).
@@ -764,6 +765,7 @@ template <> struct Layout<SelfTestResult> {
         wire.skip(1);
         for (auto &channel : result.channel) {
             wire.number(channel.resistance_Ohm);
+            wire.number(channel.inductance_H);
             wire.number(channel.findings);
             wire.number(channel.moved_counts);
         }

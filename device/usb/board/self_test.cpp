@@ -54,8 +54,9 @@ bool SelfTest::is_beyond(const Triple &current_A, const std::array<std::int32_t,
 }
 
 void SelfTest::begin_channel(const std::array<std::int32_t, kChannels> &counts) {
-    positive_As_ = {};
-    negative_As_ = {};
+    positive_ = {};
+    negative_ = {};
+    after_change_A_ = 0.0F;
     counts_at_start_ = counts;
 }
 
@@ -91,34 +92,68 @@ SelfTest::Step SelfTest::update(const Triple &current_A,
     return step;
 }
 
-/// From 4/8 to 7/8 of the first pulse, and from 1/8 to 4/8 of the second.
+/// Means are taken from 4/8 to 7/8 of the first pulse, and from 1/8 to 4/8 of the second, each of
+/// them in halves: near the change of sign, and far from it.
 void SelfTest::add_currents(const Triple &current_A) {
     const std::uint32_t eighth = pulse_loops_ / 8;
     const bool is_positive = loop_ < pulse_loops_;
-    const std::uint32_t from_change = is_positive ? pulse_loops_ - loop_ : loop_ - pulse_loops_;
-    if (from_change > eighth && from_change <= 4 * eighth) {
-        Triple &sum_As = is_positive ? positive_As_ : negative_As_;
+    const std::uint32_t distance = is_positive ? pulse_loops_ - loop_ : loop_ - pulse_loops_;
+    if (!is_positive && distance > 0 && distance <= eighth) {
+        after_change_A_ += current_A[channel_];
+    }
+    if (distance > eighth && distance <= 4 * eighth) {
+        Sums &sums = is_positive ? positive_ : negative_;
+        Triple &sum_A = distance <= eighth + 3 * eighth / 2 ? sums.near_A : sums.far_A;
         for (std::size_t i = 0; i < kChannels; ++i) {
-            sum_As[i] += current_A[i];
+            sum_A[i] += current_A[i];
         }
     }
+}
+
+float SelfTest::mean_A(const Sums &sums, std::size_t channel) const {
+    const std::uint32_t eighth = pulse_loops_ / 8;
+    return (sums.near_A[channel] + sums.far_A[channel]) / static_cast<float>(3U * eighth);
+}
+
+/// Of the driven channel, at a distance from the change of sign in loops: the line through the
+/// means of both halves.
+float SelfTest::line_A(const Sums &sums, float distance) const {
+    const std::uint32_t eighth = pulse_loops_ / 8;
+    const std::uint32_t near_loops = 3 * eighth / 2;
+    const std::uint32_t far_loops = 3 * eighth - near_loops;
+    const float near_A = sums.near_A[channel_] / static_cast<float>(near_loops);
+    const float far_A = sums.far_A[channel_] / static_cast<float>(far_loops);
+    const float between = 0.5F * static_cast<float>(near_loops + far_loops); // of their middles
+    const float near_at = static_cast<float>(eighth) + 0.5F * static_cast<float>(near_loops + 1U);
+    return near_A + (far_A - near_A) * (distance - near_at) / between;
+}
+
+/// L/R, from what the current lags behind its line after the change of sign. The voltage changes
+/// half a loop before the middle of its first action: for a change half a loop after a sample, the
+/// sum of the lags is their integral, to (R T/L)²/24.
+float SelfTest::time_constant_s(const BoardSettings &settings) const {
+    const std::uint32_t eighth_loops = pulse_loops_ / 8;
+    const auto eighth = static_cast<float>(eighth_loops);
+    const float step_A = line_A(positive_, 0.0F) - line_A(negative_, 0.0F);
+    const float lag_A = after_change_A_ - eighth * line_A(negative_, 0.5F * (eighth + 1.0F));
+    const float loops = lag_A / step_A - (settings.actuation_lag_periods - 1.0F);
+    return loops * settings.loop_period_s();
 }
 
 void SelfTest::judge_channel(const std::array<std::int32_t, kChannels> &counts,
                              const BoardSettings &settings) {
     using usb::ChannelFindings;
     usb::ChannelTest &test = result_.channel[channel_];
-    const std::uint32_t eighth = pulse_loops_ / 8;
-    const auto loops = static_cast<float>(3U * eighth);
     const float expected_A = voltage_V_ / settings.winding[channel_].resistance_Ohm;
     const auto half_swing_A = [&](std::size_t i) {
-        return 0.5F * (positive_As_[i] - negative_As_[i]) / loops;
+        return 0.5F * (mean_A(positive_, i) - mean_A(negative_, i));
     };
     const float own_A = half_swing_A(channel_);
     if (magnitude(own_A) < 0.25F * expected_A) {
         test.findings |= ChannelFindings::kOpenWinding;
     } else {
         test.resistance_Ohm = voltage_V_ / magnitude(own_A);
+        test.inductance_H = test.resistance_Ohm * time_constant_s(settings);
         test.findings |= own_A < 0.0F ? ChannelFindings::kReversedSensor : 0U;
     }
     std::size_t farthest = channel_;

@@ -1,5 +1,6 @@
-// Short voltage pulses on one winding after the other, the others open: measures each resistance,
-// and whether motor, current sensor and encoder of a channel belong together and agree in sign.
+// Short voltage pulses on one winding after the other, the others open: measures each resistance
+// and inductance, and whether motor, current sensor and encoder of a channel belong together and
+// agree in sign.
 //
 //   voltage  +V ┌───────┐
 //             ──┘       │       ┌── braking       resistance = 2 V/(i₊ − i₋)
@@ -7,7 +8,9 @@
 //   means           i₊       i₋
 //
 // The two means are taken at equal times before and after the change of sign, where the rotor has
-// equal speeds, so that the back-EMF drops out. Then all windings brake until the rotors rest.
+// equal speeds, so that the back-EMF drops out. Each is taken in two parts, which give the line
+// that the current would follow without inductance. What it lags behind that line after the change
+// is L/R times the step Δi, so L = R Σ lag/Δi. Then all windings brake until the rotors rest.
 //
 // A host that falls silent, a fault, or a limit of this test ends it.
 #pragma once
@@ -40,10 +43,19 @@ public:
     [[nodiscard]] const usb::SelfTestResult &result() const { return result_; }
 
 private:
+    /// Sums of currents over loops, by their distance from the change of sign.
+    struct Sums {
+        Triple near_A{};
+        Triple far_A{};
+    };
+
     void begin_channel(const std::array<std::int32_t, kChannels> &counts);
     void add_currents(const Triple &current_A);
     void judge_channel(const std::array<std::int32_t, kChannels> &counts,
                        const BoardSettings &settings);
+    [[nodiscard]] float mean_A(const Sums &sums, std::size_t channel) const;
+    [[nodiscard]] float line_A(const Sums &sums, float distance) const;
+    [[nodiscard]] float time_constant_s(const BoardSettings &settings) const;
     [[nodiscard]] std::int32_t moved(std::size_t encoder,
                                      const std::array<std::int32_t, kChannels> &counts) const;
     [[nodiscard]] bool is_beyond(const Triple &current_A,
@@ -58,8 +70,9 @@ private:
     std::uint32_t rest_loops_ = 0;
     std::size_t channel_ = 0;
     std::uint32_t loop_ = 0; ///< of this channel
-    Triple positive_As_{};   ///< sums over loops
-    Triple negative_As_{};
+    Sums positive_;
+    Sums negative_;
+    float after_change_A_ = 0.0F; ///< sum of the driven channel's, soon after the change
     std::array<std::int32_t, kChannels> counts_at_start_{};
 };
 

@@ -440,6 +440,7 @@ TEST(Protocol, ControlPayloadsSurviveARoundTrip) {
     SelfTestResult result;
     result.state = SelfTestState::completed;
     result.channel[1].resistance_Ohm = 2.2F;
+    result.channel[0].inductance_H = 0.2e-3F;
     result.channel[2].findings = ChannelFindings::kReversedEncoder;
     result.channel[2].moved_counts = {0, 3, -17};
     EXPECT_EQ(encode(decoded<SelfTestResult>(encode(result))), encode(result));

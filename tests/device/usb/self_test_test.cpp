@@ -45,17 +45,23 @@ usb::SelfTestResult tested(const std::function<void(BoardRig &)> &damage = {}) {
     return result(rig);
 }
 
-TEST(SelfTest, MeasuresResistancesAndFindsNothingWrong) {
+TEST(SelfTest, MeasuresResistancesAndInductancesAndFindsNothingWrong) {
     const usb::SelfTestResult result = tested([](BoardRig &rig) {
         rig.motor[1].resistance_Ohm = 2.4;
+        rig.motor[1].inductance_H = 0.119e-3;
+        rig.motor[2].inductance_H = 0.357e-3;
         rig.motor[2].sensor_offset_A = 0.05;
     });
     EXPECT_EQ(result.state, SelfTestState::completed);
     const std::array<double, 3> expected_Ohm{2.18, 2.4, 2.18};
+    const std::array<double, 3> expected_H{0.238e-3, 0.119e-3, 0.357e-3};
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_EQ(result.channel[i].findings, 0) << i;
         // Of the back-EMF remains what the rotor's speed is not symmetrical.
         EXPECT_NEAR(result.channel[i].resistance_Ohm, expected_Ohm[i], 0.01 * expected_Ohm[i]);
+        // The sum in place of the integral, (R T/L)²/24 = 1.1 % at most, and what the back-EMF bends
+        // the line.
+        EXPECT_NEAR(result.channel[i].inductance_H, expected_H[i], 0.02 * expected_H[i]);
         EXPECT_GE(result.channel[i].moved_counts[i], 3);
     }
 }
