@@ -75,6 +75,7 @@ Fault random_fault(StormDice &dice, FaultKind kind) {
     }
     fault.periods = dice.even(0.5, 7.0);
     fault.channel = dice.below(3);
+    fault.gain = dice.by_ratio(0.8, 1.25);
     fault.other_channel = (fault.channel + 1 + dice.below(2)) % 3;
     fault.supply_V = random_supply_V(dice);
     fault.temperature_C = dice.flip() ? dice.even(86.0, 150.0) : dice.even(30.0, 84.0);
@@ -201,13 +202,15 @@ constexpr std::array<Naming, 14> kPacketNamings{{
 
 // Where nothing must trip, only a self-test names the fault (PROTOCOL.md, "Control requests",
 // findings 0 to 5). In operation it may go unnoticed, or show by its consequences.
-constexpr std::array<Naming, 15> kBoardNamings{{
+constexpr std::array<Naming, 17> kBoardNamings{{
     {FaultKind::stuck_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::reversed_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::crossed_encoders, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
+    {FaultKind::lost_counts, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::failed_sensor, kOut, says_nothing, BoardFaults::kSensor, 0, TripCause::board_fault},
     {FaultKind::reversed_sensor, kOut, says_nothing, 0, kConsequences},
     {FaultKind::crossed_sensors, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::sensor_gain, kOut, says_nothing, 0, kConsequences},
     {FaultKind::open_winding, kOut, says_nothing, 0, kConsequences},
     {FaultKind::crossed_motors, kOut, says_nothing, 0, kConsequences},
     {FaultKind::failed_stage, kOut, says_nothing, BoardFaults::kAmplifier, 0,
@@ -263,6 +266,8 @@ Matrix3 sensing(const Fault &fault) {
     const auto b = static_cast<Eigen::Index>(fault.other_channel);
     if (fault.kind == FaultKind::reversed_sensor) {
         S(a, a) = -1.0;
+    } else if (fault.kind == FaultKind::sensor_gain) {
+        S(a, a) = 1.0 / fault.gain;
     } else if (fault.kind == FaultKind::crossed_sensors ||
                fault.kind == FaultKind::crossed_motors) {
         S.col(a).swap(S.col(b));

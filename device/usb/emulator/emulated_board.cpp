@@ -53,6 +53,12 @@ PlantFaults plant_faults(std::span<const Fault> faults) {
         case FaultKind::crossed_encoders:
             cross(&PlantFaults::Channel::encoder_motor, fault);
             break;
+        case FaultKind::lost_counts:
+            channel.lost_share = fault.share;
+            break;
+        case FaultKind::sensor_gain:
+            channel.sensor_gain = fault.gain;
+            break;
         case FaultKind::failed_sensor:
             channel.has_failed_sensor = true;
             break;

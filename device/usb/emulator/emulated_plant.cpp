@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace springdrive::emulator {
@@ -89,15 +90,20 @@ void EmulatedPlant::sample_encoders(const device::Measurement &measured, board::
     if (!has_counters_) {
         counts_at_power_up_ = measured.counts;
         counter_ = {};
+        turned_ = {};
+        lost_ = {};
         has_counters_ = true;
     }
     for (std::size_t i = 0; i < 3; ++i) {
         const PlantFaults::Channel &channel = faults_.channel[i];
         const std::int32_t turned =
             measured.counts[channel.encoder_motor] - counts_at_power_up_[channel.encoder_motor];
+        lost_[i] += channel.lost_share * (turned - turned_[i]);
+        turned_[i] = turned;
+        const auto counted = turned - static_cast<std::int32_t>(std::lround(lost_[i]));
         if (!channel.has_stuck_encoder) {
             counter_[i] =
-                static_cast<std::uint16_t>(channel.has_reversed_encoder ? -turned : turned);
+                static_cast<std::uint16_t>(channel.has_reversed_encoder ? -counted : counted);
         }
     }
     samples.encoder = counter_;
@@ -108,7 +114,8 @@ void EmulatedPlant::sample_currents(const device::Measurement &measured,
     for (std::size_t i = 0; i < 3; ++i) {
         const PlantFaults::Channel &channel = faults_.channel[i];
         const std::size_t motor = faults_.channel[channel.sensor_bridge].bridge_motor;
-        const double measured_A = measured.current_A[static_cast<Eigen::Index>(motor)];
+        const double measured_A =
+            channel.sensor_gain * measured.current_A[static_cast<Eigen::Index>(motor)];
         samples.current_A[i] =
             channel.has_failed_sensor
                 ? usb::kNotMeasured

@@ -29,6 +29,8 @@ struct PlantFaults {
         bool has_failed_sensor = false;
         bool has_reversed_sensor = false;
         bool has_open_winding = false;
+        double lost_share = 0.0; ///< of its encoder's counts
+        double sensor_gain = 1.0;
         std::size_t encoder_motor = 0; ///< to which motor its encoder is coupled
         std::size_t sensor_bridge = 0; ///< whose current its sensor measures
         std::size_t bridge_motor = 0;  ///< which motor its bridge drives
@@ -94,6 +96,8 @@ private:
     bool has_counters_ = false; ///< they begin with the first samples
     std::array<std::int32_t, 3> counts_at_power_up_{};
     std::array<std::uint16_t, 3> counter_{};
+    std::array<std::int32_t, 3> turned_{}; ///< counts since power-up, had none been lost
+    std::array<double, 3> lost_{};
     std::array<std::optional<usb::CalibrationBlock>, board::kCalibrationBlocks> stored_;
 };
 static_assert(board::Hardware<EmulatedPlant>);

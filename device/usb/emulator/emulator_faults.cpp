@@ -138,6 +138,14 @@ private:
                 refuse("a channel cannot be crossed with itself");
             }
             break;
+        case FaultForm::counts:
+            fault_.channel = channel();
+            fault_.share = number(next(), 0.0, 1.0, "share of the counts");
+            break;
+        case FaultForm::gain:
+            fault_.channel = channel();
+            fault_.gain = number(next(), 0.5, 2.0, "gain");
+            break;
         case FaultForm::supply:
             fault_.supply_V = number(next(), 0.0, 100.0, "voltage");
             break;

@@ -28,10 +28,12 @@ enum class FaultKind : std::uint8_t {
     stuck_encoder,
     reversed_encoder,
     crossed_encoders,
+    lost_counts,
     // Of current sensors:
     failed_sensor, ///< no conversion: NaN
     reversed_sensor,
     crossed_sensors,
+    sensor_gain,
     // Of motors:
     open_winding,
     crossed_motors, ///< two motors at each other's bridges; encoders are not crossed
@@ -45,7 +47,7 @@ enum class FaultKind : std::uint8_t {
     restart, ///< at once, without leaving the bus
     unplug,  ///< by whoever holds the device: EmulatedBoard::unplug_wanted
 };
-inline constexpr std::size_t kFaultKinds = 22;
+inline constexpr std::size_t kFaultKinds = 24;
 
 [[nodiscard]] constexpr bool is_of_packets(FaultKind kind) { return kind <= FaultKind::stall; }
 
@@ -57,11 +59,12 @@ struct Fault {
     double begin_s = 0.0;
     double end_s = std::numeric_limits<double>::infinity();
     Direction direction = Direction::out;
-    double share = 1.0;       ///< of the packets, at random
+    double share = 1.0;       ///< of the packets, at random; of the counts, evenly
     std::uint64_t packet = 0; ///< only this one of its direction, from 1; 0: by `share`
     double periods = 1.0;     ///< of reports: duration of a delay
     std::size_t channel = 0;
     std::size_t other_channel = 1;
+    double gain = 1.0; ///< of a current sensor
     double supply_V = 0.0;
     double temperature_C = 0.0;
 };
@@ -74,6 +77,8 @@ enum class FaultForm : std::uint8_t {
     endpoint,    ///< DIRECTION
     channel,     ///< CHANNEL
     two,         ///< CHANNEL:CHANNEL
+    counts,      ///< CHANNEL:SHARE
+    gain,        ///< CHANNEL:GAIN
     supply,      ///< VOLTS
     temperature, ///< CELSIUS
 };
@@ -96,9 +101,11 @@ inline constexpr std::array<FaultName, kFaultKinds> kFaultNames{{
     {"stuck-encoder", FaultKind::stuck_encoder, FaultForm::channel},
     {"reversed-encoder", FaultKind::reversed_encoder, FaultForm::channel},
     {"crossed-encoders", FaultKind::crossed_encoders, FaultForm::two},
+    {"lost-counts", FaultKind::lost_counts, FaultForm::counts},
     {"failed-sensor", FaultKind::failed_sensor, FaultForm::channel},
     {"reversed-sensor", FaultKind::reversed_sensor, FaultForm::channel},
     {"crossed-sensors", FaultKind::crossed_sensors, FaultForm::two},
+    {"sensor-gain", FaultKind::sensor_gain, FaultForm::gain},
     {"open-winding", FaultKind::open_winding, FaultForm::channel},
     {"crossed-motors", FaultKind::crossed_motors, FaultForm::two},
     {"failed-stage", FaultKind::failed_stage, FaultForm::nothing},
@@ -129,6 +136,10 @@ inline constexpr std::array<FaultName, kFaultKinds> kFaultNames{{
         return ":1|2|3";
     case FaultForm::two:
         return ":1|2|3:1|2|3";
+    case FaultForm::counts:
+        return ":1|2|3:SHARE";
+    case FaultForm::gain:
+        return ":1|2|3:GAIN";
     case FaultForm::supply:
         return ":VOLTS";
     case FaultForm::temperature:

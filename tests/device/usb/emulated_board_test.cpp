@@ -898,6 +898,9 @@ TEST(FaultTexts, AreRead) {
     EXPECT_EQ(parse_fault("stuck-encoder:2").channel, 1U);
     EXPECT_EQ(parse_fault("crossed-motors:3:1").other_channel, 0U);
     EXPECT_EQ(parse_fault("unplug@3.5").begin_s, 3.5);
+    EXPECT_EQ(parse_fault("lost-counts:2:0.1").share, 0.1);
+    EXPECT_EQ(parse_fault("sensor-gain:3:1.1").gain, 1.1);
+    EXPECT_EQ(parse_fault("sensor-gain:3:1.1").channel, 2U);
     EXPECT_EQ(parse_fault("brown-out:9.5").supply_V, 9.5);
     for (const FaultName &known : kFaultNames) {
         EXPECT_NE(fault_usage().find(std::string(known.name)), std::string::npos);
