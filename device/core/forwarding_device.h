@@ -24,6 +24,7 @@ public:
     void write(const DeviceCommand &command) noexcept override { device_->write(command); }
     [[nodiscard]] DeviceIdentity identity() const override { return device_->identity(); }
     [[nodiscard]] std::optional<LinkStatus> link() const override { return device_->link(); }
+    [[nodiscard]] Bench *bench() override { return device_->bench(); }
     [[nodiscard]] bool is_zeroed() const override { return device_->is_zeroed(); }
     void set_period(double period_s) override { device_->set_period(period_s); }
     void zero(const Vector3 &theta_rad) override { device_->zero(theta_rad); }

@@ -7,6 +7,8 @@
 #pragma once
 
 #include "base/vector.h"
+#include "device/core/bench.h"
+#include "device/core/board_faults.h"
 #include "device/core/device_file.h"
 #include "device/core/link_status.h"
 
@@ -64,25 +66,6 @@ enum class Arrival : std::uint8_t {
     return arrival == Arrival::fresh || arrival == Arrival::late;
 }
 
-/// Faults reported by the device's board, one bit each.
-struct BoardFaults {
-    static constexpr std::uint16_t kAmplifier = 1U << 0U;   ///< a power stage: opens the windings
-    static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was reached
-    static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages or motors
-    static constexpr std::uint16_t kSupply = 1U << 3U;      ///< too high or too low
-    static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< implausible encoder signals
-    static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: the board brakes
-    static constexpr std::uint16_t kStop = 1U << 6U;        ///< stop switch or enable line
-    static constexpr std::uint16_t kHeat = 1U << 7U;        ///< of a winding, by its currents
-    static constexpr std::uint16_t kSensor = 1U << 8U;      ///< a current sensor: opens
-    static constexpr std::uint16_t kOverrun = 1U << 9U;     ///< its amplifiers' loop was late
-
-    std::uint16_t bits = 0;
-
-    [[nodiscard]] constexpr bool any() const { return bits != 0; }
-    [[nodiscard]] constexpr bool has(std::uint16_t fault) const { return (bits & fault) != 0; }
-};
-
 /// What the device measured, and its status.
 struct Measurement {
     std::array<std::int32_t, 3> counts{}; ///< encoders, zero at θ = 0
@@ -134,6 +117,9 @@ public:
 
     /// The connection, of a device that has one. Not on the servo's thread, but while it runs.
     [[nodiscard]] virtual std::optional<LinkStatus> link() const { return std::nullopt; }
+
+    /// Of a device whose board has one; otherwise null.
+    [[nodiscard]] virtual Bench *bench() { return nullptr; }
 
     /// Whether counts give the rotors' angles; otherwise they must be declared by `zero`.
     [[nodiscard]] virtual bool is_zeroed() const = 0;

@@ -35,30 +35,6 @@ std::string text_of(const AssertionFailure &failure) {
                              failure.file, failure.line, failure.condition);
 }
 
-/// Names of a board's faults, given as bits.
-std::string names_of(double bits) {
-    constexpr std::array<std::pair<std::uint16_t, const char *>, 10> kNames{{
-        {device::BoardFaults::kAmplifier, "an amplifier fault"},
-        {device::BoardFaults::kOverCurrent, "overcurrent"},
-        {device::BoardFaults::kTemperature, "overtemperature"},
-        {device::BoardFaults::kSupply, "a supply voltage out of range"},
-        {device::BoardFaults::kEncoder, "implausible encoder signals"},
-        {device::BoardFaults::kNoCommand, "a command timeout"},
-        {device::BoardFaults::kStop, "its stop switch, or its enable line open"},
-        {device::BoardFaults::kHeat, "a winding too hot by its currents"},
-        {device::BoardFaults::kSensor, "a failed current sensor"},
-        {device::BoardFaults::kOverrun, "an amplifier loop that came late"},
-    }};
-    const device::BoardFaults faults{static_cast<std::uint16_t>(bits)};
-    std::string text;
-    for (const auto &[fault, name] : kNames) {
-        if (faults.has(fault)) {
-            text += (text.empty() ? "" : ", ") + std::string(name);
-        }
-    }
-    return text.empty() ? "an unknown fault" : text;
-}
-
 } // namespace
 
 std::string description(const SafetyStatus &status) {
@@ -70,7 +46,8 @@ std::string description(const SafetyStatus &status) {
     case TripCause::device_lost:
         return "the device does not answer";
     case TripCause::board_fault:
-        return "the device's board reports " + names_of(status.measured);
+        return "the device's board reports " +
+               names_of(device::BoardFaults{static_cast<std::uint16_t>(status.measured)});
     case TripCause::stale_measurement:
         return crossed(status, {"no fresh measurement for", " ms", 1, 1e3});
     case TripCause::not_finite:

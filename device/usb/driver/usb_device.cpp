@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "device/usb/driver/board_names.h"
+#include "device/usb/driver/board_request.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,26 +56,19 @@ std::uint32_t period_us(double period_s) {
 
 UsbDevice::UsbDevice(std::unique_ptr<BoardPort> port, const device::DeviceDescription &description,
                      std::string serial, double period_s, Pacing pacing)
-    : port_(std::move(port)), file_description_(description), description_(description),
-      serial_(std::move(serial)), period_s_(period_s), pacing_(pacing) {
+    : port_(std::move(port)),
+      bench_(*port_,
+             [this] {
+                 return BoardStatus{name(), std::string(port_->speed()), board_, capabilities_,
+                                    stream_.newest()};
+             }),
+      file_description_(description), description_(description), serial_(std::move(serial)),
+      period_s_(period_s), pacing_(pacing) {
     connect();
 }
 
 std::string UsbDevice::name() const {
     return identity_.serial.empty() ? "the USB board" : "the USB board " + identity_.serial;
-}
-
-template <class Value> Value UsbDevice::ask(Kind request, const std::string &what) {
-    std::array<std::uint8_t, detail::Layout<Value>::kSize> answer{};
-    const std::size_t size = port_->control_in(request, 0, answer);
-    Value value;
-    if (const FrameStatus status = decode(answer.data(), size, value); status != FrameStatus::ok) {
-        throw InputError(fmt::format("{}: cannot be asked for its {}: {}; is it a board for "
-                                     "springdrive?",
-                                     name(), what,
-                                     size == 0 ? "it refuses" : description_of(status)));
-    }
-    return value;
 }
 
 void UsbDevice::connect() {
@@ -100,7 +94,7 @@ void UsbDevice::connect() {
 }
 
 void UsbDevice::check_identity() {
-    board_ = ask<Identity>(Kind::identity, "identity");
+    board_ = ask<Identity>(*port_, Kind::identity, 0, name(), "identity");
     identity_ = {"USB", text_of(board_.serial),
                  fmt::format("{} {}.{}.{}, board revision {}", text_of(board_.name),
                              board_.firmware[0], board_.firmware[1], board_.firmware[2],
@@ -116,7 +110,7 @@ void UsbDevice::check_identity() {
 
 /// Of a board with lower limits than the device file's, its own apply.
 void UsbDevice::check_capabilities() {
-    capabilities_ = ask<Capabilities>(Kind::capabilities, "capabilities");
+    capabilities_ = ask<Capabilities>(*port_, Kind::capabilities, 0, name(), "capabilities");
     const auto file_counts = static_cast<std::uint32_t>(file_description_.encoder_counts_per_turn);
     description_ = file_description_;
     double bound_Ohm = description_.amplifier.max_cancelled_Ohm;

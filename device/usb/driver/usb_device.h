@@ -12,6 +12,7 @@
 #include "device/usb/driver/delay_meter.h"
 #include "device/usb/driver/report_phase.h"
 #include "device/usb/driver/report_stream.h"
+#include "device/usb/driver/usb_bench.h"
 
 #include <array>
 #include <atomic>
@@ -49,6 +50,7 @@ public:
 
     [[nodiscard]] device::DeviceIdentity identity() const override { return identity_; }
     [[nodiscard]] std::optional<device::LinkStatus> link() const override;
+    [[nodiscard]] device::Bench *bench() override { return &bench_; }
     [[nodiscard]] bool is_zeroed() const override { return is_zeroed_; }
     void set_period(double period_s) override;
     void zero(const Vector3 &theta_rad) override;
@@ -76,7 +78,6 @@ private:
     void pass_over_old_reports();
     void begin_numbering();
     void settle_delay();
-    template <class Value> [[nodiscard]] Value ask(Kind request, const std::string &what);
     [[nodiscard]] bool wait_for_report(double deadline_s) noexcept;
     [[nodiscard]] std::string name() const;
     [[nodiscard]] bool has_kept_counts() const;
@@ -88,6 +89,7 @@ private:
     void publish() noexcept;
 
     std::unique_ptr<BoardPort> port_;
+    UsbBench bench_;
     device::DeviceDescription file_description_;
     device::DeviceDescription description_;
     std::string serial_;

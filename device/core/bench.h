@@ -1,0 +1,78 @@
+// What a device's board does for its commissioning, beside being driven: test pulses on one winding
+// after the other, and storage.
+//
+// For one thread, while no servo runs. That thread goes on to read measurements and to write
+// braking commands meanwhile, as a board that hears nothing ends its test.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace springdrive::device {
+
+/// A voltage of each sign on each winding, the others open.
+struct PulseOrder {
+    double voltage_V = 0.5;
+    double duration_s = 8e-3; ///< of each sign
+};
+
+/// What a board found on one channel. The first group of findings is its own.
+struct ChannelPulse {
+    double resistance_Ohm = std::numeric_limits<double>::quiet_NaN(); ///< as its sensor sees it
+    double inductance_H = std::numeric_limits<double>::quiet_NaN();   ///< the same
+    std::array<int, 3> moved_counts{}; ///< of each encoder, by a positive voltage
+    bool is_open = false;              ///< hardly any current
+    bool has_reversed_sensor = false;  ///< current against the voltage
+    bool has_crossed_sensor = false;   ///< current in another channel
+    bool has_no_motion = false;        ///< held, or no encoder
+    bool has_reversed_encoder = false; ///< counts against the voltage
+    bool has_crossed_encoder = false;  ///< another counts more
+    bool is_at_limit = false;          ///< of the test, which ended it
+};
+
+enum class PulseState : std::uint8_t { never, running, completed, aborted };
+
+struct PulseResult {
+    PulseState state = PulseState::never;
+    std::array<ChannelPulse, 3> channel;
+};
+
+/// A name and a value with its unit, for people.
+struct Fact {
+    std::string name;
+    std::string value;
+};
+
+using StoredBlock = std::array<std::uint8_t, 56>;
+
+class Bench {
+public:
+    Bench() = default;
+    Bench(const Bench &) = delete;
+    Bench &operator=(const Bench &) = delete;
+    virtual ~Bench() = default;
+
+    /// @throw InputError if the board refuses, or does not answer
+    virtual void start_pulses(const PulseOrder &order) = 0;
+
+    /// Of the pulses that were started last.
+    /// @throw InputError if the board does not answer
+    [[nodiscard]] virtual PulseResult pulses() = 0;
+
+    /// Blocks of bytes that the board keeps without power, from 0.
+    [[nodiscard]] virtual std::size_t blocks() const = 0;
+    /// @throw InputError if the board does not answer, or has no such block
+    [[nodiscard]] virtual StoredBlock stored(std::size_t block) = 0;
+    /// @throw InputError if the board does not answer, or refuses
+    virtual void store(std::size_t block, const StoredBlock &bytes) = 0;
+
+    /// All that the board says of itself.
+    /// @throw InputError if it does not answer
+    [[nodiscard]] virtual std::vector<Fact> facts() = 0;
+};
+
+} // namespace springdrive::device

@@ -1,0 +1,176 @@
+#include "device/usb/driver/usb_bench.h"
+
+#include "base/input_error.h"
+#include "device/core/board_faults.h"
+#include "device/usb/driver/board_request.h"
+
+#include <cmath>
+#include <utility>
+
+namespace springdrive::usb {
+
+using device::Fact;
+
+static_assert(std::tuple_size_v<device::StoredBlock> == kCalibrationBytes);
+
+namespace {
+
+device::ChannelPulse pulse_of(const ChannelTest &test) {
+    const auto has = [&](std::uint16_t finding) { return (test.findings & finding) != 0; };
+    device::ChannelPulse pulse;
+    pulse.resistance_Ohm = static_cast<double>(test.resistance_Ohm);
+    pulse.inductance_H = static_cast<double>(test.inductance_H);
+    for (std::size_t i = 0; i < kChannels; ++i) {
+        pulse.moved_counts[i] = test.moved_counts[i];
+    }
+    pulse.is_open = has(ChannelFindings::kOpenWinding);
+    pulse.has_reversed_sensor = has(ChannelFindings::kReversedSensor);
+    pulse.has_crossed_sensor = has(ChannelFindings::kCrossedSensor);
+    pulse.has_no_motion = has(ChannelFindings::kNoMotion);
+    pulse.has_reversed_encoder = has(ChannelFindings::kReversedEncoder);
+    pulse.has_crossed_encoder = has(ChannelFindings::kCrossedEncoder);
+    pulse.is_at_limit = has(ChannelFindings::kLimit);
+    return pulse;
+}
+
+const char *yes_or_no(bool is_so) { return is_so ? "yes" : "no"; }
+
+std::string each(const Triple &values, const char *unit) {
+    return fmt::format("{:.4g}, {:.4g}, {:.4g} {}", values[0], values[1], values[2], unit);
+}
+
+void add_identity(std::vector<Fact> &facts, const BoardStatus &board) {
+    const Identity &identity = board.identity;
+    facts.push_back({"board", fmt::format("{}, revision {}", text_of(identity.name),
+                                          identity.hardware_revision)});
+    facts.push_back({"serial number", text_of(identity.serial)});
+    facts.push_back({"firmware", fmt::format("{}.{}.{}", identity.firmware[0], identity.firmware[1],
+                                             identity.firmware[2])});
+    facts.push_back(
+        {"protocol", fmt::format("versions {} to {}, this program has {}", identity.oldest_version,
+                                 identity.newest_version, kProtocolVersion)});
+    facts.push_back({"connection", board.speed});
+}
+
+void add_capabilities(std::vector<Fact> &facts, const Capabilities &board) {
+    const auto milli = [](float value) { return 1e3 * static_cast<double>(value); };
+    facts.push_back({"amplifiers' loop", fmt::format("{} Hz", board.loop_rate_hz)});
+    facts.push_back(
+        {"actuation lag", fmt::format("{:.4g} us", 1e3 * milli(board.actuation_lag_s))});
+    facts.push_back({"coupled channels", fmt::format("resistance {}, inductance {}",
+                                                     yes_or_no(board.couples_resistance),
+                                                     yes_or_no(board.couples_inductance))});
+    facts.push_back(
+        {"counts per turn", fmt::format("{}, {}, {}", board.counts_per_turn[0],
+                                        board.counts_per_turn[1], board.counts_per_turn[2])});
+    facts.push_back({"largest voltage", fmt::format("{:.4g} V", board.largest_e_W_V)});
+    facts.push_back({"current limit", fmt::format("{:.4g} A", board.current_limit_A)});
+    facts.push_back(
+        {"current sensors", fmt::format("range {:.4g} A, resolution {:.4g} mA",
+                                        board.current_range_A, milli(board.current_resolution_A))});
+    facts.push_back({"largest cancelled R", each(board.largest_cancelled_Ohm, "Ohm")});
+    facts.push_back(
+        {"largest cancelled L", fmt::format("{:.4g} mH", milli(board.largest_cancelled_H))});
+    facts.push_back({"supply must be", fmt::format("{:.4g} to {:.4g} V", board.smallest_supply_V,
+                                                   board.largest_supply_V)});
+    facts.push_back({"report periods", fmt::format("{} to {} us", board.shortest_report_period_us,
+                                                   board.longest_report_period_us)});
+    facts.push_back({"watchdog periods", fmt::format("{} to {} us", board.shortest_watchdog_us,
+                                                     board.longest_watchdog_us)});
+    facts.push_back(
+        {"stop switch, enable line", fmt::format("{}, {}", yes_or_no(board.has_stop_switch),
+                                                 yes_or_no(board.has_enable_line))});
+}
+
+void add_state(std::vector<Fact> &facts, const Report &now) {
+    facts.push_back({"state", description_of(now.state)});
+    facts.push_back({"faults", device::names_of(device::BoardFaults{now.faults})});
+    facts.push_back({"stop switch pressed", yes_or_no(now.is_stopped)});
+    facts.push_back({"enable line closed", yes_or_no(now.is_enabled)});
+    facts.push_back({"supply", is_finite(now.supply_V) ? fmt::format("{:.2f} V", now.supply_V)
+                                                       : "not measured"});
+    static constexpr std::array<const char *, kTemperatures> kNames{"power stages", "motor 1",
+                                                                    "motor 2", "motor 3"};
+    for (std::size_t i = 0; i < kTemperatures; ++i) {
+        if (is_finite(now.temperature_C[i])) {
+            facts.push_back(
+                {kNames[i], fmt::format("{:.1f} degrees Celsius", now.temperature_C[i])});
+        }
+    }
+}
+
+void add_counters(std::vector<Fact> &facts, const Counters &counters) {
+    facts.push_back(
+        {"commands accepted",
+         fmt::format("{}", counters.frames[static_cast<std::size_t>(FrameStatus::ok)])});
+    for (std::size_t i = 1; i < kFrameStatuses; ++i) {
+        if (counters.frames[i] > 0) {
+            facts.push_back(
+                {fmt::format("commands with {}", description_of(static_cast<FrameStatus>(i))),
+                 fmt::format("{}", counters.frames[i])});
+        }
+    }
+    facts.push_back({"silences while driving", fmt::format("{}", counters.silences)});
+    facts.push_back({"late loops", fmt::format("{}", counters.late_loops)});
+    facts.push_back({"reports not collected", fmt::format("{}", counters.reports_replaced)});
+}
+
+} // namespace
+
+void UsbBench::start_pulses(const device::PulseOrder &order) {
+    const auto payload =
+        encode(SelfTestOrder{static_cast<float>(order.voltage_V),
+                             static_cast<std::uint32_t>(std::lround(1e6 * order.duration_s))});
+    if (!port_.control_out(Kind::self_test, 0, payload)) {
+        const BoardStatus board = status_();
+        throw InputError(fmt::format(
+            "{}: refuses test pulses of {:.3g} V and {:.3g} ms: it is {}; it takes them only while "
+            "it brakes without faults, within limits of its own",
+            board.name, order.voltage_V, 1e3 * order.duration_s,
+            description_of(board.newest.state)));
+    }
+}
+
+device::PulseResult UsbBench::pulses() {
+    const auto board =
+        ask<SelfTestResult>(port_, Kind::self_test, 0, status_().name, "test's result");
+    device::PulseResult result;
+    result.state = static_cast<device::PulseState>(board.state);
+    static_assert(static_cast<int>(device::PulseState::aborted) ==
+                  static_cast<int>(SelfTestState::aborted));
+    for (std::size_t i = 0; i < kChannels; ++i) {
+        result.channel[i] = pulse_of(board.channel[i]);
+    }
+    return result;
+}
+
+device::StoredBlock UsbBench::stored(std::size_t block) {
+    const auto index = static_cast<std::uint16_t>(block);
+    return ask<CalibrationBlock>(port_, Kind::calibration, index, status_().name,
+                                 fmt::format("calibration block {}", block))
+        .bytes;
+}
+
+void UsbBench::store(std::size_t block, const device::StoredBlock &bytes) {
+    CalibrationBlock written;
+    written.index = static_cast<std::uint16_t>(block);
+    written.bytes = bytes;
+    if (!port_.control_out(Kind::calibration, written.index, encode(written))) {
+        throw InputError(fmt::format("{}: refuses to store calibration block {}; it has {} blocks, "
+                                     "and stores none while it drives",
+                                     status_().name, block, blocks()));
+    }
+}
+
+std::vector<Fact> UsbBench::facts() {
+    const BoardStatus board = status_();
+    std::vector<Fact> facts;
+    add_identity(facts, board);
+    add_state(facts, board.newest);
+    add_capabilities(facts,
+                     ask<Capabilities>(port_, Kind::capabilities, 0, board.name, "capabilities"));
+    add_counters(facts, ask<Counters>(port_, Kind::counters, 0, board.name, "counters"));
+    return facts;
+}
+
+} // namespace springdrive::usb

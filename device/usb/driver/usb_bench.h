@@ -1,0 +1,42 @@
+// A board's test pulses, storage and facts, by control requests.
+#pragma once
+
+#include "device/core/bench.h"
+#include "device/usb/driver/board_port.h"
+
+#include <functional>
+#include <string>
+
+namespace springdrive::usb {
+
+/// What a driver knows of a board that is connected.
+struct BoardStatus {
+    std::string name; ///< in complaints
+    std::string speed;
+    Identity identity;
+    Capabilities capabilities;
+    Report newest;
+};
+
+class UsbBench final : public device::Bench {
+public:
+    /// @param port    must outlive this
+    /// @param status  asked whenever it is needed
+    UsbBench(BoardPort &port, std::function<BoardStatus()> status)
+        : port_(port), status_(std::move(status)) {}
+
+    void start_pulses(const device::PulseOrder &order) override;
+    [[nodiscard]] device::PulseResult pulses() override;
+    [[nodiscard]] std::size_t blocks() const override {
+        return status_().capabilities.calibration_blocks;
+    }
+    [[nodiscard]] device::StoredBlock stored(std::size_t block) override;
+    void store(std::size_t block, const device::StoredBlock &bytes) override;
+    [[nodiscard]] std::vector<device::Fact> facts() override;
+
+private:
+    BoardPort &port_;
+    std::function<BoardStatus()> status_;
+};
+
+} // namespace springdrive::usb
