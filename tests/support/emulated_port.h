@@ -1,105 +1,14 @@
-// A port to an emulated board in the same process.
+// Ports to an emulated board in the same process.
 #pragma once
 
-#include "base/input_error.h"
-#include "device/usb/driver/board_port.h"
-#include "device/usb/emulator/emulated_board.h"
+#include "device/factory/in_process_port.h"
 
-#include <algorithm>
 #include <deque>
 #include <random>
-#include <string>
 
 namespace springdrive::testing {
 
-/// As much of the board's answer as the host asks for.
-inline std::size_t control_in_of(emulator::EmulatedBoard &board, usb::Kind request,
-                                 std::uint16_t value, std::span<std::uint8_t> answer) {
-    std::array<std::uint8_t, board::kLargestPayload> payload{};
-    const std::size_t size = std::min(
-        board.control_in(static_cast<std::uint8_t>(request), value, payload), answer.size());
-    std::copy_n(payload.begin(), size, answer.begin());
-    return size;
-}
-
-/// By the board's frame clock: time stands still while the host computes, and a report that does
-/// not come is known at once not to come.
-class EmulatedPort final : public usb::BoardPort {
-public:
-    /// @param board  must outlive the port
-    explicit EmulatedPort(emulator::EmulatedBoard &board) : board_(board) {}
-
-    bool is_plugged = true; ///< `unplug` and this replace a cable
-    bool is_high_speed = true;
-
-    void unplug() {
-        is_plugged = false;
-        is_connected_ = false;
-        board_.detach();
-    }
-    /// Time by the wall clock, without the host.
-    void pass(double seconds) {
-        constexpr double kStep_s = 1e-3;
-        for (int i = 0; i < static_cast<int>(seconds / kStep_s); ++i) {
-            board_.pass(kStep_s);
-        }
-    }
-
-    bool send(const usb::Frame &frame) noexcept override {
-        if (is_connected_) {
-            board_.put(frame);
-        }
-        return is_connected_;
-    }
-    bool receive(usb::Packet &packet, double deadline_s) noexcept override {
-        packet.size = is_connected_ ? board_.take(packet.data) : 0;
-        if (packet.size == 0) {
-            waited_s_ += std::max(0.0, deadline_s - now_s());
-            return false;
-        }
-        packet.arrived_s = now_s();
-        return true;
-    }
-    [[nodiscard]] bool is_connected() const noexcept override { return is_connected_; }
-    [[nodiscard]] double now_s() const noexcept override { return board_.time_s() + waited_s_; }
-    std::size_t control_in(usb::Kind request, std::uint16_t value,
-                           std::span<std::uint8_t> answer) override {
-        require_connection();
-        return control_in_of(board_, request, value, answer);
-    }
-    bool control_out(usb::Kind request, std::uint16_t value,
-                     std::span<const std::uint8_t> payload) override {
-        require_connection();
-        return board_.control_out(static_cast<std::uint8_t>(request), value, payload);
-    }
-    void close() noexcept override {
-        if (is_connected_) {
-            is_connected_ = false;
-            board_.detach();
-        }
-    }
-    void open(const std::string & /*serial*/) override {
-        if (!is_plugged) {
-            throw InputError("no USB board is connected");
-        }
-        is_connected_ = true;
-        board_.attach(is_high_speed);
-    }
-    [[nodiscard]] std::string_view speed() const override {
-        return is_high_speed ? "high speed (480 Mbit/s)" : "full speed (12 Mbit/s)";
-    }
-
-private:
-    void require_connection() const {
-        if (!is_connected_) {
-            throw InputError("the USB board: it does not answer");
-        }
-    }
-
-    emulator::EmulatedBoard &board_;
-    bool is_connected_ = false;
-    double waited_s_ = 0.0;
-};
+using EmulatedPort = factory::InProcessPort;
 
 /// By a clock that passes for host and board alike, with packets that need time.
 class TimedPort final : public usb::BoardPort {
@@ -140,7 +49,7 @@ public:
     [[nodiscard]] double now_s() const noexcept override { return now_s_; }
     std::size_t control_in(usb::Kind request, std::uint16_t value,
                            std::span<std::uint8_t> answer) override {
-        return control_in_of(board_, request, value, answer);
+        return factory::control_in_of(board_, request, value, answer);
     }
     bool control_out(usb::Kind request, std::uint16_t value,
                      std::span<const std::uint8_t> payload) override {

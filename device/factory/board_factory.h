@@ -1,0 +1,31 @@
+// Opens a board for its commissioning: one on USB, or an emulated one in this process.
+#pragma once
+
+#include "device/factory/device_factory.h"
+#include "device/usb/emulator/emulated_board.h"
+
+#include <memory>
+
+namespace springdrive::factory {
+
+struct BoardRequest {
+    DeviceKind kind = DeviceKind::simulated;
+    std::string serial;                    ///< of a board on USB; empty: the only one
+    device::DeviceDescription description; ///< what its host takes it for
+    double period_s = 1e-3;                ///< of its reports, which pace `read`
+
+    // For an emulated board only.
+    device::DeviceDescription truth; ///< what it is
+    emulator::EmulatedBoardOptions emulation;
+};
+
+/// A board, with its `Bench`.
+struct OpenBoard {
+    std::unique_ptr<emulator::EmulatedBoard> emulated; ///< null for one on USB
+    std::unique_ptr<device::HapticDevice> device;      ///< closes itself first
+};
+
+/// @throw InputError with one line, as `open_device` does
+[[nodiscard]] OpenBoard open_board(const BoardRequest &request);
+
+} // namespace springdrive::factory
