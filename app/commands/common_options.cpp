@@ -35,6 +35,23 @@ void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
 }
 
+void add_device_option(CLI::App &command, std::string &device) {
+    command
+        .add_option("--device", device,
+                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several "
+                    "[sim]")
+        ->type_name("sim|usb[:SERIAL]");
+}
+
+NamedDevice device_named(const std::string &device) {
+    const std::size_t colon = device.find(':');
+    const auto kind = factory::device_kind_named(device.substr(0, colon));
+    if (!kind || (*kind == factory::DeviceKind::simulated && colon != std::string::npos)) {
+        throw InputError("--device " + device + ": must be sim, usb or usb:SERIAL");
+    }
+    return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};
+}
+
 void add_tuning_file_option(CLI::App &command, std::filesystem::path &file) {
     command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
         ->type_name("FILE");

@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 #include "device/core/device_file.h"
+#include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 
@@ -23,6 +24,17 @@ namespace springdrive::app {
 
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
 void add_device_file_option(CLI::App &command, std::filesystem::path &file);
+
+/// `--device`, whatever `device` starts as.
+void add_device_option(CLI::App &command, std::string &device);
+
+struct NamedDevice {
+    factory::DeviceKind kind = factory::DeviceKind::simulated;
+    std::string serial; ///< empty: the only one
+};
+
+/// @throw InputError unless it is sim, usb or usb:SERIAL
+[[nodiscard]] NamedDevice device_named(const std::string &device);
 
 /// `--tuning-file`, which may stay empty.
 void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);

@@ -1,11 +1,13 @@
 #include "app/commands/commands.h"
 
+#include "app/commands/commissioning_commands.h"
 #include "app/commands/common_options.h"
 #include "app/ending_signal.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/print.h"
 #include "device/factory/device_factory.h"
+#include "device/simulated/stop_tour.h"
 #include "device/usb/emulator/emulated_board.h"
 #include "device/usb/emulator/gadget.h"
 
@@ -35,6 +37,7 @@ struct TypedEmulator {
     std::filesystem::path device_file;
     EffectOptions effects;
     std::filesystem::path path;
+    double tour_s = 0.0; ///< when it begins; 0: none
     std::string serial = "emulated";
     std::string clock = "wall";
     std::string controller;
@@ -46,7 +49,8 @@ struct TypedEmulator {
     std::vector<std::string> faults;
 };
 
-emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed) {
+emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed,
+                                             const device::DeviceDescription &description) {
     check_range("--delay", typed.delay_periods, 0.0,
                 emulator::EmulatedBoard::kLongestDelay_periods);
     check_range("--loop-hz", typed.loop_hz, 1000.0, 200'000.0);
@@ -62,6 +66,11 @@ emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed) {
         options.simulation.path = simulated::HandPath::read_csv(typed.path);
         options.start_tip_m = options.simulation.path->points().front().position_m;
     }
+    if (typed.tour_s != 0.0) {
+        check_range("--tour", typed.tour_s, 0.1, 3600.0);
+        options.start_tip_m = Vector3::Zero();
+        options.simulation.path = simulated::stop_tour(description, Vector3::Zero(), typed.tour_s);
+    }
     options.seed = typed.seed;
     for (const std::string &fault : typed.faults) {
         options.faults.push_back(emulator::parse_fault(fault));
@@ -72,8 +81,8 @@ emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed) {
 /// Plugs and unplugs the device as its faults want it, until the end.
 void emulate(const TypedEmulator &typed) {
     check_range("--seconds", typed.seconds, 0.0, 24.0 * 3600.0);
-    emulator::EmulatedBoard board(device::read_device_file(typed.device_file),
-                                  board_options(typed));
+    const device::DeviceDescription description = device::read_device_file(typed.device_file);
+    emulator::EmulatedBoard board(description, board_options(typed, description));
     emulator::GadgetOptions options;
     options.serial = typed.serial;
     options.controller = typed.controller;
@@ -113,6 +122,12 @@ void add_emulate(CLI::App &device) {
                     "the hand's target, a CSV file with columns t,x,y,z [s, m]; its first point is "
                     "where the tip is at power-up")
         ->type_name("FILE");
+    command
+        .add_option("--tour", typed->tour_s,
+                    "the hand rests in the zero pose for S seconds since power-up, then moves the "
+                    "device from stop to stop, as springdrive device self-test asks for")
+        ->type_name("S")
+        ->excludes("--path");
     command.add_option("--serial", typed->serial, "serial number [emulated]")->type_name("TEXT");
     command
         .add_option("--clock", typed->clock,
@@ -150,10 +165,13 @@ void add_emulate(CLI::App &device) {
 } // namespace
 
 void add_device_command(CLI::App &app) {
-    CLI::App &device = *app.add_subcommand("device", "devices: list them, emulate one");
+    CLI::App &device =
+        *app.add_subcommand("device", "devices: list, ask and test them, emulate one");
     device.require_subcommand(1);
     device.add_subcommand("list", "the devices that are there, as --device names them")
         ->callback(list_devices);
+    add_info(device);
+    add_self_test(device);
     add_emulate(device);
 }
 

@@ -61,11 +61,7 @@ session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
 void TypedSession::add_to(CLI::App &command) {
     options.scene = asset_folder() / "scenes" / "organic.gltf";
     command.add_option("--scene", options.scene, "a glTF file, .gltf or .glb")->type_name("FILE");
-    command
-        .add_option("--device", device,
-                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several "
-                    "[sim]")
-        ->type_name("sim|usb[:SERIAL]");
+    add_device_option(command, device);
     command.add_flag("--at-zero", options.starts_at_zero,
                      "the device on USB is held in its zero pose at the start, instead of zeroing "
                      "it later: upper arm level, forearm hanging, tip at the origin");
@@ -97,20 +93,16 @@ void TypedSession::add_to(CLI::App &command) {
 
 /// Of a device on USB nothing is simulated.
 void TypedSession::set_device(session::SessionOptions &session) const {
-    const std::size_t colon = device.find(':');
-    const auto kind = factory::device_kind_named(device.substr(0, colon));
-    if (!kind || (*kind == factory::DeviceKind::simulated && colon != std::string::npos)) {
-        throw InputError("--device " + device + ": must be sim, usb or usb:SERIAL");
-    }
-    session.device.kind = *kind;
-    session.device.serial = colon == std::string::npos ? "" : device.substr(colon + 1);
+    const NamedDevice named = device_named(device);
+    session.device.kind = named.kind;
+    session.device.serial = named.serial;
     const auto refuse = [](bool is_given, const char *option) {
         if (is_given) {
             throw InputError(std::string(option) +
                              ": is for the simulated device; remove it, or --device usb");
         }
     };
-    if (*kind == factory::DeviceKind::usb) {
+    if (named.kind == factory::DeviceKind::usb) {
         refuse(!options.path.empty(), "--path");
         refuse(options.delay_periods != 0.0, "--delay");
         refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");

@@ -1,0 +1,248 @@
+#include "app/commands/commissioning_commands.h"
+
+#include "app/commands/common_options.h"
+#include "app/ending_signal.h"
+#include "base/degrees.h"
+#include "base/input_error.h"
+#include "base/one_line.h"
+#include "base/print.h"
+#include "device/factory/board_factory.h"
+#include "device/simulated/stop_tour.h"
+#include "engine/commissioning/self_test.h"
+
+#include <CLI/CLI.hpp>
+#include <poll.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+using commissioning::SelfTest;
+using commissioning::SelfTestReport;
+using commissioning::SelfTestStage;
+
+constexpr int kFoundSomething = 1;
+
+/// Which board, and what the emulated one is.
+struct TypedBoard {
+    std::string device = "sim";
+    std::filesystem::path device_file;
+    std::filesystem::path true_device_file;
+    std::uint64_t device_seed = 0;
+    std::vector<std::string> faults;
+
+    void add_to(CLI::App &command) {
+        add_device_option(command, device);
+        add_device_file_option(command, device_file);
+        command
+            .add_option("--true-device-file", true_device_file,
+                        "what the simulated device is, if it is another one [the device file]")
+            ->type_name("FILE");
+        command.add_option("--device-seed", device_seed,
+                           "the simulated device's motors and sensors deviate at random [0: none]");
+        command
+            .add_option("--fault", faults,
+                        "what fails of the simulated device, as in springdrive device emulate; may "
+                        "be repeated")
+            ->type_name("FAULT");
+    }
+
+    [[nodiscard]] factory::OpenBoard open() const {
+        const NamedDevice named = device_named(device);
+        factory::BoardRequest request;
+        request.kind = named.kind;
+        request.serial = named.serial;
+        request.description = device::read_device_file(device_file);
+        if (named.kind == factory::DeviceKind::usb) {
+            if (!(true_device_file.empty() && device_seed == 0 && faults.empty())) {
+                throw InputError("--true-device-file, --device-seed and --fault: are for the "
+                                 "simulated device; remove them, or --device usb");
+            }
+            return factory::open_board(request);
+        }
+        request.truth = true_device_file.empty() ? request.description
+                                                 : device::read_device_file(true_device_file);
+        request.emulation.simulation.device_seed = device_seed;
+        request.emulation.start_tip_m = Vector3::Zero();
+        for (const std::string &fault : faults) {
+            request.emulation.faults.push_back(emulator::parse_fault(fault));
+        }
+        return factory::open_board(request);
+    }
+};
+
+void show_info(const TypedBoard &typed) {
+    const factory::OpenBoard board = typed.open();
+    for (const device::Fact &fact : board.device->bench()->facts()) {
+        print(std::cout, "{:<26}{}\n", fact.name, one_line(fact.value));
+    }
+}
+
+/// Whether a line was typed.
+bool has_line() {
+    pollfd input{0, POLLIN, 0};
+    if (poll(&input, 1, 0) <= 0 || (input.revents & POLLIN) == 0) {
+        return false;
+    }
+    std::string line;
+    return static_cast<bool>(std::getline(std::cin, line));
+}
+
+struct TypedSelfTest {
+    TypedBoard board;
+    bool is_at_zero = false;
+    commissioning::SelfTestOptions options;
+};
+
+/// The simulated hand does as the test asks; a person presses Enter when the device was moved.
+class Hand {
+public:
+    Hand(factory::OpenBoard &board, SelfTest &test) : board_(board), test_(test) {}
+
+    void follow() {
+        if (test_.stage() != SelfTestStage::motion) {
+            return;
+        }
+        if (!board_.emulated) {
+            if (has_line()) {
+                test_.finish_motion();
+            }
+            return;
+        }
+        simulated::SimulatedPhantom &phantom = board_.emulated->phantom();
+        const double now_s = phantom.truth().time_s;
+        if (!has_begun_) {
+            has_begun_ = true;
+            const simulated::HandPath path =
+                simulated::stop_tour(board_.device->description(), phantom.truth().tip_m);
+            ends_s_ = now_s + path.end_s();
+            phantom.follow(path);
+        } else if (now_s > ends_s_) {
+            test_.finish_motion();
+        }
+    }
+
+private:
+    factory::OpenBoard &board_;
+    SelfTest &test_;
+    bool has_begun_ = false;
+    double ends_s_ = 0.0; ///< its path
+};
+
+void show_windings(const SelfTestReport &report) {
+    if (report.pulses.empty()) {
+        return;
+    }
+    print(std::cout, "motor   R [Ohm]           L [mH]            counted/turned\n");
+    for (std::size_t i = 0; i < 3; ++i) {
+        const commissioning::WindingFigures &motor = report.windings.motor[i];
+        print(std::cout, "{}       {:.4f} +- {:.4f}  {:.4f} +- {:.4f}", i + 1,
+              motor.resistance_Ohm, motor.resistance_deviation_Ohm, 1e3 * motor.inductance_H,
+              1e3 * motor.inductance_deviation_H);
+        if (report.is_complete) {
+            print(std::cout, "  {:.3f}", report.motion.motor[i].counts_per_turned);
+        }
+        print(std::cout, "\n");
+    }
+}
+
+void show_stops(const SelfTestReport &report) {
+    if (!report.is_complete) {
+        return;
+    }
+    for (const commissioning::StopFigures &stop : report.motion.stops) {
+        print(std::cout, "{}: moved from {:.1f} to {:.1f} degrees; its stop{} {:.1f}", stop.name,
+              stop.lowest_rad / kRadiansPerDegree, stop.highest_rad / kRadiansPerDegree,
+              stop.has_highest ? "s are at" : " is at", stop.file_lowest_rad / kRadiansPerDegree);
+        if (stop.has_highest) {
+            print(std::cout, " and {:.1f}", stop.file_highest_rad / kRadiansPerDegree);
+        }
+        print(std::cout, "\n");
+    }
+}
+
+/// @return the command's exit status
+int show(const SelfTestReport &report, bool is_zeroed) {
+    show_windings(report);
+    show_stops(report);
+    for (const commissioning::Finding &finding : report.findings) {
+        print(std::cout, "FOUND  {}\n       -> {}\n", finding.what, finding.remedy);
+    }
+    if (!report.is_complete) {
+        print(std::cout, "not completed\n");
+        return kFoundSomething;
+    }
+    if (!report.findings.empty()) {
+        return kFoundSomething;
+    }
+    print(std::cout, "passed{}\n",
+          is_zeroed ? "" : "; not zeroed, so the zero was not checked (--at-zero)");
+    return 0;
+}
+
+void self_test(const TypedSelfTest &typed) {
+    factory::OpenBoard board = typed.board.open();
+    if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
+        board.device->zero(Vector3::Zero());
+    }
+    note_ending_signals();
+    SelfTest test(*board.device, typed.options);
+    Hand hand(board, test);
+    std::string said;
+    while (!asked_to_end() && test.step()) {
+        hand.follow();
+        const std::string instruction = test.instruction();
+        if (instruction != said && !instruction.empty()) {
+            print(std::cerr, "{}{}\n", instruction,
+                  test.stage() == SelfTestStage::motion && !board.emulated
+                      ? " (Enter when it was everywhere)"
+                      : "");
+            said = instruction;
+        }
+    }
+    if (const int status = show(test.report(), board.device->is_zeroed()); status != 0) {
+        throw CLI::RuntimeError(status);
+    }
+}
+
+} // namespace
+
+void add_info(CLI::App &device) {
+    CLI::App &command = *device.add_subcommand(
+        "info", "what a board says of itself: identity, limits, state, counters");
+    const auto typed = std::make_shared<TypedBoard>();
+    typed->add_to(command);
+    command.callback([typed] { show_info(*typed); });
+}
+
+void add_self_test(CLI::App &device) {
+    CLI::App &command = *device.add_subcommand(
+        "self-test", "pulses on each winding, then motion by hand from stop to stop: names what is "
+                     "wrong; exit status 1 if something is");
+    const auto typed = std::make_shared<TypedSelfTest>();
+    typed->board.add_to(command);
+    command.add_flag("--at-zero", typed->is_at_zero,
+                     "the device is held in its zero pose at the start: upper arm level, forearm "
+                     "hanging, tip at the origin; without it, the zero is not checked");
+    command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, at most 1 [0.8]")
+        ->type_name("V");
+    command
+        .add_option("--motion-seconds", typed->options.longest_motion_s,
+                    "at most, for moving the device by hand [90]")
+        ->type_name("S");
+    command.footer("No motor is driven but for pulses of some milliseconds, whose limits are the "
+                   "board's own. The device brakes meanwhile, so it resists like a damper.");
+    command.callback([typed] {
+        check_range("--volts", typed->options.pulse.voltage_V, 0.1, 1.0);
+        check_range("--motion-seconds", typed->options.longest_motion_s, 1.0, 3600.0);
+        self_test(*typed);
+    });
+}
+
+} // namespace springdrive::app

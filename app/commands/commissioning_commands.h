@@ -1,0 +1,16 @@
+// Subcommands of `device` for a device's first hour.
+#pragma once
+
+namespace CLI {
+class App;
+} // namespace CLI
+
+namespace springdrive::app {
+
+/// `device info`: what a board says of itself.
+void add_info(CLI::App &device);
+
+/// `device self-test`.
+void add_self_test(CLI::App &device);
+
+} // namespace springdrive::app

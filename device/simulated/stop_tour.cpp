@@ -1,0 +1,65 @@
+#include "device/simulated/stop_tour.h"
+
+#include "base/degrees.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::simulated {
+
+namespace {
+
+/// By which the hand pulls beyond a stop, so that the tip reaches it against friction and weight.
+constexpr double kBeyond_rad = 4.0 * kRadiansPerDegree;
+/// Of the joints: at the tip some 0.3 N against a braking device.
+constexpr double kSpeed_rad_per_s = 1.6;
+constexpr double kStep_rad = 5.0 * kRadiansPerDegree;
+
+/// Angles of the second and third joint with a fold q₃ − q₂, the third as near to 0 as its lower
+/// stop allows.
+Vector3 folded(double fold_rad, double lowest_q3_rad) {
+    const double q3_rad = std::max(0.5 * fold_rad, lowest_q3_rad);
+    return {0.0, q3_rad - fold_rad, q3_rad};
+}
+
+} // namespace
+
+HandPath stop_tour(const device::DeviceDescription &device, const Vector3 &start_m, double rest_s) {
+    const device::JointLimits &limits = device.joint_limits;
+    const double clear_rad = limits.min_rad[2] + 2.0 * kRadiansPerDegree;
+    const std::vector<Vector3> stops{
+        {limits.min_rad[0] - kBeyond_rad, 0.0, 0.0},
+        {limits.max_rad[0] + kBeyond_rad, 0.0, 0.0},
+        Vector3::Zero(),
+        folded(limits.max_q3_minus_q2_rad + kBeyond_rad, clear_rad),
+        folded(limits.min_q3_minus_q2_rad - kBeyond_rad, clear_rad),
+        Vector3(0.0, limits.min_rad[2], limits.min_rad[2] - kBeyond_rad),
+        Vector3::Zero()};
+    constexpr double kApproach_s = 1.0;
+    Vector3 q_rad = Vector3::Zero();
+    std::vector<HandPath::Point> points{
+        {0.0, start_m},
+        {rest_s, start_m},
+        {rest_s + kApproach_s, device::tip_position_m(device.geometry, q_rad)}};
+    if (rest_s == 0.0) {
+        points.erase(points.begin()); // times increase
+    }
+    for (const Vector3 &next_rad : stops) {
+        const Vector3 way_rad = next_rad - q_rad;
+        const double length_rad = way_rad.cwiseAbs().maxCoeff();
+        const auto steps = std::max(1L, std::lround(length_rad / kStep_rad));
+        const double began_s = points.back().time_s;
+        for (long step = 1; step <= steps; ++step) {
+            const double share = static_cast<double>(step) / static_cast<double>(steps);
+            points.push_back({began_s + share * length_rad / kSpeed_rad_per_s,
+                              device::tip_position_m(device.geometry, q_rad + share * way_rad)});
+        }
+        q_rad = next_rad;
+        constexpr double kPressing_s = 0.3;
+        points.push_back({points.back().time_s + kPressing_s, points.back().position_m});
+    }
+    return HandPath(std::move(points));
+}
+
+} // namespace springdrive::simulated

@@ -1,0 +1,309 @@
+#include "engine/commissioning/motion_check.h"
+
+#include "base/degrees.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::commissioning {
+
+namespace {
+
+/// Long enough that counts' rounding and the current's noise are small, short against a turn.
+constexpr double kWindow_s = 0.05;
+/// Between two measurements: after more, a window begins anew.
+constexpr double kLongestGap_s = 0.02;
+/// A motor that turned less has not been moved: 10° of a joint.
+constexpr double kLeastTurned_rad = 2.0;
+/// In a window; less is noise, of which sums grow without end.
+constexpr double kLeastCounted_rad = 0.03;
+constexpr double kLeastTurnedInWindow_rad = 0.06;
+constexpr double kAgreeing = 0.8; ///< squared correlation
+constexpr double kDiffering = 0.5;
+
+double in_degrees(double angle_rad) { return angle_rad / kRadiansPerDegree; }
+
+constexpr std::array<const char *, 3> kMoves{
+    "turn the base (joint 1) to its left and right stop",
+    "push the tip away as far as it goes, and pull it in as far as it goes",
+    "tilt the forearm (joint 3) back to its stop"};
+
+} // namespace
+
+MotionCheck::MotionCheck(const device::DeviceDescription &device) : device_(device) {}
+
+Vector3 MotionCheck::joints_rad(const device::Measurement &measured) const {
+    const Vector3 theta_rad = device_.rad_per_count() *
+                              Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
+    return device::joint_from_motor(device_.geometry, theta_rad);
+}
+
+void MotionCheck::take(const device::Measurement &measured) {
+    const Vector3 q_rad = joints_rad(measured);
+    const Vector3 passed_rad(q_rad[0], q_rad[2] - q_rad[1], q_rad[2]);
+    if (!has_measurement_) {
+        has_measurement_ = true;
+        lowest_rad_ = highest_rad_ = passed_rad;
+        window_.first_counts = measured.counts;
+        last_ = measured;
+        return;
+    }
+    lowest_rad_ = lowest_rad_.cwiseMin(passed_rad);
+    highest_rad_ = highest_rad_.cwiseMax(passed_rad);
+    const double passed_s = measured.time_s - last_.time_s;
+    if (!(passed_s >= 0.0 && passed_s <= kLongestGap_s) || !measured.current_A.allFinite()) {
+        window_ = {0.0, Vector3::Zero(), measured.counts};
+    } else {
+        window_.duration_s += passed_s;
+        window_.charge_As += 0.5 * passed_s * (last_.current_A + measured.current_A);
+        if (window_.duration_s >= kWindow_s) {
+            close_window(measured);
+        }
+    }
+    last_ = measured;
+}
+
+void MotionCheck::close_window(const device::Measurement &measured) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        const auto motor = static_cast<std::size_t>(i);
+        const double counted_rad =
+            device_.rad_per_count() * (measured.counts[motor] - window_.first_counts[motor]);
+        const double charge_As = window_.charge_As[i];
+        const device::MotorParameters &file = device_.motor[motor];
+        const double turned_rad =
+            file.resistance_Ohm * std::abs(charge_As) / file.torque_constant_Nm_per_A;
+        counts_squared_[i] += counted_rad * counted_rad;
+        charges_squared_[i] += charge_As * charge_As;
+        charges_with_counts_.col(i) += window_.charge_As * counted_rad;
+        counted_rad_[i] += std::abs(counted_rad) > kLeastCounted_rad ? std::abs(counted_rad) : 0.0;
+        charged_As_[i] += turned_rad > kLeastTurnedInWindow_rad ? std::abs(charge_As) : 0.0;
+    }
+    window_ = {0.0, Vector3::Zero(), measured.counts};
+}
+
+std::array<StopFigures, 3> MotionCheck::stops() const {
+    const device::JointLimits &limits = device_.joint_limits;
+    return {{{"joint 1", lowest_rad_[0], highest_rad_[0], limits.min_rad[0], limits.max_rad[0]},
+             {"the angle between the links", lowest_rad_[1], highest_rad_[1],
+              limits.min_q3_minus_q2_rad, limits.max_q3_minus_q2_rad},
+             {"joint 3", lowest_rad_[2], highest_rad_[2], limits.min_rad[2], limits.max_rad[2],
+              false}}};
+}
+
+namespace {
+
+/// The distance between two stops does not depend on the zero; of one stop alone only its place
+/// tells whether it was reached.
+bool is_reached(const StopFigures &stop) {
+    return stop.has_highest
+               ? stop.highest_rad - stop.lowest_rad >=
+                     stop.file_highest_rad - stop.file_lowest_rad - 2.0 * kStopTolerance_rad
+               : stop.lowest_rad <= stop.file_lowest_rad + kStopTolerance_rad;
+}
+
+} // namespace
+
+std::string MotionCheck::missing() const {
+    const auto all = stops();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (!has_measurement_ || !is_reached(all[i])) {
+            return kMoves[i];
+        }
+    }
+    return "";
+}
+
+double MotionCheck::share() const {
+    const auto all = stops();
+    return static_cast<double>(std::ranges::count_if(all, is_reached)) / 3.0;
+}
+
+namespace {
+
+/// Judges the sums of a MotionCheck.
+class MotionJudge {
+public:
+    MotionJudge(const device::DeviceDescription &device, const WindingReport &windings,
+                MotionReport &report)
+        : device_(device), windings_(windings), report_(report) {}
+
+    /// Angle that a motor turned by a charge that its sensor saw.
+    [[nodiscard]] double rad_per_As(std::size_t motor) const {
+        const WindingFigures &measured = windings_.motor[motor];
+        const double R_Ohm = std::isfinite(measured.resistance_Ohm)
+                                 ? measured.resistance_Ohm
+                                 : device_.motor[motor].resistance_Ohm;
+        const double sign = measured.has_reversed_sensor ? 1.0 : -1.0;
+        return sign * R_Ohm / device_.motor[motor].torque_constant_Nm_per_A;
+    }
+
+    void judge_motor(std::size_t i, double agreement, bool is_crossed) {
+        const MotionFigures &motor = report_.motor[i];
+        const std::size_t number = i + 1;
+        const bool counts = motor.turned_by_counts_rad >= kLeastTurned_rad;
+        const bool turns = motor.turned_by_current_rad >= kLeastTurned_rad;
+        if (!counts && !turns) {
+            add(Problem::seized_joint, i,
+                fmt::format(
+                    "joint {} did not move: neither its encoder nor its winding saw it turn",
+                    number),
+                "move it; if it resists, look for a jammed cable or gear");
+        } else if (!counts) {
+            add(Problem::dead_encoder, i,
+                fmt::format("encoder {} counts nothing, though the winding says that its motor "
+                            "turned by {:.1f} turns",
+                            number, motor.turned_by_current_rad / (2.0 * M_PI)),
+                "look at the encoder's plug and supply");
+        } else if (!turns) {
+            if (!has_found(Problem::open_winding, i)) {
+                add(Problem::open_winding, i,
+                    fmt::format("motor {} turned by {:.1f} turns without a current in its braking "
+                                "winding",
+                                number, motor.turned_by_counts_rad / (2.0 * M_PI)),
+                    "look at its leads and its current sensor");
+            }
+        } else if (has_found(Problem::crossed_sensors, i)) {
+            return; // the winding that was seen is another motor's
+        } else if (agreement < kDiffering) {
+            judge_disagreement(i, is_crossed);
+        } else {
+            judge_counts(i);
+        }
+    }
+
+    /// Without a zero, only distances between stops are known.
+    void judge_stop(const StopFigures &stop, std::size_t channel, bool is_zeroed) {
+        const double below_rad = stop.lowest_rad - stop.file_lowest_rad;
+        const double above_rad = stop.highest_rad - stop.file_highest_rad;
+        if (!stop.has_highest) {
+            if (is_zeroed && std::abs(below_rad) > kStopTolerance_rad) {
+                add(below_rad > 0.0 ? Problem::stops_not_reached : Problem::wrong_zero, channel,
+                    fmt::format("{} went to {:.1f} degrees, but its stop is at {:.1f}", stop.name,
+                                in_degrees(stop.lowest_rad), in_degrees(stop.file_lowest_rad)),
+                    below_rad > 0.0 ? "move it to its stop; if it is there, zero the device anew"
+                                    : "zero the device anew, in its zero pose");
+            }
+            return;
+        }
+        const double range_rad = stop.highest_rad - stop.lowest_rad;
+        const double file_rad = stop.file_highest_rad - stop.file_lowest_rad;
+        const double offset_rad = 0.5 * (below_rad + above_rad);
+        if (!is_reached(stop)) {
+            add(Problem::stops_not_reached, channel,
+                fmt::format("{} was moved through {:.1f} of {:.1f} degrees", stop.name,
+                            in_degrees(range_rad), in_degrees(file_rad)),
+                "move it to both of its stops; if it was, counts are lost");
+        } else if (range_rad > file_rad + 2.0 * kStopTolerance_rad) {
+            add(Problem::wrong_counts, channel,
+                fmt::format("{} moved through {:.1f} degrees, but its stops are {:.1f} apart",
+                            stop.name, in_degrees(range_rad), in_degrees(file_rad)),
+                "is it the machine of the device file, with its transmission ratios and counts a "
+                "turn?");
+        } else if (is_zeroed && std::abs(offset_rad) > kStopTolerance_rad) {
+            add(Problem::wrong_zero, channel,
+                fmt::format("the zero of {} is off by {:+.1f} degrees, by both of its stops",
+                            stop.name, in_degrees(offset_rad)),
+                "zero the device anew, in its zero pose: upper arm level, forearm hanging");
+        }
+    }
+
+    /// By the pulses. Otherwise angles between stops say nothing.
+    [[nodiscard]] bool has_right_encoders() const {
+        return std::ranges::none_of(windings_.findings, [](const Finding &finding) {
+            return finding.problem == Problem::reversed_encoder ||
+                   finding.problem == Problem::crossed_encoders;
+        });
+    }
+
+    void add(Problem problem, std::size_t channel, std::string what, std::string remedy) {
+        report_.findings.push_back({problem, channel, std::move(what), std::move(remedy)});
+    }
+
+private:
+    [[nodiscard]] bool has_found(Problem problem, std::size_t channel) const {
+        const auto is_it = [&](const Finding &finding) {
+            return finding.problem == problem && finding.channel == channel;
+        };
+        return std::ranges::any_of(windings_.findings, is_it) ||
+               std::ranges::any_of(report_.findings, is_it);
+    }
+
+    void judge_disagreement(std::size_t i, bool is_crossed) {
+        if (is_crossed) {
+            if (!has_found(Problem::crossed_encoders, i)) {
+                add(Problem::crossed_encoders, i,
+                    fmt::format("the winding of motor {} turns with the encoder of another one",
+                                i + 1),
+                    "exchange the plugs of the two encoders, or of the two motors");
+            }
+        } else {
+            add(Problem::wrong_counts, i,
+                fmt::format(
+                    "encoder {} counts {:.1f} turns where its winding saw {:.1f}, and not at "
+                    "the same times",
+                    i + 1, report_.motor[i].turned_by_counts_rad / (2.0 * M_PI),
+                    report_.motor[i].turned_by_current_rad / (2.0 * M_PI)),
+                "look at the encoder's cable, its supply and its disc");
+        }
+    }
+
+    void judge_counts(std::size_t i) {
+        const double counted = report_.motor[i].counts_per_turned;
+        if (counted < 0.0) {
+            if (!has_found(Problem::reversed_encoder, i)) {
+                add(Problem::reversed_encoder, i,
+                    fmt::format("encoder {} counts down where its winding says up", i + 1),
+                    "exchange the motor's leads or the encoder's channels");
+            }
+        } else if (std::abs(counted - 1.0) > kCountsTolerance) {
+            add(Problem::wrong_counts, i,
+                fmt::format("encoder {} counts {:.0f} % of what its motor turned by its back-EMF",
+                            i + 1, 100.0 * counted),
+                counted < 1.0 ? "counts are lost: look at the encoder's cable and disc, and at a "
+                                "coupling that slips"
+                              : "is it the encoder and the motor of the device file?");
+        }
+    }
+
+    const device::DeviceDescription &device_;
+    const WindingReport &windings_;
+    MotionReport &report_;
+};
+
+} // namespace
+
+MotionReport MotionCheck::report(const WindingReport &windings, bool is_zeroed) const {
+    MotionReport report;
+    report.stops = stops();
+    MotionJudge judge(device_, windings, report);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto motor = static_cast<Eigen::Index>(i);
+        const double rad_per_As = judge.rad_per_As(i);
+        const double turned_squared = rad_per_As * rad_per_As * charges_squared_[motor];
+        report.motor[i] = {counted_rad_[motor], std::abs(rad_per_As) * charged_As_[motor],
+                           turned_squared > 0.0
+                               ? rad_per_As * charges_with_counts_(motor, motor) / turned_squared
+                               : 0.0};
+        const auto agreement_with = [&](Eigen::Index encoder) {
+            const double product = charges_squared_[motor] * counts_squared_[encoder];
+            const double common = charges_with_counts_(motor, encoder);
+            return product > 0.0 ? common * common / product : 0.0;
+        };
+        bool is_crossed = false;
+        for (Eigen::Index other = 0; other < 3; ++other) {
+            is_crossed = is_crossed || (other != motor && agreement_with(other) > kAgreeing);
+        }
+        judge.judge_motor(i, agreement_with(motor), is_crossed);
+    }
+    if (report.findings.empty() && judge.has_right_encoders()) {
+        for (std::size_t i = 0; i < report.stops.size(); ++i) {
+            judge.judge_stop(report.stops[i], i, is_zeroed);
+        }
+    }
+    return report;
+}
+
+} // namespace springdrive::commissioning

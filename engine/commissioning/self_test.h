@@ -1,0 +1,76 @@
+// A device's self-test, one tick after the other, so that a window and a command can both show it
+// while it goes on:
+//
+//   rest ──► pulses on each winding, several times ──► motion by hand from stop to stop ──► report
+//
+// The device brakes all the time, except for the pulses, whose limits are the board's own.
+#pragma once
+
+#include "device/core/haptic_device.h"
+#include "engine/commissioning/motion_check.h"
+#include "engine/commissioning/winding_check.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace springdrive::commissioning {
+
+struct SelfTestOptions {
+    /// At an R of 2.18 Ω, 0.37 A or 0.8 N at the tip of a PHANTOM 1.0.
+    device::PulseOrder pulse{0.8, 8e-3};
+    int repeats = 4; ///< of the pulses
+    double rest_s = 0.5;
+    double longest_motion_s = 90.0;
+};
+
+enum class SelfTestStage : std::uint8_t { rest, pulses, motion, done };
+
+struct SelfTestReport {
+    bool is_complete = false; ///< went through all stages
+    WindingReport windings;   ///< if there are `pulses`
+    std::vector<device::PulseResult> pulses;
+    MotionReport motion;
+    std::vector<Finding> findings; ///< all
+
+    [[nodiscard]] bool has_passed() const { return is_complete && findings.empty(); }
+};
+
+class SelfTest {
+public:
+    /// @param device  has a bench, and is read and written by nobody else; outlives this
+    explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {});
+
+    /// One tick: reads a measurement, answers by braking. @return whether there is more to do
+    /// @throw InputError if the board does not answer any more, or refuses the pulses
+    bool step();
+
+    [[nodiscard]] SelfTestStage stage() const { return stage_; }
+    /// What the person shall do now.
+    [[nodiscard]] std::string instruction() const;
+    [[nodiscard]] double share() const; ///< of the present stage
+
+    /// The person has moved the device as far as it goes.
+    void finish_motion();
+
+    [[nodiscard]] SelfTestReport report() const;
+
+private:
+    void rest(const device::Measurement &measured);
+    void pulse();
+    void move(const device::Measurement &measured);
+
+    device::HapticDevice &device_;
+    device::Bench &bench_;
+    SelfTestOptions options_;
+    SelfTestStage stage_ = SelfTestStage::rest;
+    double stage_began_s_ = -1.0; ///< by the device's time; before the first measurement
+    double now_s_ = 0.0;
+    int ticks_ = 0;
+    std::vector<device::PulseResult> pulses_;
+    MotionCheck motion_;
+    bool has_motion_ = false;     ///< to its end
+    std::vector<Finding> faults_; ///< of the board
+};
+
+} // namespace springdrive::commissioning
