@@ -84,7 +84,7 @@ Window::Window(const std::string &title, Size size, double scale) {
     if (glfwInit() == GLFW_FALSE) {
         throw InputError(
             "no display: " + glfw_complaint() +
-            "; start it from a desktop, or use ./app/run, which starts a virtual display");
+            "; start it from a desktop, or with xvfb-run on a virtual display, as ./app/run does");
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

@@ -32,7 +32,10 @@ bool shapes_the_coupling(const control::Parameter &parameter) {
 
 void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
-    command.add_option("--device-file", file, "a device from assets/devices")->type_name("FILE");
+    command
+        .add_option("--device-file", file,
+                    "a device, as those in " + (asset_folder() / "devices").string())
+        ->type_name("FILE");
 }
 
 void add_device_option(CLI::App &command, std::string &device) {
@@ -53,7 +56,10 @@ NamedDevice device_named(const std::string &device) {
 }
 
 void add_tuning_file_option(CLI::App &command, std::filesystem::path &file) {
-    command.add_option("--tuning-file", file, "a tuning from assets/tunings, or your own")
+    command
+        .add_option("--tuning-file", file,
+                    "a tuning, your own or one of those in " +
+                        (asset_folder() / "tunings").string())
         ->type_name("FILE");
 }
 

@@ -135,7 +135,7 @@ std::string preset_text(const TuningDesk &desk, const std::string &file,
     return "sets " +
            control::text_of(
                control::changes_between(desk.now(), control::with_gains_of(desk.now(), preset))) +
-           "\nkeeps the map, the source of α, α and η\nassets/tunings/" + file + ".toml";
+           "\nkeeps the map, the source of α, α and η\n" + file + ".toml of the included tunings";
 }
 
 /// Empty if the file is missing: the folder may have been removed while the program runs.

@@ -86,8 +86,9 @@ std::string place_of(libusb_device *device) {
 std::string advice_on(int error) {
     switch (error) {
     case LIBUSB_ERROR_ACCESS:
-        return "no permission; copy setup/70-springdrive-usb.rules to /etc/udev/rules.d and plug "
-               "the board in again";
+        return "no permission; plug the board in again, at the computer where you are logged in; "
+               "if springdrive was not installed as a package, first copy "
+               "setup/70-springdrive-usb.rules to /etc/udev/rules.d";
     case LIBUSB_ERROR_BUSY:
         return "another program uses it; end that program";
     case LIBUSB_ERROR_NO_DEVICE:
