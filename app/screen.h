@@ -5,6 +5,7 @@
 #include "app/layout.h"
 #include "app/mouse.h"
 #include "app/opened_record.h"
+#include "app/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
@@ -76,7 +77,7 @@ private:
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
     OpenedRecord opened_;
-    SessionKeeper keeper_{"."};
+    SessionKeeper keeper_{own_folder()};
     EventLog log_;
     double speed_before_pause_ = 1.0;
     bool shows_keys_ = false; ///< the overlay with all keys

@@ -74,6 +74,8 @@ void SessionKeeper::begin_folder(session::Session &session) {
     pictures_.clear();
     covered_to_row_ = 0;
     was_recording_ = false;
+    std::error_code ignored; // without the parent, the folder cannot be made, which is said
+    std::filesystem::create_directories(parent_, ignored);
     folder_ = session::RunFolder::create(parent_);
 }
 

@@ -23,7 +23,7 @@ namespace springdrive::app {
 
 class SessionKeeper {
 public:
-    /// @param parent  folder in which those of runs are made
+    /// @param parent  folder in which those of runs are made; it is made for the first
     explicit SessionKeeper(std::filesystem::path parent);
 
     /// Makes the folder, or brings it up to date: ticks that are in no record yet are written, as

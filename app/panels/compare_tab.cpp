@@ -1,3 +1,4 @@
+#include "app/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/tuning_difference.h"
@@ -63,8 +64,8 @@ void draw_files(TuningDesk &desk, TuningPanelState &state,
     if (ui::button("save")) {
         state.file_message = state.files.save(state.file_name, desk.now());
     }
-    ui::explain("writes the active tuning to NAME.toml in the folder where springdrive was "
-                "started;\nload it here, or with --tuning-file");
+    ui::explain("writes the active tuning to NAME.toml in " + own_folder_text() +
+                ";\nload it here, or with --tuning-file");
     ImGui::SameLine();
     {
         const ui::Disabled not_own(!file || !file->is_own);

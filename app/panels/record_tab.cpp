@@ -1,3 +1,4 @@
+#include "app/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
@@ -12,16 +13,16 @@ namespace springdrive::app {
 
 namespace {
 
-/// Records and run folders in the folder where the program was started, the newest first.
+/// Records and run folders in the own folder, the newest first.
 std::vector<std::filesystem::path> records_here() {
     constexpr std::size_t kMost = 50;
     std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>> found;
     std::error_code ignored;
-    for (const auto &entry : std::filesystem::directory_iterator(".", ignored)) {
+    for (const auto &entry : std::filesystem::directory_iterator(own_folder(), ignored)) {
         const bool is_run = entry.is_directory(ignored) &&
                             std::filesystem::exists(entry.path() / "run.json", ignored);
         if (is_run || entry.path().extension() == ".rec") {
-            found.emplace_back(entry.last_write_time(ignored), entry.path().filename());
+            found.emplace_back(entry.last_write_time(ignored), entry.path().lexically_normal());
         }
     }
     std::ranges::sort(found, std::greater());
@@ -40,10 +41,10 @@ void draw_chooser(OpenedRecord &opened, RecordTabState &state) {
             state.files = records_here();
         }
         if (list && state.files.empty()) {
-            ui::text(kFaintInk, "no records in the folder where springdrive was started");
+            ui::text(kFaintInk, "no records in {}", own_folder_text());
         }
         for (const std::filesystem::path &file : state.files) {
-            if (list && ui::selectable(file.c_str(), false)) {
+            if (list && ui::selectable(file.filename().c_str(), false)) {
                 opened.open(file);
             }
         }

@@ -1,3 +1,4 @@
+#include "app/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
@@ -139,8 +140,8 @@ void toggle_recording(session::Session &session, ServoPanelState &state) {
         session.recording().stop();
         return;
     }
-    state.record_error =
-        complaint_of([&] { session.start_recording(dated_name("springdrive") + ".rec"); });
+    state.record_error = complaint_of(
+        [&] { session.start_recording(in_own_folder(dated_name("springdrive") + ".rec")); });
 }
 
 void show_recording(session::Session &session, ServoPanelState &state) {
@@ -155,7 +156,7 @@ void show_recording(session::Session &session, ServoPanelState &state) {
         toggle_recording(session, state);
     }
     if (session.recording().file().empty()) {
-        ui::explain("writes every tick to a file in the folder where springdrive was started");
+        ui::explain("writes every tick to a file in " + own_folder_text());
     } else {
         ui::explain(ui::formatted("{}: {:.1f} s, {:.1f} MB, {} ticks lost",
                                   session.recording().file().string(), recorded_s,
@@ -176,7 +177,7 @@ bool show_keeping(const SessionKeeper &keeper) {
         ImGui::SameLine();
         const ui::Scope scope("kept");
         ui::text(kGood, "kept");
-        ui::explain(keeper.folder().filename().string());
+        ui::explain(keeper.folder().lexically_normal().string());
     }
     return is_asked;
 }

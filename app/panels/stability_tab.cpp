@@ -1,5 +1,6 @@
 #include "app/panels/stability_tab.h"
 
+#include "app/own_folder.h"
 #include "app/panels/held_dR.h"
 #include "app/widgets/widgets.h"
 
@@ -143,8 +144,8 @@ void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &
         if (ui::button("save as file")) {
             state.save();
         }
-        ui::explain("writes the tuning and its margins to the folder where springdrive was "
-                    "started;\nload it with --tuning-file");
+        ui::explain("writes the tuning and its margins to " + own_folder_text() +
+                    ";\nload it with --tuning-file");
         ImGui::SameLine();
         ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
         show_margins(*state.found());

@@ -1,4 +1,5 @@
 #include "app/commands/output_files.h"
+#include "app/own_folder.h"
 #include "app/panels/stability_tab.h"
 #include "base/file_names.h"
 #include "device/core/phantom/kinematics.h"
@@ -118,7 +119,7 @@ void StabilityTabState::save() {
     if (!found_) {
         return;
     }
-    message_ = save_as(dated_name("tuned") + ".toml", [this](std::ostream &out) {
+    message_ = save_as(in_own_folder(dated_name("tuned") + ".toml"), [this](std::ostream &out) {
         control::write_tuning_file(out, {found_tuning_, "found in the window", found_->margins});
     });
 }

@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/commands/output_files.h"
+#include "app/own_folder.h"
 #include "base/input_error.h"
 
 #include <algorithm>
@@ -36,22 +37,20 @@ void add_tunings_in(const std::filesystem::path &folder, bool is_own,
     }
 }
 
-/// A file of that name in the current folder. @throw InputError for a name that would lead
-/// elsewhere
+/// A file of that name in the own folder. @throw InputError for a name that would lead elsewhere
 std::filesystem::path file_of(const std::string &name) {
     const bool is_blank = name.find_first_not_of(' ') == std::string::npos;
     if (is_blank || name.find('/') != std::string::npos || name.front() == '.') {
-        throw InputError("type a name without / to save the tuning in the folder where springdrive "
-                         "was started");
+        throw InputError("type a name without / to save the tuning in " + own_folder_text());
     }
-    return name.ends_with(".toml") ? name : name + ".toml";
+    return in_own_folder(name.ends_with(".toml") ? name : name + ".toml");
 }
 
 } // namespace
 
 void TuningFiles::refresh() {
     entries_.clear();
-    add_tunings_in(".", true, entries_);
+    add_tunings_in(own_folder(), true, entries_);
     add_tunings_in(asset_folder() / "tunings", false, entries_);
 }
 

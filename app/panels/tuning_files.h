@@ -1,5 +1,4 @@
-// The tuning files that the window offers: those of the project, and those in the folder where it
-// was started.
+// The tuning files that the window offers: those of the project, and those in the own folder.
 #pragma once
 
 #include "engine/control/tuning_file.h"
@@ -21,11 +20,11 @@ public:
         std::filesystem::path file;
         std::string name; ///< without ending; those of the project in brackets
         control::TuningFile contents;
-        bool is_own = false; ///< of the user, in the current folder
+        bool is_own = false; ///< of the user, in the own folder
     };
     [[nodiscard]] const std::vector<Entry> &entries() const { return entries_; }
 
-    /// Writes NAME.toml to the current folder. @return what happened, for people
+    /// Writes NAME.toml to the own folder. @return what happened, for people
     std::string save(const std::string &name, const control::Tuning &tuning);
 
     /// Renames a file of the user. @return what happened, for people

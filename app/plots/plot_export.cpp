@@ -2,6 +2,7 @@
 #include "app/plots/plot_panel.h"
 
 #include "app/commands/output_files.h"
+#include "app/own_folder.h"
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_menu.h"
 #include "app/widgets/look.h"
@@ -19,9 +20,10 @@ namespace springdrive::app {
 namespace {
 
 /// "plots-20240531-123456.csv", or with a number if that was written in the same second.
-std::string name_of_new_file(const char *ending) {
-    return unused_name(dated_name("plots"), ending,
-                       [](const std::string &name) { return std::filesystem::exists(name); });
+std::filesystem::path name_of_new_file(const char *ending) {
+    return in_own_folder(unused_name(dated_name("plots"), ending, [](const std::string &name) {
+        return std::filesystem::exists(own_folder() / name);
+    }));
 }
 
 /// Each channel of any plot, once.

@@ -100,6 +100,18 @@ protected:
     SessionKeeper keeper{parent};
 };
 
+TEST_F(SessionKeeperTest, MakesTheFolderAboveOnlyWithTheFirstOfItsFolders) {
+    const std::filesystem::path above = parent / "documents/springdrive";
+    SessionKeeper other(above);
+    run(0.1);
+    EXPECT_FALSE(std::filesystem::exists(parent / "documents"));
+    other.keep(played, tuning, log);
+    EXPECT_EQ(other.error(), "");
+    EXPECT_EQ(other.folder().parent_path(), above);
+    played.stop();
+    other.finish(played, tuning, log);
+}
+
 TEST_F(SessionKeeperTest, KeepsThePastAndWhatFollows) {
     run(2.0);
     keep();

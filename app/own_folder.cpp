@@ -1,0 +1,78 @@
+#include "app/own_folder.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <unistd.h>
+
+namespace springdrive::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An absolute folder that a variable of the environment names; else empty.
+fs::path folder_in(const char *variable) {
+    const char *value = std::getenv(variable); // NOLINT(concurrency-mt-unsafe)
+    return value != nullptr && *value == '/' ? value : "";
+}
+
+/// Whether files are to be expected here: who starts the program from a menu did not choose it.
+bool was_chosen(const fs::path &home) {
+    std::error_code ignored;
+    return access(".", W_OK | X_OK) == 0 && !fs::equivalent(".", "/", ignored) &&
+           (home.empty() || !fs::equivalent(".", home, ignored));
+}
+
+} // namespace
+
+const fs::path &own_folder() {
+    static const fs::path folder = choose_own_folder();
+    return folder;
+}
+
+fs::path choose_own_folder() {
+    const fs::path home = folder_in("HOME");
+    if (was_chosen(home) || home.empty()) {
+        return ".";
+    }
+    const fs::path config = folder_in("XDG_CONFIG_HOME");
+    return documents_folder((config.empty() ? home / ".config" : config) / "user-dirs.dirs", home) /
+           "springdrive";
+}
+
+std::string own_folder_text() {
+    const fs::path &folder = own_folder();
+    return folder == "." ? "the folder where springdrive was started" : folder.string();
+}
+
+fs::path in_own_folder(const std::string &name) {
+    const fs::path &folder = own_folder();
+    if (folder == ".") {
+        return name;
+    }
+    std::error_code ignored; // without the folder, writing the file fails and says why
+    fs::create_directories(folder, ignored);
+    return folder / name;
+}
+
+fs::path documents_folder(const fs::path &settings, const fs::path &home) {
+    // Lines are XDG_NAME_DIR="$HOME/name" or XDG_NAME_DIR="/name", by the file's own specification.
+    constexpr std::string_view kKey = "XDG_DOCUMENTS_DIR=\"";
+    constexpr std::string_view kHome = "$HOME";
+    fs::path documents;
+    std::ifstream file(settings);
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with(kKey) || !line.ends_with('"') || line.size() <= kKey.size()) {
+            continue;
+        }
+        const std::string value = line.substr(kKey.size(), line.size() - kKey.size() - 1);
+        documents = value.starts_with(kHome) ? fs::path(home.string() + value.substr(kHome.size()))
+                                             : fs::path(value);
+    }
+    std::error_code ignored;
+    return documents.is_absolute() && fs::is_directory(documents, ignored) ? documents : home;
+}
+
+} // namespace springdrive::app
