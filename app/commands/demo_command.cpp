@@ -17,6 +17,7 @@ namespace {
 struct TypedDemo {
     TypedSession session;
     DemoOptions options;
+    std::filesystem::path shown; ///< by a file manager, which names no option
 };
 
 void add_run_options(CLI::App &demo, TypedDemo &typed) {
@@ -25,6 +26,11 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     demo.add_option("--seconds", options.seconds, "end after this time")->type_name("S");
     demo.add_option("--open", options.opened, "show a record, or the folder of a kept session")
         ->type_name("PATH");
+    demo.add_option("file", typed.shown,
+                    "a scene, as with --scene; or a record or kept session, as with --open")
+        ->type_name("FILE")
+        ->excludes(demo.get_option("--scene"))
+        ->excludes(demo.get_option("--open"));
     demo.add_option("--screenshot", options.screenshot, "write the last frame as PNG")
         ->type_name("FILE");
     demo.add_option("--record", typed.session.options.record,
@@ -61,7 +67,18 @@ void check(const DemoOptions &options) {
     }
 }
 
-void run(const TypedDemo &typed) {
+/// By its kind, as a file that is dropped on the window.
+void place_shown(TypedDemo &typed) {
+    std::error_code ignored;
+    if (typed.shown.extension() == ".rec" || std::filesystem::is_directory(typed.shown, ignored)) {
+        typed.options.opened = typed.shown;
+    } else if (!typed.shown.empty()) {
+        typed.session.options.scene = typed.shown;
+    }
+}
+
+void run(TypedDemo typed) {
+    place_shown(typed);
     DemoOptions options = typed.options;
     options.session = typed.session.session();
     options.session.plays_script = options.unattended();

@@ -49,6 +49,21 @@ TEST(CommandLine, SuggestsWhatAMistypedWordMayHaveMeant) {
               std::string::npos);
 }
 
+TEST(CommandLine, TheDemoTakesAFileWithoutAnOptionByItsKind) {
+    const auto folder = testing::fresh_folder("demo_file");
+    // As a file manager starts it. What is missing is refused before there is a window.
+    testing::expect_refused(testing::run_program({"demo", folder / "none.rec"}),
+                            "none.rec: not found; --open takes a record");
+    const testing::Ending scene = testing::run_program({"demo", folder / "none.gltf"});
+    EXPECT_EQ(scene.exit_status, 1);
+    EXPECT_NE(scene.error.find("none.gltf"), std::string::npos) << scene.error;
+    EXPECT_EQ(scene.error.find("--open"), std::string::npos) << scene.error;
+    for (const char *option : {"--scene", "--open"}) {
+        testing::expect_one_line(testing::run_program({"demo", "a.gltf", option, "b.gltf"}), 2,
+                                 option);
+    }
+}
+
 TEST(CommandLine, RefusesAnEmptyArgument) {
     for (const std::vector<std::string> &arguments :
          {std::vector<std::string>{"stiffness", "--dR", ""}, {""}, {"--scene", ""}}) {
