@@ -92,10 +92,11 @@ public:
 
 } // namespace
 
-int run_command_line(int argc, char **argv) {
-    CLI::App app("Touch glTF meshes with a PHANTOM, simulated or real, through spring-drive "
-                 "control.",
-                 "springdrive");
+std::unique_ptr<CLI::App> command_tree() {
+    auto tree = std::make_unique<CLI::App>(
+        "Touch glTF meshes with a PHANTOM, simulated or real, through spring-drive control.",
+        "springdrive");
+    CLI::App &app = *tree;
     app.formatter(std::make_shared<LetterFormatter>()); // before the subcommands, which inherit it
     app.set_version_flag("--version", SPRINGDRIVE_VERSION);
     app.require_subcommand(0, 1); // with 1, 1 the error would not name the invalid word
@@ -114,7 +115,12 @@ int run_command_line(int argc, char **argv) {
     add_baseline_command(app);
     add_touch_command(app);
     add_inspect_command(app);
+    return tree;
+}
 
+int run_command_line(int argc, char **argv) {
+    const std::unique_ptr<CLI::App> tree = command_tree();
+    CLI::App &app = *tree;
     std::vector<std::string> reversed = arguments(argc, argv); // as CLI11 takes them
     if (std::find(reversed.begin(), reversed.end(), "") != reversed.end()) {
         std::cerr << "springdrive: an argument is empty; give its value, or omit its option\n";
