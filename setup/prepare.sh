@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Installs packages, configures and builds; app/run and tests/run source this:
+# Installs packages, configures and builds; app/run, tests/run and setup/make_package source this:
 #   prepare PRESET TARGETS GROUPS ARGUMENT...   installs missing packages of these groups,
 #                                               configures the preset, builds the TARGETs
 # ARGUMENTs are those of the caller, passed on if it has to be restarted as another user.
