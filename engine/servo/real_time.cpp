@@ -23,6 +23,9 @@ namespace {
 /// An order of magnitude more stack than a tick uses.
 constexpr std::size_t kStackTouched = std::size_t{128} * 1024;
 
+/// As in setup/limits.conf: also for the thread that serves a board, just above the servo's.
+constexpr int kPriorityLimit = 90;
+
 constexpr const char *kIdleFile = "/dev/cpu_dma_latency";
 
 /// The shell command that lifts one limit for the current user.
@@ -32,9 +35,7 @@ std::string allow(const std::string &limit) {
 }
 
 std::string ask_for_priority() {
-    sched_param parameters{};
-    parameters.sched_priority = kServoPriority;
-    const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    const int refused = request_priority(kServoPriority);
     // 1 ns, for threads without real-time priority: the default timer slack wakes them up to 50 µs
     // late.
     static_cast<void>(prctl(PR_SET_TIMERSLACK, 1UL));
@@ -42,19 +43,13 @@ std::string ask_for_priority() {
                ? ""
                : "no real-time priority, ticks may come late (" +
                      std::string(std::strerror(refused)) +
-                     "); to allow it: " + allow("rtprio " + std::to_string(kServoPriority));
+                     "); to allow it: " + allow("rtprio " + std::to_string(kPriorityLimit));
 }
 
-/// With a limit set, locking future pages would make later allocations fail, so nothing is locked
-/// then. The limit does not apply to the superuser.
 std::string ask_for_memory() {
-    rlimit limit{};
-    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
-                                              limit.rlim_cur == RLIM_INFINITY);
-    return unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
-               ? ""
-               : "memory may be paged out, ticks may come late; to keep it: " +
-                     allow("memlock unlimited");
+    return request_locked_memory() ? ""
+                                   : "memory may be paged out, ticks may come late; to keep it: " +
+                                         allow("memlock unlimited");
 }
 
 std::string ask_for_processor(int cpu) {
@@ -76,6 +71,19 @@ void touch_stack() {
 }
 
 } // namespace
+
+int request_priority(int priority) {
+    sched_param parameters{};
+    parameters.sched_priority = priority;
+    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+}
+
+bool request_locked_memory() {
+    rlimit limit{};
+    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
+                                              limit.rlim_cur == RLIM_INFINITY);
+    return unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+}
 
 std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu) {
     std::vector<std::string> remarks;

@@ -79,7 +79,7 @@ TEST(Rights, EachRefusalIsReportedWithItsRemedy) {
         return all;
     });
     const std::string priority = "no real-time priority, ticks may come late (Operation not "
-                                 "permitted); to allow it: echo \"$USER - rtprio 80\" | sudo tee";
+                                 "permitted); to allow it: echo \"$USER - rtprio 90\" | sudo tee";
     const std::string memory = "memory may be paged out, ticks may come late; to keep it: echo "
                                "\"$USER - memlock unlimited\" | sudo tee";
     EXPECT_EQ(said.substr(0, priority.size()), priority);
