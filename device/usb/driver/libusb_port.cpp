@@ -30,9 +30,6 @@ namespace {
 constexpr unsigned kControlTimeout_ms = 500;
 constexpr int kLongestWait_ms = 100;
 
-/// Just above the servo's, which it serves.
-constexpr int kThreadPriority = 81;
-
 struct ContextEnd {
     void operator()(libusb_context *context) const { libusb_exit(context); }
 };
@@ -575,7 +572,7 @@ void LibusbPort::handle_events() noexcept {
 /// Until the end, or the connection is lost; then all transfers are taken back.
 void LibusbPort::run() noexcept {
     sched_param parameters{};
-    parameters.sched_priority = kThreadPriority;
+    parameters.sched_priority = kPortThreadPriority;
     static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
     std::ranges::for_each(in_, [this](Transfer &transfer) { submit(transfer); });
     constexpr std::size_t kMostFiles = 16;
@@ -613,6 +610,86 @@ std::vector<FoundBoard> boards_present() {
         found.push_back({std::move(board.serial), std::move(board.problem)});
     }
     return found;
+}
+
+namespace {
+
+BoardObstacle obstacle_of(int error) {
+    switch (error) {
+    case 0:
+        return BoardObstacle::none;
+    case LIBUSB_ERROR_ACCESS:
+        return BoardObstacle::no_permission;
+    case LIBUSB_ERROR_BUSY:
+        return BoardObstacle::in_use;
+    default:
+        return BoardObstacle::no_answer;
+    }
+}
+
+/// @return an error of libusb
+int ask_for_identity(libusb_device_handle *handle, const Endpoints &endpoints,
+                     SurveyedBoard &board) {
+    if (const int error = libusb_claim_interface(handle, endpoints.interface_number); error != 0) {
+        return error;
+    }
+    std::array<std::uint8_t, kIdentitySize> answer{};
+    const int size = libusb_control_transfer(
+        handle, kRequestIn, static_cast<std::uint8_t>(Kind::identity), 0,
+        static_cast<std::uint16_t>(endpoints.interface_number), answer.data(),
+        static_cast<std::uint16_t>(answer.size()), kControlTimeout_ms);
+    libusb_release_interface(handle, endpoints.interface_number);
+    if (size < 0 && size != LIBUSB_ERROR_PIPE) {
+        return size;
+    }
+    take_identity(std::span(answer).first(size > 0 ? static_cast<std::size_t>(size) : 0U), board);
+    return 0;
+}
+
+/// @return an error of libusb
+int survey(libusb_device *device, const libusb_device_descriptor &description,
+           SurveyedBoard &board) {
+    std::array<std::uint8_t, 7> ports{}; // the deepest that USB allows
+    const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+    board.bus = libusb_get_bus_number(device);
+    board.address = libusb_get_device_address(device);
+    board.sysfs_name = sysfs_name_of(
+        board.bus, std::span(ports).first(depth > 0 ? static_cast<std::size_t>(depth) : 0U));
+    board.speed = name_of_speed(libusb_get_device_speed(device));
+    libusb_device_handle *raw = nullptr;
+    if (const int error = libusb_open(device, &raw); error != 0) {
+        return error;
+    }
+    const Handle handle(raw);
+    board.serial = serial_of(raw, description.iSerialNumber);
+    const std::optional<Endpoints> endpoints = endpoints_of(device);
+    if (!endpoints) {
+        board.obstacle = BoardObstacle::no_interface;
+        board.problem = "has no interface for springdrive; is its firmware installed?";
+        return 0;
+    }
+    return ask_for_identity(raw, *endpoints, board);
+}
+
+} // namespace
+
+std::vector<SurveyedBoard> survey_boards() {
+    const Context context = make_context();
+    const DeviceList devices(context.get());
+    std::vector<SurveyedBoard> boards;
+    for (libusb_device *device : devices.all()) {
+        libusb_device_descriptor description{};
+        if (libusb_get_device_descriptor(device, &description) != 0 ||
+            description.idVendor != kVendorId || description.idProduct != kProductId) {
+            continue;
+        }
+        SurveyedBoard &board = boards.emplace_back();
+        if (const int error = survey(device, description, board); error != 0) {
+            board.obstacle = obstacle_of(error);
+            board.problem = advice_on(error);
+        }
+    }
+    return boards;
 }
 
 std::unique_ptr<BoardPort> make_libusb_port() { return std::make_unique<LibusbPort>(); }

@@ -11,6 +11,7 @@
 
 #include "device/core/haptic_device.h"
 #include "device/usb/driver/board_port.h"
+#include "device/usb/driver/board_survey.h"
 
 #include <memory>
 #include <vector>
@@ -26,6 +27,14 @@ struct FoundBoard {
 /// The boards that are connected now.
 /// @throw InputError if libusb cannot be used at all
 [[nodiscard]] std::vector<FoundBoard> boards_present();
+
+/// Everything that can be said about each board, which claims them for a moment: tens of
+/// milliseconds, seconds for one that does not answer.
+/// @throw InputError if libusb cannot be used at all
+[[nodiscard]] std::vector<SurveyedBoard> survey_boards();
+
+/// The priority that a port's thread requests: just above the servo's, which it serves.
+inline constexpr int kPortThreadPriority = 81;
 
 [[nodiscard]] std::unique_ptr<BoardPort> make_libusb_port();
 
