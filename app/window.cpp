@@ -1,5 +1,6 @@
 #include "app/window.h"
 
+#include "app/software_renderer.h"
 #include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
@@ -50,10 +51,7 @@ GLFWwindow *create_window(const std::string &title, Window::Size size, int sampl
 bool draws_in_software(GLFWwindow *window) {
     glfwMakeContextCurrent(window);
     const auto *renderer = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
-    const std::string_view name = renderer != nullptr ? renderer : "";
-    return name.find("llvmpipe") != std::string_view::npos ||
-           name.find("softpipe") != std::string_view::npos ||
-           name.find("SwiftShader") != std::string_view::npos;
+    return renderer != nullptr && is_software_renderer(renderer);
 }
 
 float display_scale(GLFWwindow *window) {

@@ -1,103 +1,19 @@
 #include "app/figures/gnuplot.h"
 
+#include "app/child_program.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
 #include <fstream>
 #include <iterator>
-#include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
-#include <vector>
 
 namespace springdrive::app {
 
 namespace {
-
-/// A program's exit status and its output on standard error.
-struct Ending {
-    int spawn_error = 0; ///< an errno, if it could not be started
-    int wait_status = 0;
-    std::string error;
-};
-
-std::string read_to_the_end(int descriptor) {
-    std::string text;
-    std::array<char, 4096> block{};
-    for (;;) {
-        const ssize_t count = read(descriptor, block.data(), block.size());
-        if (count > 0) {
-            text.append(block.data(), static_cast<std::size_t>(count));
-        } else if (count == 0 || errno != EINTR) {
-            return text;
-        }
-    }
-}
-
-/// Our environment without GNUTERM, which would make gnuplot open a screen.
-std::vector<char *> environment() {
-    std::vector<char *> variables;
-    for (char **variable = environ; *variable != nullptr; ++variable) {
-        if (!std::string_view(*variable).starts_with("GNUTERM=")) {
-            variables.push_back(*variable);
-        }
-    }
-    variables.push_back(nullptr);
-    return variables;
-}
-
-/// The program's standard input and output (none), standard error (a pipe to us) and folder.
-class SpawnSetting {
-public:
-    SpawnSetting(const std::filesystem::path &folder, int error_descriptor) {
-        posix_spawn_file_actions_init(&actions_);
-        posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-        posix_spawn_file_actions_adddup2(&actions_, error_descriptor, STDERR_FILENO);
-        posix_spawn_file_actions_addchdir_np(&actions_, folder.c_str());
-    }
-    ~SpawnSetting() { posix_spawn_file_actions_destroy(&actions_); }
-    SpawnSetting(const SpawnSetting &) = delete;
-    SpawnSetting &operator=(const SpawnSetting &) = delete;
-
-    [[nodiscard]] const posix_spawn_file_actions_t *actions() const { return &actions_; }
-
-private:
-    posix_spawn_file_actions_t actions_{};
-};
-
-Ending run(std::vector<std::string> arguments, const std::filesystem::path &folder) {
-    std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-        return {errno, 0, {}};
-    }
-    std::vector<char *> argv;
-    argv.reserve(arguments.size() + 1);
-    for (std::string &argument : arguments) {
-        argv.push_back(argument.data());
-    }
-    argv.push_back(nullptr);
-    Ending ending;
-    pid_t child = 0;
-    {
-        const SpawnSetting setting(folder, ends[1]);
-        ending.spawn_error = posix_spawnp(&child, argv[0], setting.actions(), nullptr, argv.data(),
-                                          environment().data());
-    }
-    close(ends[1]);
-    if (ending.spawn_error == 0) {
-        ending.error = read_to_the_end(ends[0]);
-        while (waitpid(child, &ending.wait_status, 0) < 0 && errno == EINTR) {
-        }
-    }
-    close(ends[0]);
-    return ending;
-}
 
 /// The last line that is not empty.
 std::string last_line(const std::string &text) {
@@ -145,9 +61,9 @@ void draw(const Chart &chart, Existing existing) {
                               "; svg = " + in_single_quotes(drawn.temporary().string()) + "; ";
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
-    const Ending ending = run({"gnuplot", "-d", "-e", files + chart.assignments,
-                               script.parent_path() / "style.gnuplot", script},
-                              chart.folder);
+    const ProgramEnding ending = run_program({"gnuplot", "-d", "-e", files + chart.assignments,
+                                              script.parent_path() / "style.gnuplot", script},
+                                             chart.folder, ProgramStream::error);
     if (ending.spawn_error == ENOENT) {
         throw InputError("gnuplot is not installed; install the package gnuplot-nox (the figures' "
                          "numbers are in " +
@@ -159,7 +75,7 @@ void draw(const Chart &chart, Existing existing) {
             std::string(std::strerror(ending.spawn_error))); // NOLINT(concurrency-mt-unsafe)
     }
     if (!WIFEXITED(ending.wait_status) || WEXITSTATUS(ending.wait_status) != 0) {
-        throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.error));
+        throw InputError(svg.string() + ": gnuplot could not draw it: " + last_line(ending.text));
     }
     if (!is_whole(drawn.temporary())) {
         throw InputError(svg.string() + ": gnuplot did not write it completely; is the disk full, "

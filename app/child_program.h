@@ -1,0 +1,25 @@
+// Runs another program to its end.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+enum class ProgramStream { output, error };
+
+struct ProgramEnding {
+    int spawn_error = 0; ///< an errno, if it could not be started
+    int wait_status = 0; ///< of waitpid
+    std::string text;    ///< what it wrote to the stream that was asked for
+};
+
+/// Waits for the program's end. It gets no standard input; the stream that is not asked for goes to
+/// /dev/null (output) or remains ours (error). No shell is involved. Does not fork, which would
+/// burden a servo in this process with page faults.
+/// @param arguments  the first is the program, looked up in PATH
+[[nodiscard]] ProgramEnding run_program(std::vector<std::string> arguments,
+                                        const std::filesystem::path &folder, ProgramStream stream);
+
+} // namespace springdrive::app
