@@ -104,6 +104,7 @@ std::unique_ptr<CLI::App> command_tree() {
                "For the options of a subcommand: springdrive stiffness --help.");
     add_demo_command(app);
     add_device_command(app);
+    add_doctor_command(app);
     add_record_command(app);
     add_replay_command(app);
     add_export_command(app);

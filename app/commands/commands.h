@@ -12,6 +12,8 @@ namespace springdrive::app {
 void add_demo_command(CLI::App &app);
 /// `device`: lists devices, or emulates one on USB.
 void add_device_command(CLI::App &app);
+/// `doctor`: what this computer allows and lacks.
+void add_doctor_command(CLI::App &app);
 /// `record`: a session without a window, recorded at full rate.
 void add_record_command(CLI::App &app);
 /// `replay`: a record through the control law again.

@@ -1,0 +1,197 @@
+// What a limit forbids the servo, and how to lift it.
+#include "app/doctor/checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+namespace springdrive::app::doctor {
+
+namespace {
+
+constexpr const char *kGroup = "plugdev"; ///< of setup/limits.conf
+constexpr const char *kLimitsFile = "/etc/security/limits.d/springdrive.conf";
+
+constexpr const char *kOnTime = "without it ticks come late while the computer is busy";
+
+std::vector<std::string> parts_of(const std::string &line, char separator) {
+    std::vector<std::string> parts;
+    std::istringstream stream(line);
+    for (std::string part; std::getline(stream, part, separator);) {
+        parts.push_back(part);
+    }
+    return parts;
+}
+
+std::string user_name(const Evidence &evidence) {
+    const std::string id = std::to_string(evidence.process.user_id);
+    for (const std::string &line : evidence.machine.lines("/etc/passwd")) {
+        const std::vector<std::string> parts = parts_of(line, ':');
+        if (parts.size() > 2 && parts[2] == id) {
+            return parts[0];
+        }
+    }
+    return "";
+}
+
+struct Membership {
+    bool in_session = false; ///< of this process
+    bool in_file = false;    ///< from the next login on
+};
+
+Membership membership(const Evidence &evidence, const std::string &group) {
+    const std::string user = user_name(evidence);
+    for (const std::string &line : evidence.machine.lines("/etc/group")) {
+        const std::vector<std::string> parts = parts_of(line, ':');
+        if (parts.size() < 3 || parts[0] != group) {
+            continue;
+        }
+        const auto is_this = [&](unsigned id) { return std::to_string(id) == parts[2]; };
+        const std::vector<std::string> names =
+            parts_of(parts.size() > 3 ? parts[3] : std::string(), ',');
+        return {std::ranges::any_of(evidence.process.group_ids, is_this),
+                !user.empty() && std::ranges::find(names, user) != names.end()};
+    }
+    return {};
+}
+
+/// To whom the system's limits files give `item`.
+struct Granted {
+    bool to_group = false; ///< kGroup
+    bool to_user = false;  ///< by name, or to everyone
+};
+
+void add_grants(const Evidence &evidence, const std::string &file, const std::string &item,
+                Granted &granted) {
+    const std::string user = user_name(evidence);
+    for (const std::string &line : evidence.machine.lines(file)) {
+        std::istringstream words(line.substr(0, line.find('#')));
+        std::string domain;
+        std::string type;
+        std::string what;
+        words >> domain >> type >> what;
+        if (what == item) {
+            granted.to_group = granted.to_group || domain == std::string("@") + kGroup;
+            granted.to_user = granted.to_user || domain == "*" || (domain == user && !user.empty());
+        }
+    }
+}
+
+Granted granted_by_files(const Evidence &evidence, const std::string &item) {
+    Granted granted;
+    add_grants(evidence, "/etc/security/limits.conf", item, granted);
+    for (const std::string &name : evidence.machine.names_in("/etc/security/limits.d")) {
+        if (name.ends_with(".conf")) {
+            add_grants(evidence, "/etc/security/limits.d/" + name, item, granted);
+        }
+    }
+    return granted;
+}
+
+std::string install_limits(const Process &process) {
+    const std::filesystem::path file = process.setup_folder / "limits.conf";
+    std::error_code unreadable;
+    if (std::filesystem::is_regular_file(file, unreadable)) {
+        return process.sudo() + "cp " + shell_word(file.string()) + " " + kLimitsFile;
+    }
+    return fmt::format("printf '@{0} - %s\\n' 'rtprio 90' 'memlock unlimited' | {1}tee {2}", kGroup,
+                       process.sudo(), kLimitsFile);
+}
+
+/// One line lifts both limits.
+std::string allow(const Evidence &evidence, const std::string &item) {
+    if (evidence.machine.is_container()) {
+        return "start the container with --cap-add SYS_NICE --ulimit rtprio=90 --ulimit memlock=-1";
+    }
+    if (evidence.process.is_root()) {
+        return "start it with all of root's capabilities: these were taken away";
+    }
+    const Granted granted = granted_by_files(evidence, item);
+    if (granted.to_user) {
+        return "log in again: limits apply from a login on";
+    }
+    const Membership member = membership(evidence, kGroup);
+    std::string line;
+    if (!granted.to_group) {
+        line = install_limits(evidence.process);
+    }
+    if (!member.in_session && !member.in_file) {
+        line += (line.empty() ? "" : " && ") + evidence.process.sudo() +
+                fmt::format("usermod -aG {} \"$USER\"", kGroup);
+    }
+    return line.empty() ? "log in again: limits and groups apply from a login on"
+                        : line + "  # then log in again";
+}
+
+std::string limit_text(std::uint64_t limit) {
+    return limit == Process::kUnlimited ? "unlimited" : std::to_string(limit);
+}
+
+std::string why_no_priority(const Evidence &evidence) {
+    const Process &process = evidence.process;
+    const auto wanted = static_cast<std::uint64_t>(evidence.trials.rights.priority);
+    if (process.priority_limit >= wanted) {
+        // With scheduling by groups, a group without a share of its own gets none.
+        return process.sudo() + "sysctl -w kernel.sched_rt_runtime_us=-1";
+    }
+    if (process.priority_limit_hard >= wanted) {
+        return fmt::format("ulimit -S -r {}", wanted);
+    }
+    return allow(evidence, "rtprio");
+}
+
+} // namespace
+
+Check priority_check(const Evidence &evidence) {
+    const RightsTrial &trial = evidence.trials.rights;
+    Check check{"rt_priority", "real-time priority", Verdict::ok, "", kOnTime, ""};
+    if (!trial.has_answered) {
+        check.verdict = evidence.purpose.worse_with_usb();
+        check.found = "the trial of it did not end: this computer is too busy";
+        check.mend = "end what is busy (see top), and repeat springdrive doctor";
+        return check;
+    }
+    if (trial.priority_refused == 0) {
+        check.found = fmt::format("SCHED_FIFO {} granted", trial.priority);
+        return check;
+    }
+    check.verdict = evidence.purpose.worse_with_usb();
+    check.found =
+        fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r)", trial.priority,
+                    std::generic_category().message(trial.priority_refused),
+                    limit_text(evidence.process.priority_limit));
+    check.mend = why_no_priority(evidence);
+    return check;
+}
+
+Check memory_lock_check(const Evidence &evidence) {
+    const Process &process = evidence.process;
+    Check check{"memory_lock",
+                "memory lock",
+                Verdict::ok,
+                "",
+                "without it a tick may wait for memory that was paged out",
+                ""};
+    if (evidence.trials.rights.memory_locked) {
+        check.found = "all memory may be kept in RAM";
+        return check;
+    }
+    check.verdict = evidence.purpose.worse_with_usb();
+    const std::uint64_t limit = process.memory_lock_limit_bytes;
+    check.found = limit == Process::kUnlimited
+                      ? "refused"
+                      : fmt::format("refused: the limit is {} kB (ulimit -l)", limit / 1024);
+    check.mend =
+        process.memory_lock_limit_hard_bytes == Process::kUnlimited && limit != Process::kUnlimited
+            ? "ulimit -S -l unlimited"
+            : allow(evidence, "memlock");
+    return check;
+}
+
+} // namespace springdrive::app::doctor

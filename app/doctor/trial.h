@@ -1,0 +1,66 @@
+// What can only be known by trying: each trial runs in a process of its own, so that a driver that
+// crashes or hangs, or a disk that does not answer, ends neither the doctor nor its patience.
+#pragma once
+
+#include "device/usb/driver/board_survey.h"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::doctor {
+
+struct Purpose;
+
+/// What the servo's thread is granted.
+struct RightsTrial {
+    bool has_answered = false;
+    int priority = 0;         ///< that was requested
+    int priority_refused = 0; ///< an errno; 0: granted
+    bool memory_locked = false;
+    bool idle_is_short = false;
+};
+
+/// A hidden window, as `demo` would open it.
+struct PictureTrial {
+    bool has_answered = false;
+    std::string display_problem; ///< empty: there is a display
+    std::string window_problem;  ///< empty: there is a window with OpenGL 3.3
+    std::string version;         ///< of OpenGL, also of one that is too old
+    std::string renderer;
+};
+
+/// Rows of a record, written as fast as the disk takes them.
+struct DiskTrial {
+    bool has_answered = false;
+    int refused = 0; ///< an errno; 0: written and synchronised
+    double written_bytes_per_s = 0.0;
+    double longest_sync_s = 0.0;
+    double free_bytes = 0.0;
+};
+
+struct UsbTrial {
+    bool has_answered = false;
+    std::string problem; ///< of USB as a whole; empty: the list is complete
+    std::vector<usb::SurveyedBoard> boards;
+};
+
+struct Trials {
+    RightsTrial rights;
+    PictureTrial picture;
+    DiskTrial disk;
+    UsbTrial usb;
+};
+
+/// Bytes that a record takes each second.
+[[nodiscard]] double record_bytes_per_s(double servo_hz);
+
+inline constexpr std::chrono::milliseconds kTrialTime{2300};
+
+/// All trials at once, which takes as long as the slowest, at most kTrialTime. Call while the
+/// process has no other thread: it forks.
+[[nodiscard]] Trials try_all(const Purpose &purpose);
+
+} // namespace springdrive::app::doctor

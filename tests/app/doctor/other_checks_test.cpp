@@ -1,0 +1,228 @@
+// Covers app/doctor/picture_checks.cpp, disk_check.cpp, disk_trial.cpp, package_checks.cpp and
+// doctor_report.cpp.
+#include "tests/app/doctor/laid_out_computer.h"
+
+#include "app/doctor/disk_trial.h"
+#include "app/doctor/doctor_report.h"
+#include "app/doctor/second_opinion.h"
+#include "base/input_error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <sstream>
+
+namespace springdrive::app::doctor {
+namespace {
+
+constexpr const char *kXvfb = "xvfb-run -a -s '-screen 0 1280x800x24' springdrive";
+
+Check picture_check(const Evidence &evidence, const std::string &id) {
+    return check_named(picture_checks(evidence), id);
+}
+
+Evidence without_display(const LaidOutComputer &computer) {
+    Evidence evidence = computer.evidence();
+    evidence.trials.picture = {true, "X11: The DISPLAY environment variable is missing", "", "",
+                               ""};
+    return evidence;
+}
+
+TEST(DoctorPicture, ADisplayWithOpenGlIsDescribed) {
+    Evidence evidence = LaidOutComputer().evidence();
+    evidence.process.environment["DISPLAY"] = ":7";
+    expect_ok(picture_check(evidence, "display"), ":7");
+    expect_ok(picture_check(evidence, "opengl"), "4.6 (Core Profile) Mesa 23.2 on Mesa Intel UHD");
+    EXPECT_EQ(picture_check(evidence, "opengl").found.find("processor"), std::string::npos);
+    evidence.trials.picture.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    expect_ok(picture_check(evidence, "opengl"), "drawn by the processor");
+}
+
+TEST(DoctorPicture, WithoutDisplayTheLineDependsOnWhereOneIs) {
+    LaidOutComputer computer;
+    computer.has("/etc/os-release", "ID=debian\n");
+    Evidence evidence = without_display(computer);
+    expect_wrong(picture_check(evidence, "display"), Verdict::failure, "DISPLAY is not set",
+                 std::string("sudo apt-get install xvfb && ") + kXvfb);
+    expect_no_verdict(picture_check(evidence, "opengl"), "no display");
+    computer.has_program("/usr/bin/xvfb-run");
+    EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb);
+    computer.has("/source/app/run");
+    EXPECT_EQ(picture_check(evidence, "display").mend,
+              (computer.root() / "source/app/run").string() +
+                  "  # starts a virtual display, and installs it if necessary");
+    evidence.process.environment["SSH_CONNECTION"] = "10.0.0.1 1 10.0.0.2 22";
+    EXPECT_EQ(picture_check(evidence, "display").mend, "connect again by: ssh -X");
+    evidence.process.environment["WAYLAND_DISPLAY"] = "wayland-0";
+    EXPECT_EQ(picture_check(evidence, "display").mend,
+              "sudo apt-get install xwayland  # then log in again");
+}
+
+TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
+    LaidOutComputer computer;
+    computer.has_program("/usr/bin/xvfb-run");
+    Evidence evidence = without_display(computer);
+    evidence.trials.picture.display_problem = "X11: Failed to open display :1.0";
+    evidence.process.environment["DISPLAY"] = ":1.0";
+    EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb);
+    computer.has("/tmp/.X11-unix/X1");
+    expect_wrong(picture_check(evidence, "display"), Verdict::failure,
+                 "DISPLAY=:1.0: X11: Failed to open display",
+                 "xhost +si:localuser:$(id -un)  # by the person at that display");
+    for (const char *const odd : {":", "", ":x", "host:1", "::1", "/tmp/a b:0"}) {
+        evidence.process.environment["DISPLAY"] = odd;
+        EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb) << odd;
+    }
+    evidence.trials.picture = {}; // crashed or hangs
+    EXPECT_EQ(picture_check(evidence, "display").verdict, Verdict::failure);
+    EXPECT_EQ(picture_check(evidence, "opengl").verdict, Verdict::failure);
+}
+
+TEST(DoctorPicture, OpenGlThatIsTooOldFails) {
+    LaidOutComputer computer;
+    computer.has("/etc/os-release", "ID=debian\n");
+    Evidence evidence = computer.evidence();
+    evidence.trials.picture = {true, "", "GLX: Failed to create context: GLXBadFBConfig",
+                               "2.1 Mesa 22.3.6", "Mesa Intel GMA"};
+    expect_wrong(picture_check(evidence, "opengl"), Verdict::failure,
+                 "2.1 Mesa 22.3.6 on Mesa Intel GMA",
+                 "sudo apt-get install libgl1 libgl1-mesa-dri");
+    evidence.process.environment["MESA_GL_VERSION_OVERRIDE"] = "2.1";
+    EXPECT_EQ(picture_check(evidence, "opengl").mend, "unset MESA_GL_VERSION_OVERRIDE");
+    evidence.trials.picture.version.clear();
+    EXPECT_EQ(picture_check(evidence, "opengl").found.substr(0, 5), "none:");
+}
+
+TEST(DoctorPicture, IsNotNeededWithoutAWindow) {
+    Evidence evidence = without_display(LaidOutComputer());
+    evidence.purpose.has_window = false;
+    for (const Check &check : picture_checks(evidence)) {
+        EXPECT_EQ(name_of(check.verdict), "not applicable");
+        EXPECT_EQ(check.mend, "");
+    }
+}
+
+TEST(DoctorDisk, IsComparedWithWhatARecordNeeds) {
+    Evidence evidence = LaidOutComputer().evidence();
+    const double needed = record_bytes_per_s(1000.0);
+    EXPECT_GT(needed, 0.5e6);
+    EXPECT_EQ(record_bytes_per_s(4000.0), 4.0 * needed);
+    expect_ok(disk_check(evidence), "writes 200.0 MB/s, synchronised in 2.0 ms; a record needs");
+    EXPECT_NE(disk_check(evidence).found.find("50.0 GB free"), std::string::npos);
+    evidence.trials.disk.written_bytes_per_s = 4.01 * needed;
+    EXPECT_EQ(disk_check(evidence).verdict, Verdict::ok);
+    evidence.trials.disk.written_bytes_per_s = 3.99 * needed;
+    EXPECT_EQ(disk_check(evidence).verdict, Verdict::warning);
+    evidence.purpose.servo_hz = 4000.0;
+    EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
+    EXPECT_NE(disk_check(evidence).mend, "");
+}
+
+TEST(DoctorDisk, LittleRoomIsAWarning) {
+    Evidence evidence = LaidOutComputer().evidence();
+    evidence.purpose.folder = "/data/my records";
+    evidence.trials.disk.free_bytes = 601.0 * record_bytes_per_s(1000.0);
+    EXPECT_EQ(disk_check(evidence).verdict, Verdict::ok);
+    evidence.trials.disk.free_bytes = 599.0 * record_bytes_per_s(1000.0);
+    expect_wrong(disk_check(evidence), Verdict::warning, "which last 10 min",
+                 "du -xh '/data/my records' | sort -h | tail  # lists what takes the space");
+}
+
+TEST(DoctorDisk, EachRefusalHasItsLine) {
+    Evidence evidence = LaidOutComputer().evidence();
+    evidence.purpose.folder = "/data";
+    const auto mend = [&](int refused) {
+        evidence.trials.disk.refused = refused;
+        EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
+        return disk_check(evidence).mend;
+    };
+    EXPECT_EQ(mend(ENOENT), "mkdir -p /data");
+    EXPECT_EQ(mend(EACCES), "sudo chown \"$USER\" /data");
+    EXPECT_EQ(mend(EROFS), "sudo mount -o remount,rw \"$(findmnt -n -o TARGET --target /data)\"");
+    EXPECT_EQ(mend(ENOSPC), "du -xh /data | sort -h | tail  # lists what takes the space");
+    EXPECT_NE(mend(EIO), "");
+    evidence.trials.disk = {};
+    EXPECT_NE(disk_check(evidence).found.find("did not write one second"), std::string::npos);
+}
+
+TEST(DoctorDisk, TheTrialWritesAndLeavesNothing) {
+    const std::filesystem::path folder = testing::fresh_folder("disk");
+    const DiskTrial trial = try_disk(folder, 100'000);
+    EXPECT_EQ(trial.refused, 0);
+    EXPECT_GT(trial.written_bytes_per_s, 0.0);
+    EXPECT_GT(trial.free_bytes, 0.0);
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    EXPECT_EQ(try_disk(folder / "none", 1000).refused, ENOENT);
+    std::ofstream(folder / "file") << "x";
+    EXPECT_EQ(try_disk(folder / "file", 1000).refused, ENOTDIR);
+    EXPECT_NE(try_disk("/proc", 1000).refused, 0);
+}
+
+TEST(DoctorPackages, GnuplotIsLookedForAsTheSystemDoes) {
+    LaidOutComputer computer;
+    computer.has("/etc/os-release", "ID=debian\n");
+    Evidence evidence = computer.evidence();
+    evidence.process.environment["PATH"] = "relative::/usr/bin:/opt/bin";
+    expect_wrong(check_named(package_checks(evidence), "gnuplot"), Verdict::warning, "missing",
+                 "sudo apt-get install gnuplot-nox");
+    computer.has("/usr/bin/gnuplot"); // no program
+    EXPECT_EQ(check_named(package_checks(evidence), "gnuplot").verdict, Verdict::warning);
+    computer.has_program("/opt/bin/gnuplot");
+    expect_ok(check_named(package_checks(evidence), "gnuplot"), "/opt/bin/gnuplot");
+    EXPECT_EQ(check_named(package_checks(evidence), "font").mend,
+              "sudo apt-get install fonts-dejavu-core");
+}
+
+TEST(DoctorReport, JsonHasEveryFieldWhateverItsBytes) {
+    DoctorReport report;
+    report.version = "0.1.0";
+    report.purpose.uses_usb = true;
+    report.purpose.serial = "A7";
+    report.checks = {{"a", "A", Verdict::failure, "\xff\"\n", "because", "sudo x"},
+                     {"b", "B", Verdict::warning, "", "", ""},
+                     {"c", "C", Verdict::not_applicable, "", "", ""}};
+    std::ostringstream out;
+    write_json(out, report);
+    const auto json = nlohmann::json::parse(out.str());
+    EXPECT_EQ(json["device"], "usb:A7");
+    EXPECT_EQ(json["failures"], 1);
+    EXPECT_EQ(json["warnings"], 1);
+    ASSERT_EQ(json["checks"].size(), 3U);
+    EXPECT_EQ(json["checks"][0]["verdict"], "failure");
+    EXPECT_EQ(json["checks"][0]["mend"], "sudo x");
+    EXPECT_EQ(json["checks"][2]["verdict"], "not applicable");
+    const std::vector<Check> read = checks_in(out.str());
+    ASSERT_EQ(read.size(), 3U);
+    EXPECT_EQ(read[0].id, "a");
+    EXPECT_EQ(read[0].verdict, Verdict::failure);
+    EXPECT_EQ(read[0].matters, "because");
+    EXPECT_EQ(read[2].verdict, Verdict::not_applicable);
+    EXPECT_FALSE(report.is_healthy());
+    report.checks.erase(report.checks.begin());
+    EXPECT_TRUE(report.is_healthy());
+}
+
+TEST(DoctorReport, WhatIsNoReportIsRefused) {
+    for (
+        const char *const text :
+        {"", "{", "[]", "{}", R"({"checks":1})", R"({"checks":[{"id":"a"}]})",
+         R"({"checks":[{"id":"a","title":"","verdict":"well","found":"","matters":"","mend":""}]})"}) {
+        EXPECT_THROW(static_cast<void>(checks_in(text)), InputError) << text;
+    }
+}
+
+TEST(DoctorReport, TextGivesALineToDoOnlyWhereSomethingIsWrong) {
+    DoctorReport report;
+    report.checks = {{"a", "the thing", Verdict::failure, "broken", "it breaks others", "mend it"},
+                     {"b", "another", Verdict::ok, "fine", "it matters", ""}};
+    std::ostringstream out;
+    write_text(out, report);
+    EXPECT_NE(out.str().find("FAILURE  the thing: broken\n         why: it breaks others\n"
+                             "         do:  mend it\nok       another: fine\n"
+                             "1 failure, 0 warnings\n"),
+              std::string::npos)
+        << out.str();
+}
+
+} // namespace
+} // namespace springdrive::app::doctor

@@ -1,0 +1,137 @@
+// Covers app/doctor/rights_checks.cpp: for each way in which a right is missing, the line that
+// brings it.
+#include "tests/app/doctor/laid_out_computer.h"
+
+#include <cerrno>
+
+namespace springdrive::app::doctor {
+namespace {
+
+const std::string kLimitsFile = "/etc/security/limits.d/springdrive.conf";
+
+/// An ordinary installation without any rights for anna, who is in no further group.
+LaidOutComputer fresh_installation() {
+    LaidOutComputer computer;
+    computer.has("/etc/passwd", "root:x:0:0::/root:/bin/bash\nanna:x:1000:1000::/home/anna:\n");
+    computer.has("/etc/group", "root:x:0:\nplugdev:x:46:bert\nanna:x:1000:\n");
+    computer.has("/etc/security/limits.conf", "#@plugdev - rtprio 90\n* soft core 0\n");
+    return computer;
+}
+
+Evidence refused(const LaidOutComputer &computer) {
+    Evidence evidence = computer.evidence();
+    evidence.trials.rights = {true, 80, EPERM, false, true};
+    evidence.process.memory_lock_limit_bytes = 8192 * 1024;
+    evidence.process.memory_lock_limit_hard_bytes = 8192 * 1024;
+    return evidence;
+}
+
+TEST(DoctorRights, WhatIsGrantedIsNamed) {
+    const LaidOutComputer computer;
+    expect_ok(priority_check(computer.evidence()), "SCHED_FIFO 80 granted");
+    expect_ok(memory_lock_check(computer.evidence()), "RAM");
+}
+
+TEST(DoctorRights, ALineBringsBothLimitsAndTheGroup) {
+    const Evidence evidence = refused(fresh_installation());
+    const std::string line =
+        "printf '@plugdev - %s\\n' 'rtprio 90' 'memlock unlimited' | sudo tee " + kLimitsFile +
+        " && sudo usermod -aG plugdev \"$USER\"  # then log in again";
+    expect_wrong(priority_check(evidence), Verdict::warning,
+                 "SCHED_FIFO 80 refused: Operation not permitted; the limit is 0", line);
+    expect_wrong(memory_lock_check(evidence), Verdict::warning, "the limit is 8192 kB", line);
+}
+
+TEST(DoctorRights, TheSourceTreesOwnFileIsCopied) {
+    LaidOutComputer computer = fresh_installation();
+    computer.has("/source/setup/limits.conf");
+    EXPECT_EQ(priority_check(refused(computer)).mend,
+              "sudo cp " + (computer.root() / "source/setup/limits.conf").string() + " " +
+                  kLimitsFile + " && sudo usermod -aG plugdev \"$USER\"  # then log in again");
+}
+
+TEST(DoctorRights, OnlyWhatIsMissingIsInTheLine) {
+    LaidOutComputer computer = fresh_installation();
+    computer.has(kLimitsFile,
+                 "# the servo\n@plugdev - rtprio 90\n@plugdev  -  memlock unlimited\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend,
+              "sudo usermod -aG plugdev \"$USER\"  # then log in again");
+    EXPECT_EQ(memory_lock_check(refused(computer)).mend,
+              "sudo usermod -aG plugdev \"$USER\"  # then log in again");
+    computer.has("/etc/group", "plugdev:x:46:bert,anna\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend,
+              "log in again: limits and groups apply from a login on");
+    computer.has("/etc/group", "plugdev:x:46:bert,annabel\n");
+    Evidence member = refused(computer);
+    member.process.group_ids = {1000, 46};
+    EXPECT_EQ(priority_check(member).mend, "log in again: limits and groups apply from a login on");
+    computer.has(kLimitsFile, "#@plugdev - rtprio 90\n@plugdev - nofile 90\n");
+    EXPECT_EQ(priority_check(member).mend.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(member).mend.find("usermod"), std::string::npos);
+}
+
+TEST(DoctorRights, AUsersOwnLineNeedsNoGroup) {
+    LaidOutComputer computer = fresh_installation();
+    computer.has(kLimitsFile, "anna - rtprio 80\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend, "log in again: limits apply from a login on");
+    EXPECT_EQ(memory_lock_check(refused(computer)).mend.substr(0, 6), "printf");
+    computer.has(kLimitsFile, "bert - rtprio 80\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend.substr(0, 6), "printf");
+}
+
+TEST(DoctorRights, ALimitThatTheUserMayRaiseIsRaised) {
+    Evidence evidence = refused(fresh_installation());
+    evidence.trials.rights.priority = 81;
+    evidence.process.priority_limit_hard = 81;
+    evidence.process.memory_lock_limit_hard_bytes = Process::kUnlimited;
+    EXPECT_EQ(priority_check(evidence).mend, "ulimit -S -r 81");
+    EXPECT_EQ(memory_lock_check(evidence).mend, "ulimit -S -l unlimited");
+    evidence.process.priority_limit_hard = 80; // one too low for a board's thread
+    evidence.process.memory_lock_limit_hard_bytes = std::uint64_t{1} << 40U;
+    EXPECT_EQ(priority_check(evidence).mend.substr(0, 6), "printf");
+    EXPECT_EQ(memory_lock_check(evidence).mend.substr(0, 6), "printf");
+}
+
+TEST(DoctorRights, ARefusalInSpiteOfTheLimitIsThatOfAGroupOfTasks) {
+    Evidence evidence = refused(fresh_installation());
+    evidence.process.priority_limit = 90;
+    EXPECT_EQ(priority_check(evidence).mend, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
+}
+
+TEST(DoctorRights, InAContainerTheRightsComeFromItsStart) {
+    LaidOutComputer computer = fresh_installation();
+    computer.has("/.dockerenv");
+    const std::string line =
+        "start the container with --cap-add SYS_NICE --ulimit rtprio=90 --ulimit memlock=-1";
+    EXPECT_EQ(priority_check(refused(computer)).mend, line);
+    Evidence root = refused(computer);
+    root.process.user_id = 0;
+    EXPECT_EQ(memory_lock_check(root).mend, line);
+    computer.has_no("/.dockerenv");
+    EXPECT_NE(priority_check(root).mend.find("capabilities"), std::string::npos);
+}
+
+TEST(DoctorRights, AreNeededByABoardAndMerelyGoodForASimulation) {
+    Evidence evidence = refused(fresh_installation());
+    evidence.purpose.uses_usb = true;
+    EXPECT_EQ(name_of(priority_check(evidence).verdict), "failure");
+    EXPECT_EQ(name_of(memory_lock_check(evidence).verdict), "failure");
+    evidence.trials.rights = {};
+    EXPECT_NE(priority_check(evidence).found.find("did not end"), std::string::npos);
+}
+
+TEST(DoctorRights, OddFilesOfUsersAndGroupsAreBorne) {
+    LaidOutComputer computer;
+    for (const std::string &odd : {std::string(), std::string(":::::\n::\n\n:"),
+                                   std::string("plugdev"), std::string("plugdev:x:46:,,,,\n"),
+                                   std::string(100'000, ':'), std::string("\xff\xfe\0:", 4)}) {
+        computer.has("/etc/passwd", odd);
+        computer.has("/etc/group", odd);
+        computer.has("/etc/security/limits.conf", odd);
+        computer.has(kLimitsFile, odd);
+        EXPECT_NE(priority_check(refused(computer)).mend.find("usermod"), std::string::npos);
+    }
+}
+
+} // namespace
+} // namespace springdrive::app::doctor

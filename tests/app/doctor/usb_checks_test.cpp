@@ -1,0 +1,233 @@
+// Covers app/doctor/usb_checks.cpp and usb_boards.cpp: every obstacle before a board, and the line
+// that removes it.
+#include "tests/app/doctor/laid_out_computer.h"
+
+#include "app/doctor/usb_boards.h"
+
+namespace springdrive::app::doctor {
+namespace {
+
+using usb::BoardObstacle;
+
+const std::string kBoard = "/sys/bus/usb/devices/1-2/";
+
+usb::SurveyedBoard good_board() {
+    return {1, 5, "1-2", "A7", "high speed (480 Mbit/s)", "springdrive board 1.2.3", {}, ""};
+}
+
+/// A board in a port of the computer, with which nothing is wrong.
+LaidOutComputer with_board() {
+    LaidOutComputer computer;
+    computer.has("/etc/os-release", "ID=debian\n");
+    computer.has("/dev/bus/usb/001/005");
+    for (const auto &[name, text] :
+         std::vector<std::pair<std::string, std::string>>{{"idVendor", "1209\n"},
+                                                          {"idProduct", "0001\n"},
+                                                          {"busnum", "1\n"},
+                                                          {"devnum", "5\n"},
+                                                          {"serial", "A7\n"},
+                                                          {"speed", "480\n"},
+                                                          {"power/control", "on\n"}}) {
+        computer.has(kBoard + name, text);
+    }
+    return computer;
+}
+
+Evidence for_usb(const LaidOutComputer &computer,
+                 const std::vector<usb::SurveyedBoard> &boards = {good_board()}) {
+    Evidence evidence = computer.evidence();
+    evidence.purpose.uses_usb = true;
+    evidence.trials.usb.boards = boards;
+    return evidence;
+}
+
+Evidence with_obstacle(const LaidOutComputer &computer, BoardObstacle obstacle,
+                       const std::string &problem = "") {
+    usb::SurveyedBoard board = good_board();
+    board.obstacle = obstacle;
+    board.problem = problem;
+    return for_usb(computer, {board});
+}
+
+Check usb_check(const Evidence &evidence, const std::string &id) {
+    return check_named(usb_checks(evidence), id);
+}
+
+TEST(DoctorUsb, AGoodBoardIsDescribed) {
+    const Evidence evidence = for_usb(with_board());
+    ASSERT_EQ(usb_checks(evidence).size(), 6U);
+    expect_ok(usb_check(evidence, "usb_board"), "board A7");
+    expect_ok(usb_check(evidence, "usb_permission"), "/dev/bus/usb/001/005 may be used");
+    expect_ok(usb_check(evidence, "usb_firmware"), "springdrive board 1.2.3");
+    expect_ok(usb_check(evidence, "usb_speed"), "480 Mbit/s");
+    expect_ok(usb_check(evidence, "usb_autosuspend"), "on");
+    expect_ok(usb_check(evidence, "usb_hub"), "1-2 is a port of the computer");
+}
+
+TEST(DoctorUsb, NoBoardFailsOnlyWhereOneIsAskedFor) {
+    LaidOutComputer computer;
+    const Evidence sim = computer.evidence();
+    ASSERT_EQ(usb_checks(sim).size(), 1U);
+    expect_no_verdict(usb_check(sim, "usb_board"), "none is connected (vendor 1209, product 0001)");
+    expect_wrong(usb_check(for_usb(computer, {}), "usb_board"), Verdict::failure,
+                 "none is connected", "use a computer that has USB: this one has no /dev/bus/usb");
+    computer.has("/.dockerenv");
+    expect_wrong(usb_check(for_usb(computer, {}), "usb_board"), Verdict::failure,
+                 "none is connected",
+                 "start the container with -v /dev/bus/usb:/dev/bus/usb --device-cgroup-rule "
+                 "'c 189:* rmw'");
+    computer.has("/dev/bus/usb/001/001");
+    EXPECT_EQ(usb_check(for_usb(computer, {}), "usb_board").mend.substr(0, 17),
+              "plug the board in");
+    Evidence silent = for_usb(computer, {});
+    silent.trials.usb.has_answered = false;
+    EXPECT_EQ(usb_check(silent, "usb_board").found, "USB gave no answer in time");
+}
+
+TEST(DoctorUsb, OneOfSeveralIsNamed) {
+    usb::SurveyedBoard other = good_board();
+    other.serial = "B 8";
+    other.sysfs_name = "1-3";
+    other.address = 6;
+    LaidOutComputer computer = with_board();
+    computer.has("/dev/bus/usb/001/006");
+    Evidence both = for_usb(computer, {other, good_board()});
+    expect_wrong(usb_check(both, "usb_board"), Verdict::failure, "2: board B 8, board A7",
+                 "springdrive --device usb:'B 8'");
+    both.purpose.serial = "A7";
+    expect_ok(usb_check(both, "usb_board"), "board B 8, board A7");
+    EXPECT_EQ(usb_checks(both).size(), 6U); // of the one only
+    both.purpose.serial = "C9";
+    expect_wrong(usb_check(both, "usb_board"), Verdict::failure, "none has the serial number C9",
+                 "springdrive --device usb:'B 8'");
+    EXPECT_EQ(usb_checks(both).size(), 1U);
+}
+
+TEST(DoctorUsb, PermissionComesFromTheRuleThenFromPluggingIn) {
+    LaidOutComputer computer = with_board();
+    Evidence refused = with_obstacle(computer, BoardObstacle::no_permission);
+    const std::string reload = " && sudo udevadm control --reload && sudo udevadm trigger "
+                               "--attr-match=idVendor=1209";
+    expect_wrong(usb_check(refused, "usb_permission"), Verdict::failure,
+                 "/dev/bus/usb/001/005 may not be written to",
+                 "echo 'SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1209\", ATTR{idProduct}==\"0001\", "
+                 "TAG+=\"uaccess\"' | sudo tee /etc/udev/rules.d/70-springdrive-usb.rules" +
+                     reload);
+    expect_no_verdict(usb_check(refused, "usb_firmware"), "cannot be asked");
+    computer.has("/source/setup/70-springdrive-usb.rules");
+    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+              "sudo cp " + (computer.root() / "source/setup/70-springdrive-usb.rules").string() +
+                  " /etc/udev/rules.d/" + reload);
+    computer.has("/etc/udev/rules.d/99-springdrive.rules", "KERNEL==\"cpu_dma_latency\"\n# 1209\n");
+    EXPECT_NE(usb_check(refused, "usb_permission").mend.find("reload"), std::string::npos);
+    computer.has("/usr/lib/udev/rules.d/70-springdrive-usb.rules", "ATTR{idVendor}==\"1209\"\n");
+    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+              "unplug the board and plug it in again: the rule for it is installed");
+    refused.process.environment["SSH_CONNECTION"] = "10.0.0.1 1 10.0.0.2 22";
+    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+              "sudo chown \"$USER\" /dev/bus/usb/001/005");
+    refused.purpose.uses_usb = false;
+    EXPECT_EQ(usb_check(refused, "usb_permission").verdict, Verdict::warning);
+}
+
+TEST(DoctorUsb, ABoardWithoutANodeIsFoundByTheKernelsList) {
+    LaidOutComputer computer = with_board();
+    computer.has_no("/dev/bus/usb");
+    const Evidence evidence = for_usb(computer, {}); // libusb sees none
+    expect_ok(usb_check(evidence, "usb_board"), "board A7");
+    expect_wrong(
+        usb_check(evidence, "usb_permission"), Verdict::failure,
+        "/dev/bus/usb/001/005 is missing, though the kernel has the board at 1-2",
+        "sudo mkdir -p /dev/bus/usb/001 && sudo mknod -m 666 /dev/bus/usb/001/005 c 189 4");
+    computer.has("/run/.containerenv");
+    EXPECT_EQ(usb_check(evidence, "usb_permission").mend.substr(0, 19), "start the container");
+}
+
+TEST(DoctorUsb, TheProgramThatUsesABoardIsNamed) {
+    LaidOutComputer computer = with_board();
+    Evidence evidence = with_obstacle(computer, BoardObstacle::in_use);
+    expect_wrong(usb_check(evidence, "usb_permission"), Verdict::failure, "used by another program",
+                 "sudo fuser -v /dev/bus/usb/001/005  # names the program to end");
+    computer.has("/proc/self/fd/none");
+    computer.has_link("/proc/77/fd/3", "/dev/bus/usb/001/004");
+    computer.has_link("/proc/4711/fd/9", "/dev/bus/usb/001/005");
+    computer.has("/proc/4711/comm", "springdrive\n");
+    expect_wrong(usb_check(evidence, "usb_permission"), Verdict::failure,
+                 "used by springdrive, process 4711", "kill 4711");
+    evidence.process.parent_id = 4711;
+    expect_ok(usb_check(evidence, "usb_permission"), "springdrive that asks");
+}
+
+TEST(DoctorUsb, FirmwareThatDoesNotFitOrAnswerFails) {
+    const LaidOutComputer computer = with_board();
+    const Evidence old =
+        with_obstacle(computer, BoardObstacle::wrong_version, "has versions 2 to 3");
+    expect_wrong(usb_check(old, "usb_firmware"), Verdict::failure,
+                 "springdrive board 1.2.3: has versions 2 to 3",
+                 "install the firmware of this version of springdrive: docs/board.md");
+    expect_ok(usb_check(old, "usb_permission"), "may be used");
+    const Evidence silent = with_obstacle(computer, BoardObstacle::no_answer, "does not answer");
+    EXPECT_NE(usb_check(silent, "usb_firmware").mend.find("unplug"), std::string::npos);
+    EXPECT_EQ(usb_check(silent, "usb_firmware").verdict, Verdict::failure);
+}
+
+TEST(DoctorUsb, FullSpeedIsSlowAndTooSlowAbove1000Hz) {
+    LaidOutComputer computer = with_board();
+    computer.has(kBoard + "speed", "12\n");
+    Evidence evidence = for_usb(computer);
+    expect_wrong(usb_check(evidence, "usb_speed"), Verdict::warning, "12 Mbit/s",
+                 "plug the board into another port, without a hub, by another cable");
+    evidence.purpose.servo_hz = 1000.1;
+    expect_wrong(usb_check(evidence, "usb_speed"), Verdict::failure, "12 Mbit/s",
+                 "springdrive --device usb --servo-hz 1000");
+    computer.has(kBoard + "speed", "5000\n");
+    expect_ok(usb_check(evidence, "usb_speed"), "5000 Mbit/s");
+    computer.has_no(kBoard + "speed"); // then libusb's word
+    expect_ok(usb_check(evidence, "usb_speed"), "high speed");
+    evidence.trials.usb.boards.front().speed = "full speed (12 Mbit/s)";
+    EXPECT_EQ(usb_check(evidence, "usb_speed").verdict, Verdict::failure);
+}
+
+TEST(DoctorUsb, AutosuspendAndItsDelay) {
+    LaidOutComputer computer = with_board();
+    const Evidence evidence = for_usb(computer);
+    computer.has(kBoard + "power/control", "auto\n");
+    computer.has(kBoard + "power/autosuspend_delay_ms", "2000\n");
+    expect_wrong(usb_check(evidence, "usb_autosuspend"), Verdict::warning,
+                 "control is auto: suspended after 2000 ms unused",
+                 "echo on | sudo tee /sys/bus/usb/devices/1-2/power/control");
+    computer.has_no(kBoard + "power");
+    expect_no_verdict(usb_check(evidence, "usb_autosuspend"), "not to be seen");
+}
+
+TEST(DoctorUsb, HubsAreCountedAndNamed) {
+    LaidOutComputer computer = with_board();
+    computer.has("/sys/bus/usb/devices/1-2/product", "USB2.0 Hub\n");
+    Evidence evidence = for_usb(computer);
+    evidence.trials.usb.boards.front().sysfs_name = "1-2.3.1";
+    expect_wrong(usb_check(evidence, "usb_hub"), Verdict::warning,
+                 "2 at 1-2.3.1; 1-2: USB2.0 Hub; 1-2.3: a hub",
+                 "plug the board into the computer itself (one hub may be built into it)");
+    EXPECT_EQ((Board{good_board()}.hubs().size()), 0U);
+}
+
+TEST(DoctorUsb, OddContentsAreBorne) {
+    LaidOutComputer computer = with_board();
+    computer.has_no("/dev/bus/usb");
+    for (const std::string &odd :
+         {std::string(), std::string("-1"), std::string("99999999999999999999"),
+          std::string("\xff\xfe"), std::string("999999999999"), std::string(100'000, '1')}) {
+        for (const char *const file : {"busnum", "devnum", "serial", "speed", "power/control",
+                                       "power/autosuspend_delay_ms"}) {
+            computer.has(kBoard + file, odd);
+        }
+        computer.has("/proc/99999999999999999999/comm", odd);
+        for (const BoardObstacle obstacle : {BoardObstacle::none, BoardObstacle::in_use}) {
+            EXPECT_EQ(usb_checks(with_obstacle(computer, obstacle)).size(), 6U);
+        }
+        EXPECT_EQ(usb_checks(for_usb(computer, {})).size(), 6U);
+    }
+}
+
+} // namespace
+} // namespace springdrive::app::doctor
