@@ -17,7 +17,7 @@ namespace {
 
 using factory::DeviceKind;
 
-std::string name_of(const session::DeviceChoice &choice) {
+std::string name_of_offer(const session::DeviceChoice &choice) {
     return choice.kind == DeviceKind::simulated
                ? "simulated " + choice.file.stem().string()
                : "USB " + (choice.serial.empty() ? "board" : choice.serial);
@@ -48,8 +48,8 @@ void draw_offers(session::Session &session, PlantTabState &state) {
     }
     for (const DeviceOffer &offer : state.offers) {
         const ui::Disabled disabled(!offer.problem.empty());
-        const std::string name = name_of(offer.choice);
-        if (ui::selectable(name.c_str(), name == name_of(session.device_choice()))) {
+        const std::string name = name_of_offer(offer.choice);
+        if (ui::selectable(name.c_str(), name == name_of_offer(session.device_choice()))) {
             state.complaint = complaint_of([&] { session.exchange_device(offer.choice); });
         }
         if (!offer.problem.empty()) {
@@ -60,13 +60,16 @@ void draw_offers(session::Session &session, PlantTabState &state) {
             return offer.choice.kind == DeviceKind::usb;
         })) {
         ui::text(kFaintInk, "no USB board is connected");
+        if (ui::selectable("doctor…", false)) {
+            state.doctor.ask("usb", session.servo().rate_hz());
+        }
     }
 }
 
 void draw_chooser(session::Session &session, PlantTabState &state) {
     const ui::Disabled disabled(session.is_exchanging());
     ImGui::SetNextItemWidth(-1.0F);
-    const ui::DropDown list("##device", name_of(session.device_choice()).c_str());
+    const ui::DropDown list("##device", name_of_offer(session.device_choice()).c_str());
     if (list) {
         draw_offers(session, state);
     }
@@ -134,6 +137,13 @@ std::string device_text(const session::Session &session) {
 
 void draw_device_link(session::Session &session, PlantTabState &state) {
     draw_chooser(session, state);
+    const auto refused = std::ranges::find_if(
+        state.offers, [](const DeviceOffer &offer) { return !offer.problem.empty(); });
+    if (refused != state.offers.end()) {
+        ui::wrapped(kWarning, "{}: {}", name_of_offer(refused->choice), refused->problem);
+        state.doctor.offer(name_of(refused->choice), session.servo().rate_hz());
+    }
+    state.doctor.draw();
     const bool is_open = session.device().state() == factory::DeviceState::open;
     if (is_open && !session.is_exchanging()) {
         draw_zeroing(session, state);

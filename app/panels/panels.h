@@ -4,6 +4,7 @@
 #include "app/event_log.h"
 #include "app/layout.h"
 #include "app/opened_record.h"
+#include "app/panels/doctor_popup.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
 #include "app/session_keeper.h"
@@ -47,6 +48,7 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
 /// State of the servo panel between frames.
 struct ServoPanelState {
     std::string record_error; ///< why the last record could not be started
+    DoctorPopup doctor;
 };
 
 /// State, recording, speed of the simulation; tabs with timing, limits, what happened, and the
@@ -113,6 +115,7 @@ struct PlantTabState {
     bool dragging_delay = false;
     double delay_periods = 0.0;
     std::string complaint; ///< why the last change was refused
+    DoctorPopup doctor;
 };
 
 /// Within the scene panel: which device, and its connection; the servo's rate; delay and effects of

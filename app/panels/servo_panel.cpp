@@ -288,6 +288,11 @@ bool draw_servo_panel(session::Session &session, const EventLog &log, SessionKee
     if (const ui::Tab notes("Notes"); notes) {
         show_notes(keeper);
     }
+    // Among the tabs: the remarks themselves may be scrolled out of the panel.
+    if (!session.remarks().all().empty() && ui::tab_button("doctor…")) {
+        state.doctor.ask(name_of(session.device_choice()), session.servo().rate_hz());
+    }
+    state.doctor.draw();
     return keeps;
 }
 

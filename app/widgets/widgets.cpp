@@ -173,6 +173,12 @@ bool button(const char *label, ImVec2 size) {
     return is_pressed;
 }
 
+bool tab_button(const char *label) {
+    const bool is_pressed = ImGui::TabItemButton(label, ImGuiTabItemFlags_Trailing);
+    enter(label, "button", text_of(label));
+    return is_pressed;
+}
+
 bool small_button(const char *label) {
     const bool is_pressed = ImGui::SmallButton(label);
     enter(label, "button", text_of(label));

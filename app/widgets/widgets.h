@@ -127,6 +127,7 @@ void explain(std::string_view text);
 /// True when pressed. @param size  0: as its label
 bool button(const char *label, ImVec2 size = {0.0F, 0.0F});
 bool small_button(const char *label);
+bool tab_button(const char *label); ///< at the right end of a row of tabs
 
 /// True when changed.
 bool checkbox(const char *label, bool &value);
