@@ -101,13 +101,13 @@ void follow_path_file(session::Session &session, HandTabState &state,
 /// signals with the stiffness that they meet.
 void draw_hand_tab(session::Session &session, HandTabState &state);
 
-/// State of the plant's tab between frames.
 /// A device that the session could have instead.
 struct DeviceOffer {
     session::DeviceChoice choice;
     std::string problem; ///< why it cannot be used, with what to do; empty if it can
 };
 
+/// State of the plant's tab between frames.
 struct PlantTabState {
     std::vector<DeviceOffer> offers; ///< when the list was opened last
     bool typing_rate = false;

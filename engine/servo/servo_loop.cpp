@@ -1,6 +1,7 @@
 #include "engine/servo/servo_loop.h"
 
 #include "engine/contact/proxy/haptic_surface.h"
+#include "engine/control/force_direction.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/law_sample.h"
 
