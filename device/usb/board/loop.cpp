@@ -206,6 +206,9 @@ void Loop::take_orders(const Orders &orders) {
     const bool may_calibrate = state_ != State::driving && state_ != State::testing;
     const usb::BoardCalibration calibration =
         may_calibrate ? orders.calibration : seen_.calibration;
+    if (calibration.encoder_sign != seen_.calibration.encoder_sign && has_command_) {
+        zeroings_ = static_cast<std::uint8_t>((zeroings_ + 1U) & 15U); // counts are others now
+    }
     seen_ = orders;
     seen_.calibration = calibration;
 }

@@ -395,6 +395,9 @@ void LibusbPort::open(const std::string &serial) {
 
 void LibusbPort::prepare(Transfer &transfer, std::uint8_t endpoint,
                          libusb_transfer_cb_fn callback) {
+    if (!transfer.transfer) {
+        throw InputError("USB cannot be used: out of memory");
+    }
     transfer.port = this;
     libusb_fill_interrupt_transfer(transfer.transfer.get(), handle_.get(), endpoint,
                                    transfer.data.data(), static_cast<int>(transfer.data.size()),
@@ -450,6 +453,9 @@ int LibusbPort::control(std::uint8_t direction, Kind request, std::uint16_t valu
     }
     Control control{std::unique_ptr<libusb_transfer, TransferEnd>(libusb_alloc_transfer(0)),
                     std::vector<unsigned char>(LIBUSB_CONTROL_SETUP_SIZE + data.size()), this};
+    if (!control.transfer) {
+        return LIBUSB_ERROR_NO_MEM;
+    }
     const auto begin = control.data.begin() + LIBUSB_CONTROL_SETUP_SIZE;
     std::ranges::copy(data, begin);
     libusb_fill_control_setup(control.data.data(), direction, static_cast<std::uint8_t>(request),

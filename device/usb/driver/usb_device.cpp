@@ -23,9 +23,6 @@ constexpr double kMicrosecond_s = 1e-6;
 /// The board starts by measuring its sensors' offsets, for some 40 ms.
 constexpr double kAnswer_s = 1.0;
 
-/// Periods without a command after which the board brakes by itself.
-constexpr double kWatchdogPeriods = 5.0;
-
 /// In a tick paced by the host's clock, for a report that is about to arrive: a share of T.
 constexpr double kWaitingShare = 0.25;
 
@@ -55,7 +52,7 @@ std::uint32_t period_us(double period_s) {
 } // namespace
 
 UsbDevice::UsbDevice(std::unique_ptr<BoardPort> port, const device::DeviceDescription &description,
-                     std::string serial, double period_s, Pacing pacing)
+                     std::string serial, double period_s, Pacing pacing, double watchdog_periods)
     : port_(std::move(port)),
       bench_(*port_,
              [this] {
@@ -63,7 +60,7 @@ UsbDevice::UsbDevice(std::unique_ptr<BoardPort> port, const device::DeviceDescri
                                     stream_.newest()};
              }),
       file_description_(description), description_(description), serial_(std::move(serial)),
-      period_s_(period_s), pacing_(pacing) {
+      period_s_(period_s), pacing_(pacing), watchdog_periods_(watchdog_periods) {
     connect();
 }
 
@@ -155,7 +152,7 @@ void UsbDevice::request_report_rate(double period_s) {
                         name(), wanted_us));
     }
     watchdog_us_ = static_cast<std::uint16_t>(
-        std::clamp(kWatchdogPeriods * wanted_us,
+        std::clamp(watchdog_periods_ * wanted_us,
                    static_cast<double>(std::max<std::uint32_t>(capabilities_.shortest_watchdog_us,
                                                                kShortestWatchdog_us)),
                    static_cast<double>(std::min<std::uint32_t>(capabilities_.longest_watchdog_us,
@@ -248,6 +245,9 @@ Measurement UsbDevice::read() noexcept {
         }
         has_new = true;
         const Report &report = stream_.newest();
+        if (report.zeroings != zeroings_) { // by a calibration, or somebody else
+            is_zeroed_ = false;
+        }
         measured_at_[stream_.number() % kRememberedReports] = {stream_.number(),
                                                                report.measured_at_us};
         if (const auto round_trip_s = meter_.take(report, packet.arrived_s)) {
@@ -292,11 +292,12 @@ bool UsbDevice::send(Command command, std::uint32_t measured_at_us, bool is_firs
     command.number = ++number_;
     command.watchdog_us = watchdog_us_;
     const double now_s = port_->now_s();
-    meter_.sent(command.number, measured_at_us, is_first, now_s);
     if (!port_->send(encode(command))) {
         ++unsent_;
         return false;
     }
+    // What did not leave must not push out the last that did: by it a board is known again.
+    meter_.sent(command.number, measured_at_us, is_first, now_s);
     return true;
 }
 

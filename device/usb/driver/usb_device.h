@@ -32,9 +32,10 @@ public:
     /// Connects, checks the board against `description`, and begins the numbering.
     /// @param serial  empty: the only board
     /// @param period_s  T
+    /// @param watchdog_periods  without a command, after which the board brakes by itself
     /// @throw InputError with one line: no board, or one that does not fit
     UsbDevice(std::unique_ptr<BoardPort> port, const device::DeviceDescription &description,
-              std::string serial, double period_s, Pacing pacing);
+              std::string serial, double period_s, Pacing pacing, double watchdog_periods = 5.0);
     ~UsbDevice() override { close(); }
     UsbDevice(const UsbDevice &) = delete;
     UsbDevice &operator=(const UsbDevice &) = delete;
@@ -95,11 +96,12 @@ private:
     std::string serial_;
     double period_s_;
     Pacing pacing_;
+    double watchdog_periods_;
     device::DeviceIdentity identity_;
     Identity board_;
     Capabilities capabilities_;
     bool is_open_ = false;
-    bool is_zeroed_ = false;
+    std::atomic<bool> is_zeroed_{false};
     std::uint8_t zeroings_ = 0; ///< of the board, when it was zeroed last
 
     // Of the servo's thread.

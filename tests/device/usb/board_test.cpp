@@ -548,6 +548,8 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     EXPECT_TRUE(rig.board().take_block_to_store(stored));
     EXPECT_EQ(stored.index, 3);
     EXPECT_FALSE(rig.board().take_block_to_store(stored));
+    rig.run_ms(2);
+    EXPECT_EQ(rig.report.zeroings, 1); // another sign: counts mean other angles
     std::array<std::uint8_t, kLargestPayload> payload{};
     const std::size_t size = rig.board().control_in(
         static_cast<std::uint8_t>(usb::Kind::calibration), 3, payload.data());

@@ -156,7 +156,9 @@ TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     const Measurement measured = rig.device.read();
     EXPECT_EQ(measured.health, DeviceHealth::lost);
     EXPECT_FALSE(device::has_news(measured.arrival));
-    rig.device.write(driving());
+    for (int i = 0; i < 1000; ++i) { // the servo goes on
+        rig.tick(driving());
+    }
     EXPECT_NE(testing::complaint_of([&] { rig.device.reconnect(); }), "");
 
     rig.port->is_plugged = true;
