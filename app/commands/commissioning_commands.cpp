@@ -13,10 +13,13 @@
 #include <CLI/CLI.hpp>
 #include <poll.h>
 
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace springdrive::app {
@@ -86,12 +89,18 @@ void show_info(const TypedBoard &typed) {
 
 /// Whether a line was typed.
 bool has_line() {
-    pollfd input{0, POLLIN, 0};
-    if (poll(&input, 1, 0) <= 0 || (input.revents & POLLIN) == 0) {
-        return false;
+    bool has_end = false;
+    for (pollfd input{0, POLLIN, 0}; poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0;) {
+        std::array<char, 256> typed{};
+        const ssize_t size = read(0, typed.data(), typed.size());
+        if (size <= 0) {
+            break;
+        }
+        has_end =
+            has_end || std::string_view(typed.data(), static_cast<std::size_t>(size)).find('\n') !=
+                           std::string_view::npos;
     }
-    std::string line;
-    return static_cast<bool>(std::getline(std::cin, line));
+    return has_end;
 }
 
 struct TypedSelfTest {
@@ -110,9 +119,7 @@ public:
             return;
         }
         if (!board_.emulated) {
-            if (has_line()) {
-                test_.finish_motion();
-            }
+            follow_person();
             return;
         }
         simulated::SimulatedPhantom &phantom = board_.emulated->phantom();
@@ -129,9 +136,29 @@ public:
     }
 
 private:
+    /// Ends by Enter, or by a second one if the device was not everywhere.
+    void follow_person() {
+        const bool has_typed = has_line();
+        if (!has_begun_) { // what was typed before is no answer
+            has_begun_ = true;
+            return;
+        }
+        if (!has_typed) {
+            return;
+        }
+        if (test_.has_reached_all() || has_been_asked_) {
+            test_.finish_motion();
+            return;
+        }
+        has_been_asked_ = true;
+        print(std::cerr, "not everywhere yet: {}; Enter again ends it all the same\n",
+              test_.instruction());
+    }
+
     factory::OpenBoard &board_;
     SelfTest &test_;
     bool has_begun_ = false;
+    bool has_been_asked_ = false;
     double ends_s_ = 0.0; ///< its path
 };
 
@@ -142,10 +169,10 @@ void show_windings(const SelfTestReport &report) {
     print(std::cout, "motor   R [Ohm]           L [mH]            counted/turned\n");
     for (std::size_t i = 0; i < 3; ++i) {
         const commissioning::WindingFigures &motor = report.windings.motor[i];
-        print(std::cout, "{}       {:.4f} +- {:.4f}  {:.4f} +- {:.4f}", i + 1,
-              motor.resistance_Ohm, motor.resistance_deviation_Ohm, 1e3 * motor.inductance_H,
+        print(std::cout, "{}       {:.4f} +- {:.4f}  {:.4f} +- {:.4f}", i + 1, motor.resistance_Ohm,
+              motor.resistance_deviation_Ohm, 1e3 * motor.inductance_H,
               1e3 * motor.inductance_deviation_H);
-        if (report.is_complete) {
+        if (report.has_motion) {
             print(std::cout, "  {:.3f}", report.motion.motor[i].counts_per_turned);
         }
         print(std::cout, "\n");
@@ -153,7 +180,7 @@ void show_windings(const SelfTestReport &report) {
 }
 
 void show_stops(const SelfTestReport &report) {
-    if (!report.is_complete) {
+    if (!report.has_motion) {
         return;
     }
     for (const commissioning::StopFigures &stop : report.motion.stops) {
@@ -182,7 +209,9 @@ int show(const SelfTestReport &report, bool is_zeroed) {
         return kFoundSomething;
     }
     print(std::cout, "passed{}\n",
-          is_zeroed ? "" : "; not zeroed, so the zero was not checked (--at-zero)");
+          !report.has_motion ? " the pulses; encoders, stops and zero were not checked"
+          : is_zeroed        ? ""
+                             : "; not zeroed, so the zero was not checked (--at-zero)");
     return 0;
 }
 
@@ -230,8 +259,10 @@ void add_self_test(CLI::App &device) {
     command.add_flag("--at-zero", typed->is_at_zero,
                      "the device is held in its zero pose at the start: upper arm level, forearm "
                      "hanging, tip at the origin; without it, the zero is not checked");
-    command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, at most 1 [0.8]")
+    command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, 0.3 to 1 [0.8]")
         ->type_name("V");
+    command.add_flag("--pulses-only{false}", typed->options.has_motion,
+                     "without motion by hand, as for motors that are not on a linkage yet");
     command
         .add_option("--motion-seconds", typed->options.longest_motion_s,
                     "at most, for moving the device by hand [90]")
@@ -239,7 +270,7 @@ void add_self_test(CLI::App &device) {
     command.footer("No motor is driven but for pulses of some milliseconds, whose limits are the "
                    "board's own. The device brakes meanwhile, so it resists like a damper.");
     command.callback([typed] {
-        check_range("--volts", typed->options.pulse.voltage_V, 0.1, 1.0);
+        check_range("--volts", typed->options.pulse.voltage_V, 0.3, 1.0);
         check_range("--motion-seconds", typed->options.longest_motion_s, 1.0, 3600.0);
         self_test(*typed);
     });

@@ -56,6 +56,9 @@ public:
     Bench &operator=(const Bench &) = delete;
     virtual ~Bench() = default;
 
+    /// The shortest pulse that the board can measure in [s].
+    [[nodiscard]] virtual double shortest_pulse_s() const = 0;
+
     /// @throw InputError if the board refuses, or does not answer
     virtual void start_pulses(const PulseOrder &order) = 0;
 

@@ -257,6 +257,9 @@ struct BoardCalibration {
     std::array<std::int8_t, kChannels> encoder_sign{1, 1, 1}; ///< 1 or −1
 };
 
+/// A board needs as many loops for each pulse.
+inline constexpr std::uint32_t kShortestPulse_loops = 320;
+
 struct SelfTestOrder {
     float voltage_V = 0.0F;
     std::uint32_t pulse_us = 0; ///< one of each sign on each channel

@@ -10,7 +10,7 @@ namespace springdrive::commissioning {
 
 enum class Problem : std::uint8_t {
     board_fault,
-    noisy_current,
+    wrong_voltage, ///< of all channels
     open_winding,
     reversed_sensor,
     crossed_sensors,

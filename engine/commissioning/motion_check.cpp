@@ -12,15 +12,17 @@ namespace springdrive::commissioning {
 
 namespace {
 
-/// Long enough that counts' rounding and the current's noise are small, short against a turn.
-constexpr double kWindow_s = 0.05;
+/// A window is over when a motor has turned so far that counts' rounding and the current's noise
+/// are small, or after a while: a hand may move slowly.
+constexpr double kShortestWindow_s = 0.05;
+constexpr double kLongestWindow_s = 1.0;
+constexpr double kTurnedInWindow_rad = 0.3;
 /// Between two measurements: after more, a window begins anew.
 constexpr double kLongestGap_s = 0.02;
 /// A motor that turned less has not been moved: 10° of a joint.
 constexpr double kLeastTurned_rad = 2.0;
-/// In a window; less is noise, of which sums grow without end.
-constexpr double kLeastCounted_rad = 0.03;
-constexpr double kLeastTurnedInWindow_rad = 0.06;
+/// In a window; less is noise, of which sums grow without end: 1 mA in the longest is 0.09 rad.
+constexpr double kLeastInWindow_rad = 0.15;
 constexpr double kAgreeing = 0.8; ///< squared correlation
 constexpr double kDiffering = 0.5;
 
@@ -58,28 +60,41 @@ void MotionCheck::take(const device::Measurement &measured) {
         window_ = {0.0, Vector3::Zero(), measured.counts};
     } else {
         window_.duration_s += passed_s;
-        window_.charge_As += 0.5 * passed_s * (last_.current_A + measured.current_A);
-        if (window_.duration_s >= kWindow_s) {
+        window_.charge_As += passed_s * (0.5 * (last_.current_A + measured.current_A) - offset_A_);
+        if (is_window_over(measured)) {
             close_window(measured);
         }
     }
     last_ = measured;
 }
 
+double MotionCheck::counted_rad(const device::Measurement &measured, std::size_t motor) const {
+    const auto now = static_cast<double>(measured.counts[motor]);
+    return device_.rad_per_count() * (now - static_cast<double>(window_.first_counts[motor]));
+}
+
+bool MotionCheck::is_window_over(const device::Measurement &measured) const {
+    if (window_.duration_s < kShortestWindow_s || window_.duration_s >= kLongestWindow_s) {
+        return window_.duration_s >= kLongestWindow_s;
+    }
+    return std::abs(counted_rad(measured, 0)) >= kTurnedInWindow_rad ||
+           std::abs(counted_rad(measured, 1)) >= kTurnedInWindow_rad ||
+           std::abs(counted_rad(measured, 2)) >= kTurnedInWindow_rad;
+}
+
 void MotionCheck::close_window(const device::Measurement &measured) {
     for (Eigen::Index i = 0; i < 3; ++i) {
         const auto motor = static_cast<std::size_t>(i);
-        const double counted_rad =
-            device_.rad_per_count() * (measured.counts[motor] - window_.first_counts[motor]);
+        const double counted = counted_rad(measured, motor);
         const double charge_As = window_.charge_As[i];
         const device::MotorParameters &file = device_.motor[motor];
         const double turned_rad =
             file.resistance_Ohm * std::abs(charge_As) / file.torque_constant_Nm_per_A;
-        counts_squared_[i] += counted_rad * counted_rad;
+        counts_squared_[i] += counted * counted;
         charges_squared_[i] += charge_As * charge_As;
-        charges_with_counts_.col(i) += window_.charge_As * counted_rad;
-        counted_rad_[i] += std::abs(counted_rad) > kLeastCounted_rad ? std::abs(counted_rad) : 0.0;
-        charged_As_[i] += turned_rad > kLeastTurnedInWindow_rad ? std::abs(charge_As) : 0.0;
+        charges_with_counts_.col(i) += window_.charge_As * counted;
+        counted_rad_[i] += std::abs(counted) > kLeastInWindow_rad ? std::abs(counted) : 0.0;
+        charged_As_[i] += turned_rad > kLeastInWindow_rad ? std::abs(charge_As) : 0.0;
     }
     window_ = {0.0, Vector3::Zero(), measured.counts};
 }
@@ -210,12 +225,29 @@ public:
         }
     }
 
-    /// By the pulses. Otherwise angles between stops say nothing.
-    [[nodiscard]] bool has_right_encoders() const {
-        return std::ranges::none_of(windings_.findings, [](const Finding &finding) {
-            return finding.problem == Problem::reversed_encoder ||
-                   finding.problem == Problem::crossed_encoders;
+    /// What all three encoders seem to have in common is none of theirs.
+    void judge_voltage() {
+        std::array<double, 3> counted{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            counted[i] = report_.motor[i].counts_per_turned;
+        }
+        const auto [least, most] = std::ranges::minmax(counted);
+        const double middle = 0.5 * (least + most);
+        const bool are_alike = most - least < kCountsTolerance && middle > 0.0;
+        if (!are_alike || std::abs(middle - 1.0) <= kCountsTolerance ||
+            std::ranges::count(report_.findings, Problem::wrong_counts, &Finding::problem) < 2) {
+            return;
+        }
+        std::erase_if(report_.findings, [](const Finding &finding) {
+            return finding.problem == Problem::wrong_counts;
         });
+        report_.findings.push_back(
+            {Problem::wrong_voltage, std::nullopt,
+             fmt::format("all three motors seem to turn by {:.0f} % of what is counted: R of the "
+                         "pulses is wrong on all channels",
+                         100.0 / middle),
+             "is the supply what the board takes it for? are all motors and encoders those of the "
+             "device file?"});
     }
 
     void add(Problem problem, std::size_t channel, std::string what, std::string remedy) {
@@ -233,12 +265,9 @@ private:
 
     void judge_disagreement(std::size_t i, bool is_crossed) {
         if (is_crossed) {
-            if (!has_found(Problem::crossed_encoders, i)) {
-                add(Problem::crossed_encoders, i,
-                    fmt::format("the winding of motor {} turns with the encoder of another one",
-                                i + 1),
-                    "exchange the plugs of the two encoders, or of the two motors");
-            }
+            add(Problem::crossed_encoders, i,
+                fmt::format("the winding of motor {} turns with the encoder of another one", i + 1),
+                "exchange the plugs of the two encoders, or of the two motors");
         } else {
             add(Problem::wrong_counts, i,
                 fmt::format(
@@ -253,11 +282,11 @@ private:
     void judge_counts(std::size_t i) {
         const double counted = report_.motor[i].counts_per_turned;
         if (counted < 0.0) {
-            if (!has_found(Problem::reversed_encoder, i)) {
-                add(Problem::reversed_encoder, i,
-                    fmt::format("encoder {} counts down where its winding says up", i + 1),
-                    "exchange the motor's leads or the encoder's channels");
-            }
+            add(Problem::reversed_encoder, i,
+                fmt::format("encoder {} counts down where its winding says up", i + 1),
+                "exchange the motor's leads or the encoder's channels, or set the encoder's sign "
+                "in "
+                "the board's calibration");
         } else if (std::abs(counted - 1.0) > kCountsTolerance) {
             add(Problem::wrong_counts, i,
                 fmt::format("encoder {} counts {:.0f} % of what its motor turned by its back-EMF",
@@ -298,7 +327,8 @@ MotionReport MotionCheck::report(const WindingReport &windings, bool is_zeroed) 
         }
         judge.judge_motor(i, agreement_with(motor), is_crossed);
     }
-    if (report.findings.empty() && judge.has_right_encoders()) {
+    judge.judge_voltage();
+    if (report.findings.empty()) { // angles say nothing where counts are wrong
         for (std::size_t i = 0; i < report.stops.size(); ++i) {
             judge.judge_stop(report.stops[i], i, is_zeroed);
         }

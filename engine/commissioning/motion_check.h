@@ -58,6 +58,9 @@ class MotionCheck {
 public:
     explicit MotionCheck(const device::DeviceDescription &device);
 
+    /// What the sensors read at rest, as the mean of a while without motion.
+    void set_offsets(const Vector3 &offset_A) { offset_A_ = offset_A; }
+
     /// One measurement after the other, of a device that brakes.
     void take(const device::Measurement &measured);
 
@@ -65,7 +68,7 @@ public:
     /// none.
     [[nodiscard]] std::string missing() const;
 
-    /// How many of the five stops have been reached, as a share.
+    /// Of the three motions to the stops, how many are over, as a share.
     [[nodiscard]] double share() const;
 
     /// @param windings   as measured by pulses before
@@ -79,6 +82,8 @@ private:
         std::array<std::int32_t, 3> first_counts{};
     };
 
+    [[nodiscard]] bool is_window_over(const device::Measurement &measured) const;
+    [[nodiscard]] double counted_rad(const device::Measurement &measured, std::size_t motor) const;
     void close_window(const device::Measurement &measured);
     [[nodiscard]] Vector3 joints_rad(const device::Measurement &measured) const;
     [[nodiscard]] std::array<StopFigures, 3> stops() const;
@@ -86,6 +91,7 @@ private:
     device::DeviceDescription device_;
     bool has_measurement_ = false;
     device::Measurement last_;
+    Vector3 offset_A_{Vector3::Zero()};
     Window window_;
     // Sums over windows, of counted angles x [rad] and charges c [A·s]:
     Matrix3 charges_with_counts_{Matrix3::Zero()}; ///< Σ c x, rows by charge

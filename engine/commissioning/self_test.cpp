@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace springdrive::commissioning {
 
@@ -14,8 +15,12 @@ namespace {
 
 /// Between two questions whether the pulses are over.
 constexpr int kTicksBetweenLooks = 20;
-/// After the last stop was reached, for the hand to come to rest.
-constexpr int kLeastRepeats = 1;
+/// At the start, for the board to clear latched faults, and to measure its sensors' offsets.
+constexpr double kResetting_s = 0.2;
+/// Each read waits for a report by itself.
+constexpr int kLongestSilence_reads = 20;
+/// Of an encoder, while nobody moves the device.
+constexpr int kStillCounts = 2;
 
 device::Bench &bench_of(device::HapticDevice &device) {
     device::Bench *const bench = device.bench();
@@ -27,7 +32,8 @@ device::Bench &bench_of(device::HapticDevice &device) {
 
 SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options)
     : device_(device), bench_(bench_of(device)), options_(options), motion_(device.description()) {
-    SPRINGDRIVE_ASSERT(options.repeats >= kLeastRepeats);
+    SPRINGDRIVE_ASSERT(options.repeats >= 1);
+    options_.pulse.duration_s = std::max(options.pulse.duration_s, bench_.shortest_pulse_s());
 }
 
 bool SelfTest::step() {
@@ -38,14 +44,21 @@ bool SelfTest::step() {
     if (measured.health == device::DeviceHealth::lost) {
         throw InputError("the board does not answer any more; plug it in again, and begin anew");
     }
-    device::DeviceCommand command = device::DeviceCommand::braking();
-    command.number = measured.number;
-    device_.write(command);
+    require_news(measured);
     now_s_ = measured.time_s;
     if (stage_began_s_ < 0.0) {
         stage_began_s_ = now_s_;
     }
+    const bool is_resetting =
+        stage_ == SelfTestStage::rest && now_s_ - stage_began_s_ < kResetting_s;
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    command.number = measured.number;
+    command.resets_faults = is_resetting;
+    device_.write(command);
     ++ticks_;
+    if (is_resetting) {
+        return true;
+    }
     if (measured.faults.any()) {
         faults_ = {{Problem::board_fault, std::nullopt,
                     "the board reports " + device::names_of(measured.faults),
@@ -69,13 +82,42 @@ bool SelfTest::step() {
     return stage_ != SelfTestStage::done;
 }
 
-void SelfTest::rest(const device::Measurement & /*measured*/) {
-    if (now_s_ - stage_began_s_ >= options_.rest_s) {
-        bench_.start_pulses(options_.pulse);
-        stage_ = SelfTestStage::pulses;
-        stage_began_s_ = now_s_;
-        ticks_ = 0;
+void SelfTest::require_news(const device::Measurement &measured) {
+    silent_reads_ = device::has_news(measured.arrival) ? 0 : silent_reads_ + 1;
+    if (silent_reads_ > kLongestSilence_reads) {
+        throw InputError("the board sends no reports any more; plug it in again, and begin anew");
     }
+}
+
+/// A still device has no current: what sensors read then is their offset.
+void SelfTest::rest(const device::Measurement &measured) {
+    bool is_still = rest_ticks_ > 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto now = static_cast<std::int64_t>(measured.counts[i]);
+        is_still = is_still && std::abs(now - rest_counts_[i]) <= kStillCounts;
+    }
+    if (!is_still) {
+        rest_counts_ = measured.counts;
+        rest_sum_A_ = Vector3::Zero();
+        rest_ticks_ = 0;
+    }
+    rest_sum_A_ += measured.current_A;
+    ++rest_ticks_;
+    if (now_s_ - stage_began_s_ < kResetting_s + options_.rest_s) {
+        return;
+    }
+    constexpr int kLeastTicks = 100; // a tenth of the noise
+    if (rest_ticks_ >= kLeastTicks && rest_sum_A_.allFinite()) {
+        motion_.set_offsets(rest_sum_A_ / rest_ticks_);
+    }
+    start_pulses();
+    stage_ = SelfTestStage::pulses;
+    stage_began_s_ = now_s_;
+}
+
+void SelfTest::start_pulses() {
+    bench_.start_pulses(options_.pulse);
+    ticks_ = 0;
 }
 
 void SelfTest::pulse() {
@@ -87,12 +129,19 @@ void SelfTest::pulse() {
         return;
     }
     pulses_.push_back(result);
-    if (result.state == device::PulseState::completed && std::ssize(pulses_) < options_.repeats) {
-        bench_.start_pulses(options_.pulse);
+    if (result.state != device::PulseState::completed) {
+        faults_ = {{Problem::test_aborted, std::nullopt,
+                    "the board ended its pulses before they were completed",
+                    "hold the device still, and test again"}};
+        stage_ = SelfTestStage::done;
         return;
     }
-    stage_ =
-        result.state == device::PulseState::completed ? SelfTestStage::motion : SelfTestStage::done;
+    if (std::ssize(pulses_) < options_.repeats) {
+        start_pulses();
+        return;
+    }
+    is_complete_ = !options_.has_motion;
+    stage_ = options_.has_motion ? SelfTestStage::motion : SelfTestStage::done;
     stage_began_s_ = now_s_;
 }
 
@@ -104,7 +153,7 @@ void SelfTest::move(const device::Measurement &measured) {
 }
 
 void SelfTest::finish_motion() {
-    has_motion_ = true;
+    is_complete_ = true;
     stage_ = SelfTestStage::done;
 }
 
@@ -138,9 +187,19 @@ double SelfTest::share() const {
     return 1.0;
 }
 
+namespace {
+
+bool is_of_encoder(const Finding &finding) {
+    return finding.problem == Problem::reversed_encoder ||
+           finding.problem == Problem::crossed_encoders;
+}
+
+} // namespace
+
 SelfTestReport SelfTest::report() const {
     SelfTestReport report;
-    report.is_complete = has_motion_;
+    report.is_complete = is_complete_;
+    report.has_motion = is_complete_ && options_.has_motion;
     report.pulses = pulses_;
     report.findings = faults_;
     const auto add = [&](const std::vector<Finding> &more) {
@@ -150,9 +209,17 @@ SelfTestReport SelfTest::report() const {
         report.windings = check_windings(device_.description(), pulses_);
         add(report.windings.findings);
     }
-    if (has_motion_) {
+    if (report.has_motion) {
         report.motion = motion_.report(report.windings, device_.is_zeroed());
+        // A pulse moves an encoder by some counts, which a hand may do, too: motion decides.
+        std::erase_if(report.findings, is_of_encoder);
         add(report.motion.findings);
+        // R follows from the voltage.
+        if (std::ranges::count(report.findings, Problem::wrong_voltage, &Finding::problem) > 0) {
+            std::erase_if(report.findings, [](const Finding &finding) {
+                return finding.problem == Problem::wrong_resistance;
+            });
+        }
     }
     return report;
 }

@@ -10,6 +10,7 @@
 #include "engine/commissioning/motion_check.h"
 #include "engine/commissioning/winding_check.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,13 +22,15 @@ struct SelfTestOptions {
     device::PulseOrder pulse{0.8, 8e-3};
     int repeats = 4; ///< of the pulses
     double rest_s = 0.5;
+    bool has_motion = true; ///< otherwise it ends with the pulses
     double longest_motion_s = 90.0;
 };
 
 enum class SelfTestStage : std::uint8_t { rest, pulses, motion, done };
 
 struct SelfTestReport {
-    bool is_complete = false; ///< went through all stages
+    bool is_complete = false; ///< went through all stages that were asked for
+    bool has_motion = false;  ///< `motion` is valid
     WindingReport windings;   ///< if there are `pulses`
     std::vector<device::PulseResult> pulses;
     MotionReport motion;
@@ -41,13 +44,16 @@ public:
     /// @param device  has a bench, and is read and written by nobody else; outlives this
     explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {});
 
-    /// One tick: reads a measurement, answers by braking. @return whether there is more to do
+    /// One tick: reads a measurement, answers by braking. The first ones reset the faults that the
+    /// board has latched before. @return whether there is more to do
     /// @throw InputError if the board does not answer any more, or refuses the pulses
     bool step();
 
     [[nodiscard]] SelfTestStage stage() const { return stage_; }
     /// What the person shall do now.
     [[nodiscard]] std::string instruction() const;
+    /// Whether the device has been everywhere.
+    [[nodiscard]] bool has_reached_all() const { return motion_.missing().empty(); }
     [[nodiscard]] double share() const; ///< of the present stage
 
     /// The person has moved the device as far as it goes.
@@ -56,7 +62,9 @@ public:
     [[nodiscard]] SelfTestReport report() const;
 
 private:
+    void require_news(const device::Measurement &measured);
     void rest(const device::Measurement &measured);
+    void start_pulses();
     void pulse();
     void move(const device::Measurement &measured);
 
@@ -69,7 +77,11 @@ private:
     int ticks_ = 0;
     std::vector<device::PulseResult> pulses_;
     MotionCheck motion_;
-    bool has_motion_ = false;     ///< to its end
+    bool is_complete_ = false;
+    int silent_reads_ = 0; ///< one after the other
+    std::array<std::int32_t, 3> rest_counts_{};
+    Vector3 rest_sum_A_{Vector3::Zero()};
+    int rest_ticks_ = 0;
     std::vector<Finding> faults_; ///< of the board
 };
 

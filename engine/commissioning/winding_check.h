@@ -1,8 +1,9 @@
 // Windings and current sensors, by test pulses on one winding after the other.
 //
-// A sensor's gain g shows R/g and L/g. L of a motor does not depend on its temperature, and differs
-// little between motors of a kind. So one channel whose L differs from that of the two others has a
-// sensor with another gain, if the difference is too small to be another winding.
+// A sensor's gain g shows R/g and L/g, and leaves L/R as it is. So one channel whose L differs from
+// that of the two others has a sensor with another gain, or a motor with another L: data sheets
+// give no tolerance for that, and motors of a kind are assumed to differ by less than
+// kGainTolerance. Among two against one, the file's L decides which are named.
 #pragma once
 
 #include "device/core/bench.h"
@@ -15,20 +16,24 @@
 
 namespace springdrive::commissioning {
 
-/// By which L of one channel may differ from that of the two others, as a share of it. Six
-/// deviations of what is measured by the default pulses, see winding_check_test.cpp.
-inline constexpr double kSensorGainTolerance = 0.05;
+/// By which L of one channel may differ from that of the two others, as a share of it; and by as
+/// many deviations of what was measured.
+inline constexpr double kGainTolerance = 0.05;
+inline constexpr double kGainDeviations = 6.0;
 
 /// By which L may differ from the file's, as a share of it: data sheets give no tolerance.
 inline constexpr double kInductanceTolerance = 0.25;
 
-/// Means over all pulses, as the current sensors see them, and deviations of the means.
+/// Means over the pulses that were completed, as the current sensors see them, and deviations of
+/// the means.
 struct WindingFigures {
     double resistance_Ohm = 0.0;
     double resistance_deviation_Ohm = 0.0;
     double inductance_H = 0.0;
     double inductance_deviation_H = 0.0;
     bool has_reversed_sensor = false;
+
+    [[nodiscard]] bool is_measured() const { return resistance_Ohm > 0.0; } // not for NaN
 };
 
 struct WindingReport {

@@ -1,6 +1,7 @@
 #include "device/usb/board/link.h"
 
 #include "device/usb/board/command_limits.h"
+#include "device/usb/board/self_test.h"
 
 namespace springdrive::board {
 
@@ -110,12 +111,14 @@ bool Link::control_out(std::uint8_t request, const std::uint8_t *data, std::size
         return is_read;
     }
     if (request == static_cast<std::uint8_t>(usb::Kind::self_test)) {
-        const bool is_read = has_number_ && loop.report.state == usb::BoardState::braking &&
-                             read(data, size, orders_.self_test) &&
-                             orders_.self_test.voltage_V <= settings_.self_test.largest_voltage_V &&
-                             orders_.self_test.pulse_us <= settings_.self_test.longest_pulse_us;
-        orders_.self_test_changes += is_read ? 1U : 0U;
-        return is_read;
+        usb::SelfTestOrder order;
+        if (!has_number_ || loop.report.state != usb::BoardState::braking ||
+            !read(data, size, order) || !SelfTest::accepts(order, settings_)) {
+            return false;
+        }
+        orders_.self_test = order;
+        ++orders_.self_test_changes;
+        return true;
     }
     usb::CalibrationBlock block;
     return request == static_cast<std::uint8_t>(usb::Kind::calibration) &&

@@ -12,25 +12,31 @@ std::int16_t saturated(std::int32_t counts) {
     return static_cast<std::int16_t>(above > kLargest ? kLargest : above);
 }
 
-/// An eighth of a pulse is then 1 ms at 40 kHz, ten electrical time constants.
-constexpr std::uint64_t kFewestLoops = 320;
+/// An eighth of the shortest pulse, of usb::kShortestPulse_loops, is 1 ms at 40 kHz: ten electrical
+/// time constants.
+std::uint64_t loops_of(const usb::SelfTestOrder &order, const BoardSettings &settings) {
+    return static_cast<std::uint64_t>(order.pulse_us) * settings.loop_rate_hz / 1'000'000U;
+}
 
 std::int32_t magnitude_of(std::int32_t counts) { return counts < 0 ? -counts : counts; }
 
 } // namespace
 
-bool SelfTest::start(const usb::SelfTestOrder &order, const BoardSettings &settings) {
+bool SelfTest::accepts(const usb::SelfTestOrder &order, const BoardSettings &settings) {
     const SelfTestLimits &limits = settings.self_test;
-    const std::uint64_t loops =
-        static_cast<std::uint64_t>(order.pulse_us) * settings.loop_rate_hz / 1'000'000U;
-    if (!(order.voltage_V > 0.0F && order.voltage_V <= limits.largest_voltage_V) ||
-        order.pulse_us > limits.longest_pulse_us || loops < kFewestLoops) {
+    return order.voltage_V > 0.0F && order.voltage_V <= limits.largest_voltage_V &&
+           order.pulse_us <= limits.longest_pulse_us &&
+           loops_of(order, settings) >= usb::kShortestPulse_loops;
+}
+
+bool SelfTest::start(const usb::SelfTestOrder &order, const BoardSettings &settings) {
+    if (!accepts(order, settings)) {
         return false;
     }
     *this = SelfTest();
     result_.state = usb::SelfTestState::running;
     voltage_V_ = order.voltage_V;
-    pulse_loops_ = static_cast<std::uint32_t>(loops);
+    pulse_loops_ = static_cast<std::uint32_t>(loops_of(order, settings));
     rest_loops_ = settings.loop_rate_hz / kRestShare_hz;
     return true;
 }

@@ -21,7 +21,11 @@ namespace springdrive::board {
 
 class SelfTest {
 public:
-    /// @return whether the order is within the limits, so that the test may start
+    /// Whether the order is within the limits, so that the test may start.
+    [[nodiscard]] static bool accepts(const usb::SelfTestOrder &order,
+                                      const BoardSettings &settings);
+
+    /// @return whether it starts: the order is acceptable
     [[nodiscard]] bool start(const usb::SelfTestOrder &order, const BoardSettings &settings);
 
     /// One loop of a running test: which stages to drive, and with which voltage.

@@ -117,6 +117,13 @@ void add_counters(std::vector<Fact> &facts, const Counters &counters) {
 
 } // namespace
 
+double UsbBench::shortest_pulse_s() const {
+    constexpr double kMicrosecond_s = 1e-6; // rounding, of the order
+    return static_cast<double>(kShortestPulse_loops) /
+               static_cast<double>(status_().capabilities.loop_rate_hz) +
+           kMicrosecond_s;
+}
+
 void UsbBench::start_pulses(const device::PulseOrder &order) {
     const auto payload =
         encode(SelfTestOrder{static_cast<float>(order.voltage_V),

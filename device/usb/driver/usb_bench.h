@@ -25,6 +25,7 @@ public:
     UsbBench(BoardPort &port, std::function<BoardStatus()> status)
         : port_(port), status_(std::move(status)) {}
 
+    [[nodiscard]] double shortest_pulse_s() const override;
     void start_pulses(const device::PulseOrder &order) override;
     [[nodiscard]] device::PulseResult pulses() override;
     [[nodiscard]] std::size_t blocks() const override {

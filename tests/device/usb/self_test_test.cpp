@@ -59,8 +59,8 @@ TEST(SelfTest, MeasuresResistancesAndInductancesAndFindsNothingWrong) {
         EXPECT_EQ(result.channel[i].findings, 0) << i;
         // Of the back-EMF remains what the rotor's speed is not symmetrical.
         EXPECT_NEAR(result.channel[i].resistance_Ohm, expected_Ohm[i], 0.01 * expected_Ohm[i]);
-        // The sum in place of the integral, (R T/L)²/24 = 1.1 % at most, and what the back-EMF bends
-        // the line.
+        // The sum in place of the integral, (R T/L)²/24 = 1.1 % at most, and what the back-EMF
+        // bends the line.
         EXPECT_NEAR(result.channel[i].inductance_H, expected_H[i], 0.02 * expected_H[i]);
         EXPECT_GE(result.channel[i].moved_counts[i], 3);
     }
@@ -144,6 +144,7 @@ TEST(SelfTest, OnlyWithinItsLimitsAndWhileBraking) {
     rig.start();
     EXPECT_FALSE(order(rig, 1.001F));
     EXPECT_FALSE(order(rig, 0.5F, 20'001));
+    EXPECT_FALSE(order(rig, 0.5F, 7999)); // 319 loops
     EXPECT_TRUE(order(rig, 1.0F, 20'000));
     rig.run_ms(1);
     EXPECT_FALSE(order(rig)); // testing

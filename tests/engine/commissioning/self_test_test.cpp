@@ -46,11 +46,20 @@ std::string text_of(const SelfTestReport &report) {
     return text;
 }
 
+simulated::HandPath slowed(const simulated::HandPath &path, double slowness) {
+    std::vector<simulated::HandPath::Point> points = path.points();
+    for (simulated::HandPath::Point &point : points) {
+        point.time_s *= slowness;
+    }
+    return simulated::HandPath(points);
+}
+
 /// An emulated board, whose hand does as the self-test asks.
 struct Tried {
     factory::BoardRequest request;
     Vector3 declared_rad{Vector3::Zero()}; ///< θ at the zeroing, in the zero pose
-    std::optional<std::size_t> held_joint; ///< that the hand does not move
+    SelfTestOptions options;
+    double slowness = 1.0; ///< of the hand that goes to the stops
 
     Tried() {
         request.description = testing::phantom_1_0();
@@ -61,12 +70,13 @@ struct Tried {
     SelfTestReport run() const {
         const factory::OpenBoard board = factory::open_board(request);
         board.device->zero(declared_rad);
-        SelfTest test(*board.device);
+        SelfTest test(*board.device, options);
         simulated::SimulatedPhantom &phantom = board.emulated->phantom();
         std::optional<double> ends_s;
         while (test.step()) {
             if (test.stage() == SelfTestStage::motion && !ends_s) {
-                const auto path = simulated::stop_tour(request.description, phantom.truth().tip_m);
+                const auto path = slowed(
+                    simulated::stop_tour(request.description, phantom.truth().tip_m), slowness);
                 ends_s = phantom.truth().time_s + path.end_s();
                 phantom.follow(path);
             }
@@ -119,6 +129,22 @@ std::vector<Case> cases_of_faults() {
         {"lost counts", with_fault("lost-counts:2:0.1"), {{Problem::wrong_counts, 2}}},
         {"sensor too high", with_fault("sensor-gain:1:1.1"), {{Problem::wrong_sensor_gain, 1}}},
         {"sensor too low", with_fault("sensor-gain:2:0.9"), {{Problem::wrong_sensor_gain, 2}}},
+        {"winding open for a moment",
+         with_fault("open-winding:1@0.9-1.5"),
+         {{Problem::open_winding, 1}}},
+        {"two sensors too high",
+         [](Tried &tried) {
+             tried.request.emulation.faults = {emulator::parse_fault("sensor-gain:1:1.1"),
+                                               emulator::parse_fault("sensor-gain:2:1.1")};
+         },
+         {{Problem::wrong_sensor_gain, 1}, {Problem::wrong_sensor_gain, 2}}},
+        {"sensor far too high", with_fault("sensor-gain:1:1.4"), {{Problem::wrong_sensor_gain, 1}}},
+        {"another supply",
+         [](Tried &tried) {
+             tried.request.emulation.settings.measures_supply = false;
+             tried.request.emulation.faults = {emulator::parse_fault("brown-out:16.4")};
+         },
+         {{Problem::wrong_voltage, 0}}},
         {"stop switch", with_fault("stop@0.5"), {{Problem::board_fault, 0}}},
         {"R 20 % high",
          [](Tried &tried) { tried.request.truth.motor[1].resistance_Ohm *= 1.2; },
@@ -193,6 +219,52 @@ TEST(SelfTestOnBoard, MeasuresWhatIsThere) {
             EXPECT_NEAR(report.motion.motor[i].counts_per_turned,
                         1.0 / drawn.motor[i].torque_constant_share, 0.04);
         }
+    }
+}
+
+TEST(SelfTestOnBoard, AHandNeedNotBeStillNorFast) {
+    Tried drifting; // 2 cm/s during the pulses
+    drifting.request.emulation.simulation.path =
+        simulated::HandPath({{0.0, Vector3::Zero()}, {4.0, Vector3(0.03, 0.03, 0.06)}});
+    const SelfTestReport drifted = drifting.run();
+    EXPECT_TRUE(drifted.has_passed()) << text_of(drifted);
+    Tried slow;
+    slow.slowness = testing::cases(4, 25);
+    slow.options.longest_motion_s = 1000.0;
+    const SelfTestReport slowly = slow.run();
+    EXPECT_TRUE(slowly.has_passed()) << text_of(slowly);
+}
+
+TEST(SelfTestOnBoard, SlowerLoopsGetLongerPulses) {
+    Tried tried;
+    tried.request.emulation.settings.loop_rate_hz = 20'000;
+    const SelfTestReport report = tried.run();
+    EXPECT_TRUE(report.has_passed()) << text_of(report);
+}
+
+TEST(SelfTestOnBoard, APersonsTestResetsWhatTheBoardHasLatched) {
+    Tried tried;
+    tried.request.emulation.faults = {emulator::parse_fault("stop@0-0.08")}; // before it begins
+    const SelfTestReport report = tried.run();
+    EXPECT_TRUE(report.has_passed()) << text_of(report);
+}
+
+TEST(SelfTestOnBoard, PulsesAloneAreAnAnswer) {
+    Tried tried;
+    tried.options.has_motion = false;
+    const SelfTestReport report = tried.run();
+    EXPECT_TRUE(report.has_passed()) << text_of(report);
+    EXPECT_FALSE(report.has_motion);
+}
+
+TEST(SelfTestOnBoard, SilenceIsSaid) {
+    Tried tried;
+    tried.request.emulation.faults = {emulator::parse_fault("stall:in@3.5")};
+    try {
+        static_cast<void>(tried.run());
+        FAIL();
+    } catch (const InputError &error) {
+        EXPECT_NE(std::string(error.what()).find("no reports"), std::string::npos) << error.what();
     }
 }
 
