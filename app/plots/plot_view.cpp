@@ -29,9 +29,12 @@ void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow 
     hold(live);
     const signals::TimeWindow before = window(live);
     const double length_s = wanted.to_s - wanted.from_s;
+    const double span_before_s = span_s_;
     zoom_to_span(length_s);
     end_s_ = wanted.to_s;
-    if (span_s_ != length_s) {
+    if (span_s_ != length_s && span_s_ == span_before_s) {
+        end_s_ = before.to_s; // it was at the end already: stays to the last bit
+    } else if (span_s_ != length_s) {
         // At the end of zooming: the time at which both windows agree stays where it is.
         const double old_s = before.to_s - before.from_s;
         const double share =

@@ -157,6 +157,15 @@ TEST(PlotView, AtTheLimitsOfZoomTheViewStaysWhereItIs) {
             }
             EXPECT_EQ(view.span_s(),
                       factor < 1.0 ? PlotView::kLeastSpan_s : PlotView::kGreatestSpan_s);
+            // At the limit to the last bit, wherever the mouse is.
+            const TimeWindow last = view.window(made.store());
+            for (const double place : {0.1, 0.37, 0.9}) {
+                const double at_s = last.from_s + place * (last.to_s - last.from_s);
+                view.show(made.store(), {at_s - factor * (at_s - last.from_s),
+                                         at_s + factor * (last.to_s - at_s)});
+                EXPECT_EQ(view.window(made.store()).from_s, last.from_s);
+                EXPECT_EQ(view.window(made.store()).to_s, last.to_s);
+            }
         }
     }
 }
