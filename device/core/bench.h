@@ -1,12 +1,11 @@
 // What a device's board does for its commissioning, beside being driven: test pulses on one winding
-// after the other, and storage.
+// after the other, and what it says of itself.
 //
 // For one thread, while no servo runs. That thread goes on to read measurements and to write
 // braking commands meanwhile, as a board that hears nothing ends its test.
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -20,7 +19,7 @@ struct PulseOrder {
     double duration_s = 8e-3; ///< of each sign
 };
 
-/// What a board found on one channel. The first group of findings is its own.
+/// What a board measured and found on one channel.
 struct ChannelPulse {
     double resistance_Ohm = std::numeric_limits<double>::quiet_NaN(); ///< as its sensor sees it
     double inductance_H = std::numeric_limits<double>::quiet_NaN();   ///< the same
@@ -47,8 +46,6 @@ struct Fact {
     std::string value;
 };
 
-using StoredBlock = std::array<std::uint8_t, 56>;
-
 class Bench {
 public:
     Bench() = default;
@@ -65,13 +62,6 @@ public:
     /// Of the pulses that were started last.
     /// @throw InputError if the board does not answer
     [[nodiscard]] virtual PulseResult pulses() = 0;
-
-    /// Blocks of bytes that the board keeps without power, from 0.
-    [[nodiscard]] virtual std::size_t blocks() const = 0;
-    /// @throw InputError if the board does not answer, or has no such block
-    [[nodiscard]] virtual StoredBlock stored(std::size_t block) = 0;
-    /// @throw InputError if the board does not answer, or refuses
-    virtual void store(std::size_t block, const StoredBlock &bytes) = 0;
 
     /// All that the board says of itself.
     /// @throw InputError if it does not answer

@@ -24,7 +24,8 @@ namespace springdrive::commissioning {
 
 /// By which counts may differ from what the windings say, as a share: 3 % of k_T's tolerance, 2 %
 /// by which the commutator's ripple may make R of the pulses differ from its mean, 1 % of back-EMF
-/// in that R, 1 % of noise and offset of the current. The distances between stops are known better.
+/// in that R in a relaxed hand, 1 % of noise and offset of the current. The distances between stops
+/// are known better.
 inline constexpr double kCountsTolerance = 0.07;
 
 /// By which an angle may differ from a stop's in the device file [rad]: 1° that a stop yields to a

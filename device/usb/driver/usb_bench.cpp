@@ -11,8 +11,6 @@ namespace springdrive::usb {
 
 using device::Fact;
 
-static_assert(std::tuple_size_v<device::StoredBlock> == kCalibrationBytes);
-
 namespace {
 
 device::ChannelPulse pulse_of(const ChannelTest &test) {
@@ -149,24 +147,6 @@ device::PulseResult UsbBench::pulses() {
         result.channel[i] = pulse_of(board.channel[i]);
     }
     return result;
-}
-
-device::StoredBlock UsbBench::stored(std::size_t block) {
-    const auto index = static_cast<std::uint16_t>(block);
-    return ask<CalibrationBlock>(port_, Kind::calibration, index, status_().name,
-                                 fmt::format("calibration block {}", block))
-        .bytes;
-}
-
-void UsbBench::store(std::size_t block, const device::StoredBlock &bytes) {
-    CalibrationBlock written;
-    written.index = static_cast<std::uint16_t>(block);
-    written.bytes = bytes;
-    if (!port_.control_out(Kind::calibration, written.index, encode(written))) {
-        throw InputError(fmt::format("{}: refuses to store calibration block {}; it has {} blocks, "
-                                     "and stores none while it drives",
-                                     status_().name, block, blocks()));
-    }
 }
 
 std::vector<Fact> UsbBench::facts() {

@@ -1,4 +1,4 @@
-// A board's test pulses, storage and facts, by control requests.
+// A board's test pulses and facts, by control requests.
 #pragma once
 
 #include "device/core/bench.h"
@@ -28,11 +28,6 @@ public:
     [[nodiscard]] double shortest_pulse_s() const override;
     void start_pulses(const device::PulseOrder &order) override;
     [[nodiscard]] device::PulseResult pulses() override;
-    [[nodiscard]] std::size_t blocks() const override {
-        return status_().capabilities.calibration_blocks;
-    }
-    [[nodiscard]] device::StoredBlock stored(std::size_t block) override;
-    void store(std::size_t block, const device::StoredBlock &bytes) override;
     [[nodiscard]] std::vector<device::Fact> facts() override;
 
 private:
