@@ -50,9 +50,8 @@ void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcep
         std::clamp(active_.tuning.dR_Ohm, dR_before_Ohm - step_Ohm, dR_before_Ohm + step_Ohm);
 }
 
-Vector3 BumplessTransfer::transferred_V(const Vector3 &e_W_V,
-                                        const std::optional<Vector3> &unchanged_V,
-                                        bool scene_is_new, bool is_felt) noexcept {
+void BumplessTransfer::carry(const Vector3 &e_W_V, const std::optional<Vector3> &unchanged_V,
+                             bool scene_is_new, bool is_felt) noexcept {
     if (!is_felt) {
         carried_V_.setZero();
     } else {
@@ -66,7 +65,6 @@ Vector3 BumplessTransfer::transferred_V(const Vector3 &e_W_V,
         carried_V_ -= carried_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
     }
     last_e_W_V_ = within_supply(e_W_V + carried_V_);
-    return e_W_V + carried_V_;
 }
 
 Vector3 BumplessTransfer::within_supply(const Vector3 &e_W_V) const noexcept {

@@ -46,13 +46,12 @@ public:
     [[nodiscard]] const LawSettings &before() const { return before_; }
     [[nodiscard]] bool has_changed() const { return !(active_ == before_); }
 
-    /// The e_W to apply for the law's `e_W_V`: without a step for this tick's changes.
+    /// Sets the offset for which `e_W_V` of the law makes no step by this tick's changes.
     /// @param unchanged_V  the law's e_W for the same state with the previous settings, if they
     ///                     have changed
     /// @param scene_is_new  the old scene's contact is unknown, so the last e_W is continued
-    [[nodiscard]] Vector3 transferred_V(const Vector3 &e_W_V,
-                                        const std::optional<Vector3> &unchanged_V,
-                                        bool scene_is_new, bool is_felt) noexcept;
+    void carry(const Vector3 &e_W_V, const std::optional<Vector3> &unchanged_V, bool scene_is_new,
+               bool is_felt) noexcept;
 
     /// The offset of e_W from the law's value.
     [[nodiscard]] const Vector3 &carried_V() const { return carried_V_; }

@@ -6,6 +6,7 @@
 #include "engine/servo/safety_limits.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace springdrive::servo {
 
@@ -23,6 +24,13 @@ struct ServoInputs {
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;
+
+    // For measurements on the device. Both pass the safety monitor like everything else.
+
+    Vector3 excitation_V{Vector3::Zero()}; ///< added to e_W of the law
+    /// Instead of touching the surface: x₀ is here, and does not move. A start needs free space, so
+    /// set it once the monitor is running, to where the tip is.
+    std::optional<Vector3> fixed_x0_m;
 };
 
 // The publisher must keep a surface alive until a ServoSample carries the scene_id of a later one.

@@ -91,11 +91,22 @@ void ServoLoop::take(const ServoInputs &inputs) noexcept {
 }
 
 contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
-    scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_;
+    scene_is_new_ = inputs_.scene_id != scene_id_ || inputs_.surface != surface_ ||
+                    inputs_.fixed_x0_m != fixed_x0_m_;
     if (!has_measured_ || scene_is_new_) {
         scene_id_ = inputs_.scene_id;
         surface_ = inputs_.surface;
+        fixed_x0_m_ = inputs_.fixed_x0_m;
         proxy_.reset(tip_m);
+    }
+    if (fixed_x0_m_) {
+        contact::Contact held;
+        held.touching = true;
+        held.x0_m = *fixed_x0_m_;
+        held.allowed_motion = Matrix3::Zero();
+        held.eta = 0.0;
+        held.active_constraints = 3;
+        return held;
     }
     if (inputs_.surface == nullptr) {
         contact::Contact free;
@@ -344,11 +355,12 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     const std::optional<control::LawOutcome> unchanged =
         unchanged_law(filter_before, since.since_last_s, now.theta_rad, sample.contact);
 
+    transfer_.carry(found.command.e_W_V,
+                    unchanged ? std::optional(unchanged->command.e_W_V) : std::nullopt,
+                    scene_is_new_, safety_.lets_pass());
+    sample.carried_V = transfer_.carried_V() + inputs_.excitation_V;
     device::DeviceCommand wanted = found.command;
-    wanted.e_W_V = transfer_.transferred_V(
-        found.command.e_W_V, unchanged ? std::optional(unchanged->command.e_W_V) : std::nullopt,
-        scene_is_new_, safety_.lets_pass());
-    sample.carried_V = transfer_.carried_V();
+    wanted.e_W_V += sample.carried_V;
     command_ =
         safety_.pass(wanted, observation(now, found, unchanged, since, measured, sample), orders());
     observers_.note(command_);

@@ -123,6 +123,7 @@ private:
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;
+    std::optional<Vector3> fixed_x0_m_;
     bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
     SafetyMonitor safety_;

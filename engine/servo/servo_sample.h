@@ -39,7 +39,7 @@ struct ServoSample {
     Vector3 x_Sd_m{Vector3::Zero()};
     Vector3 theta_Sd_rad{Vector3::Zero()}; ///< of the map in use
     bool inverse_possible = true;          ///< false: out of reach or singular for (18)
-    Vector3 carried_V{Vector3::Zero()};    ///< offset of e_W by bumpless transfer
+    Vector3 carried_V{Vector3::Zero()};    ///< offset of e_W: bumpless transfer and excitation
     control::ObservedMotors motor;         ///< for which the command was computed
     device::DeviceCommand command;         ///< as passed on by the safety monitor
     Vector3 current_A{Vector3::Zero()};    ///< as measured, with the sensors' offsets

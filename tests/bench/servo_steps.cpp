@@ -94,7 +94,8 @@ void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
             sample.theta_rad, filter.update(sample.theta_rad, pole, kServoPeriod_s));
         const control::LawOutcome before =
             law(now, sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
-        return transfer.transferred_V(sample.command.e_W_V, before.command.e_W_V, false, true);
+        transfer.carry(sample.command.e_W_V, before.command.e_W_V, false, true);
+        return transfer.carried_V();
     });
 }
 

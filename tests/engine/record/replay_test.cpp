@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -48,6 +49,11 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
             inputs.tuning.alpha_mode = static_cast<control::AlphaMode>(random() % 3);
             inputs.limits.tip_force_N = 1.0 + 8.0 * share(random);
         }
+        if (tick % 97 == 48 && tick > ticks / 3) { // from touch to measurement, or back
+            inputs.fixed_x0_m =
+                inputs.fixed_x0_m ? std::nullopt : std::optional(samples.back().tip_m);
+        }
+        inputs.excitation_V.setConstant(inputs.fixed_x0_m ? 0.3 * std::sin(0.1 * tick) : 0.0);
         inputs.emergency_stop = tick == ticks * 3 / 4;
         inputs.reset_count = tick > ticks * 3 / 4 + 10 ? 1 : 0;
         samples.push_back(rig.tick());

@@ -54,6 +54,11 @@ std::uint32_t checksum(const ServoInputs &inputs) {
     mix.add(std::uint64_t{inputs.reset_count});
     mix.add(std::uint64_t{inputs.release});
     mix.add(std::uint64_t{inputs.heartbeat});
+    mix.add(std::uint64_t{inputs.fixed_x0_m.has_value()});
+    for (int axis = 0; axis < 3; ++axis) {
+        mix.add(inputs.excitation_V[axis]);
+        mix.add(inputs.fixed_x0_m.value_or(Vector3::Zero())[axis]);
+    }
     return mix.sum();
 }
 
@@ -90,6 +95,10 @@ ServoInputs any_inputs(std::mt19937_64 &random) {
     inputs.emergency_stop = share(random) < 0.5;
     inputs.reset_count = static_cast<std::uint32_t>(random());
     inputs.heartbeat = static_cast<std::uint32_t>(random());
+    inputs.excitation_V.setConstant(share(random));
+    if (share(random) < 0.5) {
+        inputs.fixed_x0_m = Vector3::Constant(share(random));
+    }
     return inputs;
 }
 
@@ -127,6 +136,12 @@ std::vector<Bit> every_bit() {
                             inputs.surface = std::bit_cast<const contact::HapticSurface *>(
                                 flipped(std::bit_cast<std::uintptr_t>(inputs.surface), bit));
                         }});
+        for (int axis = 0; axis < 3; ++axis) {
+            bits.push_back({"excitation", [bit, axis](ServoInputs &inputs) {
+                                inputs.excitation_V[axis] =
+                                    flipped_double(inputs.excitation_V[axis], bit);
+                            }});
+        }
         bits.push_back({"global_alpha", [bit](ServoInputs &inputs) {
                             inputs.global_alpha_rad2_per_m2 =
                                 flipped_double(inputs.global_alpha_rad2_per_m2, bit);
@@ -160,7 +175,7 @@ std::vector<Bit> every_bit() {
 TEST(SealedInputs, DetectAnyFlippedBit) {
     std::mt19937_64 random(9);
     const std::vector<Bit> bits = every_bit();
-    EXPECT_EQ(bits.size(), 64U * (6 + 10 + 2) + 32U * 4 + 8U * 2 + 2);
+    EXPECT_EQ(bits.size(), 64U * (6 + 10 + 3 + 2) + 32U * 4 + 8U * 2 + 2);
     for (int run = 0; run < 50; ++run) {
         SealedInputs sealed(run == 0 ? ServoInputs{} : any_inputs(random));
         for (const Bit &bit : bits) {

@@ -381,5 +381,73 @@ TEST(ServoLoop, EveryTuningHoldsAContact) {
     }
 }
 
+/// N invkin(x₀) of (18).
+Vector3 set_point_rad(const device::DeviceDescription &device, const Vector3 &x0_m) {
+    return device::motor_from_joint(device.geometry,
+                                    device::joint_angles_rad(device.geometry, x0_m).value());
+}
+
+/// Held by the hand at `kStart_m`, which is x₀, too.
+struct FixedRig : Rig {
+    FixedRig() : Rig(following({{0.0, kStart_m}, {1e3, kStart_m}})) {
+        inputs.tuning.map = control::MotionMap::inverse;
+        run(kStartUp_s);
+        inputs.fixed_x0_m = last.tip_m;
+        run(0.2); // the new scene's offset has decayed
+    }
+};
+
+TEST(ServoLoop, HoldsAFixedPointInAllDirectionsAndAddsTheExcitation) {
+    FixedRig rig;
+    const Vector3 x0_m = *rig.inputs.fixed_x0_m;
+    const control::HapticLaw law(rig.device().description());
+    for (int tick = 0; tick < 400; ++tick) {
+        const Vector3 excitation_V = Vector3(0.3, -0.2, 0.1) * std::sin(0.1 * tick);
+        rig.inputs.excitation_V = excitation_V;
+        const ServoSample &now = rig.tick();
+        ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
+        ASSERT_EQ(now.contact.x0_m, x0_m);
+        ASSERT_EQ(now.x_Sd_m, x0_m);
+        ASSERT_FALSE(now.held_back.holds_force());
+        // (18), (10) with a set-point at rest:
+        const Vector3 set_rad = set_point_rad(rig.device().description(), x0_m);
+        const control::Tuning &tuning = now.tuning;
+        const Vector3 law_V = tuning.K_P_V_per_rad * (set_rad - now.theta_rad) -
+                              tuning.K_D_Vs_per_rad * now.theta_rate_rad_per_s;
+        EXPECT_LT((now.command.e_W_V - law_V - excitation_V).norm(), 1e-9);
+    }
+    // Pushed to any side, the tip is pulled back.
+    for (const double side : {1.0, -1.0}) {
+        rig.inputs.excitation_V = Vector3(side, 0.0, 0.0);
+        rig.run(0.3);
+        EXPECT_GT(side * rig.last.theta_rad[0],
+                  side * set_point_rad(rig.device().description(), x0_m)[0]);
+        EXPECT_LT(side * (rig.last.command.e_W_V[0] - side), 0.0);
+    }
+}
+
+TEST(ServoLoop, LimitsAnExcitationLikeEveryCommand) {
+    FixedRig absurd;
+    absurd.inputs.excitation_V = Vector3(500.0, 0.0, 0.0);
+    const device::DeviceDescription &device = absurd.device().description();
+    for (int tick = 0; tick < 300; ++tick) {
+        const ServoSample &now = absurd.tick();
+        ASSERT_LE(std::abs(now.command.e_W_V[0]), device.motor[0].supply_V);
+        ASSERT_LE(now.tip_force_N.norm(), 1.05 * device.limits.tip_force_N);
+    }
+    EXPECT_TRUE(absurd.has_tripped() || absurd.last.held_back.holds_force());
+
+    FixedRig unreal;
+    unreal.inputs.excitation_V = Vector3(0.0, std::nan(""), 0.0);
+    unreal.tick();
+    EXPECT_TRUE(unreal.has_tripped());
+    EXPECT_EQ(unreal.last.command.mode, device::CommandMode::brake);
+
+    FixedRig nowhere;
+    nowhere.inputs.fixed_x0_m = Vector3(std::nan(""), 0.0, 0.0);
+    nowhere.tick();
+    EXPECT_TRUE(nowhere.has_tripped());
+}
+
 } // namespace
 } // namespace springdrive::servo
