@@ -1,0 +1,32 @@
+// `--device` of commands that need a board, and what the emulated one is.
+#pragma once
+
+#include "device/factory/board_factory.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+} // namespace CLI
+
+namespace springdrive::app {
+
+/// A board on USB, or an emulated one in this process.
+struct TypedBoard {
+    std::string device = "sim";
+    std::filesystem::path device_file;
+    std::filesystem::path true_device_file; ///< empty: the device file
+    std::uint64_t device_seed = 0;
+    std::vector<std::string> faults;
+
+    /// The options hold references to this: it must stay where it is until the parse is over.
+    void add_to(CLI::App &command);
+
+    /// @throw InputError as `factory::open_board` does, and for options that do not fit the device
+    [[nodiscard]] factory::OpenBoard open() const;
+};
+
+} // namespace springdrive::app
