@@ -66,6 +66,8 @@ public:
     [[nodiscard]] bool take_block_to_store(usb::CalibrationBlock &block) {
         return link_.take_block_to_store(block);
     }
+    /// The chip could not keep it: reading it back is refused from now on.
+    void note_unstored(std::uint16_t index) { link_.note_unstored(index); }
 
     /// Whether the loop has run since the last call.
     [[nodiscard]] bool loop_has_run() {

@@ -145,6 +145,7 @@ bool Link::write_block(const usb::CalibrationBlock &block) {
     }
     block_[block.index] = block;
     must_store_[block.index] = true;
+    is_unstored_[block.index] = false;
     return true;
 }
 
@@ -160,7 +161,8 @@ std::size_t Link::control_in(std::uint8_t request, std::uint16_t value, std::uin
     case usb::Kind::self_test:
         return write(loop.self_test, payload);
     case usb::Kind::calibration:
-        return value < kCalibrationBlocks ? write(block_[value], payload) : 0;
+        return value < kCalibrationBlocks && !is_unstored_[value] ? write(block_[value], payload)
+                                                                  : 0;
     default:
         return 0;
     }

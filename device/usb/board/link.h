@@ -44,6 +44,8 @@ public:
     void load(const usb::CalibrationBlock &block);
     /// The next block that the host wrote, once.
     [[nodiscard]] bool take_block_to_store(usb::CalibrationBlock &block);
+    /// The chip could not keep it.
+    void note_unstored(std::uint16_t index) { is_unstored_[index] = true; }
 
     /// The orders are about to be passed on.
     void count_change() { ++orders_.changes; }
@@ -68,6 +70,7 @@ private:
     std::uint32_t reports_taken_ = 0;
     std::array<usb::CalibrationBlock, kCalibrationBlocks> block_{};
     std::array<bool, kCalibrationBlocks> must_store_{};
+    std::array<bool, kCalibrationBlocks> is_unstored_{};
 };
 
 } // namespace springdrive::board

@@ -560,6 +560,15 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     command.cancelled_resistance_Ohm.diagonal[0] = 2.01F;
     EXPECT_EQ(rig.send(command), FrameStatus::beyond_limits);
 
+    rig.board().note_unstored(3); // by a chip that failed
+    const auto read_back = [&] {
+        return rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::calibration), 3,
+                                      payload.data());
+    };
+    EXPECT_EQ(read_back(), 0U);
+    EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+    EXPECT_GT(read_back(), 0U);
+
     own.index = kCalibrationBlocks;
     EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
     usb::BoardCalibration wrong = calibration;
