@@ -5,6 +5,7 @@
 #include "app/doctor/disk_trial.h"
 #include "app/doctor/picture_trial.h"
 #include "base/input_error.h"
+#include "device/usb/driver/board_survey.h"
 #include "device/usb/driver/libusb_port.h"
 #include "engine/record/record_header.h"
 #include "engine/servo/real_time.h"

@@ -65,6 +65,9 @@ public:
 
     /// Of the connection, as the host sees it: "high speed (480 Mbit/s)".
     [[nodiscard]] virtual std::string_view speed() const = 0;
+
+    /// What the system refused to the connection, with what to do; empty if nothing.
+    [[nodiscard]] virtual std::string_view remark() const { return {}; }
 };
 
 } // namespace springdrive::usb

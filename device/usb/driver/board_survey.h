@@ -1,4 +1,4 @@
-// What stands in the way of each board that is connected.
+// The boards that are connected, and what stands in the way of each.
 #pragma once
 
 #include "device/usb/protocol.h"
@@ -29,6 +29,21 @@ struct SurveyedBoard {
     BoardObstacle obstacle = BoardObstacle::none;
     std::string problem; ///< the obstacle in words, with what to do; empty if there is none
 };
+
+/// A board that is connected to this machine.
+struct FoundBoard {
+    std::string serial;  ///< empty if it could not be asked
+    std::string problem; ///< why it cannot be used, with what to do; empty if it can
+};
+
+/// The boards that are connected now.
+/// @throw InputError if libusb cannot be used at all
+[[nodiscard]] std::vector<FoundBoard> boards_present();
+
+/// Everything that can be said about each board, which claims them for a moment: tens of
+/// milliseconds, seconds for one that does not answer.
+/// @throw InputError if libusb cannot be used at all
+[[nodiscard]] std::vector<SurveyedBoard> survey_boards();
 
 /// The name by which sysfs knows the device at the end of these ports, the computer's first.
 [[nodiscard]] std::string sysfs_name_of(int bus, std::span<const std::uint8_t> ports);

@@ -2,8 +2,8 @@
 
 #include "base/input_error.h"
 #include "base/latest_value.h"
-#include "base/one_line.h"
 #include "base/sample_ring.h"
+#include "device/usb/driver/libusb_boards.h"
 
 #include <libusb-1.0/libusb.h>
 
@@ -22,195 +22,17 @@
 #include <thread>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace springdrive::usb {
 
 namespace {
 
-constexpr unsigned kControlTimeout_ms = 500;
 constexpr int kLongestWait_ms = 100;
-
-struct ContextEnd {
-    void operator()(libusb_context *context) const { libusb_exit(context); }
-};
-using Context = std::unique_ptr<libusb_context, ContextEnd>;
-
-struct HandleEnd {
-    void operator()(libusb_device_handle *handle) const { libusb_close(handle); }
-};
-using Handle = std::unique_ptr<libusb_device_handle, HandleEnd>;
 
 struct TransferEnd {
     void operator()(libusb_transfer *transfer) const { libusb_free_transfer(transfer); }
 };
-
-Context make_context() {
-    libusb_context *context = nullptr;
-    if (const int error = libusb_init(&context); error != 0) {
-        throw InputError(
-            fmt::format("USB cannot be used: {}; is /dev/bus/usb there?", libusb_strerror(error)));
-    }
-    return Context(context);
-}
-
-class DeviceList {
-public:
-    explicit DeviceList(libusb_context *context)
-        : count_(libusb_get_device_list(context, &devices_)) {}
-    ~DeviceList() {
-        if (devices_ != nullptr) {
-            libusb_free_device_list(devices_, 1);
-        }
-    }
-    DeviceList(const DeviceList &) = delete;
-    DeviceList &operator=(const DeviceList &) = delete;
-
-    [[nodiscard]] std::span<libusb_device *> all() const {
-        return {devices_, count_ > 0 ? static_cast<std::size_t>(count_) : 0U};
-    }
-
-private:
-    libusb_device **devices_ = nullptr;
-    ssize_t count_;
-};
-
-std::string place_of(libusb_device *device) {
-    return fmt::format("bus {} device {}", libusb_get_bus_number(device),
-                       libusb_get_device_address(device));
-}
-
-/// What to do about an error of libusb.
-std::string advice_on(int error) {
-    switch (error) {
-    case LIBUSB_ERROR_ACCESS:
-        return "no permission; plug the board in again, at the computer where you are logged in; "
-               "if springdrive was not installed as a package, first copy "
-               "setup/70-springdrive-usb.rules to /etc/udev/rules.d";
-    case LIBUSB_ERROR_BUSY:
-        return "another program uses it; end that program";
-    case LIBUSB_ERROR_NO_DEVICE:
-    case LIBUSB_ERROR_NOT_FOUND:
-    case LIBUSB_ERROR_IO:
-        return "it does not answer; plug it in again";
-    default:
-        return std::string(libusb_strerror(error)) + "; plug it in again";
-    }
-}
-
-/// The interface of the protocol, of any of its versions, and its endpoints.
-struct Endpoints {
-    int interface_number = 0;
-    std::uint8_t protocol = 0;
-    std::uint8_t in = 0;
-    std::uint8_t out = 0;
-};
-
-std::optional<Endpoints> endpoints_of(const libusb_interface_descriptor &description) {
-    if (description.bInterfaceClass != kInterfaceClass ||
-        description.bInterfaceSubClass != kInterfaceSubclass) {
-        return std::nullopt;
-    }
-    Endpoints found{description.bInterfaceNumber, description.bInterfaceProtocol, 0, 0};
-    for (const libusb_endpoint_descriptor &endpoint :
-         std::span(description.endpoint, description.bNumEndpoints)) {
-        if ((endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) != LIBUSB_TRANSFER_TYPE_INTERRUPT) {
-            continue;
-        }
-        const bool is_in = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_DIR_MASK) != 0;
-        (is_in ? found.in : found.out) = endpoint.bEndpointAddress;
-    }
-    return found.in != 0 && found.out != 0 ? std::optional(found) : std::nullopt;
-}
-
-std::optional<Endpoints> endpoints_of(libusb_device *device) {
-    libusb_config_descriptor *raw = nullptr;
-    if (libusb_get_active_config_descriptor(device, &raw) != 0) {
-        return std::nullopt;
-    }
-    const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)>
-        configuration(raw, &libusb_free_config_descriptor);
-    for (const libusb_interface &one :
-         std::span(configuration->interface, configuration->bNumInterfaces)) {
-        if (one.num_altsetting > 0) {
-            if (const auto found = endpoints_of(one.altsetting[0])) {
-                return found;
-            }
-        }
-    }
-    return std::nullopt;
-}
-
-/// A board that was opened; or why it was not.
-struct OpenedBoard {
-    std::string place;
-    std::string serial;
-    Handle handle;
-    std::string problem;
-};
-
-std::string serial_of(libusb_device_handle *handle, std::uint8_t index) {
-    std::array<unsigned char, 64> text{};
-    const int size = libusb_get_string_descriptor_ascii(handle, index, text.data(),
-                                                        static_cast<int>(text.size()));
-    return size > 0 ? one_line({reinterpret_cast<const char *>(text.data()), // of any origin
-                                static_cast<std::size_t>(size)})
-                    : std::string();
-}
-
-std::vector<OpenedBoard> open_all(libusb_context *context) {
-    std::vector<OpenedBoard> boards;
-    const DeviceList devices(context);
-    for (libusb_device *device : devices.all()) {
-        libusb_device_descriptor description{};
-        if (libusb_get_device_descriptor(device, &description) != 0 ||
-            description.idVendor != kVendorId || description.idProduct != kProductId) {
-            continue;
-        }
-        libusb_device_handle *raw = nullptr;
-        const int error = libusb_open(device, &raw);
-        OpenedBoard &board = boards.emplace_back();
-        board.place = place_of(device);
-        board.handle.reset(raw);
-        if (error != 0) {
-            board.problem = advice_on(error);
-        } else {
-            board.serial = serial_of(raw, description.iSerialNumber);
-        }
-    }
-    return boards;
-}
-
-std::string list_of(const std::vector<OpenedBoard> &boards) {
-    std::string list;
-    for (const OpenedBoard &board : boards) {
-        list += (list.empty() ? "" : ", ") + (board.serial.empty() ? board.place : board.serial);
-    }
-    return list;
-}
-
-/// The board with this serial number, or the only one.
-OpenedBoard choose(std::vector<OpenedBoard> boards, const std::string &serial) {
-    if (boards.empty()) {
-        throw InputError("no USB board is connected; plug one in and switch its power on, or use "
-                         "--device sim");
-    }
-    const auto found = serial.empty() && boards.size() == 1
-                           ? boards.begin()
-                           : std::ranges::find(boards, serial, &OpenedBoard::serial);
-    if (serial.empty() && boards.size() > 1) {
-        throw InputError("several USB boards are connected: " + list_of(boards) +
-                         "; name one by --device usb:SERIAL");
-    }
-    if (found == boards.end()) {
-        throw InputError(fmt::format("no USB board with the serial number '{}' is connected, but "
-                                     "{}",
-                                     serial, list_of(boards)));
-    }
-    if (!found->problem.empty()) {
-        throw InputError("the USB board at " + found->place + ": " + found->problem);
-    }
-    return std::move(*found);
-}
 
 class EventCounter {
 public:
@@ -265,6 +87,7 @@ public:
     void close() noexcept override { end(); }
     void open(const std::string &serial) override;
     [[nodiscard]] std::string_view speed() const override { return speed_; }
+    [[nodiscard]] std::string_view remark() const override { return remark_; }
 
 private:
     static constexpr std::size_t kTransfersIn = 4;
@@ -293,6 +116,7 @@ private:
     };
 
     void end() noexcept;
+    void find_files();
     void prepare(Transfer &transfer, std::uint8_t endpoint, libusb_transfer_cb_fn callback);
     void run() noexcept;
     void submit(Transfer &transfer) noexcept;
@@ -328,6 +152,8 @@ private:
     Handle handle_;
     Endpoints endpoints_;
     std::string speed_ = "not connected";
+    std::string remark_;
+    std::vector<pollfd> files_; ///< that this port's thread waits for
     std::array<Transfer, kTransfersIn> in_;
     std::array<Transfer, kTransfersOut> out_;
 
@@ -345,26 +171,10 @@ private:
     std::thread thread_;
 };
 
-std::string_view name_of_speed(int speed) {
-    switch (speed) {
-    case LIBUSB_SPEED_LOW:
-        return "low speed (1.5 Mbit/s)";
-    case LIBUSB_SPEED_FULL:
-        return "full speed (12 Mbit/s)";
-    case LIBUSB_SPEED_HIGH:
-        return "high speed (480 Mbit/s)";
-    case LIBUSB_SPEED_SUPER:
-    case LIBUSB_SPEED_SUPER_PLUS:
-        return "super speed (5 Gbit/s or more)";
-    default:
-        return "an unknown speed";
-    }
-}
-
 void LibusbPort::open(const std::string &serial) {
     end();
     context_ = make_context(); // without udev, an old one does not see what was plugged in since
-    OpenedBoard board = choose(open_all(context_.get()), serial);
+    OpenedBoard board = open_board_named(context_.get(), serial);
     const std::string name = "the USB board " + (board.serial.empty() ? board.place : board.serial);
     libusb_device *const device = libusb_get_device(board.handle.get());
     const std::optional<Endpoints> endpoints = endpoints_of(device);
@@ -384,6 +194,7 @@ void LibusbPort::open(const std::string &serial) {
     for (Transfer &transfer : out_) {
         prepare(transfer, endpoints_.out, &LibusbPort::on_sent);
     }
+    find_files();
     for (Packet old; packets_.pop(old);) { // of the connection before
     }
     submitted_ = outgoing_number_;
@@ -391,6 +202,27 @@ void LibusbPort::open(const std::string &serial) {
     is_running_ = true;
     is_connected_ = true;
     thread_ = std::thread([this] { run(); });
+    sched_param parameters{};
+    parameters.sched_priority = kPortThreadPriority;
+    remark_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters) == 0
+                  ? std::string()
+                  : fmt::format("the thread that serves USB has no real-time priority ({} was "
+                                "refused), so reports may be late; see springdrive doctor",
+                                kPortThreadPriority);
+}
+
+/// What `run` waits for: its own wake-up, and the files of libusb, which stay the same while the
+/// board is open.
+void LibusbPort::find_files() {
+    files_.assign(1, {wake_.fd(), POLLIN, 0});
+    const std::unique_ptr<const libusb_pollfd *, decltype(&libusb_free_pollfds)> own(
+        libusb_get_pollfds(context_.get()), &libusb_free_pollfds);
+    if (!own) {
+        throw InputError("USB cannot be used: libusb has no files to wait for on this system");
+    }
+    for (const libusb_pollfd *const *next = own.get(); *next != nullptr; ++next) {
+        files_.push_back({(*next)->fd, (*next)->events, 0});
+    }
 }
 
 void LibusbPort::prepare(Transfer &transfer, std::uint8_t endpoint,
@@ -577,22 +409,9 @@ void LibusbPort::handle_events() noexcept {
 
 /// Until the end, or the connection is lost; then all transfers are taken back.
 void LibusbPort::run() noexcept {
-    sched_param parameters{};
-    parameters.sched_priority = kPortThreadPriority;
-    static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
     std::ranges::for_each(in_, [this](Transfer &transfer) { submit(transfer); });
-    constexpr std::size_t kMostFiles = 16;
-    std::array<pollfd, kMostFiles> files{};
-    files[0] = {wake_.fd(), POLLIN, 0};
-    std::size_t count = 1;
-    const std::unique_ptr<const libusb_pollfd *, decltype(&libusb_free_pollfds)> own(
-        libusb_get_pollfds(context_.get()), &libusb_free_pollfds);
-    for (const libusb_pollfd *const *next = own.get();
-         next != nullptr && *next != nullptr && count < kMostFiles; ++next) {
-        files[count++] = {(*next)->fd, (*next)->events, 0};
-    }
     while (!ends_ && is_connected()) {
-        poll(files.data(), count, kLongestWait_ms);
+        poll(files_.data(), files_.size(), kLongestWait_ms);
         wake_.clear();
         handle_events();
         submit_newest();
@@ -601,102 +420,13 @@ void LibusbPort::run() noexcept {
     arrived_.signal();
     cancel_all();
     while (is_any_under_way()) {
-        poll(files.data() + 1, count - 1, kLongestWait_ms);
+        poll(files_.data() + 1, files_.size() - 1, kLongestWait_ms);
         handle_events();
     }
     is_running_ = false;
 }
 
 } // namespace
-
-std::vector<FoundBoard> boards_present() {
-    const Context context = make_context();
-    std::vector<FoundBoard> found;
-    for (OpenedBoard &board : open_all(context.get())) {
-        found.push_back({std::move(board.serial), std::move(board.problem)});
-    }
-    return found;
-}
-
-namespace {
-
-BoardObstacle obstacle_of(int error) {
-    switch (error) {
-    case 0:
-        return BoardObstacle::none;
-    case LIBUSB_ERROR_ACCESS:
-        return BoardObstacle::no_permission;
-    case LIBUSB_ERROR_BUSY:
-        return BoardObstacle::in_use;
-    default:
-        return BoardObstacle::no_answer;
-    }
-}
-
-/// @return an error of libusb
-int ask_for_identity(libusb_device_handle *handle, const Endpoints &endpoints,
-                     SurveyedBoard &board) {
-    if (const int error = libusb_claim_interface(handle, endpoints.interface_number); error != 0) {
-        return error;
-    }
-    std::array<std::uint8_t, kIdentitySize> answer{};
-    const int size = libusb_control_transfer(
-        handle, kRequestIn, static_cast<std::uint8_t>(Kind::identity), 0,
-        static_cast<std::uint16_t>(endpoints.interface_number), answer.data(),
-        static_cast<std::uint16_t>(answer.size()), kControlTimeout_ms);
-    libusb_release_interface(handle, endpoints.interface_number);
-    if (size < 0 && size != LIBUSB_ERROR_PIPE) {
-        return size;
-    }
-    take_identity(std::span(answer).first(size > 0 ? static_cast<std::size_t>(size) : 0U), board);
-    return 0;
-}
-
-/// @return an error of libusb
-int survey(libusb_device *device, const libusb_device_descriptor &description,
-           SurveyedBoard &board) {
-    std::array<std::uint8_t, 7> ports{}; // the deepest that USB allows
-    const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
-    board.bus = libusb_get_bus_number(device);
-    board.address = libusb_get_device_address(device);
-    board.sysfs_name = sysfs_name_of(
-        board.bus, std::span(ports).first(depth > 0 ? static_cast<std::size_t>(depth) : 0U));
-    board.speed = name_of_speed(libusb_get_device_speed(device));
-    libusb_device_handle *raw = nullptr;
-    if (const int error = libusb_open(device, &raw); error != 0) {
-        return error;
-    }
-    const Handle handle(raw);
-    board.serial = serial_of(raw, description.iSerialNumber);
-    const std::optional<Endpoints> endpoints = endpoints_of(device);
-    if (!endpoints) {
-        board.obstacle = BoardObstacle::no_interface;
-        board.problem = "has no interface for springdrive; is its firmware installed?";
-        return 0;
-    }
-    return ask_for_identity(raw, *endpoints, board);
-}
-
-} // namespace
-
-std::vector<SurveyedBoard> survey_boards() {
-    const Context context = make_context();
-    const DeviceList devices(context.get());
-    std::vector<SurveyedBoard> boards;
-    for (libusb_device *device : devices.all()) {
-        libusb_device_descriptor description{};
-        if (libusb_get_device_descriptor(device, &description) != 0 ||
-            description.idVendor != kVendorId || description.idProduct != kProductId) {
-            continue;
-        }
-        SurveyedBoard &board = boards.emplace_back();
-        if (const int error = survey(device, description, board); error != 0) {
-            board.obstacle = obstacle_of(error);
-            board.problem = advice_on(error);
-        }
-    }
-    return boards;
-}
 
 std::unique_ptr<BoardPort> make_libusb_port() { return std::make_unique<LibusbPort>(); }
 

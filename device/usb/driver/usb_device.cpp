@@ -135,8 +135,8 @@ void UsbDevice::request_report_rate(double period_s) {
         wanted_us > capabilities_.longest_report_period_us) {
         const bool is_too_fast = wanted_us < capabilities_.shortest_report_period_us;
         throw InputError(fmt::format(
-            "{}: measures {} every {} us at {}, but a servo at {:.6g} Hz needs every {} us; use "
-            "--servo-hz {}",
+            "{}: measures {} every {} us at {}, but a servo at {:.6g} Hz needs every {} us; use a "
+            "servo rate of {} Hz",
             name(), is_too_fast ? "at most" : "at least",
             is_too_fast ? capabilities_.shortest_report_period_us
                         : capabilities_.longest_report_period_us,
@@ -337,6 +337,7 @@ std::optional<device::LinkStatus> UsbDevice::link() const {
     }
     return device::LinkStatus{std::string(port_->speed()),
                               description_of(now.newest.state),
+                              std::string(port_->remark()),
                               std::move(problem),
                               1.0 / period_s_,
                               now.delay_s,

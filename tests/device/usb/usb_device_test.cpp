@@ -206,7 +206,7 @@ TEST(UsbDevice, FullSpeedHasItsOwnRateAndSaysSo) {
     EXPECT_EQ(rig.device.link()->speed, "full speed (12 Mbit/s)");
     const std::string complaint = testing::complaint_of([&] { rig.device.set_period(0.25e-3); });
     EXPECT_NE(complaint.find("full speed"), std::string::npos) << complaint;
-    EXPECT_NE(complaint.find("--servo-hz 1000"), std::string::npos) << complaint;
+    EXPECT_NE(complaint.find("servo rate of 1000 Hz"), std::string::npos) << complaint;
     EXPECT_EQ(rig.tick().health, DeviceHealth::ok); // as before
     EXPECT_EQ(rig.device.link()->report_rate_hz, 1000.0);
 }
@@ -292,7 +292,7 @@ TEST(UsbDevice, RefusesABoardThatDoesNotFitInOneLine) {
 
     const std::string slow = complaint_with<Capabilities>(
         Kind::capabilities, [](Capabilities &board) { board.shortest_report_period_us = 2000; });
-    EXPECT_NE(slow.find("--servo-hz 500"), std::string::npos) << slow;
+    EXPECT_NE(slow.find("servo rate of 500 Hz"), std::string::npos) << slow;
 
     const std::string damaged = complaint_about([](Kind asked, std::span<std::uint8_t> answer) {
         if (asked == Kind::capabilities) {
