@@ -23,8 +23,17 @@ std::string name_of_offer(const session::DeviceChoice &choice) {
                : "USB " + (choice.serial.empty() ? "board" : choice.serial);
 }
 
-/// The simulated devices by their files; boards on USB are what the present file says.
-std::vector<DeviceOffer> offers(const session::DeviceChoice &present) {
+/// What the session has, with the serial number of a board that was the only one.
+session::DeviceChoice present_choice(const session::Session &session) {
+    session::DeviceChoice choice = session.device_choice();
+    if (choice.kind == DeviceKind::usb) {
+        choice.serial = session.device().identity().serial;
+    }
+    return choice;
+}
+
+/// The simulated devices, by their files.
+std::vector<DeviceOffer> simulated_offers() {
     std::vector<DeviceOffer> all;
     std::error_code ignored;
     for (const auto &entry :
@@ -34,31 +43,48 @@ std::vector<DeviceOffer> offers(const session::DeviceChoice &present) {
         }
     }
     std::ranges::sort(all, {}, [](const DeviceOffer &offer) { return offer.choice.file; });
-    for (const factory::PresentDevice &device : factory::devices_present()) {
-        if (device.kind == DeviceKind::usb) {
-            all.push_back({{present.file, DeviceKind::usb, device.serial}, device.problem});
-        }
-    }
     return all;
+}
+
+/// Adds the boards on USB, which are taken to be what the present file says, once they answered.
+void take_survey(const session::Session &session, PlantTabState &state) {
+    state.complaint = complaint_of([&] {
+        if (const auto present = state.survey.take()) {
+            for (const factory::PresentDevice &device : *present) {
+                if (device.kind == DeviceKind::usb) {
+                    state.offers.push_back(
+                        {{session.device_choice().file, DeviceKind::usb, device.serial},
+                         device.problem});
+                }
+            }
+        }
+    });
 }
 
 void draw_offers(session::Session &session, PlantTabState &state) {
     if (ImGui::IsWindowAppearing()) { // USB is asked when the list is opened
-        state.complaint = complaint_of([&] { state.offers = offers(session.device_choice()); });
+        state.offers = simulated_offers();
+        state.survey.start([](BackgroundTalk &) { return factory::devices_present(); });
     }
+    if (state.survey.is_busy()) {
+        take_survey(session, state);
+    }
+    const std::string present = name_of_offer(present_choice(session));
     for (const DeviceOffer &offer : state.offers) {
         const ui::Disabled disabled(!offer.problem.empty());
         const std::string name = name_of_offer(offer.choice);
-        if (ui::selectable(name.c_str(), name == name_of_offer(session.device_choice()))) {
+        if (ui::selectable(name.c_str(), name == present) && name != present) {
             state.complaint = complaint_of([&] { session.exchange_device(offer.choice); });
         }
         if (!offer.problem.empty()) {
             ui::explain(offer.problem);
         }
     }
-    if (std::ranges::none_of(state.offers, [](const DeviceOffer &offer) {
-            return offer.choice.kind == DeviceKind::usb;
-        })) {
+    if (state.survey.is_busy()) {
+        ui::text(kFaintInk, "asking the boards on USB…");
+    } else if (std::ranges::none_of(state.offers, [](const DeviceOffer &offer) {
+                   return offer.choice.kind == DeviceKind::usb;
+               })) {
         ui::text(kFaintInk, "no USB board is connected");
         if (ui::selectable("doctor…", false)) {
             state.doctor.ask("usb", session.servo().rate_hz());
@@ -69,7 +95,7 @@ void draw_offers(session::Session &session, PlantTabState &state) {
 void draw_chooser(session::Session &session, PlantTabState &state) {
     const ui::Disabled disabled(session.is_exchanging());
     ImGui::SetNextItemWidth(-1.0F);
-    const ui::DropDown list("##device", name_of_offer(session.device_choice()).c_str());
+    const ui::DropDown list("##device", name_of_offer(present_choice(session)).c_str());
     if (list) {
         draw_offers(session, state);
     }
@@ -121,6 +147,9 @@ void show_link(const session::Session &session, const device::LinkStatus &link) 
     ImGui::SameLine();
     show_count("rejected", link.rejected + link.unsent,
                "commands that the board rejected, or that could not be sent");
+    if (!link.remark.empty()) {
+        ui::wrapped(kWarning, "{}", link.remark);
+    }
     if (!link.last_problem.empty()) {
         ui::text(kWarning, "last: {}", link.last_problem);
     }

@@ -9,6 +9,8 @@
 #include "app/panels/tuning_files.h"
 #include "app/session_keeper.h"
 #include "app/tuning_desk.h"
+#include "base/background.h"
+#include "device/factory/device_factory.h"
 #include "engine/session/session.h"
 
 #include <cstddef>
@@ -110,6 +112,8 @@ struct DeviceOffer {
 /// State of the plant's tab between frames.
 struct PlantTabState {
     std::vector<DeviceOffer> offers; ///< when the list was opened last
+    /// A board that hangs may take seconds to answer.
+    Background<std::vector<factory::PresentDevice>> survey;
     bool typing_rate = false;
     double rate_hz = 0.0;
     bool dragging_delay = false;

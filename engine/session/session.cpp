@@ -77,8 +77,15 @@ void Session::start(const std::function<void()> &on_thread) {
             "or start with --at-zero");
     }
     release_until_zeroed();
+    start_servo();
+}
+
+void Session::start_servo() {
     for (const std::string &refused : servo_->start(on_thread_)) {
         remarks_.add(refused);
+    }
+    if (const auto link = device_->device().link(); link && !link->remark.empty()) {
+        remarks_.add(link->remark);
     }
 }
 

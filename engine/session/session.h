@@ -172,6 +172,7 @@ private:
     void begin_on(Prepared next);
     void note_standstill();
     void note_failed_assertion();
+    void start_servo();
     void release_until_zeroed();
     void watch_link();
     void adopt_delay();
@@ -199,6 +200,7 @@ private:
     bool reported_failure_ = false; ///< of a failed assertion
     double released_until_s_ = 0.0; ///< after a zeroing, by the servo's time; 0: no more
     double next_look_s_ = 0.0;      ///< at the link, by the servo's time
+    int reconnections_ = 0;         ///< by `advance`
     std::function<void()> on_thread_;
     Remarks remarks_;
 };

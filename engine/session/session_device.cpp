@@ -75,6 +75,13 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
 }
 
 void Session::exchange_device(const DeviceChoice &choice) {
+    const device::DeviceIdentity present = device_->identity();
+    const bool is_open_here = choice.kind == factory::DeviceKind::usb && present.kind == "USB" &&
+                              device_->state() != factory::DeviceState::closed &&
+                              present.serial == choice.serial;
+    if (is_open_here) {
+        throw InputError("the USB board " + choice.serial + " is the device in use already");
+    }
     if (servo_->has_failed()) { // a new servo would drive the motors again
         throw InputError("changing the device requires a restart of the program: " +
                          servo::description(latest().safety));
@@ -142,9 +149,7 @@ void Session::begin_on(Prepared next) {
         remarks_.add(error.what());
     }
     if (has_started_) {
-        for (const std::string &refused : servo_->start(on_thread_)) {
-            remarks_.add(refused);
-        }
+        start_servo();
         servo_->set_speed(speed);
     }
     release_until_zeroed();

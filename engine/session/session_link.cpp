@@ -2,6 +2,7 @@
 #include "base/complaint.h"
 #include "engine/session/session_parts.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -72,10 +73,14 @@ void Session::watch_link() {
     const std::string complaint = complaint_of([this] { reconnect_device(); });
     if (!complaint.empty()) {
         remarks_.add(complaint);
-    } else {
-        remarks_.add(is_zeroed() ? "the device is connected again; reset the stop to go on"
-                                 : "the device is connected again, but lost its counts; zero it");
+        return;
     }
+    const std::string again =
+        ++reconnections_ == 1
+            ? "the device is connected again"
+            : fmt::format("the device is connected again, {} times by now", reconnections_);
+    remarks_.add(again +
+                 (is_zeroed() ? "; reset the stop to go on" : ", but lost its counts; zero it"));
 }
 
 /// While no motor is driven: the servo pauses for it.

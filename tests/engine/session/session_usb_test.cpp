@@ -1,4 +1,5 @@
 // Covers engine/session/session_link.cpp: a session with a board on USB, in process.
+#include "base/complaint.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/engine/session/session_fixture.h"
@@ -8,7 +9,9 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace springdrive::session {
 namespace {
@@ -114,6 +117,32 @@ TEST(SessionOnUsb, ComesBackAfterAnUnplugInContact) {
     usb.session.servo().reset_safety();
     EXPECT_TRUE(usb.run_until_state(SafetyState::running));
     EXPECT_TRUE(usb.press());
+}
+
+TEST(SessionOnUsb, SaysEachTimeThatItIsConnectedAgain) {
+    UsbSession usb(true);
+    for (int time = 1; time <= 3; ++time) {
+        usb.port->unplug();
+        usb.port->pass(0.01);
+        testing::run(usb.session, 0.6);
+        ASSERT_EQ(usb.session.latest().health, device::DeviceHealth::lost);
+        static_cast<void>(usb.session.remarks().take_new());
+        usb.port->is_plugged = true;
+        testing::run(usb.session, 0.6);
+        const std::vector<std::string> said = usb.session.remarks().take_new();
+        EXPECT_EQ(said.size(), 1U) << time;
+        EXPECT_TRUE(!said.empty() && said[0].find("connected again") != std::string::npos);
+    }
+}
+
+TEST(SessionOnUsb, DoesNotTakeItsOwnBoardForAnotherProgram) {
+    UsbSession usb;
+    const DeviceChoice own{usb.session.device_choice().file, factory::DeviceKind::usb,
+                           usb.session.device().identity().serial};
+    const std::string complaint = complaint_of([&] { usb.session.exchange_device(own); });
+    EXPECT_NE(complaint.find("in use already"), std::string::npos) << complaint;
+    EXPECT_FALSE(usb.session.is_exchanging());
+    EXPECT_EQ(usb.session.device().state(), factory::DeviceState::open);
 }
 
 TEST(SessionOnUsb, ABoardThatLostItsPowerMustBeZeroedAgain) {
