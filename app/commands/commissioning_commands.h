@@ -13,4 +13,7 @@ void add_info(CLI::App &device);
 /// `device self-test`.
 void add_self_test(CLI::App &device);
 
+/// `device sweep`: the rendered stiffness by sine sweep.
+void add_sweep(CLI::App &device);
+
 } // namespace springdrive::app

@@ -172,6 +172,7 @@ void add_device_command(CLI::App &app) {
         ->callback(list_devices);
     add_info(device);
     add_self_test(device);
+    add_sweep(device);
     add_emulate(device);
 }
 

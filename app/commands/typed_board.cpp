@@ -23,7 +23,7 @@ void TypedBoard::add_to(CLI::App &command) {
         ->type_name("FAULT");
 }
 
-factory::OpenBoard TypedBoard::open() const {
+factory::BoardRequest TypedBoard::request() const {
     const NamedDevice named = device_named(device);
     factory::BoardRequest request;
     request.kind = named.kind;
@@ -34,7 +34,7 @@ factory::OpenBoard TypedBoard::open() const {
             throw InputError("--true-device-file, --device-seed and --fault: are for the "
                              "simulated device; remove them, or --device usb");
         }
-        return factory::open_board(request);
+        return request;
     }
     request.truth =
         true_device_file.empty() ? request.description : device::read_device_file(true_device_file);
@@ -43,7 +43,17 @@ factory::OpenBoard TypedBoard::open() const {
     for (const std::string &fault : faults) {
         request.emulation.faults.push_back(emulator::parse_fault(fault));
     }
-    return factory::open_board(request);
+    return request;
+}
+
+factory::OpenBoard TypedBoard::open() const { return factory::open_board(request()); }
+
+factory::OpenBoard TypedBoard::open_for_servo(double period_s) const {
+    constexpr double kWatchdogPeriods = 5.0;
+    factory::BoardRequest wanted = request();
+    wanted.period_s = period_s;
+    wanted.watchdog_periods = kWatchdogPeriods;
+    return factory::open_board(wanted);
 }
 
 } // namespace springdrive::app

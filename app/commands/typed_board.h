@@ -25,8 +25,16 @@ struct TypedBoard {
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);
 
+    /// To drive nothing but the board's own test pulses.
     /// @throw InputError as `factory::open_board` does, and for options that do not fit the device
     [[nodiscard]] factory::OpenBoard open() const;
+
+    /// For a servo: it brakes by itself as soon as for any other.
+    /// @throw InputError as `open`
+    [[nodiscard]] factory::OpenBoard open_for_servo(double period_s) const;
+
+private:
+    [[nodiscard]] factory::BoardRequest request() const;
 };
 
 } // namespace springdrive::app

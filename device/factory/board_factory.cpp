@@ -18,11 +18,9 @@ OpenBoard open_board(const BoardRequest &request) {
     } else {
         port = usb::make_libusb_port();
     }
-    // The thread is no servo's: only a long silence means that it ended. Nothing is driven.
-    constexpr double kWatchdogPeriods = 50.0;
-    board.device =
-        std::make_unique<usb::UsbDevice>(std::move(port), request.description, request.serial,
-                                         request.period_s, usb::Pacing::reports, kWatchdogPeriods);
+    board.device = std::make_unique<usb::UsbDevice>(std::move(port), request.description,
+                                                    request.serial, request.period_s,
+                                                    usb::Pacing::reports, request.watchdog_periods);
     return board;
 }
 

@@ -13,6 +13,9 @@ struct BoardRequest {
     std::string serial;                    ///< of a board on USB; empty: the only one
     device::DeviceDescription description; ///< what its host takes it for
     double period_s = 1e-3;                ///< of its reports, which pace `read`
+    /// Without a command, after which the board brakes by itself. A thread that drives nothing need
+    /// not be a servo's: only a long silence then means that it ended.
+    double watchdog_periods = 50.0;
 
     // For an emulated board only.
     device::DeviceDescription truth; ///< what it is

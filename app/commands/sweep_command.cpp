@@ -1,0 +1,232 @@
+#include "app/commands/commissioning_commands.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/output_files.h"
+#include "app/commands/progress_line.h"
+#include "app/commands/sweep_report.h"
+#include "app/commands/typed_board.h"
+#include "app/ending_signal.h"
+#include "base/degrees.h"
+#include "base/input_error.h"
+#include "base/print.h"
+#include "engine/commissioning/sweep.h"
+#include "engine/servo/real_time.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+using commissioning::StiffnessSweep;
+using commissioning::SweepReport;
+using commissioning::SweepStage;
+
+struct TypedSweep {
+    TypedBoard board;
+    bool is_at_zero = false;
+    TuningOptions tuning;
+    std::vector<int> motors{1, 2, 3};
+    commissioning::SweepOptions options;
+    std::optional<double> max_hz;
+    std::optional<double> tolerance; ///< in % and degrees
+    std::string csv;                 ///< empty: not requested
+    std::filesystem::path svg;       ///< the same
+    Existing existing = Existing::keep;
+};
+
+commissioning::SweepOptions checked_options(const TypedSweep &typed,
+                                            const device::DeviceDescription &device) {
+    commissioning::SweepOptions options = typed.options;
+    options.tuning = typed.tuning.tuning();
+    check_dR(device, options.tuning);
+    const double highest_hz = commissioning::kHighestSweep * options.servo_hz;
+    options.max_hz = typed.max_hz.value_or(0.1 * options.servo_hz);
+    check_range("--freq-from", options.min_hz, commissioning::kLowestSweep_hz, highest_hz);
+    check_range("--freq-to", options.max_hz, commissioning::kLowestSweep_hz, highest_hz);
+    if (!(options.min_hz < options.max_hz)) {
+        throw InputError("--freq-from must be below --freq-to");
+    }
+    check_range("--points", options.points, 2, commissioning::kMostSweepPoints);
+    check_range("--tip-force", options.tip_force_N, commissioning::kLeastSweepForce_N,
+                device.limits.tip_force_N);
+    check_range("--motion", options.motion_m, commissioning::kLeastSweepMotion_m,
+                commissioning::kMostSweepMotion_m);
+    if (typed.tolerance) {
+        check_range("--tolerance", *typed.tolerance, 0.01, 100.0);
+    }
+    options.motors.clear();
+    for (const int motor : typed.motors) {
+        check_range("--motors", motor, 1, 3);
+        options.motors.push_back(static_cast<std::size_t>(motor - 1));
+    }
+    return options;
+}
+
+void check_files(const TypedSweep &typed) {
+    RunFiles files{{typed.board.device_file, typed.board.true_device_file, typed.tuning.file},
+                   {},
+                   {typed.csv}};
+    if (!typed.svg.empty()) {
+        if (typed.svg.extension() != ".svg") {
+            throw InputError("--svg " + typed.svg.string() + ": must be a file that ends in .svg");
+        }
+        files.written.push_back(typed.svg);
+        files.written.push_back(numbers_of_sweep(typed.svg));
+    }
+    check_outputs(files, typed.existing);
+}
+
+/// Until its end, or that of the program.
+void run_to_end(StiffnessSweep &sweep) {
+    ProgressLine line;
+    std::string said;
+    while (sweep.step()) {
+        if (asked_to_end()) {
+            sweep.stop();
+            return;
+        }
+        const std::string instruction = sweep.instruction();
+        if (sweep.stage() == SweepStage::measuring) {
+            line.show(instruction, sweep.share());
+        } else if (instruction != said && !instruction.empty()) {
+            print(std::cerr, "{}\n", instruction);
+            said = instruction;
+        }
+    }
+}
+
+void judge(const TypedSweep &typed, const SweepReport &report) {
+    const double share = 0.01 * *typed.tolerance;
+    const double phase_rad = *typed.tolerance * kRadiansPerDegree;
+    if (!report.is_certain()) {
+        throw InputError("not everything was measured well enough to be judged; see the points "
+                         "with a question mark");
+    }
+    if (!report.is_within(share, phase_rad)) {
+        throw InputError(fmt::format("K_θ differs from the sampled form by more than {0:g} % or "
+                                     "{0:g} degrees",
+                                     *typed.tolerance));
+    }
+}
+
+void sweep_device(const TypedSweep &typed) {
+    check_files(typed);
+    // Before a device is asked, as far as its file tells.
+    static_cast<void>(checked_options(typed, device::read_device_file(typed.board.device_file)));
+    const double period_s = servo::servo_period_s(typed.options.servo_hz);
+    factory::OpenBoard board = typed.board.open_for_servo(period_s);
+    const commissioning::SweepOptions options = checked_options(typed, board.device->description());
+    if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
+        board.device->zero(Vector3::Zero());
+    }
+    if (!board.device->is_zeroed()) {
+        throw InputError("the device is not zeroed, so its angles are not known; hold it in its "
+                         "zero pose, and add --at-zero");
+    }
+    note_ending_signals();
+    StiffnessSweep sweep(*board.device, options);
+    if (!board.emulated) {
+        for (const std::string &remark : servo::make_this_thread_real_time(std::nullopt)) {
+            print(std::cerr, "springdrive: remark: {}\n", remark);
+        }
+    }
+    run_to_end(sweep);
+    const SweepReport report = sweep.report();
+    for (const std::string &remark : report.remarks) {
+        print(std::cerr, "springdrive: remark: {}\n", remark);
+    }
+    if (typed.csv != "-" || !report.is_complete) {
+        write_sweep_table(std::cout, board.device->description(), options, report);
+    }
+    if (!report.problem.empty()) {
+        throw InputError(report.problem);
+    }
+    if (!report.is_complete) {
+        print(std::cout, "not completed\n");
+        throw CLI::RuntimeError(1);
+    }
+    if (!typed.csv.empty()) {
+        write_output(
+            typed.csv, [&](std::ostream &out) { write_sweep_csv(out, report); }, typed.existing);
+    }
+    if (!typed.svg.empty()) {
+        const device::DeviceIdentity identity = board.device->identity();
+        draw_sweep(typed.svg, board.device->description().name + " " + identity.serial, options,
+                   report, typed.existing);
+    }
+    if (typed.tolerance) {
+        judge(typed, report);
+    }
+}
+
+void add_frequency_options(CLI::App &command, TypedSweep &typed) {
+    add_servo_hz_option(command, typed.options.servo_hz);
+    command.add_option("--freq-from", typed.options.min_hz, "lowest frequency [1]")
+        ->type_name("HZ");
+    command
+        .add_option("--freq-to", typed.max_hz,
+                    "highest frequency, up to a quarter of the servo rate [a tenth]")
+        ->type_name("HZ");
+    command
+        .add_option("--points", typed.options.points,
+                    "number of frequencies, logarithmically spaced [12]")
+        ->type_name("N");
+    command.add_option("--motors", typed.motors, "which ones [1,2,3]")
+        ->type_name("N,...")
+        ->delimiter(',');
+}
+
+void add_limit_options(CLI::App &command, TypedSweep &typed) {
+    command
+        .add_option("--tip-force", typed.options.tip_force_N,
+                    "limit of the force at the tip; the excitation itself stays below a third of "
+                    "it [4]")
+        ->type_name("N");
+    command.add_option("--motion", typed.options.motion_m, "largest amplitude of the tip [0.001]")
+        ->type_name("M");
+    command.add_flag("--without-observer{false}", typed.options.observes_resistance,
+                     "R is taken from the device file, not observed: dR then differs from what was "
+                     "asked for as much as R does");
+    command
+        .add_option("--tolerance", typed.tolerance,
+                    "exit status 1 unless every magnitude is within X % of the sampled form, and "
+                    "every phase within X degrees [none]")
+        ->type_name("X");
+}
+
+} // namespace
+
+void add_sweep(CLI::App &device) {
+    CLI::App &command = *device.add_subcommand(
+        "sweep",
+        "the stiffness that the device renders, by a sine sweep of each motor, beside (12) "
+        "and the sampled form with the measured d");
+    const auto typed = std::make_shared<TypedSweep>();
+    typed->board.add_to(command);
+    command.add_flag("--at-zero", typed->is_at_zero,
+                     "the device is held in its zero pose at the start: upper arm level, forearm "
+                     "hanging, tip at the origin; a board on USB must be zeroed");
+    typed->tuning.add_to(command, TuningScope::coupling);
+    add_frequency_options(command, *typed);
+    add_limit_options(command, *typed);
+    add_output_option(command, "--csv", typed->csv, "CSV");
+    command.add_option("--svg", typed->svg, "a chart; its numbers are written beside it, as .csv")
+        ->type_name("FILE.svg");
+    add_force_option(command, typed->existing);
+    command.footer("The motors hold the tip where it is at the start, and shake it by less than a "
+                   "millimetre. Keep a relaxed hand on it. Ctrl+C brakes.\n"
+                   "Phases are those of -τ/θ: a spring has 0°, a damper +90°.\n"
+                   "Exit status: 0 measured, 1 not completed or beyond --tolerance.");
+    command.callback([typed] { sweep_device(*typed); });
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,190 @@
+// A sine sweep of the rendered stiffness on a device, one tick after the other, so that a window
+// and a command can both show it while it goes on:
+//
+//   rest ──► hold the tip where it is ──► observe R ──► each motor, each frequency ──► release
+//                                                        │
+//                            amplitude ──► settle ──► blocks until K_θ is known well enough
+//
+// The set-point is locked by the inverse map (18), so that every motor renders K_θ(s) by itself
+// (12). The excitation is a voltage on the motor that is measured, and passes the safety monitor
+// like everything else. Its amplitude is as large as shares of the limits of force, motion, current
+// and energy allow. sweep_estimate.h says what is made of it.
+#pragma once
+
+#include "device/core/haptic_device.h"
+#include "engine/commissioning/sweep_estimate.h"
+#include "engine/control/tuning.h"
+#include "engine/servo/servo.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::commissioning {
+
+struct SweepOptions {
+    std::vector<std::size_t> motors{0, 1, 2};
+    double min_hz = 1.0;
+    double max_hz = 0.0; ///< 0: a tenth of the servo rate
+    int points = 12;     ///< for each motor, at least two, evenly spaced on a logarithmic scale
+    control::Tuning tuning;
+    double servo_hz = 1000.0;
+    /// Otherwise R̂ is that of the file, and what is measured shows how far R is from it.
+    bool observes_resistance = true;
+    /// The monitor's limit meanwhile; the excitation's own amplitude is below a third of it.
+    double tip_force_N = 4.0;
+    double motion_m = 1e-3; ///< amplitude of the tip
+};
+
+/// The ranges of these options.
+inline constexpr double kLowestSweep_hz = 0.1;
+inline constexpr double kHighestSweep = 0.25; ///< of the servo rate
+inline constexpr int kMostSweepPoints = 200;
+inline constexpr double kLeastSweepForce_N = 0.5;
+inline constexpr double kLeastSweepMotion_m = 1e-4;
+inline constexpr double kMostSweepMotion_m = 5e-3;
+
+/// A point of a larger deviation is not known well enough.
+inline constexpr double kUncertain = 0.01;
+
+enum class SweepStage : std::uint8_t { resting, holding, observing, measuring, releasing, done };
+
+struct SweepReport {
+    bool is_complete = false;
+    std::string problem; ///< that ended it; empty if there was none, or if it was stopped
+    std::vector<MotorSweep> motors; ///< with what was measured until then
+    std::vector<std::string> remarks;
+    unsigned discarded_blocks = 0; ///< since a measurement was late, or a limit acted
+
+    /// Whether all was measured, and is known well enough.
+    [[nodiscard]] bool is_certain() const;
+    /// Whether every magnitude is within this share of the sampled form's, and every phase within
+    /// this angle of its phase.
+    [[nodiscard]] bool is_within(double share, double phase_rad) const;
+};
+
+class StiffnessSweep {
+public:
+    /// @param device  zeroed, and read and written by nobody else; outlives this
+    /// @throw InputError for options out of range, or a device that is not zeroed or not fit
+    StiffnessSweep(device::HapticDevice &device, const SweepOptions &options = {});
+
+    /// One tick. @return whether there is more to do
+    bool step();
+
+    /// Brakes now. What was measured stays.
+    void stop() noexcept;
+
+    [[nodiscard]] SweepStage stage() const { return stage_; }
+    /// What the person shall do now, or what is done.
+    [[nodiscard]] std::string instruction() const;
+    [[nodiscard]] double share() const; ///< of the whole
+    [[nodiscard]] SweepReport report() const;
+
+private:
+    /// How a point is approached.
+    enum class Phase : std::uint8_t { changing, trying, settling, measuring, fading };
+
+    /// An amplitude, which changes without a step.
+    struct Amplitude {
+        double now_V = 0.0;
+        double wanted_V = 0.0;
+        double rate_V_per_s = 0.0;
+
+        void change(double to_V) noexcept;
+        void pass(double time_s) noexcept;
+    };
+
+    /// Of a while, for the amplitude.
+    struct Extent {
+        Vector3 least_m{Vector3::Zero()};
+        Vector3 most_m{Vector3::Zero()};
+        Vector3 least_N{Vector3::Zero()};
+        Vector3 most_N{Vector3::Zero()};
+        double least_A = 0.0;
+        double most_A = 0.0;
+        double force_N = 0.0; ///< with what holds the tip
+        double energy_J = 0.0;
+        bool is_empty = true;
+
+        void take(const servo::ServoSample &sample, Eigen::Index motor) noexcept;
+    };
+
+    /// A frequency of a motor, and its blocks of whole periods and ticks.
+    struct Task {
+        std::size_t motor = 0;
+        long periods = 0;
+        long ticks = 0;
+    };
+
+    [[nodiscard]] static SweepOptions checked(const device::HapticDevice &device,
+                                              SweepOptions options);
+    void plan();
+    void publish();
+    [[nodiscard]] double excitation_V() noexcept;
+    void act(const servo::ServoSample &sample);
+    void rest(const servo::ServoSample &sample);
+    void hold();
+    void observe(const servo::ServoSample &sample);
+    void begin_task(double first_V);
+    void end_task();
+    void try_amplitude(double wanted_V) noexcept;
+    void measure(const servo::ServoSample &sample);
+    [[nodiscard]] bool is_too_much(const servo::ServoSample &sample) const noexcept;
+    void retreat();
+    void adapt();
+    [[nodiscard]] double room() const noexcept;
+    void begin_block();
+    [[nodiscard]] bool is_clean(const servo::ServoSample &sample) const noexcept;
+    void take_tick(const servo::ServoSample &sample);
+    void take_block();
+    void enter(SweepStage stage) noexcept;
+    void enter(Phase phase) noexcept;
+    void end(std::string problem);
+    [[nodiscard]] double block_s() const noexcept;
+    [[nodiscard]] double largest_V() const noexcept;
+    [[nodiscard]] loops::SpringDrive drive_of(std::size_t motor) const;
+    [[nodiscard]] Eigen::Index motor_index() const noexcept;
+
+    device::HapticDevice &device_;
+    SweepOptions options_;
+    servo::SafetyLimits limits_; ///< of the device
+    servo::Servo servo_;
+    servo::ServoInputs inputs_;
+    servo::ServoSample sample_; ///< the last one
+    bool has_sample_ = false;
+
+    SweepStage stage_ = SweepStage::resting;
+    double stage_began_s_ = 0.0;
+    double now_s_ = 0.0; ///< by the device's time, since the beginning
+    double origin_s_ = 0.0;
+    bool is_complete_ = false;
+    std::string problem_;
+    std::vector<std::string> remarks_;
+
+    std::vector<Task> tasks_;
+    std::size_t task_ = 0; ///< the present one
+    Phase phase_ = Phase::changing;
+    double phase_began_s_ = 0.0;
+    Amplitude sine_;
+    Amplitude dither_;
+    bool is_rising_ = false;        ///< the sine, to what is tried
+    double dither_rad_per_s_ = 0.0; ///< 0: none
+    int trials_ = 0;
+    Extent extent_;
+
+    SweepBlock block_;
+    double block_began_s_ = 0.0;
+    long block_ticks_ = 0;
+    double delay_sum_ = 0.0;
+    double k_T_sum_ = 0.0;
+    long summed_ticks_ = 0;
+    SweepMeasurement measurement_; ///< at the present frequency
+    std::vector<SweepMeasurement> measured_;
+    unsigned discarded_ = 0;
+};
+
+} // namespace springdrive::commissioning
