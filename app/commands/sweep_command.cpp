@@ -144,7 +144,7 @@ void sweep_device(const TypedSweep &typed) {
     for (const std::string &remark : report.remarks) {
         print(std::cerr, "springdrive: remark: {}\n", remark);
     }
-    if (typed.csv != "-" || !report.is_complete) {
+    if (!report.motors.empty() && (typed.csv != "-" || !report.is_complete)) {
         write_sweep_table(std::cout, board.device->description(), options, report);
     }
     if (!report.problem.empty()) {

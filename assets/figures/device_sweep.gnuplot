@@ -20,6 +20,7 @@ set label 1 heading at screen 0.5, 0.978 center noenhanced font ",16"
 set label 2 setting at screen 0.5, 0.948 center noenhanced font ",12" textcolor rgb grey
 set logscale y
 set format x ""
+set ytics (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 3, 5, 7, 10, 20, 50, 100)
 set ylabel "|K_θ|  (N·m/rad)"
 set key top left opaque samplen 3
 plot for [m=first_motor:last_motor] csv using (of_motor(m, $2)):8 skip 1 with lines linewidth 2 linecolor rgb grey title (m == first_motor ? "analytic (12)" : ""), \
@@ -31,6 +32,7 @@ set bmargin at screen 0.32
 unset label
 unset key
 unset logscale y
+set ytics autofreq
 set format y "%g°"
 set ylabel "phase (0°: spring, 90°: damper)"
 plot for [m=first_motor:last_motor] csv using (of_motor(m, $2)):9 skip 1 with lines linewidth 2 linecolor rgb grey, \
@@ -43,7 +45,12 @@ set format y "%g"
 set format x "%g"
 set ylabel "measured to sampled"
 set xlabel "frequency (Hz)"
-set key top left opaque samplen 3
+set key top left samplen 3
+# Room for the legend above all points.
+stats csv using (abs($10) + $5) skip 1 nooutput name "percent"
+stats csv using (abs($11)) skip 1 nooutput name "degrees"
+reach = percent_max > degrees_max ? percent_max : degrees_max
+set yrange [-1.1 * reach:1.9 * reach]
 plot 0 with lines linewidth 1 linecolor rgb grey notitle, \
      for [m=first_motor:last_motor] csv using (of_motor(m, $2)):10:5 skip 1 with yerrorlines pointtype point_of(m) pointsize 0.8 linewidth 1.5 linecolor rgb color_of(m) title (m == first_motor ? "magnitude (%), with its deviation" : ""), \
      for [m=first_motor:last_motor] csv using (of_motor(m, $2)):11 skip 1 with linespoints dashtype 3 pointtype point_of(m) pointsize 0.5 linewidth 1.5 linecolor rgb color_of(m) title (m == first_motor ? "phase (°)" : "")

@@ -32,7 +32,7 @@ constexpr double kObserved = 0.01; ///< deviation of R, as a share of dR
 /// Ticks of a block at least: it begins and ends with periods of the sine, which changes the
 /// frequency by no more than 1/500.
 constexpr long kBlockTicks = 250;
-constexpr std::size_t kLeastBlocks = 4;
+constexpr std::size_t kLeastBlocks = 6;
 constexpr std::size_t kMostBlocks = 16;
 constexpr double kWanted = 3e-3; ///< deviation of K_θ as a share of it
 constexpr unsigned kMostDiscarded = 200;

@@ -47,9 +47,6 @@ inline constexpr double kLeastSweepForce_N = 0.5;
 inline constexpr double kLeastSweepMotion_m = 1e-4;
 inline constexpr double kMostSweepMotion_m = 5e-3;
 
-/// A point of a larger deviation is not known well enough.
-inline constexpr double kUncertain = 0.01;
-
 enum class SweepStage : std::uint8_t { resting, holding, observing, measuring, releasing, done };
 
 struct SweepReport {

@@ -24,8 +24,8 @@ constexpr double kLeast_Ohm = 1e-3;
 /// No point of a sweep is better known than that, for the fit of the winding.
 constexpr double kLeastDeviation = 2e-3;
 
-/// Of the winding and its aliases: each one leaves a twentieth of the error before.
-constexpr int kFits = 8;
+/// Steps of the fit: each leaves less than a third of the error before.
+constexpr int kFits = 12;
 
 /// H(jω) of a command that is held for T, d T after its measurement.
 Complex hold_and_delay(double omega_rad_per_s, double period_s, double delay_periods) {
@@ -91,116 +91,169 @@ Aliases aliases(const loops::SpringDrive &drive, const SweepMeasurement &measure
     return found;
 }
 
+/// Amplitudes for one volt of excitation. Blocks may begin at any phase, so all are related to
+/// their excitation, which is known without noise: means of ratios of noisy values would be biased.
+struct Response {
+    Complex e_W;     ///< [V/V]
+    Complex current; ///< [A/V]
+    Complex theta;   ///< [rad/V]
+};
+
+Response response_of(const BlockAmplitudes &block) {
+    return {block.e_W_V / block.excitation_V, block.current_A / block.excitation_V,
+            block.theta_rad / block.excitation_V};
+}
+
+Response mean_response(const SweepMeasurement &measurement) {
+    Response sum;
+    for (const BlockAmplitudes &block : measurement.blocks) {
+        const Response its = response_of(block);
+        sum.e_W += its.e_W;
+        sum.current += its.current;
+        sum.theta += its.theta;
+    }
+    const auto blocks = static_cast<double>(measurement.blocks.size());
+    return {sum.e_W / blocks, sum.current / blocks, sum.theta / blocks};
+}
+
+/// A response at ω alone.
+struct PureResponse {
+    Complex net;     ///< what drives the current [V/V]
+    Complex current; ///< [A/V]
+    Complex theta;   ///< [rad/V]
+};
+
+PureResponse without_aliases(const loops::SpringDrive &drive, const SweepMeasurement &measurement,
+                             const Aliases &its_aliases, const Response &response) {
+    const double omega = measurement.omega_rad_per_s();
+    const Complex theta = response.theta - its_aliases.theta_rad * response.e_W;
+    return {hold_and_delay(omega, drive.period_s, measurement.delay_periods) * response.e_W -
+                Complex(0.0, omega * measurement.torque_constant_Nm_per_A) * theta,
+            response.current - its_aliases.current_A * response.e_W, theta};
+}
+
 /// Y and its standard deviation.
 struct Admittance {
     Complex value_S;
     double deviation = 0.0; ///< relative
 };
 
-/// A block's amplitudes at ω alone, related to its excitation.
-struct PureAmplitudes {
-    Complex net;     ///< the voltage that drives the current
-    Complex current; ///< [1/Ω]
-};
-
-/// Blocks may begin at any phase, so all are related to their excitation, which is known without
-/// noise: means of ratios of noisy values would be biased.
 Admittance admittance(const loops::SpringDrive &drive, const SweepMeasurement &measurement,
                       const FittedWinding &winding) {
-    const double omega = measurement.omega_rad_per_s();
-    const Complex H = hold_and_delay(omega, drive.period_s, measurement.delay_periods);
-    const Complex back_emf_Vs(0.0, omega * measurement.torque_constant_Nm_per_A);
     const Aliases its_aliases = aliases(drive, measurement, winding);
-    const auto pure = [&](const BlockAmplitudes &block) -> PureAmplitudes {
-        const Complex theta_rad = block.theta_rad - its_aliases.theta_rad * block.e_W_V;
-        const Complex current_A = block.current_A - its_aliases.current_A * block.e_W_V;
-        return {(H * block.e_W_V - back_emf_Vs * theta_rad) / block.excitation_V,
-                current_A / block.excitation_V};
-    };
-    PureAmplitudes sum;
-    for (const BlockAmplitudes &block : measurement.blocks) {
-        const PureAmplitudes its = pure(block);
-        sum.net += its.net;
-        sum.current += its.current;
-    }
-    const auto blocks = static_cast<double>(measurement.blocks.size());
-    const Complex Y = sum.current / sum.net;
+    const PureResponse mean =
+        without_aliases(drive, measurement, its_aliases, mean_response(measurement));
+    const Complex Y = mean.current / mean.net;
     double scatter = 0.0;
     for (const BlockAmplitudes &block : measurement.blocks) {
-        const PureAmplitudes its = pure(block);
+        const PureResponse its =
+            without_aliases(drive, measurement, its_aliases, response_of(block));
         scatter += std::norm(its.current - Y * its.net);
     }
     // The mean of N residuals, of N − 1 degrees of freedom, for real and imaginary part each.
+    const auto blocks = static_cast<double>(measurement.blocks.size());
     const double mean_deviation = blocks > 1.0
                                       ? std::sqrt(0.5 * scatter / (blocks * (blocks - 1.0)))
                                       : std::numeric_limits<double>::infinity();
-    return {Y, mean_deviation / std::abs(sum.current / blocks)};
-}
-
-/// From the torque that moved it: K − J ω² of hand and linkage at all frequencies, each as well
-/// known as another.
-double fitted_inertia_kg_m2(const loops::SpringDrive &drive,
-                            std::span<const SweepMeasurement> measurements) {
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d product = Eigen::Vector2d::Zero();
-    for (const SweepMeasurement &measurement : measurements) {
-        Complex torque_Nm = 0.0;
-        Complex theta_rad = 0.0;
-        for (const BlockAmplitudes &block : measurement.blocks) {
-            torque_Nm +=
-                measurement.torque_constant_Nm_per_A * block.current_A / block.excitation_V;
-            theta_rad += block.theta_rad / block.excitation_V;
-        }
-        const Complex load_Nm_per_rad = torque_Nm / theta_rad;
-        const double omega = measurement.omega_rad_per_s();
-        const Eigen::Vector2d regressor(1.0, -omega * omega);
-        const double weight = 1.0 / std::norm(load_Nm_per_rad);
-        if (std::isfinite(weight)) {
-            normal += weight * regressor * regressor.transpose();
-            product += weight * load_Nm_per_rad.real() * regressor;
-        }
-    }
-    const double J =
-        normal.determinant() > 0.0 ? Eigen::Vector2d(normal.inverse() * product)[1] : 0.0;
-    return std::max(std::isfinite(J) ? J : 0.0, drive.motor.rotor_inertia_kg_m2);
+    return {Y, mean_deviation / std::abs(mean.current)};
 }
 
 FittedWinding predicted_winding(const loops::SpringDrive &drive) {
     return {drive.dR_Ohm(), drive.motor.inductance_H, std::numeric_limits<double>::infinity()};
 }
 
-/// dR + jωL that fits 1/Y of all frequencies best.
+/// A line y = a + b x through weighted points.
+class FittedLine {
+public:
+    void take(double x, double y, double weight) {
+        if (std::isfinite(weight) && std::isfinite(y)) {
+            normal_ += weight * Eigen::Vector2d(1.0, x) * Eigen::RowVector2d(1.0, x);
+            product_ += weight * y * Eigen::Vector2d(1.0, x);
+        }
+    }
+
+    /// 0 if there are not two points.
+    [[nodiscard]] double slope() const {
+        return normal_.determinant() > 0.0 ? Eigen::Vector2d(normal_.inverse() * product_)[1] : 0.0;
+    }
+
+private:
+    Eigen::Matrix2d normal_{Eigen::Matrix2d::Zero()};
+    Eigen::Vector2d product_{Eigen::Vector2d::Zero()};
+};
+
+/// The inertia of K − J ω² that fits the load of all frequencies, each as well known as another; at
+/// least that of the rotor.
+double fitted_inertia_kg_m2(const loops::SpringDrive &drive,
+                            std::span<const SweepMeasurement> measurements,
+                            const FittedWinding &winding) {
+    FittedLine load;
+    for (const SweepMeasurement &measurement : measurements) {
+        const double omega = measurement.omega_rad_per_s();
+        const PureResponse pure = without_aliases(
+            drive, measurement, aliases(drive, measurement, winding), mean_response(measurement));
+        const Complex load_Nm_per_rad =
+            measurement.torque_constant_Nm_per_A * pure.current / pure.theta;
+        load.take(-omega * omega, load_Nm_per_rad.real(), 1.0 / std::norm(load_Nm_per_rad));
+    }
+    return std::max(load.slope(), drive.motor.rotor_inertia_kg_m2);
+}
+
+/// A step of Gauss and Newton for the logarithms of dR and L. What is fitted are the currents at
+/// the samples, which tell little of L where they have settled: the file's then holds.
+Eigen::Vector2d winding_step(const loops::SpringDrive &drive,
+                             std::span<const SweepMeasurement> measurements,
+                             const FittedWinding &winding) {
+    const auto changed = [&](double of_dR, double of_L) {
+        return FittedWinding{winding.dR_Ohm * std::exp(of_dR),
+                             winding.inductance_H * std::exp(of_L), winding.inertia_kg_m2};
+    };
+    // The current that the motor would have at the samples, relative to the one measured.
+    const auto relative_current = [&](const SweepMeasurement &measurement,
+                                      const FittedWinding &tried) {
+        const Response measured = mean_response(measurement);
+        const Aliases its_aliases = aliases(drive, measurement, tried);
+        const PureResponse pure = without_aliases(drive, measurement, its_aliases, measured);
+        const Complex impedance_Ohm(tried.dR_Ohm,
+                                    measurement.omega_rad_per_s() * tried.inductance_H);
+        return (pure.net / impedance_Ohm + its_aliases.current_A * measured.e_W) / measured.current;
+    };
+    constexpr double kSmall = 1e-4;
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d product = Eigen::Vector2d::Zero();
+    for (const SweepMeasurement &measurement : measurements) {
+        const Complex now = relative_current(measurement, winding);
+        const Eigen::Vector2cd slope(
+            (relative_current(measurement, changed(kSmall, 0.0)) - now) / kSmall,
+            (relative_current(measurement, changed(0.0, kSmall)) - now) / kSmall);
+        const double deviation =
+            std::max(admittance(drive, measurement, winding).deviation, kLeastDeviation);
+        const double weight = 1.0 / (deviation * deviation);
+        if (!std::isfinite(std::abs(now)) || !std::isfinite(weight) || weight <= 0.0) {
+            continue;
+        }
+        normal += weight * (slope.conjugate() * slope.transpose()).real();
+        product += weight * (slope.conjugate() * (1.0 - now)).real();
+    }
+    constexpr double kKnown = 1.0 / (kInductanceKnown * kInductanceKnown);
+    normal(1, 1) += kKnown;
+    product[1] += kKnown * std::log(drive.motor.inductance_H / winding.inductance_H);
+    if (!(normal.determinant() > 0.0)) {
+        return Eigen::Vector2d::Zero();
+    }
+    constexpr double kLongest = 0.5;
+    return Eigen::Vector2d(normal.inverse() * product).cwiseMax(-kLongest).cwiseMin(kLongest);
+}
+
+/// dR, L and J that fit all frequencies best.
 FittedWinding fitted_winding(const loops::SpringDrive &drive,
                              std::span<const SweepMeasurement> measurements) {
     FittedWinding winding = predicted_winding(drive);
-    winding.inertia_kg_m2 = fitted_inertia_kg_m2(drive, measurements);
-    const double known_H = kInductanceKnown * drive.motor.inductance_H;
     for (int fit = 0; fit < kFits; ++fit) {
-        double weights = 0.0;
-        double resistances = 0.0;
-        double squares = 1.0 / (known_H * known_H);
-        double inductances = drive.motor.inductance_H * squares;
-        for (const SweepMeasurement &measurement : measurements) {
-            const Admittance Y = admittance(drive, measurement, winding);
-            const Complex impedance_Ohm = 1.0 / Y.value_S;
-            const double deviation_Ohm =
-                std::abs(impedance_Ohm) * std::max(Y.deviation, kLeastDeviation);
-            const double weight = 1.0 / (deviation_Ohm * deviation_Ohm);
-            if (!std::isfinite(weight) || !(weight > 0.0)) {
-                continue;
-            }
-            const double omega = measurement.omega_rad_per_s();
-            weights += weight;
-            resistances += weight * impedance_Ohm.real();
-            squares += weight * omega * omega;
-            inductances += weight * omega * impedance_Ohm.imag();
-        }
-        if (weights > 0.0) {
-            winding.dR_Ohm = std::max(resistances / weights, kLeast_Ohm);
-        }
-        // An amplifier's own delay may look like a lack of inductance.
-        winding.inductance_H = std::clamp(inductances / squares, 0.1 * drive.motor.inductance_H,
-                                          10.0 * drive.motor.inductance_H);
+        winding.inertia_kg_m2 = fitted_inertia_kg_m2(drive, measurements, winding);
+        const Eigen::Vector2d step = winding_step(drive, measurements, winding);
+        winding.dR_Ohm = std::max(winding.dR_Ohm * std::exp(step[0]), kLeast_Ohm);
+        winding.inductance_H *= std::exp(step[1]);
     }
     return winding;
 }

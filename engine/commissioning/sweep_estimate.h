@@ -48,6 +48,9 @@ struct FittedWinding {
     double inertia_kg_m2 = 0.0; ///< of the rotor, with what moves with it above its resonances
 };
 
+/// A point of a larger deviation is not known well enough.
+inline constexpr double kUncertain = 0.01;
+
 /// One frequency's result.
 struct SweepPoint {
     double frequency_hz = 0.0;
