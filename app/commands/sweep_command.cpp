@@ -123,6 +123,11 @@ void sweep_device(const TypedSweep &typed) {
     // Before a device is asked, as far as its file tells.
     static_cast<void>(checked_options(typed, device::read_device_file(typed.board.device_file)));
     const double period_s = servo::servo_period_s(typed.options.servo_hz);
+    if (device_named(typed.board.device).kind == factory::DeviceKind::usb) {
+        for (const std::string &remark : servo::make_this_thread_real_time(std::nullopt)) {
+            print(std::cerr, "springdrive: remark: {}\n", remark);
+        }
+    }
     factory::OpenBoard board = typed.board.open_for_servo(period_s);
     const commissioning::SweepOptions options = checked_options(typed, board.device->description());
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
@@ -134,11 +139,6 @@ void sweep_device(const TypedSweep &typed) {
     }
     note_ending_signals();
     StiffnessSweep sweep(*board.device, options);
-    if (!board.emulated) {
-        for (const std::string &remark : servo::make_this_thread_real_time(std::nullopt)) {
-            print(std::cerr, "springdrive: remark: {}\n", remark);
-        }
-    }
     run_to_end(sweep);
     const SweepReport report = sweep.report();
     for (const std::string &remark : report.remarks) {

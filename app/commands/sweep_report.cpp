@@ -50,7 +50,7 @@ void write_sweep_table(std::ostream &out, const device::DeviceDescription &devic
               "\nmotor {}: dR {:.4f} Ω, L {:.3f} mH (file {:.3f}), k_T {:.2f} mN·m/A (file "
               "{:.2f}), d {:.3f} periods\n",
               sweep.motor + 1, sweep.winding.dR_Ohm, 1e3 * sweep.winding.inductance_H,
-              1e3 * file.inductance_H, 1e3 * sweep.torque_constant_Nm_per_A,
+              1e3 * file.inductance_H, 1e3 * sweep.winding.torque_constant_Nm_per_A,
               1e3 * file.torque_constant_Nm_per_A, sweep.points.front().delay_periods);
         out << "                measured           sampled              (12)      measured to "
                "sampled\n"

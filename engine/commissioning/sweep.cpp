@@ -19,13 +19,16 @@ namespace {
 using servo::SafetyState;
 using servo::ServoSample;
 
+/// While the device still brakes: d of the packets that a servo exchanges is measured first, as the
+/// observer of R needs it. As many as the driver's mean goes back.
+constexpr int kDelayTicks = 256;
 constexpr double kLongestRest_s = 60.0; ///< until the tip has rested in free space
 constexpr double kHold_s = 0.5;         ///< until what changed with the hold has decayed
 
 // R is observed while all motors are shaken slowly, within the observer's windows.
 constexpr double kObserving_hz = 5.0;
-constexpr double kObserving_rad = 0.03;
-constexpr double kLeastObserving_s = 1.0;
+constexpr double kObserving_rad = 0.08;
+constexpr double kLeastObserving_s = 4.0;
 constexpr double kLongestObserving_s = 8.0;
 constexpr double kObserved = 0.01; ///< deviation of R, as a share of dR
 
@@ -34,13 +37,14 @@ constexpr double kObserved = 0.01; ///< deviation of R, as a share of dR
 constexpr long kBlockTicks = 250;
 constexpr std::size_t kLeastBlocks = 6;
 constexpr std::size_t kMostBlocks = 16;
-constexpr double kWanted = 3e-3; ///< deviation of K_θ as a share of it
+constexpr double kWantedDeviation = 3e-3; ///< deviation of K_θ as a share of it
 constexpr unsigned kMostDiscarded = 200;
 
 /// A dither beside the sine, so that the rounding of its counts averages out: slow, or faster than
 /// a slow sine. Its frequency is irrational in blocks, so that no two round alike.
-constexpr long kSlowDither_periods = 6; ///< of the sine in a block, at least
+constexpr long kSlowDither_periods = 3; ///< of the sine in a block, at least
 constexpr double kDither_counts = 5.0;
+constexpr double kDitherForceShare = 0.05; ///< of the limit
 
 /// In a block.
 double dither_periods(long sine_periods) {
@@ -60,6 +64,7 @@ constexpr double kSpeedShare = 0.2;
 constexpr double kEnergyShare = 1.0 / 3.0;
 constexpr double kEnergyTooMuch = 0.5;
 constexpr double kChange_s = 0.05; ///< of the amplitude
+constexpr double kCalm_s = 0.2;    ///< after too much
 constexpr double kTrial_s = 0.06;  ///< at least, and a period
 constexpr double kSettle_s = 0.2;  ///< the same
 constexpr int kMostTrials = 12;
@@ -156,6 +161,7 @@ StiffnessSweep::StiffnessSweep(device::HapticDevice &device, const SweepOptions 
     servo_.set_rate(options_.servo_hz); // the device's, too
     inputs_.tuning = options_.tuning;
     inputs_.limits.tip_force_N = options_.tip_force_N;
+    inputs_.release = true; // until d is measured
     inputs_.observes_resistance = options_.observes_resistance;
     if (options_.observes_resistance && !device.description().current_sensing.is_shared) {
         remarks_.push_back("the servo's current sensors are not those of the amplifiers, so R is "
@@ -212,9 +218,9 @@ bool StiffnessSweep::step() {
 void StiffnessSweep::publish() {
     inputs_.excitation_V.setZero();
     if (stage_ == SweepStage::observing) {
-        const double amplitude_V = options_.tuning.K_P_V_per_rad * kObserving_rad;
+        sine_.pass(servo_.period_s());
         inputs_.excitation_V.setConstant(
-            std::min(amplitude_V, kMost * limits_.voltage_V) *
+            sine_.now_V *
             std::sin(2.0 * std::numbers::pi * kObserving_hz * (now_s_ - stage_began_s_)));
     } else if (stage_ == SweepStage::measuring) {
         inputs_.excitation_V[motor_index()] = excitation_V();
@@ -269,6 +275,13 @@ void StiffnessSweep::act(const ServoSample &sample) {
 }
 
 void StiffnessSweep::rest(const ServoSample &sample) {
+    if (inputs_.release) {
+        if (++braked_ticks_ == kDelayTicks) {
+            servo_.set_rate(options_.servo_hz); // takes over d
+            inputs_.release = false;
+        }
+        return;
+    }
     if (sample.safety.state == SafetyState::running) {
         inputs_.fixed_x0_m = sample.tip_m;
         enter(SweepStage::holding);
@@ -283,16 +296,24 @@ void StiffnessSweep::hold() {
     if (now_s_ - stage_began_s_ < kHold_s) {
         return;
     }
-    const bool observes =
-        options_.observes_resistance && device_.description().current_sensing.is_shared;
-    enter(observes ? SweepStage::observing : SweepStage::measuring);
-    if (!observes) {
+    if (options_.observes_resistance && device_.description().current_sensing.is_shared) {
+        sine_.change(std::min(options_.tuning.K_P_V_per_rad * kObserving_rad, largest_V()));
+        enter(SweepStage::observing);
+    } else {
+        enter(SweepStage::measuring);
         begin_task(kFirst_V);
     }
 }
 
 void StiffnessSweep::observe(const ServoSample &sample) {
     const double since_s = now_s_ - stage_began_s_;
+    if (sine_.wanted_V == 0.0) { // it is known, and the excitation fades
+        if (since_s >= kCalm_s) {
+            enter(SweepStage::measuring);
+            begin_task(kFirst_V);
+        }
+        return;
+    }
     if (since_s < kLeastObserving_s) {
         return;
     }
@@ -305,16 +326,15 @@ void StiffnessSweep::observe(const ServoSample &sample) {
         return;
     }
     for (const std::size_t motor : options_.motors) {
-        if (!is_known(motor)) {
-            const control::ObservedMotor &known = sample.motor[motor];
+        const control::ObservedMotor &known = sample.motor[motor];
+        if (!is_known(motor) && known.is_trusted) { // others: note_distrust
             remarks_.push_back(fmt::format(
-                "R of motor {} is {}, so dR may differ from what was asked for", motor + 1,
-                known.is_trusted ? fmt::format("known to {:.0f} mΩ", 1e3 * known.here.deviation_Ohm)
-                                 : std::string("not trusted as it was observed")));
+                "R of motor {} is known to {:.1f} mΩ, so dR may differ from what was asked for",
+                motor + 1, 1e3 * std::max(known.here.deviation_Ohm, known.mean.deviation_Ohm)));
         }
     }
-    enter(SweepStage::measuring);
-    begin_task(kFirst_V);
+    sine_.change(0.0);
+    stage_began_s_ = now_s_;
 }
 
 void StiffnessSweep::Amplitude::change(double to_V) noexcept {
@@ -327,6 +347,23 @@ void StiffnessSweep::Amplitude::pass(double time_s) noexcept {
     now_V = std::clamp(wanted_V, now_V - step_V, now_V + step_V);
 }
 
+/// Against the spring K_P it moves the rotor by some counts; a fast one moves its inertia, and is
+/// limited by the force that this takes.
+double StiffnessSweep::dither_V(const Task &task) const {
+    const device::DeviceDescription &description = device_.description();
+    const double slow_V =
+        options_.tuning.K_P_V_per_rad * kDither_counts * description.rad_per_count();
+    if (task.periods >= kSlowDither_periods) {
+        return std::min(slow_V, largest_V());
+    }
+    const double force_N_per_A = description.motor[task.motor].torque_constant_Nm_per_A *
+                                 description.geometry.transmission_ratio[motor_index()] /
+                                 description.geometry.upper_arm_m;
+    return std::min(
+        {slow_V, largest_V(),
+         kDitherForceShare * options_.tip_force_N / force_N_per_A * options_.tuning.dR_Ohm});
+}
+
 void StiffnessSweep::begin_task(double first_V) {
     const Task &task = tasks_[task_];
     measurement_ = {};
@@ -335,12 +372,10 @@ void StiffnessSweep::begin_task(double first_V) {
     measurement_.frequency_hz =
         static_cast<double>(task.periods) / (static_cast<double>(task.ticks) * servo_.period_s());
     dither_rad_per_s_ = 2.0 * std::numbers::pi * dither_periods(task.periods) / block_s();
-    dither_.change(std::min(options_.tuning.K_P_V_per_rad * kDither_counts *
-                                device_.description().rad_per_count(),
-                            largest_V()));
+    dither_.change(dither_V(task));
     try_amplitude(first_V);
     trials_ = 0;
-    delay_sum_ = k_T_sum_ = 0.0;
+    delay_sum_ = k_T_sum_ = cancelled_sum_Ohm_ = 0.0;
     summed_ticks_ = 0;
 }
 
@@ -361,6 +396,7 @@ void StiffnessSweep::end_task() {
 void StiffnessSweep::try_amplitude(double wanted_V) noexcept {
     const double to_V = std::min(wanted_V, largest_V());
     is_rising_ = to_V > sine_.now_V;
+    changing_s_ = kChange_s;
     sine_.change(to_V);
     enter(Phase::changing);
 }
@@ -375,7 +411,7 @@ void StiffnessSweep::measure(const ServoSample &sample) {
     }
     switch (phase_) {
     case Phase::changing:
-        if (since_s >= kChange_s) {
+        if (since_s >= changing_s_) {
             extent_ = {};
             enter(Phase::trying);
         }
@@ -406,7 +442,11 @@ void StiffnessSweep::measure(const ServoSample &sample) {
 bool StiffnessSweep::is_too_much(const ServoSample &sample) const noexcept {
     return sample.held_back.holds_force() || sample.held_back.voltage ||
            sample.tip_force_N.norm() > kForceTooMuch * options_.tip_force_N ||
-           sample.generated_energy_J > kEnergyTooMuch * limits_.generated_energy_J;
+           is_too_much_energy(sample);
+}
+
+bool StiffnessSweep::is_too_much_energy(const ServoSample &sample) const noexcept {
+    return sample.generated_energy_J > kEnergyTooMuch * limits_.generated_energy_J;
 }
 
 /// To less, at once.
@@ -421,6 +461,9 @@ void StiffnessSweep::retreat() {
     ++trials_;
     measurement_.blocks.clear();
     try_amplitude(std::max(kLeast_V, kRetreat * sine_.wanted_V));
+    // Until the tip is calm again, or the observer has forgotten most of the energy.
+    is_rising_ = false;
+    changing_s_ = is_too_much_energy(sample_) ? servo::EnergyObserver::kMemory_s : kCalm_s;
 }
 
 /// By which the amplitude may grow.
@@ -488,21 +531,37 @@ void StiffnessSweep::take_tick(const ServoSample &sample) {
                  sample.command.e_W_V[motor], sample.current_A[motor], sample.theta_rad[motor]});
     delay_sum_ += device_.delay_periods();
     k_T_sum_ += sample.motor[tasks_[task_].motor].torque_constant_Nm_per_A;
+    cancelled_sum_Ohm_ += sample.command.cancelled_resistance_Ohm[motor];
     ++summed_ticks_;
     if (++block_ticks_ == tasks_[task_].ticks) {
         take_block();
     }
 }
 
+/// A motor that is observed no more keeps the file's R, from then on.
+void StiffnessSweep::note_distrust() {
+    const std::size_t motor = measurement_.motor;
+    if (sample_.motor[motor].is_trusted || is_distrusted_[motor]) {
+        return;
+    }
+    is_distrusted_[motor] = true;
+    remarks_.push_back(fmt::format("R of motor {} is not trusted as it was observed, so dR may "
+                                   "differ from what was asked for",
+                                   motor + 1));
+}
+
 void StiffnessSweep::take_block() {
+    note_distrust();
     measurement_.blocks.push_back(block_.amplitudes());
     const auto ticks = static_cast<double>(summed_ticks_);
     measurement_.delay_periods = delay_sum_ / ticks;
     measurement_.torque_constant_Nm_per_A = k_T_sum_ / ticks;
+    measurement_.cancelled_Ohm = cancelled_sum_Ohm_ / ticks;
     measurement_.excitation_V = sine_.now_V;
     const std::size_t blocks = measurement_.blocks.size();
-    const bool is_known = blocks >= kLeastBlocks &&
-                          estimated_deviation(drive_of(measurement_.motor), measurement_) < kWanted;
+    const bool is_known =
+        blocks >= kLeastBlocks &&
+        estimated_deviation(drive_of(measurement_.motor), measurement_) < kWantedDeviation;
     if (!is_known && blocks < kMostBlocks) {
         begin_block();
         return;

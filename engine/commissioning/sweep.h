@@ -126,11 +126,13 @@ private:
     void rest(const servo::ServoSample &sample);
     void hold();
     void observe(const servo::ServoSample &sample);
+    [[nodiscard]] double dither_V(const Task &task) const;
     void begin_task(double first_V);
     void end_task();
     void try_amplitude(double wanted_V) noexcept;
     void measure(const servo::ServoSample &sample);
     [[nodiscard]] bool is_too_much(const servo::ServoSample &sample) const noexcept;
+    [[nodiscard]] bool is_too_much_energy(const servo::ServoSample &sample) const noexcept;
     void retreat();
     void adapt();
     [[nodiscard]] double room() const noexcept;
@@ -138,6 +140,7 @@ private:
     [[nodiscard]] bool is_clean(const servo::ServoSample &sample) const noexcept;
     void take_tick(const servo::ServoSample &sample);
     void take_block();
+    void note_distrust();
     void enter(SweepStage stage) noexcept;
     void enter(Phase phase) noexcept;
     void end(std::string problem);
@@ -155,6 +158,7 @@ private:
     bool has_sample_ = false;
 
     SweepStage stage_ = SweepStage::resting;
+    int braked_ticks_ = 0;
     double stage_began_s_ = 0.0;
     double now_s_ = 0.0; ///< by the device's time, since the beginning
     double origin_s_ = 0.0;
@@ -169,6 +173,7 @@ private:
     Amplitude sine_;
     Amplitude dither_;
     bool is_rising_ = false;        ///< the sine, to what is tried
+    double changing_s_ = 0.0;       ///< how long that lasts
     double dither_rad_per_s_ = 0.0; ///< 0: none
     int trials_ = 0;
     Extent extent_;
@@ -178,10 +183,12 @@ private:
     long block_ticks_ = 0;
     double delay_sum_ = 0.0;
     double k_T_sum_ = 0.0;
+    double cancelled_sum_Ohm_ = 0.0;
     long summed_ticks_ = 0;
     SweepMeasurement measurement_; ///< at the present frequency
     std::vector<SweepMeasurement> measured_;
     unsigned discarded_ = 0;
+    std::array<bool, 3> is_distrusted_{}; ///< and noted
 };
 
 } // namespace springdrive::commissioning

@@ -19,6 +19,8 @@ using Complex = std::complex<double>;
 
 /// What is known of an inductance before anything was measured: the file's, within such a share.
 constexpr double kInductanceKnown = 0.5;
+/// The same of k_T, if the file has no tolerance.
+constexpr double kTorqueConstantKnown = 0.01;
 constexpr double kLeast_Ohm = 1e-3;
 
 /// No point of a sweep is better known than that, for the fit of the winding.
@@ -59,6 +61,14 @@ Complex aliasing(const FittedWinding &winding, double omega_rad_per_s, double pe
     return sampled * impedance_Ohm / hold_and_delay(omega_rad_per_s, period_s, delay_periods);
 }
 
+/// The winding with the R̂ of one measurement.
+FittedWinding during(const SweepMeasurement &measurement, FittedWinding winding) {
+    winding.dR_Ohm =
+        std::max(kLeast_Ohm, winding.dR_Ohm + winding.cancelled_Ohm - measurement.cancelled_Ohm);
+    winding.cancelled_Ohm = measurement.cancelled_Ohm;
+    return winding;
+}
+
 /// What e_W of amplitude 1 V at ω adds to the sampled amplitudes by its aliases.
 struct Aliases {
     Complex current_A;
@@ -66,10 +76,11 @@ struct Aliases {
 };
 
 Aliases aliases(const loops::SpringDrive &drive, const SweepMeasurement &measurement,
-                const FittedWinding &winding) {
+                const FittedWinding &sweeps) {
+    const FittedWinding winding = during(measurement, sweeps);
     const double T = drive.period_s;
     const double omega = measurement.omega_rad_per_s();
-    const double k_T = measurement.torque_constant_Nm_per_A;
+    const double k_T = winding.torque_constant_Nm_per_A;
     const double d = measurement.delay_periods;
     const Complex held_A =
         hold_and_delay(omega, T, d) / Complex(winding.dR_Ohm, omega * winding.inductance_H);
@@ -124,11 +135,12 @@ struct PureResponse {
 };
 
 PureResponse without_aliases(const loops::SpringDrive &drive, const SweepMeasurement &measurement,
-                             const Aliases &its_aliases, const Response &response) {
+                             const FittedWinding &winding, const Aliases &its_aliases,
+                             const Response &response) {
     const double omega = measurement.omega_rad_per_s();
     const Complex theta = response.theta - its_aliases.theta_rad * response.e_W;
     return {hold_and_delay(omega, drive.period_s, measurement.delay_periods) * response.e_W -
-                Complex(0.0, omega * measurement.torque_constant_Nm_per_A) * theta,
+                Complex(0.0, omega * winding.torque_constant_Nm_per_A) * theta,
             response.current - its_aliases.current_A * response.e_W, theta};
 }
 
@@ -142,12 +154,12 @@ Admittance admittance(const loops::SpringDrive &drive, const SweepMeasurement &m
                       const FittedWinding &winding) {
     const Aliases its_aliases = aliases(drive, measurement, winding);
     const PureResponse mean =
-        without_aliases(drive, measurement, its_aliases, mean_response(measurement));
+        without_aliases(drive, measurement, winding, its_aliases, mean_response(measurement));
     const Complex Y = mean.current / mean.net;
     double scatter = 0.0;
     for (const BlockAmplitudes &block : measurement.blocks) {
         const PureResponse its =
-            without_aliases(drive, measurement, its_aliases, response_of(block));
+            without_aliases(drive, measurement, winding, its_aliases, response_of(block));
         scatter += std::norm(its.current - Y * its.net);
     }
     // The mean of N residuals, of N − 1 degrees of freedom, for real and imaginary part each.
@@ -158,8 +170,14 @@ Admittance admittance(const loops::SpringDrive &drive, const SweepMeasurement &m
     return {Y, mean_deviation / std::abs(mean.current)};
 }
 
-FittedWinding predicted_winding(const loops::SpringDrive &drive) {
-    return {drive.dR_Ohm(), drive.motor.inductance_H, std::numeric_limits<double>::infinity()};
+FittedWinding predicted_winding(const loops::SpringDrive &drive,
+                                std::span<const SweepMeasurement> measurements) {
+    double cancelled_Ohm = 0.0;
+    for (const SweepMeasurement &measurement : measurements) {
+        cancelled_Ohm += measurement.cancelled_Ohm / static_cast<double>(measurements.size());
+    }
+    return {drive.dR_Ohm(), cancelled_Ohm, drive.motor.inductance_H,
+            drive.motor.torque_constant_Nm_per_A, std::numeric_limits<double>::infinity()};
 }
 
 /// A line y = a + b x through weighted points.
@@ -190,42 +208,52 @@ double fitted_inertia_kg_m2(const loops::SpringDrive &drive,
     FittedLine load;
     for (const SweepMeasurement &measurement : measurements) {
         const double omega = measurement.omega_rad_per_s();
-        const PureResponse pure = without_aliases(
-            drive, measurement, aliases(drive, measurement, winding), mean_response(measurement));
+        const PureResponse pure =
+            without_aliases(drive, measurement, winding, aliases(drive, measurement, winding),
+                            mean_response(measurement));
         const Complex load_Nm_per_rad =
-            measurement.torque_constant_Nm_per_A * pure.current / pure.theta;
+            winding.torque_constant_Nm_per_A * pure.current / pure.theta;
         load.take(-omega * omega, load_Nm_per_rad.real(), 1.0 / std::norm(load_Nm_per_rad));
     }
     return std::max(load.slope(), drive.motor.rotor_inertia_kg_m2);
 }
 
-/// A step of Gauss and Newton for the logarithms of dR and L. What is fitted are the currents at
-/// the samples, which tell little of L where they have settled: the file's then holds.
-Eigen::Vector2d winding_step(const loops::SpringDrive &drive,
-                             std::span<const SweepMeasurement> measurements,
-                             const FittedWinding &winding) {
-    const auto changed = [&](double of_dR, double of_L) {
-        return FittedWinding{winding.dR_Ohm * std::exp(of_dR),
-                             winding.inductance_H * std::exp(of_L), winding.inertia_kg_m2};
-    };
-    // The current that the motor would have at the samples, relative to the one measured.
-    const auto relative_current = [&](const SweepMeasurement &measurement,
-                                      const FittedWinding &tried) {
-        const Response measured = mean_response(measurement);
-        const Aliases its_aliases = aliases(drive, measurement, tried);
-        const PureResponse pure = without_aliases(drive, measurement, its_aliases, measured);
-        const Complex impedance_Ohm(tried.dR_Ohm,
-                                    measurement.omega_rad_per_s() * tried.inductance_H);
-        return (pure.net / impedance_Ohm + its_aliases.current_A * measured.e_W) / measured.current;
-    };
+/// Steps of the logarithms of dR, L and k_T.
+using WindingStep = Eigen::Vector3d;
+
+FittedWinding changed(FittedWinding winding, const WindingStep &step) {
+    winding.dR_Ohm *= std::exp(step[0]);
+    winding.inductance_H *= std::exp(step[1]);
+    winding.torque_constant_Nm_per_A *= std::exp(step[2]);
+    return winding;
+}
+
+/// The current that the motor would have at the samples, relative to the one measured.
+Complex relative_current(const loops::SpringDrive &drive, const SweepMeasurement &measurement,
+                         const FittedWinding &tried) {
+    const Response measured = mean_response(measurement);
+    const Aliases its_aliases = aliases(drive, measurement, tried);
+    const PureResponse pure = without_aliases(drive, measurement, tried, its_aliases, measured);
+    const Complex impedance_Ohm(during(measurement, tried).dR_Ohm,
+                                measurement.omega_rad_per_s() * tried.inductance_H);
+    return (pure.net / impedance_Ohm + its_aliases.current_A * measured.e_W) / measured.current;
+}
+
+/// A step of Gauss and Newton. What is fitted are the currents at the samples. They tell little of
+/// L where they have settled, and little of k_T where the rotor hardly moves: the file's then hold.
+WindingStep winding_step(const loops::SpringDrive &drive,
+                         std::span<const SweepMeasurement> measurements,
+                         const FittedWinding &winding) {
     constexpr double kSmall = 1e-4;
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d product = Eigen::Vector2d::Zero();
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    WindingStep product = WindingStep::Zero();
     for (const SweepMeasurement &measurement : measurements) {
-        const Complex now = relative_current(measurement, winding);
-        const Eigen::Vector2cd slope(
-            (relative_current(measurement, changed(kSmall, 0.0)) - now) / kSmall,
-            (relative_current(measurement, changed(0.0, kSmall)) - now) / kSmall);
+        const Complex now = relative_current(drive, measurement, winding);
+        Eigen::Vector3cd slope;
+        for (Eigen::Index i = 0; i < slope.size(); ++i) {
+            const FittedWinding beside = changed(winding, kSmall * WindingStep::Unit(i));
+            slope[i] = (relative_current(drive, measurement, beside) - now) / kSmall;
+        }
         const double deviation =
             std::max(admittance(drive, measurement, winding).deviation, kLeastDeviation);
         const double weight = 1.0 / (deviation * deviation);
@@ -235,25 +263,28 @@ Eigen::Vector2d winding_step(const loops::SpringDrive &drive,
         normal += weight * (slope.conjugate() * slope.transpose()).real();
         product += weight * (slope.conjugate() * (1.0 - now)).real();
     }
-    constexpr double kKnown = 1.0 / (kInductanceKnown * kInductanceKnown);
-    normal(1, 1) += kKnown;
-    product[1] += kKnown * std::log(drive.motor.inductance_H / winding.inductance_H);
+    const double known_k_T = std::max(drive.motor.torque_constant_tolerance, kTorqueConstantKnown);
+    const auto know = [&](Eigen::Index i, double share, double file, double fitted) {
+        normal(i, i) += 1.0 / (share * share);
+        product[i] += std::log(file / fitted) / (share * share);
+    };
+    know(1, kInductanceKnown, drive.motor.inductance_H, winding.inductance_H);
+    know(2, known_k_T, drive.motor.torque_constant_Nm_per_A, winding.torque_constant_Nm_per_A);
     if (!(normal.determinant() > 0.0)) {
-        return Eigen::Vector2d::Zero();
+        return WindingStep::Zero();
     }
     constexpr double kLongest = 0.5;
-    return Eigen::Vector2d(normal.inverse() * product).cwiseMax(-kLongest).cwiseMin(kLongest);
+    return WindingStep(normal.inverse() * product).cwiseMax(-kLongest).cwiseMin(kLongest);
 }
 
-/// dR, L and J that fit all frequencies best.
+/// What fits all frequencies best.
 FittedWinding fitted_winding(const loops::SpringDrive &drive,
                              std::span<const SweepMeasurement> measurements) {
-    FittedWinding winding = predicted_winding(drive);
+    FittedWinding winding = predicted_winding(drive, measurements);
     for (int fit = 0; fit < kFits; ++fit) {
         winding.inertia_kg_m2 = fitted_inertia_kg_m2(drive, measurements, winding);
-        const Eigen::Vector2d step = winding_step(drive, measurements, winding);
-        winding.dR_Ohm = std::max(winding.dR_Ohm * std::exp(step[0]), kLeast_Ohm);
-        winding.inductance_H *= std::exp(step[1]);
+        winding = changed(winding, winding_step(drive, measurements, winding));
+        winding.dR_Ohm = std::max(winding.dR_Ohm, kLeast_Ohm);
     }
     return winding;
 }
@@ -262,10 +293,10 @@ SweepPoint point_of(loops::SpringDrive drive, const SweepMeasurement &measuremen
                     const FittedWinding &winding) {
     drive.delay_periods = measurement.delay_periods;
     const double omega = measurement.omega_rad_per_s();
-    const double k_T = measurement.torque_constant_Nm_per_A;
+    const double k_T = winding.torque_constant_Nm_per_A;
     const Admittance Y = admittance(drive, measurement, winding);
-    // The law makes K_P and K_D larger where k_T is smaller.
-    const double gain = drive.motor.torque_constant_Nm_per_A / k_T;
+    // The law makes K_P and K_D larger where it takes k_T to be smaller.
+    const double gain = drive.motor.torque_constant_Nm_per_A / measurement.torque_constant_Nm_per_A;
     const Complex to_voltage = gain * law_V_per_rad(drive, omega) *
                                    hold_and_delay(omega, drive.period_s, drive.delay_periods) +
                                Complex(0.0, omega * k_T);
@@ -298,15 +329,13 @@ MotorSweep estimate_sweep(const loops::SpringDrive &drive,
     sweep.winding = fitted_winding(drive, measurements);
     for (const SweepMeasurement &measurement : measurements) {
         sweep.points.push_back(point_of(drive, measurement, sweep.winding));
-        sweep.torque_constant_Nm_per_A +=
-            measurement.torque_constant_Nm_per_A / static_cast<double>(measurements.size());
     }
     std::ranges::sort(sweep.points, {}, &SweepPoint::frequency_hz);
     return sweep;
 }
 
 double estimated_deviation(const loops::SpringDrive &drive, const SweepMeasurement &measurement) {
-    return admittance(drive, measurement, predicted_winding(drive)).deviation;
+    return admittance(drive, measurement, predicted_winding(drive, {&measurement, 1})).deviation;
 }
 
 } // namespace springdrive::commissioning

@@ -11,7 +11,8 @@
 //   K_θ = −k_T I/Θ = k_T Y [ C H + k_T jω ]
 //
 // whatever moved the rotor while Y was measured. Y contains dR, L, the amplifier's loop and the
-// gains of its sensors and stages. k_T, T and d are taken as known.
+// gains of its sensors and stages; k_T follows from the back-EMF of the whole sweep. T and d are
+// taken as known, and that the torque is k_T times the current that the sensor reads.
 //
 // I and Θ are sampled once in a period, while currents and rotor also move with each step of e_W:
 // those aliases are some per cent near a tenth of the servo rate. They follow from the winding, dR
@@ -35,6 +36,7 @@ struct SweepMeasurement {
     std::vector<BlockAmplitudes> blocks; ///< at least one
     double delay_periods = 0.0;
     double torque_constant_Nm_per_A = 0.0; ///< for which the law computed e_W
+    double cancelled_Ohm = 0.0;            ///< R̂, which follows R while it is observed
     double excitation_V = 0.0;             ///< its amplitude
 
     [[nodiscard]] double omega_rad_per_s() const;
@@ -43,8 +45,10 @@ struct SweepMeasurement {
 /// A winding with its amplifier and its rotor, as far as a resistance, an inductance and an inertia
 /// describe them.
 struct FittedWinding {
-    double dR_Ohm = 0.0;
+    double dR_Ohm = 0.0;        ///< beside this R̂; by as much less as another one is more
+    double cancelled_Ohm = 0.0; ///< mean over the sweep
     double inductance_H = 0.0;
+    double torque_constant_Nm_per_A = 0.0; ///< by the back-EMF
     double inertia_kg_m2 = 0.0; ///< of the rotor, with what moves with it above its resonances
 };
 
@@ -71,8 +75,7 @@ struct SweepPoint {
 struct MotorSweep {
     std::size_t motor = 0;
     FittedWinding winding;
-    double torque_constant_Nm_per_A = 0.0; ///< as the law took it, in the mean
-    std::vector<SweepPoint> points;        ///< by rising frequency
+    std::vector<SweepPoint> points; ///< by rising frequency
 };
 
 /// @param drive  the prediction: the file's motor, tuning and T; d is that of each measurement

@@ -1,7 +1,8 @@
 # The whole program on both ends of a USB, in tests/usb/virtual_machine: the emulator on one, a
 # recorded session on the other, which presses on a plate. The record must be whole, replayed to the
 # last bit, and hold half a second of touch at the least. Then a self-test: of a healthy device, and of
-# one that loses counts.
+# one that loses counts. At last a sweep of the rendered stiffness, which is to be within 2 % and 2
+# degrees of the prediction with the measured d, up to a tenth of the servo rate.
 set -e
 mkdir -p assets/devices
 cp phantom_1_0.toml assets/devices/
@@ -45,4 +46,11 @@ end_emulator
 emulate_a_tour --fault lost-counts:2:0.1
 if self_test >damaged.txt; then exit 1; fi
 grep 'encoder 2 counts' damaged.txt
+end_emulator
+
+./springdrive device emulate --clock frame --loop-hz 20000 >emulator.txt &
+emulator=$!
+until ./springdrive device list | grep -q usb:emulated; do sleep 0.1; done
+./springdrive device sweep --device usb --at-zero --motors 2 --freq-from 2 --points 4 --tolerance 2 \
+    --device-file phantom_1_0.toml
 end_emulator

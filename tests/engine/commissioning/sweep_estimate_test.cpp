@@ -59,10 +59,11 @@ struct Motor {
     double inertia_kg_m2 = 2e-5;
     double damping_Nms_per_rad = 6.6e-4;
     double stiffness_Nm_per_rad = 0.033;
+    double torque_constant_Nm_per_A = 23.4e-3;
 
     /// Amplitudes at the samples for e_W of 1 V.
     [[nodiscard]] BlockAmplitudes sampled(double frequency_hz, double T, double d) const {
-        constexpr double k_T = 23.4e-3;
+        const double k_T = torque_constant_Nm_per_A;
         constexpr int kComponents = 3000; // the rest is 1e-6
         const double omega = 2.0 * pi * frequency_hz;
         BlockAmplitudes found{1.0, 1.0, 0.0, 0.0};
@@ -83,6 +84,7 @@ struct Motor {
     [[nodiscard]] Complex stiffness(loops::SpringDrive drive, double frequency_hz) const {
         drive.tuning.dR_Ohm = dR_Ohm;
         drive.motor.inductance_H = inductance_H;
+        drive.motor.torque_constant_Nm_per_A = torque_constant_Nm_per_A;
         return loops::sampled_stiffness(drive, 2.0 * pi * frequency_hz);
     }
 };
@@ -114,6 +116,7 @@ TEST(SweepEstimate, TakesOutTheAliasesOfWindingAndRotor) {
         for (const double d : {0.0, 0.3, 1.0, 1.7}) {
             for (const Motor &motor :
                  {Motor{}, Motor{.dR_Ohm = 0.62, .inductance_H = 0.35e-3},
+                  Motor{.torque_constant_Nm_per_A = 22.7e-3},
                   Motor{.dR_Ohm = 0.3, .inductance_H = 0.15e-3, .inertia_kg_m2 = 3e-5}}) {
                 std::vector<SweepMeasurement> measurements;
                 for (const double share : {0.001, 0.004, 0.02, 0.05, 0.1}) {
@@ -135,6 +138,8 @@ TEST(SweepEstimate, TakesOutTheAliasesOfWindingAndRotor) {
                         << sweep.winding.inductance_H << ", J " << sweep.winding.inertia_kg_m2;
                 }
                 EXPECT_NEAR(sweep.winding.dR_Ohm, motor.dR_Ohm, 0.005 * motor.dR_Ohm);
+                EXPECT_NEAR(sweep.winding.torque_constant_Nm_per_A, motor.torque_constant_Nm_per_A,
+                            0.01 * motor.torque_constant_Nm_per_A);
             }
         }
     }
@@ -203,18 +208,41 @@ TEST(SweepEstimate, WithoutALoadItSaysThatItDoesNotKnow) {
 }
 
 TEST(SweepEstimate, ScalesTheLawAsTheServoDoes) {
-    // Of a motor with a smaller k_T the law makes K_P and K_D larger.
+    // For a motor whose k_T it takes to be smaller, the law makes K_P and K_D larger.
     const Motor motor;
     SweepMeasurement measurement = measured(motor, 1.0, 1000.0, 0.0);
-    const double k_T = 0.95 * testing::phantom_motor().torque_constant_Nm_per_A;
-    measurement.torque_constant_Nm_per_A = k_T;
+    measurement.torque_constant_Nm_per_A = 0.95 * motor.torque_constant_Nm_per_A;
     const loops::SpringDrive drive = drive_at(1000.0);
-    const MotorSweep sweep = estimate_sweep(drive, {{measurement}});
-    EXPECT_DOUBLE_EQ(sweep.torque_constant_Nm_per_A, k_T);
-    // At 1 Hz the static stiffness, k_T times a K_P that makes up for it, is nearly all.
-    EXPECT_NEAR(std::abs(sweep.points.front().measured_Nm_per_rad),
-                std::abs(motor.stiffness(drive, 1.0)),
-                0.01 * std::abs(motor.stiffness(drive, 1.0)));
+    loops::SpringDrive stiffer = drive;
+    stiffer.tuning.K_P_V_per_rad /= 0.95;
+    stiffer.tuning.K_D_Vs_per_rad /= 0.95;
+    const Complex error =
+        estimate_sweep(drive, {{measurement}}).points.front().measured_Nm_per_rad /
+            motor.stiffness(stiffer, 1.0) -
+        1.0;
+    EXPECT_LT(std::abs(error), 1e-3);
+}
+
+TEST(SweepEstimate, FollowsAnRHatThatChangesMeanwhile) {
+    // R̂ was 20 mΩ less at one of the frequencies than at the others, so that dR was 20 mΩ more.
+    const loops::SpringDrive drive = drive_at(1000.0);
+    std::vector<SweepMeasurement> measurements;
+    for (const double frequency_hz : {1.0, 5.0, 30.0, 99.0}) {
+        Motor motor;
+        motor.dR_Ohm = frequency_hz > 90.0 ? 0.52 : 0.5;
+        measurements.push_back(measured(motor, frequency_hz, 1000.0, 0.3));
+        measurements.back().cancelled_Ohm = 2.18 - motor.dR_Ohm;
+    }
+    const MotorSweep sweep = estimate_sweep(drive, measurements);
+    EXPECT_NEAR(sweep.winding.dR_Ohm, 0.505, 1e-3);
+    EXPECT_NEAR(sweep.winding.inductance_H, 0.238e-3, 2e-6);
+    EXPECT_NEAR(sweep.winding.torque_constant_Nm_per_A, 23.4e-3, 5e-5);
+    for (SweepMeasurement &measurement : measurements) {
+        measurement.cancelled_Ohm = 1.68; // had this not been noted
+    }
+    EXPECT_GT(
+        std::abs(estimate_sweep(drive, measurements).winding.torque_constant_Nm_per_A - 23.4e-3),
+        1.5e-4);
 }
 
 } // namespace
