@@ -34,26 +34,12 @@ using commissioning::SelfTestStage;
 constexpr int kFoundSomething = 1;
 
 void show_info(const TypedBoard &typed) {
-    const factory::OpenBoard board = typed.open();
+    factory::BoardRequest request = typed.request();
+    request.ignores_calibration = true;
+    const factory::OpenBoard board = factory::open_board(request);
     for (const device::Fact &fact : board.device->bench()->facts()) {
         print(std::cout, "{:<26}{}\n", fact.name, one_line(fact.value));
     }
-}
-
-/// Whether a line was typed.
-bool has_line() {
-    bool has_end = false;
-    for (pollfd input{0, POLLIN, 0}; poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0;) {
-        std::array<char, 256> typed{};
-        const ssize_t size = read(0, typed.data(), typed.size());
-        if (size <= 0) {
-            break;
-        }
-        has_end =
-            has_end || std::string_view(typed.data(), static_cast<std::size_t>(size)).find('\n') !=
-                           std::string_view::npos;
-    }
-    return has_end;
 }
 
 struct TypedSelfTest {
@@ -91,7 +77,7 @@ public:
 private:
     /// Ends by Enter, or by a second one if the device was not everywhere.
     void follow_person() {
-        const bool has_typed = has_line();
+        const bool has_typed = has_typed_line();
         if (!has_begun_) { // what was typed before is no answer
             has_begun_ = true;
             return;
@@ -169,7 +155,7 @@ int show(const SelfTestReport &report, bool is_zeroed) {
 }
 
 void self_test(const TypedSelfTest &typed) {
-    factory::OpenBoard board = typed.board.open();
+    factory::OpenBoard board = factory::open_board(typed.board.request());
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
         board.device->zero(Vector3::Zero());
     }
@@ -194,6 +180,21 @@ void self_test(const TypedSelfTest &typed) {
 }
 
 } // namespace
+
+bool has_typed_line() {
+    bool has_end = false;
+    for (pollfd input{0, POLLIN, 0}; poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0;) {
+        std::array<char, 256> typed{};
+        const ssize_t size = read(0, typed.data(), typed.size());
+        if (size <= 0) {
+            break;
+        }
+        has_end =
+            has_end || std::string_view(typed.data(), static_cast<std::size_t>(size)).find('\n') !=
+                           std::string_view::npos;
+    }
+    return has_end;
+}
 
 void add_info(CLI::App &device) {
     CLI::App &command = *device.add_subcommand(

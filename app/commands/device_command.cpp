@@ -166,12 +166,13 @@ void add_emulate(CLI::App &device) {
 
 void add_device_command(CLI::App &app) {
     CLI::App &device =
-        *app.add_subcommand("device", "devices: list, ask and test them, emulate one");
+        *app.add_subcommand("device", "devices: list, ask, test and calibrate them, emulate one");
     device.require_subcommand(1);
     device.add_subcommand("list", "the devices that are there, as --device names them")
         ->callback(list_devices);
     add_info(device);
     add_self_test(device);
+    add_calibrate(device);
     add_sweep(device);
     add_emulate(device);
 }

@@ -39,21 +39,13 @@ factory::BoardRequest TypedBoard::request() const {
     request.truth =
         true_device_file.empty() ? request.description : device::read_device_file(true_device_file);
     request.emulation.simulation.device_seed = device_seed;
+    request.emulation.identity =
+        emulator::emulated_identity(simulated::simulated_identity(device_seed).serial);
     request.emulation.start_tip_m = Vector3::Zero();
     for (const std::string &fault : faults) {
         request.emulation.faults.push_back(emulator::parse_fault(fault));
     }
     return request;
-}
-
-factory::OpenBoard TypedBoard::open() const { return factory::open_board(request()); }
-
-factory::OpenBoard TypedBoard::open_for_servo(double period_s) const {
-    constexpr double kWatchdogPeriods = 5.0;
-    factory::BoardRequest wanted = request();
-    wanted.period_s = period_s;
-    wanted.watchdog_periods = kWatchdogPeriods;
-    return factory::open_board(wanted);
 }
 
 } // namespace springdrive::app

@@ -26,14 +26,7 @@ struct TypedBoard {
     void add_to(CLI::App &command);
 
     /// To drive nothing but the board's own test pulses.
-    /// @throw InputError as `factory::open_board` does, and for options that do not fit the device
-    [[nodiscard]] factory::OpenBoard open() const;
-
-    /// For a servo: it brakes by itself as soon as for any other.
-    /// @throw InputError as `open`
-    [[nodiscard]] factory::OpenBoard open_for_servo(double period_s) const;
-
-private:
+    /// @throw InputError for options that do not fit the device, or a file that cannot be used
     [[nodiscard]] factory::BoardRequest request() const;
 };
 

@@ -1,13 +1,16 @@
 // What a device's board does for its commissioning, beside being driven: test pulses on one winding
-// after the other, and what it says of itself.
+// after the other, what it says of itself, and a calibration that it keeps for its host.
 //
 // For one thread, while no servo runs. That thread goes on to read measurements and to write
 // braking commands meanwhile, as a board that hears nothing ends its test.
 #pragma once
 
+#include "device/core/calibration.h"
+
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +69,14 @@ public:
     /// All that the board says of itself.
     /// @throw InputError if it does not answer
     [[nodiscard]] virtual std::vector<Fact> facts() = 0;
+
+    /// What `store` left there, if anything.
+    /// @throw InputError if it does not answer, or if what it has stored is damaged
+    [[nodiscard]] virtual std::optional<Calibration> stored_calibration() = 0;
+
+    /// Keeps it without power, too; the numbers as singles.
+    /// @throw InputError if the board refuses, as while it drives motors, or does not keep it
+    virtual void store(const Calibration &calibration) = 0;
 };
 
 } // namespace springdrive::device

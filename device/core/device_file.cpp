@@ -2,6 +2,7 @@
 
 #include "base/degrees.h"
 #include "base/strict_toml.h"
+#include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <fmt/core.h>
@@ -223,6 +224,9 @@ DeviceDescription read_device(StrictTomlTable file) {
 
     device.edge = read_edge(file.table("edge"));
     device.limits = read_limits(file.table("limits"));
+    if (file.has("calibration")) {
+        device.calibration = read_calibration(file.table("calibration"), device);
+    }
 
     file.refuse_unknown_keys();
     return device;

@@ -3,12 +3,14 @@
 #pragma once
 
 #include "base/vector.h"
+#include "device/core/calibration.h"
 #include "device/core/motor/motor.h"
 #include "device/core/phantom/geometry.h"
 
 #include <array>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
 
 namespace springdrive::device {
@@ -89,6 +91,7 @@ struct DeviceDescription {
     Workspace workspace;
     WorkspaceEdge edge;
     DeviceLimits limits;
+    std::optional<Calibration> calibration; ///< of one device; without, only its kind is known
 
     /// By which share R of a motor, as its amplifier sees it, may differ from the file's.
     [[nodiscard]] double resistance_tolerance(std::size_t motor_index) const {

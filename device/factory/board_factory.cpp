@@ -18,9 +18,17 @@ OpenBoard open_board(const BoardRequest &request) {
     } else {
         port = usb::make_libusb_port();
     }
-    board.device = std::make_unique<usb::UsbDevice>(std::move(port), request.description,
-                                                    request.serial, request.period_s,
-                                                    usb::Pacing::reports, request.watchdog_periods);
+    device::DeviceDescription description = request.description;
+    if (request.ignores_calibration) {
+        description.calibration.reset();
+    }
+    auto device = std::make_unique<usb::UsbDevice>(
+        std::move(port), description, request.serial, request.period_s, usb::Pacing::reports,
+        request.watchdog_periods);
+    if (!request.ignores_calibration) {
+        use_calibration(*device);
+    }
+    board.device = std::move(device);
     return board;
 }
 

@@ -16,6 +16,9 @@ struct BoardRequest {
     /// Without a command, after which the board brakes by itself. A thread that drives nothing need
     /// not be a servo's: only a long silence then means that it ended.
     double watchdog_periods = 50.0;
+    /// Whether calibrations do not matter, in the file or on the board, of whatever device: the
+    /// description is then without one.
+    bool ignores_calibration = false;
 
     // For an emulated board only.
     device::DeviceDescription truth; ///< what it is

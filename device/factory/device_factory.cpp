@@ -1,6 +1,7 @@
 #include "device/factory/device_factory.h"
 
 #include "base/input_error.h"
+#include "device/core/calibration_file.h"
 #include "device/simulated/simulated_phantom.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/driver/libusb_port.h"
@@ -15,10 +16,12 @@ namespace {
 
 OpenDevice open_simulated(const DeviceRequest &request) {
     const std::string own_serial = simulated::simulated_identity().serial;
-    if (!request.serial.empty() && request.serial != own_serial) {
+    const std::string serial = simulated::simulated_identity(request.simulation.device_seed).serial;
+    if (!request.serial.empty() && request.serial != own_serial && request.serial != serial) {
         throw InputError("there is no simulated device with the serial number '" + request.serial +
                          "'; the only one is '" + own_serial + "'");
     }
+    device::require_calibration_of(request.description, serial);
     simulated::SimulationOptions options = request.simulation;
     options.servo_period_s = request.period_s;
     auto phantom = std::make_unique<simulated::SimulatedPhantom>(request.description, options,
@@ -28,13 +31,33 @@ OpenDevice open_simulated(const DeviceRequest &request) {
 }
 
 OpenDevice open_usb(const DeviceRequest &request) {
-    return {std::make_unique<usb::UsbDevice>(
-                usb::make_libusb_port(), request.description, request.serial, request.period_s,
-                request.has_clock ? usb::Pacing::clock : usb::Pacing::reports),
-            nullptr};
+    auto device = std::make_unique<usb::UsbDevice>(
+        usb::make_libusb_port(), request.description, request.serial, request.period_s,
+        request.has_clock ? usb::Pacing::clock : usb::Pacing::reports);
+    use_calibration(*device);
+    return {std::move(device), nullptr};
 }
 
 } // namespace
+
+void use_calibration(usb::UsbDevice &device) {
+    const std::string serial = device.identity().serial;
+    device::require_calibration_of(device.description(), serial);
+    if (device.description().calibration) {
+        return;
+    }
+    const std::optional<device::Calibration> stored = device.bench()->stored_calibration();
+    if (!stored) {
+        return;
+    }
+    if (const std::string wrong = device::what_is_wrong_with(*stored, device.description());
+        !wrong.empty()) {
+        throw InputError("the USB board " + serial + ": of its stored calibration, " + wrong +
+                         "; use the device file of this machine, or calibrate it again: "
+                         "springdrive device calibrate --to-board");
+    }
+    device.take_calibration(*stored);
+}
 
 std::optional<DeviceKind> device_kind_named(std::string_view name) {
     const auto *const found = std::ranges::find(kDeviceKindNames, name);

@@ -22,6 +22,10 @@
 #include <string_view>
 #include <vector>
 
+namespace springdrive::usb {
+class UsbDevice;
+} // namespace springdrive::usb
+
 namespace springdrive::factory {
 
 enum class DeviceKind : std::uint8_t { simulated, usb };
@@ -87,8 +91,14 @@ private:
     bool is_closed_ = false;
 };
 
-/// @throw InputError with one line, for a device that is absent, or options that it rejects
+/// @throw InputError with one line, for a device that is absent, options that it rejects, or a
+///        description with the calibration of another device
 [[nodiscard]] OpenDevice open_device(const DeviceRequest &request);
+
+/// For a device that was just opened: uses the calibration that its board has stored, unless the
+/// device file has one.
+/// @throw InputError if the file's is another device's, or the board's is damaged or impossible
+void use_calibration(usb::UsbDevice &device);
 
 /// A device that is there, and why it cannot be used, with what to do; empty if it can.
 struct PresentDevice {

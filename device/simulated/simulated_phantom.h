@@ -30,6 +30,8 @@
 #include "device/simulated/simulation_options.h"
 
 #include <array>
+#include <cstdint>
+#include <string>
 
 namespace springdrive::simulated {
 
@@ -40,9 +42,13 @@ struct PlantCommand {
     Vector3 current_A{Vector3::Zero()};
 };
 
-/// The only simulated device.
-[[nodiscard]] inline device::DeviceIdentity simulated_identity() {
-    return {"simulated", "sim-1", "simulated plant"};
+/// The only simulated device. Each seed makes another one of it, with a serial number of its own;
+/// of a seed with more digits than fit into a board's identity the last ten tell it.
+[[nodiscard]] inline device::DeviceIdentity simulated_identity(std::uint64_t device_seed = 0) {
+    constexpr std::uint64_t kTenDigits = 10'000'000'000;
+    return {"simulated",
+            device_seed == 0 ? "sim-1" : "sim-1-" + std::to_string(device_seed % kTenDigits),
+            "simulated plant"};
 }
 
 class SimulatedPhantom final : public device::HapticDevice, public SimulatedWorld {
@@ -60,7 +66,9 @@ public:
     [[nodiscard]] double delay_periods() const override { return delay_periods_; }
     [[nodiscard]] device::Measurement read() noexcept override;
     void write(const device::DeviceCommand &command) noexcept override;
-    [[nodiscard]] device::DeviceIdentity identity() const override { return simulated_identity(); }
+    [[nodiscard]] device::DeviceIdentity identity() const override {
+        return simulated_identity(options_.device_seed);
+    }
     [[nodiscard]] bool is_zeroed() const override { return is_zeroed_; }
     void set_period(double period_s) override;
     void zero(const Vector3 &theta_rad) override;

@@ -257,6 +257,20 @@ struct BoardCalibration {
     std::array<std::int8_t, kChannels> encoder_sign{1, 1, 1}; ///< 1 or −1
 };
 
+/// Layout of the blocks from kFirstMotorBlock on.
+inline constexpr std::uint8_t kMotorBlockLayout = 1;
+/// Calibration block of the first motor; the others follow. Blocks full of zeros hold none.
+inline constexpr std::uint16_t kFirstMotorBlock = 1;
+
+/// Contents of a motor's calibration block, which the host uses.
+struct MotorCalibrationBlock {
+    std::uint8_t layout = kMotorBlockLayout;
+    std::uint8_t air_error_dK = 0;  ///< of the air's temperature, in 0.1 K
+    std::int16_t air_cC = 0;        ///< in 0.01 °C
+    std::uint32_t made_at_s = 0;    ///< UTC, since 1970; the same in all three blocks
+    std::array<float, 12> number{}; ///< those of a device file's [[calibration.motor]], in order
+};
+
 /// A board needs as many loops for each pulse.
 inline constexpr std::uint32_t kShortestPulse_loops = 320;
 
@@ -745,6 +759,24 @@ template <> struct Layout<BoardCalibration> {
     }
 };
 
+/// As the contents of its block.
+template <> struct Layout<MotorCalibrationBlock> {
+    static constexpr Kind kKind = Kind::calibration;
+    static constexpr std::size_t kSize = kCalibrationBlockSize;
+    static constexpr bool kMayBeNan = false;
+    template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &motor) {
+        wire.skip(2);
+        wire.number(motor.layout);
+        wire.number(motor.air_error_dK);
+        wire.number(motor.air_cC);
+        wire.number(motor.made_at_s);
+        wire.number(motor.number);
+    }
+    static constexpr bool is_valid(const MotorCalibrationBlock &motor) {
+        return motor.layout == kMotorBlockLayout && motor.air_error_dK > 0 && motor.made_at_s > 0;
+    }
+};
+
 template <> struct Layout<SelfTestOrder> {
     static constexpr Kind kKind = Kind::self_test;
     static constexpr std::size_t kSize = kSelfTestOrderSize;
@@ -838,9 +870,12 @@ template <class Value>
     return FrameStatus::ok;
 }
 
-/// The board's calibration as block 0.
-[[nodiscard]] constexpr CalibrationBlock block_of(const BoardCalibration &calibration) {
+/// A calibration, the board's or a motor's, as the block with this index.
+template <class Calibration>
+[[nodiscard]] constexpr CalibrationBlock block_of(const Calibration &calibration,
+                                                  std::uint16_t index = 0) {
     CalibrationBlock block;
+    block.index = index;
     const auto payload = encode(calibration);
     for (std::size_t i = 0; i < kCalibrationBytes; ++i) {
         block.bytes[i] = payload[i + 4];
@@ -848,10 +883,13 @@ template <class Value>
     return block;
 }
 
-/// @return why its contents are no calibration; `calibration` is then unchanged
+/// @return why its contents are no such calibration; `calibration` is then unchanged
+template <class Calibration>
 [[nodiscard]] constexpr FrameStatus calibration_in(const CalibrationBlock &block,
-                                                   BoardCalibration &calibration) {
-    const auto payload = encode(block);
+                                                   Calibration &calibration) {
+    CalibrationBlock contents = block;
+    contents.index = 0; // the contents have zeros in its place
+    const auto payload = encode(contents);
     return decode(payload.data(), payload.size(), calibration);
 }
 

@@ -88,6 +88,11 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 
 } // namespace
 
+ObservedMotor known_at_start(const device::DeviceDescription &device, std::size_t motor) {
+    constexpr double kAny_s = 1e-3;
+    return ResistanceObserver(device, motor, kAny_s).motor(0.0);
+}
+
 double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                     const ObservedMotor &known, double dR_Ohm, double current_A) {
     if (!known.is_trusted) {
@@ -112,11 +117,30 @@ ResistanceObserver::ResistanceObserver(const device::DeviceDescription &device, 
       count_variance_rad2_(uniform_variance(0.5 * device.rad_per_count())),
       current_variance_A2_(sensing_.noise_A * sensing_.noise_A +
                            uniform_variance(0.5 * sensing_.resolution_A)),
+      zero_by_eye_rad_(device.geometry.transmission_ratio[static_cast<Eigen::Index>(motor)] *
+                       std::sqrt(uniform_variance(device::kZeroByEye_rad))),
       temperature_(motor_.thermal, device::kReferenceTemperature_C, period_s) {
+    if (const std::optional<device::Calibration> &calibration = device.calibration) {
+        calibration_ = calibration->motor[motor];
+        air_variance_K2_ = uniform_variance(calibration->air_error_K) + uniform_variance(kAir_K);
+        has_zero_of_calibration_ = calibration->has_lasting_zero();
+    }
     restart();
 }
 
 void ResistanceObserver::restart() noexcept {
+    start_from_file();
+    if (calibration_) {
+        start_from_calibration();
+    }
+    begin_window();
+    mean_before_A_ = 0.0;
+    settled_windows_ = 0;
+    disbelief_ = 0.0;
+    is_trusted_ = true;
+}
+
+void ResistanceObserver::start_from_file() noexcept {
     const double R_Ohm = motor_.resistance_Ohm;
     const double file_error =
         motor_.resistance_tolerance > 0.0 ? std::max(motor_.resistance_tolerance, kFileError) : 0.0;
@@ -137,11 +161,44 @@ void ResistanceObserver::restart() noexcept {
     covariance_(kTorqueConstant, kTorqueConstant) =
         uniform_variance(motor_.torque_constant_tolerance * motor_.torque_constant_Nm_per_A);
     covariance_(kRounding, kRounding) = count_variance_rad2_;
-    begin_window();
-    mean_before_A_ = 0.0;
-    settled_windows_ = 0;
-    disbelief_ = 0.0;
-    is_trusted_ = true;
+}
+
+void ResistanceObserver::start_from_calibration() noexcept {
+    const auto square = [](double value) { return value * value; };
+    state_[kResistance] = calibration_->resistance_Ohm;
+    covariance_(kResistance, kResistance) =
+        square(calibration_->resistance_deviation_Ohm) +
+        square(calibration_->resistance_Ohm * motor_.resistance_rise_per_K) * air_variance_K2_;
+    take_ripple(1, calibration_->ripple_cos_Ohm, calibration_->ripple_sin_Ohm,
+                calibration_->ripple_deviation_Ohm);
+    take_ripple(2, calibration_->ripple_cos_2_Ohm, calibration_->ripple_sin_2_Ohm,
+                calibration_->ripple_2_deviation_Ohm);
+    state_[kTorqueConstant] = calibration_->torque_constant_Nm_per_A;
+    covariance_(kTorqueConstant, kTorqueConstant) =
+        square(calibration_->torque_constant_deviation_Nm_per_A);
+    if (has_zero_of_calibration_) {
+        state_[kOffset] = calibration_->offset_A;
+        covariance_(kOffset, kOffset) = square(calibration_->offset_deviation_A);
+    }
+}
+
+void ResistanceObserver::take_ripple(Eigen::Index harmonic, double cos_Ohm, double sin_Ohm,
+                                     double deviation_Ohm) noexcept {
+    const double phase_rad = static_cast<double>(harmonic) * motor_.commutator_segments *
+                             (has_zero_of_calibration_ ? 0.0 : zero_by_eye_rad_);
+    const double f = std::exp(-0.5 * phase_rad * phase_rad); // E[cos]
+    const double cos2 = 0.5 * (1.0 + f * f * f * f);         // E[cos²]
+    const double sin2 = 1.0 - cos2;
+    const double a2 = cos_Ohm * cos_Ohm;
+    const double b2 = sin_Ohm * sin_Ohm;
+    const Eigen::Index i = kRipple + 2 * (harmonic - 1);
+    state_[i] = f * cos_Ohm;
+    state_[i + 1] = f * sin_Ohm;
+    const double variance_Ohm2 = deviation_Ohm * deviation_Ohm;
+    covariance_(i, i) = variance_Ohm2 + cos2 * a2 + sin2 * b2 - f * f * a2;
+    covariance_(i + 1, i + 1) = variance_Ohm2 + cos2 * b2 + sin2 * a2 - f * f * b2;
+    covariance_(i, i + 1) = (cos2 - sin2 - f * f) * cos_Ohm * sin_Ohm;
+    covariance_(i + 1, i) = covariance_(i, i + 1);
 }
 
 /// R(T)/R at 25 °C.
@@ -338,11 +395,32 @@ bool ResistanceObserver::is_settled() const noexcept {
 
 void ResistanceObserver::distrust() noexcept {
     restart();
+    start_from_file(); // it may be the calibration that is wrong
     is_trusted_ = false;
 }
 
 ResistanceEstimate ResistanceObserver::estimate(const State &weights) const noexcept {
     return {weights.dot(state_), std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)))};
+}
+
+device::MotorCalibration ResistanceObserver::learned() const noexcept {
+    const auto deviation = [this](Eigen::Index state) {
+        return std::sqrt(std::max(0.0, covariance_(state, state)));
+    };
+    device::MotorCalibration learned;
+    learned.resistance_Ohm = state_[kResistance];
+    learned.resistance_deviation_Ohm = deviation(kResistance);
+    learned.ripple_cos_Ohm = state_[kRipple];
+    learned.ripple_sin_Ohm = state_[kRipple + 1];
+    learned.ripple_deviation_Ohm = std::max(deviation(kRipple), deviation(kRipple + 1));
+    learned.ripple_cos_2_Ohm = state_[kRipple + 2];
+    learned.ripple_sin_2_Ohm = state_[kRipple + 3];
+    learned.ripple_2_deviation_Ohm = std::max(deviation(kRipple + 2), deviation(kRipple + 3));
+    learned.torque_constant_Nm_per_A = state_[kTorqueConstant];
+    learned.torque_constant_deviation_Nm_per_A = deviation(kTorqueConstant);
+    learned.offset_A = state_[kOffset];
+    learned.offset_deviation_A = deviation(kOffset);
+    return learned;
 }
 
 ObservedMotor ResistanceObserver::motor(double theta_rad) const noexcept {

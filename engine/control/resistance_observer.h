@@ -14,6 +14,14 @@
 // does not grow with the number of intervals. T follows from the thermal network in air of 25 °C;
 // that the air is warmer or colder is part of R.
 //
+// A device that was calibrated starts from that: R in air of another temperature, k_T, and where
+// the counts' zero is the same, the offset and the ripple. Where the zero was found by eye, the
+// ripple's phase is another by δ, normal with a standard deviation of σ at the rotor:
+//
+//   E[cos n s δ] = e^(−(n s σ)²/2) = f,  E[cos² n s δ] = (1 + f⁴)/2
+//
+// so its mean fades by f, and its amplitude stays: what the mean loses, the covariance has.
+//
 // Holding still does not tell the mean R from the commutator's ripple. The variance says so.
 //
 // A sensor that is stuck, or drifts faster than the filter expects, shows in what was measured
@@ -28,6 +36,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 
 namespace springdrive::control {
 
@@ -44,6 +53,11 @@ struct DrivenInterval {
     double after_rad = 0.0;
 };
 
+/// What is known of a motor before anything is observed, at the angle 0: by the file of its kind,
+/// or by its calibration.
+[[nodiscard]] ObservedMotor known_at_start(const device::DeviceDescription &device,
+                                           std::size_t motor);
+
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
 /// if its rotor turns; infinite without a current, 0 for one that is not trusted. An estimate: one
 /// count a window limits what is learned.
@@ -53,7 +67,8 @@ struct DrivenInterval {
 /// The observer of one motor. RT-safe after construction.
 class ResistanceObserver {
 public:
-    /// @param device  its tolerances are what is known before anything is observed
+    /// @param device  its calibration is what is known before anything is observed; without one,
+    ///                its tolerances
     ResistanceObserver(const device::DeviceDescription &device, std::size_t motor, double period_s);
 
     /// Keeps the estimates. RT-safe.
@@ -70,6 +85,9 @@ public:
 
     /// Forgets it, and observes nothing until `restart`.
     void distrust() noexcept;
+
+    /// From the next `restart` on, the counts' zero is taken to be found by eye.
+    void forget_zero() noexcept { has_zero_of_calibration_ = false; }
 
     /// Whether what was observed has agreed with itself long enough to be relied on: a sensor that
     /// fails while little is known is not noticed at once.
@@ -96,6 +114,9 @@ public:
     /// The mean of a winding as warm as the air.
     [[nodiscard]] ResistanceEstimate unheated() const noexcept;
 
+    /// All that was learned, for air of 25 °C.
+    [[nodiscard]] device::MotorCalibration learned() const noexcept;
+
 private:
     static constexpr int kStates = 8;
     using State = Eigen::Matrix<double, kStates, 1>;
@@ -113,6 +134,10 @@ private:
     [[nodiscard]] State weights_of_resistance(double theta_rad) const noexcept;
     [[nodiscard]] ResistanceEstimate estimate(const State &weights) const noexcept;
 
+    void start_from_file() noexcept;
+    void start_from_calibration() noexcept;
+    void take_ripple(Eigen::Index harmonic, double cos_Ohm, double sin_Ohm,
+                     double deviation_Ohm) noexcept;
     void take_window() noexcept;
     [[nodiscard]] bool had_current() const noexcept;
     void begin_window() noexcept;
@@ -125,6 +150,10 @@ private:
     device::CurrentSensing sensing_;
     double count_variance_rad2_;
     double current_variance_A2_;
+    std::optional<device::MotorCalibration> calibration_;
+    double air_variance_K2_ = 0.0; ///< from the calibration's air to the present one
+    double zero_by_eye_rad_;       ///< standard deviation, at the rotor
+    bool has_zero_of_calibration_ = false;
     device::WindingTemperature temperature_;
     State state_{State::Zero()};
     Covariance covariance_{Covariance::Zero()};

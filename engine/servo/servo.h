@@ -91,6 +91,9 @@ public:
 
     [[nodiscard]] double period_s() const { return loop_.period_s(); }
 
+    /// While the servo's own thread is not running.
+    [[nodiscard]] const WindingObservers &observers() const { return loop_.observers(); }
+
     /// Whether the servo's own thread is not running.
     [[nodiscard]] bool is_at_rest() const { return !thread_.joinable(); }
 

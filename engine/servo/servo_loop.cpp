@@ -301,6 +301,9 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     }
     ++held_ticks_;
     observers_.take_nothing();
+    if (measured.health == device::DeviceHealth::lost) {
+        observers_.forget_zero();
+    }
     const bool waits = device_.clock() == device::DeviceClock::servo;
     const Link link{measured.health, measured.arrival, measured.faults,
                     waits ? skipped_in_a_row_ : timing.missed_in_a_row};

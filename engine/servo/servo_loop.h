@@ -68,6 +68,7 @@ public:
 
     [[nodiscard]] double period_s() const { return period_s_; }
     [[nodiscard]] const device::HapticDevice &device() const { return device_; }
+    [[nodiscard]] const WindingObservers &observers() const { return observers_; }
 
 private:
     /// Device time since the last new measurement.

@@ -27,6 +27,15 @@ constexpr double kWithinPeak = 0.95;
 
 } // namespace
 
+control::ObservedMotor used_at_start(const device::DeviceDescription &device, std::size_t motor) {
+    control::ObservedMotor known = control::known_at_start(device, motor);
+    if (device.motor[motor].resistance_tolerance > 0.0) {
+        known.mean.deviation_Ohm =
+            std::max(known.mean.deviation_Ohm, kUnsettled * known.mean.resistance_Ohm);
+    }
+    return known;
+}
+
 WindingObservers::WindingObservers(const device::DeviceDescription &device, double delay_periods,
                                    double period_s)
     : period_s_(period_s),

@@ -12,6 +12,11 @@
 
 namespace springdrive::servo {
 
+/// What is known of a motor when a servo starts, as it is used: until observations have agreed for
+/// a while, no less than a share of R counts as its deviation.
+[[nodiscard]] control::ObservedMotor used_at_start(const device::DeviceDescription &device,
+                                                   std::size_t motor);
+
 /// RT-safe after construction.
 class WindingObservers {
 public:
@@ -37,6 +42,14 @@ public:
     /// Once a tick, after `take`: the command that was sent.
     void note(const device::DeviceCommand &command) noexcept;
 
+    /// From the next `restart` on, the counts' zero is taken to be found by eye, as after a
+    /// connection was lost.
+    void forget_zero() noexcept {
+        for (control::ResistanceObserver &observer : observer_) {
+            observer.forget_zero();
+        }
+    }
+
     /// Forgets everything but the windings' temperatures; what is used follows without a step.
     void restart() noexcept;
 
@@ -52,6 +65,10 @@ public:
 
     /// At the angles last taken. They approach what was last learned without a step.
     [[nodiscard]] const control::ObservedMotors &motors() const { return used_; }
+
+    [[nodiscard]] const control::ResistanceObserver &observer(std::size_t motor) const {
+        return observer_[motor];
+    }
 
     /// What can be relied on of a winding as warm as the air; its deviation is infinite if nothing.
     [[nodiscard]] control::ResistanceEstimate unheated(std::size_t motor) const noexcept {

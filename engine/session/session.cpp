@@ -42,6 +42,9 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     control::Tuning tuning = options.tuning;
     Prepared first = prepare(options.device, text, tuning);
     simulation_ = first.request.simulation;
+    if (first.text != text) {
+        models_->set_ground(ground(first.text, first.request.description, options.servo_hz));
+    }
     device_ = std::make_unique<factory::OpenDevice>(std::move(first.device));
     servo_ = std::make_unique<ServoRun>(device_->device(),
                                         ServoWay{options.servo_hz, options.lockstep, options.cpu});

@@ -1,6 +1,7 @@
 // The part of `Session` that opens and exchanges devices.
 #include "base/assertions.h"
 #include "base/input_error.h"
+#include "device/core/calibration_file.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session_parts.h"
@@ -71,7 +72,13 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
                               .simulation.path;
     }
     factory::OpenDevice device = factory::open_device(request);
-    return {choice, text, std::move(request), std::move(device)};
+    std::string whole_text = text;
+    if (const std::optional<device::Calibration> &used = device.device().description().calibration;
+        used && !request.description.calibration) { // the board's: a record needs it, too
+        whole_text = device::with_calibration(text, *used);
+        request.description.calibration = used;
+    }
+    return {choice, std::move(whole_text), std::move(request), std::move(device)};
 }
 
 void Session::exchange_device(const DeviceChoice &choice) {

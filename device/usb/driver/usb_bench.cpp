@@ -2,8 +2,10 @@
 
 #include "base/input_error.h"
 #include "device/core/board_faults.h"
+#include "device/core/calibration_file.h"
 #include "device/usb/driver/board_request.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -113,6 +115,26 @@ void add_counters(std::vector<Fact> &facts, const Counters &counters) {
     facts.push_back({"reports not collected", fmt::format("{}", counters.reports_replaced)});
 }
 
+constexpr double kDecikelvin_K = 0.1;
+constexpr double kCentidegree_C = 0.01;
+
+/// The numbers of a motor's calibration, in the order of its block.
+std::array<device::CalibrationField, 12> numbers_of_block() {
+    return device::calibration_fields({}, 0, 0.0);
+}
+
+MotorCalibrationBlock block_of_motor(const device::Calibration &calibration, std::size_t motor) {
+    MotorCalibrationBlock block;
+    block.air_error_dK = static_cast<std::uint8_t>(
+        std::clamp(std::ceil(calibration.air_error_K / kDecikelvin_K - 1e-6), 1.0, 255.0));
+    block.air_cC = static_cast<std::int16_t>(std::lround(calibration.air_C / kCentidegree_C));
+    block.made_at_s = static_cast<std::uint32_t>(calibration.made_at_s);
+    for (std::size_t i = 0; i < block.number.size(); ++i) {
+        block.number[i] = static_cast<float>(calibration.motor[motor].*numbers_of_block()[i].value);
+    }
+    return block;
+}
+
 } // namespace
 
 double UsbBench::shortest_pulse_s() const {
@@ -157,7 +179,79 @@ std::vector<Fact> UsbBench::facts() {
     add_capabilities(facts,
                      ask<Capabilities>(port_, Kind::capabilities, 0, board.name, "capabilities"));
     add_counters(facts, ask<Counters>(port_, Kind::counters, 0, board.name, "counters"));
+    try {
+        const std::optional<device::Calibration> stored = stored_calibration();
+        facts.push_back({"calibration", stored ? device::text_of_utc(stored->made_at_s) : "none"});
+    } catch (const InputError &error) {
+        facts.push_back({"calibration", error.what()});
+    }
     return facts;
+}
+
+std::optional<device::Calibration> UsbBench::stored_calibration() {
+    const BoardStatus board = status_();
+    if (board.capabilities.calibration_blocks < kFirstMotorBlock + kChannels) {
+        return std::nullopt;
+    }
+    const auto refuse = [&](const std::string &why) {
+        throw InputError(fmt::format("{}: its stored calibration {}; calibrate it again: "
+                                     "springdrive device calibrate --to-board",
+                                     board.name, why));
+    };
+    device::Calibration calibration;
+    calibration.serial = text_of(board.identity.serial);
+    calibration.kind = "USB";
+    std::size_t empty = 0;
+    for (std::size_t motor = 0; motor < kChannels; ++motor) {
+        const auto index = static_cast<std::uint16_t>(kFirstMotorBlock + motor);
+        const auto block =
+            ask<CalibrationBlock>(port_, Kind::calibration, index, board.name, "calibration");
+        if (std::ranges::all_of(block.bytes, [](std::uint8_t byte) { return byte == 0; })) {
+            ++empty;
+            continue;
+        }
+        MotorCalibrationBlock contents;
+        if (const FrameStatus status = calibration_in(block, contents); status != FrameStatus::ok) {
+            refuse(fmt::format("has {} for motor {}", description_of(status), motor + 1));
+        }
+        if (empty > 0 || (motor > 0 && contents.made_at_s != calibration.made_at_s)) {
+            refuse("is not complete");
+        }
+        calibration.made_at_s = contents.made_at_s;
+        calibration.air_C = kCentidegree_C * contents.air_cC;
+        calibration.air_error_K = kDecikelvin_K * contents.air_error_dK;
+        for (std::size_t i = 0; i < contents.number.size(); ++i) {
+            calibration.motor[motor].*numbers_of_block()[i].value =
+                static_cast<double>(contents.number[i]);
+        }
+    }
+    if (empty == kChannels) {
+        return std::nullopt;
+    }
+    if (empty > 0) {
+        refuse("is not complete");
+    }
+    return calibration;
+}
+
+void UsbBench::store(const device::Calibration &calibration) {
+    const BoardStatus board = status_();
+    for (std::size_t motor = 0; motor < kChannels; ++motor) {
+        const auto index = static_cast<std::uint16_t>(kFirstMotorBlock + motor);
+        const CalibrationBlock block = block_of(block_of_motor(calibration, motor), index);
+        if (!port_.control_out(Kind::calibration, index, encode(block))) {
+            throw InputError(fmt::format("{}: refuses a calibration: it is {}; it takes one only "
+                                         "while it brakes, and has room for {} blocks",
+                                         board.name, description_of(board.newest.state),
+                                         board.capabilities.calibration_blocks));
+        }
+        const auto kept =
+            ask<CalibrationBlock>(port_, Kind::calibration, index, board.name, "calibration");
+        if (kept.bytes != block.bytes) {
+            throw InputError(board.name +
+                             ": does not keep a calibration; its firmware is at fault");
+        }
+    }
 }
 
 } // namespace springdrive::usb

@@ -1,10 +1,11 @@
-// A board's test pulses and facts, by control requests.
+// A board's test pulses, facts and stored calibration, by control requests.
 #pragma once
 
 #include "device/core/bench.h"
 #include "device/usb/driver/board_port.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace springdrive::usb {
@@ -29,6 +30,8 @@ public:
     void start_pulses(const device::PulseOrder &order) override;
     [[nodiscard]] device::PulseResult pulses() override;
     [[nodiscard]] std::vector<device::Fact> facts() override;
+    [[nodiscard]] std::optional<device::Calibration> stored_calibration() override;
+    void store(const device::Calibration &calibration) override;
 
 private:
     BoardPort &port_;

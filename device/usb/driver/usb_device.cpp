@@ -129,6 +129,12 @@ void UsbDevice::check_capabilities() {
     description_.amplifier.max_cancelled_Ohm = bound_Ohm;
 }
 
+void UsbDevice::take_calibration(const device::Calibration &calibration) {
+    file_description_.calibration = calibration;
+    description_.calibration = calibration;
+    pass_over_old_reports(); // it took a while to ask for it
+}
+
 void UsbDevice::request_report_rate(double period_s) {
     const std::uint32_t wanted_us = period_us(period_s);
     if (wanted_us < capabilities_.shortest_report_period_us ||

@@ -60,6 +60,9 @@ public:
 
     [[nodiscard]] const Capabilities &capabilities() const { return capabilities_; }
 
+    /// Makes a calibration part of the description. Before the first `read`.
+    void take_calibration(const device::Calibration &calibration);
+
 private:
     /// The state that threads other than the servo's may see.
     struct Snapshot {

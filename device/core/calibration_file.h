@@ -1,0 +1,41 @@
+// The [calibration] of a device file: which numbers are possible, and how they are written.
+#pragma once
+
+#include "base/strict_toml.h"
+#include "device/core/device_file.h"
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace springdrive::device {
+
+/// A number of a motor's calibration: its key, and which values are possible.
+struct CalibrationField {
+    std::string_view key;
+    double MotorCalibration::*value = nullptr;
+    NumberRange range;
+};
+
+/// In the order of file and board. R and k_T must be within the tolerances of the device's kind,
+/// or it is another motor.
+/// @param air_error_K  by which the air may have been warmer or colder than the calibration says
+[[nodiscard]] std::array<CalibrationField, 12>
+calibration_fields(const DeviceDescription &device, std::size_t motor, double air_error_K);
+
+/// @param device  read already, but for its calibration
+/// @throw InputError as `read_device_file` does
+[[nodiscard]] Calibration read_calibration(StrictTomlTable table, const DeviceDescription &device);
+
+/// Empty, or in one line which number is impossible for this kind of device, and its range.
+[[nodiscard]] std::string what_is_wrong_with(const Calibration &calibration,
+                                             const DeviceDescription &device);
+
+/// A device file's text with this calibration, instead of any that it has.
+[[nodiscard]] std::string with_calibration(const std::string &device_text,
+                                           const Calibration &calibration);
+
+/// @throw InputError if the device has a calibration of another serial number
+void require_calibration_of(const DeviceDescription &device, const std::string &serial);
+
+} // namespace springdrive::device

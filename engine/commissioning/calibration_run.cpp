@@ -1,0 +1,360 @@
+#include "engine/commissioning/calibration_run.h"
+
+#include "base/assertions.h"
+#include "base/input_error.h"
+#include "device/core/calibration_file.h"
+#include "device/core/motor/winding_guard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <numbers>
+
+namespace springdrive::commissioning {
+
+namespace {
+
+using servo::SafetyState;
+
+constexpr double kPeriod_s = 1.0 / CalibrationRun::kRate_hz;
+
+/// At the start, for the board to clear latched faults.
+constexpr int kResetting_ticks = 200;
+/// Without rest of the tip, in which the gains could ramp up.
+constexpr int kLongestStart_ticks = 60'000;
+
+/// Of the three drags [Hz]: no two of them, nor a hand's motion, stay in step.
+constexpr std::array<double, 3> kDrag_hz{0.9, 1.1, 1.3};
+/// ω: from this rate on the drag is whole [rad/s of the rotor]. As a damper it is then well below
+/// what a rotor's inertia allows at a delay of some periods.
+constexpr double kWholeDrag_rad_per_s = 6.0;
+
+/// The standard deviations of R and of the ripple that end a calibration, and those that are good
+/// enough if nothing more is learned, as shares of R.
+constexpr double kWanted = 5e-4;
+constexpr double kEnough = 2e-3;
+/// So long without progress, and nothing more is learned.
+constexpr int kNoGain_ticks = 20'000;
+constexpr double kGain = 0.01;
+
+/// Which joint turns which motor, for people.
+constexpr std::array<const char *, 3> kMotions{"swing the stylus to the left and to the right",
+                                               "raise and lower the stylus",
+                                               "push the stylus away from you and pull it back"};
+
+double worst_deviation_Ohm(const device::MotorCalibration &motor) {
+    return std::max(
+        {motor.resistance_deviation_Ohm, motor.ripple_deviation_Ohm, motor.ripple_2_deviation_Ohm});
+}
+
+/// R as the guard knows it at a start.
+double guarded_Ohm(const device::DeviceDescription &device, std::size_t motor) {
+    return device::WindingGuard(device.motor[motor], device.amplifier.max_cancelled_Ohm, kPeriod_s,
+                                device.resistance_tolerance(motor))
+        .max_cancelled_Ohm();
+}
+
+Cancellable cancellable(const device::MotorParameters &file, const control::ObservedMotor &known,
+                        double guard_Ohm, double dR_Ohm) {
+    const double R_Ohm = known.mean.resistance_Ohm;
+    return {std::min(guard_Ohm, control::cancelled_resistance_Ohm(file, known, dR_Ohm)),
+            std::max(control::held_up_dR_Ohm(known), R_Ohm - guard_Ohm)};
+}
+
+} // namespace
+
+CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options)
+    : device_(device), options_(options) {
+    const device::DeviceDescription &file = device.description();
+    SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
+    if (!file.current_sensing.is_shared) {
+        throw InputError("the device has separate current sensors for amplifiers and servo "
+                         "(shared_with_amplifier = 0): the amplifiers' R cannot be observed");
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        const device::MotorParameters &motor = file.motor[j];
+        if (motor.resistance_tolerance <= 0.0 || motor.torque_constant_tolerance <= 0.0) {
+            throw InputError("the device file states no resistance_tolerance and "
+                             "torque_constant_tolerance of its motors: it takes R and k_T for "
+                             "exact; add them");
+        }
+        const double link_m = j == 0 ? file.geometry.upper_arm_m : file.geometry.forearm_m;
+        const auto index = static_cast<Eigen::Index>(j);
+        drag_A_[index] = options.drag_N * link_m /
+                         (file.geometry.transmission_ratio[index] * motor.torque_constant_Nm_per_A);
+        at_first_[j] = control::ResistanceObserver(file, j, kPeriod_s).learned();
+        motor_[j].before = cancellable(file.motor[j], servo::used_at_start(file, j),
+                                       guarded_Ohm(file, j), options.dR_Ohm);
+    }
+    learned_ = at_first_;
+    if (options_.made_at_s == 0) {
+        options_.made_at_s = std::time(nullptr);
+    }
+    inputs_.tuning.dR_Ohm = options.dR_Ohm;
+    inputs_.observes_resistance = true;
+}
+
+double CalibrationRun::time_s() const { return ticks_ * kPeriod_s; }
+
+bool CalibrationRun::step() {
+    switch (stage_) {
+    case CalibrationStage::rest:
+        rest();
+        break;
+    case CalibrationStage::start:
+    case CalibrationStage::motion:
+    case CalibrationStage::release:
+        tick();
+        break;
+    case CalibrationStage::done:
+        break;
+    }
+    return stage_ != CalibrationStage::done;
+}
+
+void CalibrationRun::rest() {
+    const device::Measurement measured = device_.read();
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    command.number = measured.number;
+    command.resets_faults = true;
+    device_.write(command);
+    if (++ticks_ >= kResetting_ticks) {
+        servo_ = std::make_unique<servo::Servo>(device_, kRate_hz);
+        stage_ = CalibrationStage::start;
+        ticks_ = 0;
+    }
+}
+
+void CalibrationRun::tick() {
+    if (stage_ == CalibrationStage::motion) {
+        excite();
+    }
+    servo_->publish(inputs_);
+    servo_->advance(1);
+    servo_->drain([this](const servo::ServoSample &sample) { sample_ = sample; });
+    ++ticks_;
+    const SafetyState state = sample_.safety.state;
+    if (state == SafetyState::tripped) {
+        stop_for("the safety monitor has stopped the device: " +
+                 servo::description(sample_.safety) + "; begin anew");
+        return;
+    }
+    switch (stage_) {
+    case CalibrationStage::start:
+        if (state == SafetyState::running) {
+            stage_ = CalibrationStage::motion;
+            ticks_ = 0;
+        } else if (ticks_ >= kLongestStart_ticks) {
+            stop_for("the tip was never at rest, so the motors could not start; hold it still");
+        }
+        break;
+    case CalibrationStage::motion:
+        watch_progress();
+        break;
+    default:
+        if (state == SafetyState::waiting) { // the gains have ramped down
+            servo_->stop();
+            stage_ = CalibrationStage::done;
+        }
+        break;
+    }
+}
+
+void CalibrationRun::excite() {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const auto motor = static_cast<std::size_t>(j);
+        const double phase_rad = 2.0 * std::numbers::pi * kDrag_hz[motor] * time_s();
+        const double now_A = -0.5 * drag_A_[j] * (1.0 - std::cos(phase_rad)) *
+                             std::tanh(sample_.theta_rate_rad_per_s[j] / kWholeDrag_rad_per_s);
+        const double residual_Ohm =
+            sample_.motor[motor].mean.resistance_Ohm - sample_.command.cancelled_resistance_Ohm[j];
+        inputs_.excitation_V[j] = std::max(0.0, residual_Ohm) * now_A;
+        motor_[motor].turned_rad += std::abs(sample_.theta_rate_rad_per_s[j]) * kPeriod_s;
+    }
+}
+
+void CalibrationRun::watch_progress() {
+    ++motion_ticks_;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!sample_.motor[j].is_trusted) {
+            stop_for(fmt::format("what motor {}'s current sensor and encoder say contradicts the "
+                                 "device file, or itself; springdrive device self-test names it",
+                                 j + 1));
+            return;
+        }
+    }
+    const double now = share();
+    if (now > best_share_ + kGain) {
+        best_share_ = now;
+        ticks_without_gain_ = 0;
+    } else {
+        ++ticks_without_gain_;
+    }
+    const bool gains_no_more =
+        ticks_without_gain_ >= kNoGain_ticks &&
+        std::ranges::all_of(std::array{0, 1, 2}, [this](int j) {
+            const auto motor = static_cast<std::size_t>(j);
+            return worst_deviation_Ohm(learned(motor)) <= kEnough * learned(motor).resistance_Ohm;
+        });
+    if (has_reached_all() || gains_no_more || time_s() >= options_.longest_motion_s) {
+        finish();
+    }
+}
+
+void CalibrationRun::finish() {
+    if (stage_ != CalibrationStage::motion) {
+        return;
+    }
+    const device::DeviceDescription &file = device_.description();
+    has_moved_ = true;
+    for (std::size_t j = 0; j < 3; ++j) {
+        learned_[j] = learned(j);
+        motor_[j].now = cancellable(file.motor[j], sample_.motor[j],
+                                    sample_.winding[j].R_hat_limit_Ohm, options_.dR_Ohm);
+        if (problem_.empty() &&
+            worst_deviation_Ohm(learned_[j]) > kEnough * learned_[j].resistance_Ohm) {
+            problem_ = fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only; "
+                                   "begin anew, and {}",
+                                   j + 1, worst_deviation_Ohm(learned_[j]), kMotions[j]);
+        }
+    }
+    device::DeviceDescription calibrated = file;
+    calibrated.calibration = calibration();
+    if (const std::string wrong = device::what_is_wrong_with(*calibrated.calibration, file);
+        problem_.empty() && !wrong.empty()) {
+        problem_ = wrong + ": it is another motor than the device file's; correct the device file";
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        motor_[j].at_start = cancellable(file.motor[j], servo::used_at_start(calibrated, j),
+                                         guarded_Ohm(file, j), options_.dR_Ohm);
+    }
+    is_complete_ = problem_.empty();
+    inputs_.excitation_V.setZero();
+    inputs_.release = true;
+    stage_ = CalibrationStage::release;
+    ticks_ = 0;
+}
+
+void CalibrationRun::stop_for(std::string problem) {
+    problem_ = std::move(problem);
+    is_complete_ = false;
+    servo_->stop();
+    stage_ = CalibrationStage::done;
+}
+
+device::MotorCalibration CalibrationRun::learned(std::size_t motor) const {
+    return servo_->observers().observer(motor).learned();
+}
+
+/// 0 with the file alone, 1 where R and ripple are known as well as they should be: each tenth of
+/// the deviation is as much.
+double CalibrationRun::share_of(std::size_t motor) const {
+    const auto left = [](double now, double at_first, double wanted) {
+        return std::clamp(std::log(now / wanted) / std::log(at_first / wanted), 0.0, 1.0);
+    };
+    const device::MotorCalibration now = learned(motor);
+    const device::MotorCalibration &first = at_first_[motor];
+    const double wanted_Ohm = kWanted * first.resistance_Ohm;
+    double most = left(now.resistance_deviation_Ohm, first.resistance_deviation_Ohm, wanted_Ohm);
+    for (double device::MotorCalibration::*const deviation :
+         {&device::MotorCalibration::ripple_deviation_Ohm,
+          &device::MotorCalibration::ripple_2_deviation_Ohm}) {
+        if (first.*deviation > wanted_Ohm) {
+            most = std::max(most, left(now.*deviation, first.*deviation, wanted_Ohm));
+        }
+    }
+    return 1.0 - most;
+}
+
+bool CalibrationRun::has_reached_all() const {
+    return stage_ > CalibrationStage::motion ||
+           (stage_ == CalibrationStage::motion && share() >= 1.0);
+}
+
+double CalibrationRun::share() const {
+    switch (stage_) {
+    case CalibrationStage::rest:
+        return static_cast<double>(ticks_) / kResetting_ticks;
+    case CalibrationStage::start:
+        return sample_.safety.ramp;
+    case CalibrationStage::motion:
+        return std::min({share_of(0), share_of(1), share_of(2)});
+    case CalibrationStage::release:
+        return 1.0 - sample_.safety.ramp;
+    case CalibrationStage::done:
+        break;
+    }
+    return 1.0;
+}
+
+std::string CalibrationRun::instruction() const {
+    switch (stage_) {
+    case CalibrationStage::rest:
+    case CalibrationStage::start:
+        return "hold the stylus still in free space: the motors start";
+    case CalibrationStage::motion: {
+        std::size_t least = 0;
+        for (std::size_t j = 1; j < 3; ++j) {
+            least = share_of(j) < share_of(least) ? j : least;
+        }
+        return fmt::format("{}, slowly, over a hand's breadth; it resists gently", kMotions[least]);
+    }
+    case CalibrationStage::release:
+        return "hold the stylus: the motors are released";
+    case CalibrationStage::done:
+        break;
+    }
+    return "";
+}
+
+device::Calibration CalibrationRun::calibration() const {
+    const device::DeviceDescription &file = device_.description();
+    const device::DeviceIdentity identity = device_.identity();
+    device::Calibration calibration;
+    calibration.serial = identity.serial;
+    calibration.kind = identity.kind;
+    calibration.firmware = identity.firmware;
+    calibration.made_at_s = options_.made_at_s;
+    if (options_.air_C) {
+        calibration.air_C = *options_.air_C;
+        calibration.air_error_K = kThermometer_K;
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        // What was learned takes the air for one of 25 °C.
+        const double to_25_C =
+            1.0 / (1.0 + file.motor[j].resistance_rise_per_K *
+                             (calibration.air_C - device::kReferenceTemperature_C));
+        device::MotorCalibration motor = learned_[j];
+        for (double device::MotorCalibration::*const value :
+             {&device::MotorCalibration::resistance_Ohm,
+              &device::MotorCalibration::resistance_deviation_Ohm,
+              &device::MotorCalibration::ripple_cos_Ohm, &device::MotorCalibration::ripple_sin_Ohm,
+              &device::MotorCalibration::ripple_deviation_Ohm,
+              &device::MotorCalibration::ripple_cos_2_Ohm,
+              &device::MotorCalibration::ripple_sin_2_Ohm,
+              &device::MotorCalibration::ripple_2_deviation_Ohm}) {
+            motor.*value *= to_25_C;
+        }
+        calibration.motor[j] = motor;
+    }
+    return calibration;
+}
+
+CalibrationReport CalibrationRun::report() const {
+    CalibrationReport report;
+    report.is_complete = is_complete_ && stage_ == CalibrationStage::done;
+    report.problem = problem_;
+    if (has_moved_) {
+        report.calibration = calibration();
+        report.motor = motor_;
+    }
+    report.motion_s = motion_ticks_ * kPeriod_s;
+    if (!report.is_complete && report.problem.empty()) {
+        report.problem = "it was ended before anything was learned";
+    }
+    return report;
+}
+
+} // namespace springdrive::commissioning

@@ -1,0 +1,123 @@
+// Calibrates a device: R of each winding with the commutator's ripple, k_T and the current sensors'
+// offsets, by the servo's own observers, one tick after the other, so that a window and a command
+// can both show it while it goes on:
+//
+//   rest ──► start: the gains ramp up ──► motion by hand, with a drag ──► release ──► done
+//
+// In free space the spring drive follows the hand without current, so that nothing is learned. So
+// each motor resists the hand's motion by a current that grows and fades, at another frequency than
+// the others':
+//
+//   i = −½ I (1 − cos 2π f t) tanh(θ̇/ω)
+//
+// It only ever takes energy out of the hand; a device that is let go of does not move. To and fro
+// it flows in both directions at each angle of the rotor, which separates R from the sensor's
+// offset, and as it fades, from k_T.
+#pragma once
+
+#include "device/core/calibration.h"
+#include "device/core/haptic_device.h"
+#include "engine/servo/servo.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace springdrive::commissioning {
+
+struct CalibrationOptions {
+    double drag_N = 0.5;             ///< of one motor, at the end of its link
+    double longest_motion_s = 180.0; ///< for moving the device by hand
+    std::optional<double> air_C;     ///< by a thermometer, to kThermometer_K
+    double dR_Ohm = 0.5;             ///< for which R̂ is reported
+    std::int64_t made_at_s = 0;      ///< UTC, since 1970; 0: now
+};
+
+/// By how much a room's thermometer may be wrong, either way, the motors' air included.
+inline constexpr double kThermometer_K = 2.0;
+
+enum class CalibrationStage : std::uint8_t { rest, start, motion, release, done };
+
+/// What a motor's resistance may be cancelled by, with what is known of it.
+struct Cancellable {
+    double R_hat_Ohm = 0.0;    ///< for the dR that was asked for
+    double least_dR_Ohm = 0.0; ///< that observer and winding guard permit, with 3 deviations
+};
+
+struct MotorCalibrationReport {
+    Cancellable before;      ///< at a start without calibration
+    Cancellable at_start;    ///< at one with it, until a touch has told more
+    Cancellable now;         ///< at the end, as warm as it was, in the air of the calibration
+    double turned_rad = 0.0; ///< of the rotor, to and fro
+};
+
+struct CalibrationReport {
+    bool is_complete = false; ///< may be used and stored
+    std::string problem;      ///< in one line, why not, and what to do
+    device::Calibration calibration;
+    std::array<MotorCalibrationReport, 3> motor;
+    double motion_s = 0.0; ///< duration
+};
+
+class CalibrationRun {
+public:
+    /// @param device  zeroed, and read and written by nobody else, at a rate of kRate_hz; outlives
+    ///                this
+    /// @throw InputError for a device of which nothing can be learned, or options out of range
+    explicit CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options = {});
+
+    static constexpr double kRate_hz = 1000.0;
+
+    /// One tick. The first ones reset the faults that a board has latched before.
+    /// @return whether there is more to do
+    bool step();
+
+    [[nodiscard]] CalibrationStage stage() const { return stage_; }
+    /// What the person shall do now, and what is still missing.
+    [[nodiscard]] std::string instruction() const;
+    /// Of the present stage.
+    [[nodiscard]] double share() const;
+    /// Whether all motors are known as well as they should be.
+    [[nodiscard]] bool has_reached_all() const;
+
+    /// Ends the motion with what has been learned. The gains ramp down: go on with `step`.
+    void finish();
+
+    /// The last tick, for display; without a tick, its default.
+    [[nodiscard]] const servo::ServoSample &sample() const { return sample_; }
+
+    [[nodiscard]] CalibrationReport report() const;
+
+private:
+    void rest();
+    void tick();
+    void excite();
+    void watch_progress();
+    void stop_for(std::string problem);
+    [[nodiscard]] double time_s() const;
+    [[nodiscard]] device::MotorCalibration learned(std::size_t motor) const;
+    [[nodiscard]] double share_of(std::size_t motor) const;
+    [[nodiscard]] device::Calibration calibration() const;
+
+    device::HapticDevice &device_;
+    CalibrationOptions options_;
+    Vector3 drag_A_; ///< I
+    CalibrationStage stage_ = CalibrationStage::rest;
+    int ticks_ = 0; ///< in this stage
+    servo::ServoInputs inputs_;
+    std::unique_ptr<servo::Servo> servo_;
+    servo::ServoSample sample_;
+    std::array<device::MotorCalibration, 3> learned_;  ///< at the end of the motion
+    std::array<device::MotorCalibration, 3> at_first_; ///< known before
+    std::array<MotorCalibrationReport, 3> motor_;
+    double best_share_ = 0.0; ///< of the motion
+    int ticks_without_gain_ = 0;
+    int motion_ticks_ = 0;
+    bool has_moved_ = false;
+    bool is_complete_ = false;
+    std::string problem_;
+};
+
+} // namespace springdrive::commissioning
