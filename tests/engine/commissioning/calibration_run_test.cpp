@@ -5,11 +5,14 @@
 #include "base/input_error.h"
 #include "device/core/calibration_file.h"
 #include "device/factory/board_factory.h"
+#include "device/factory/in_process_port.h"
 #include "device/simulated/calibration_tour.h"
 #include "device/simulated/drawn_device.h"
+#include "device/usb/driver/usb_device.h"
 #include "tests/support/cases.h"
 #include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/files.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -18,6 +21,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -38,8 +42,7 @@ constexpr double kPeriod_s = 1.0 / CalibrationRun::kRate_hz;
 class InformationBound {
 public:
     InformationBound(const device::DeviceDescription &file, std::size_t motor)
-        : segments_(file.motor[motor].commutator_segments),
-          L_H_(file.motor[motor].inductance_H),
+        : segments_(file.motor[motor].commutator_segments), L_H_(file.motor[motor].inductance_H),
           current_variance_A2_(file.current_sensing.noise_A * file.current_sensing.noise_A +
                                file.current_sensing.resolution_A *
                                    file.current_sensing.resolution_A / 12.0),
@@ -92,6 +95,7 @@ private:
 };
 
 /// What is true of a drawn motor, in the terms of a calibration, in air of 25 °C.
+/// @param zero_rad  the rotor's angle where the counts are zero
 struct TrueMotor {
     double resistance_Ohm = 0.0;
     std::array<double, 2> ripple_Ohm{}; ///< of the first harmonic; there is no second
@@ -99,14 +103,16 @@ struct TrueMotor {
     double offset_A = 0.0;
 };
 
-TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, std::size_t motor) {
+TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, std::size_t motor,
+                     double zero_rad) {
     const simulated::DrawnMotor drawn = simulated::drawn_device(file, seed).motor[motor];
     TrueMotor truth;
-    truth.resistance_Ohm = drawn.resistance_share * file.motor[motor].resistance_Ohm /
-                           drawn.sensing.amplifier.gain;
+    truth.resistance_Ohm =
+        drawn.resistance_share * file.motor[motor].resistance_Ohm / drawn.sensing.amplifier.gain;
     const double ripple_Ohm = file.motor[motor].commutation_ripple * truth.resistance_Ohm;
-    truth.ripple_Ohm = {ripple_Ohm * std::cos(drawn.commutator_phase_rad),
-                        -ripple_Ohm * std::sin(drawn.commutator_phase_rad)};
+    const double phase_rad =
+        drawn.commutator_phase_rad + file.motor[motor].commutator_segments * zero_rad;
+    truth.ripple_Ohm = {ripple_Ohm * std::cos(phase_rad), -ripple_Ohm * std::sin(phase_rad)};
     truth.torque_constant_Nm_per_A =
         drawn.torque_constant_share * file.motor[motor].torque_constant_Nm_per_A;
     truth.offset_A = drawn.sensing.converter.offset_A;
@@ -116,9 +122,12 @@ TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, 
 /// A drawn device whose hand does as the calibration asks.
 struct Tried {
     device::DeviceDescription file = testing::phantom_1_0();
+    std::optional<device::DeviceDescription> truth; ///< of a board, if it is another one
     std::uint64_t seed = 1;
     bool is_on_board = true;
     double ambient_C = 25.0;
+    bool moves_hand = true;
+    std::vector<emulator::Fault> faults;
     CalibrationOptions options;
 
     Tried() { options.made_at_s = 1'764'000'000; }
@@ -128,6 +137,8 @@ struct Tried {
     factory::OpenBoard board;
     std::array<std::optional<InformationBound>, 3> bound;
     double largest_force_N = 0.0;
+    servo::ServoSample last;
+    Vector3 zero_rad{Vector3::Zero()}; ///< of the rotors, where the counts are zero
 
     simulated::SimulationOptions simulation() const {
         simulated::SimulationOptions simulation;
@@ -138,23 +149,28 @@ struct Tried {
 
     void open() {
         if (!is_on_board) {
-            phantom = std::make_unique<simulated::SimulatedPhantom>(file, simulation(),
-                                                                    Vector3::Zero());
+            phantom =
+                std::make_unique<simulated::SimulatedPhantom>(file, simulation(), Vector3::Zero());
             return;
         }
         factory::BoardRequest request;
-        request.description = request.truth = file;
+        request.description = file;
+        request.truth = truth.value_or(file);
         request.emulation.simulation = simulation();
         request.emulation.start_tip_m = Vector3::Zero();
         request.emulation.identity =
             emulator::emulated_identity(simulated::simulated_identity(seed).serial);
+        request.emulation.faults = faults;
         request.watchdog_periods = 20.0;
         request.ignores_calibration = true;
         board = factory::open_board(request);
         board.device->zero(Vector3::Zero());
+        zero_rad = board.emulated->phantom().truth().theta_rad;
     }
 
-    CalibrationReport run() {
+    /// @param ends  asked before each tick whether the person ends the motion now
+    CalibrationReport run(const std::function<bool(const CalibrationRun &)> &ends =
+                              [](const CalibrationRun &) { return false; }) {
         open();
         device::HapticDevice &device = is_on_board ? *board.device : *phantom;
         simulated::SimulatedPhantom &hand = is_on_board ? board.emulated->phantom() : *phantom;
@@ -167,7 +183,10 @@ struct Tried {
         while (run.step()) {
             EXPECT_GE(run.share(), 0.0);
             EXPECT_LE(run.share(), 1.0);
-            if (run.stage() == CalibrationStage::motion && !moves) {
+            if (ends(run)) {
+                run.finish();
+            }
+            if (run.stage() == CalibrationStage::motion && moves_hand && !moves) {
                 moves = true;
                 hand.follow(simulated::calibration_tour(file, hand.truth().tip_m, 200.0));
             }
@@ -177,6 +196,7 @@ struct Tried {
             }
             before = now;
         }
+        last = run.sample();
         return run.report();
     }
 
@@ -193,13 +213,18 @@ struct Tried {
     }
 };
 
+// Of 150 deviations of R, fewer than 134 within 1.96 standard deviations have a probability of 0.1
+// %. The observer takes R and offsets to drift, and has to find out more than the bound knows; so
+// its deviation is twice the bound, and truth is within it more often than 95 %.
 TEST(CalibrationOfDrawnDevices, IsAsGoodAsItsSensorsAllow) {
     const int devices = testing::cases(2, 50);
     int within = 0;
     double worst_error = 0.0; // in deviations
     double worst_share = 0.0; // of R
     double worst_factor = 0.0;
-    double worst_ripple_Ohm = 0.0;
+    double worst_phase_rad = 0.0;
+    double worst_amplitude = 0.0;
+    double worst_k_T = 0.0;
     double longest_s = 0.0;
     for (int seed = 1; seed <= devices; ++seed) {
         Tried tried;
@@ -208,39 +233,376 @@ TEST(CalibrationOfDrawnDevices, IsAsGoodAsItsSensorsAllow) {
         const CalibrationReport report = tried.run();
         ASSERT_TRUE(report.is_complete) << "device " << seed << ": " << report.problem;
         longest_s = std::max(longest_s, report.motion_s);
+        EXPECT_LT(tried.largest_force_N, 1.0);
         for (std::size_t j = 0; j < 3; ++j) {
             const device::MotorCalibration &found = report.calibration.motor[j];
-            const TrueMotor truth = true_motor(tried.file, tried.seed, j);
-            const auto deviations = tried.bound[j]->deviations();
+            const TrueMotor truth =
+                true_motor(tried.file, tried.seed, j, tried.zero_rad[static_cast<Eigen::Index>(j)]);
             const double error =
                 (found.resistance_Ohm - truth.resistance_Ohm) / found.resistance_deviation_Ohm;
             within += std::abs(error) < 1.96 ? 1 : 0;
             worst_error = std::max(worst_error, std::abs(error));
             worst_share =
                 std::max(worst_share, std::abs(found.resistance_Ohm / truth.resistance_Ohm - 1.0));
-            const double factor = found.resistance_deviation_Ohm / deviations[0];
+            const double factor =
+                found.resistance_deviation_Ohm / tried.bound[j]->deviations().front();
+            EXPECT_GT(factor, 1.0);
+            EXPECT_LT(factor, 3.0);
             worst_factor = std::max(worst_factor, factor);
-            const double ripple_Ohm = std::hypot(found.ripple_cos_Ohm - truth.ripple_Ohm[0],
-                                                 found.ripple_sin_Ohm - truth.ripple_Ohm[1]);
-            worst_ripple_Ohm = std::max(worst_ripple_Ohm, ripple_Ohm);
-            std::printf("device %d motor %zu: R %.5f err %.5f dev %.5f bound %.5f; ripple err %.5f "
-                        "dev %.5f bound %.5f; kT err %.2e dev %.2e bound %.2e; o %.2e dev %.2e "
-                        "bound %.2e turned %.0f, %.0f s force %.2f\n",
-                        seed, j + 1, found.resistance_Ohm,
-                        found.resistance_Ohm - truth.resistance_Ohm,
-                        found.resistance_deviation_Ohm, deviations[0], ripple_Ohm,
-                        found.ripple_deviation_Ohm, deviations[1],
-                        found.torque_constant_Nm_per_A - truth.torque_constant_Nm_per_A,
-                        found.torque_constant_deviation_Nm_per_A, deviations[6],
-                        found.offset_A - (tried.is_on_board ? 0.0 : truth.offset_A),
-                        found.offset_deviation_A, deviations[5], report.motor[j].turned_rad,
-                        report.motion_s, tried.largest_force_N);
+
+            const std::array<double, 2> &ripple = truth.ripple_Ohm;
+            const double amplitude_Ohm = std::hypot(ripple[0], ripple[1]);
+            const double phase_rad =
+                std::remainder(std::atan2(found.ripple_sin_Ohm, found.ripple_cos_Ohm) -
+                                   std::atan2(ripple[1], ripple[0]),
+                               2.0 * std::numbers::pi);
+            const double larger =
+                std::hypot(found.ripple_cos_Ohm, found.ripple_sin_Ohm) / amplitude_Ohm - 1.0;
+            // A standard deviation is at most 0.05 % of R, or 2.5 % of the ripple's 2 %; the
+            // largest of 150 is expected at 3.4 of them, and by one in 1000 at 4.8.
+            EXPECT_LT(std::abs(phase_rad), 0.12) << seed;
+            EXPECT_LT(std::abs(larger), 0.12) << seed;
+            EXPECT_LT(std::hypot(found.ripple_cos_2_Ohm, found.ripple_sin_2_Ohm),
+                      4.8 * 1.1 * found.ripple_2_deviation_Ohm)
+                << seed;
+            worst_phase_rad = std::max(worst_phase_rad, std::abs(phase_rad));
+            worst_amplitude = std::max(worst_amplitude, std::abs(larger));
+
+            const double k_T = found.torque_constant_Nm_per_A / truth.torque_constant_Nm_per_A;
+            EXPECT_LT(std::abs(k_T - 1.0) * truth.torque_constant_Nm_per_A,
+                      4.8 * found.torque_constant_deviation_Nm_per_A)
+                << seed;
+            worst_k_T = std::max(worst_k_T, std::abs(k_T - 1.0));
+            if (!tried.is_on_board) {
+                EXPECT_NEAR(found.offset_A, truth.offset_A, 4.8 * found.offset_deviation_A) << seed;
+            }
         }
     }
-    std::printf("worst of %d: R %.2f deviations, %.3f %%; %.1f times the bound; ripple %.2f mOhm; "
-                "%d of %d within 95 %%; %.0f s\n",
-                devices, worst_error, 100.0 * worst_share, worst_factor, 1e3 * worst_ripple_Ohm,
-                within, 3 * devices, longest_s);
+    const int all = 3 * devices;
+    EXPECT_GE(within, all - (all > 6 ? 16 : 1));
+    std::printf("worst of %d: R %.3f %%, %.2f deviations, %d of %d within 95 %%, %.1f times the "
+                "bound; ripple %.1f degrees, %.1f %%; k_T %.3f %%; %.0f s\n",
+                devices, 100.0 * worst_share, worst_error, within, all, worst_factor,
+                worst_phase_rad * 180.0 / std::numbers::pi, 100.0 * worst_amplitude,
+                100.0 * worst_k_T, longest_s);
+}
+
+/// dR less what was asked for, over a second after the start, at the worst: without any touch.
+double worst_dR_error_Ohm(const device::DeviceDescription &known, std::uint64_t seed,
+                          double *largest_stated_Ohm) {
+    constexpr double kWanted_Ohm = 0.5;
+    simulated::SimulationOptions simulation;
+    simulation.device_seed = seed;
+    simulated::SimulatedPhantom phantom(known, simulation, Vector3::Zero());
+    servo::Servo servo(phantom, CalibrationRun::kRate_hz);
+    servo::ServoInputs inputs;
+    inputs.tuning.dR_Ohm = kWanted_Ohm;
+    inputs.observes_resistance = true;
+    servo.publish(inputs);
+    const simulated::DrawnDevice drawn = simulated::drawn_device(known, seed);
+    double worst_Ohm = 0.0;
+    int running = 0;
+    while (running < 1000) {
+        servo.advance(1);
+        servo.drain([&](const servo::ServoSample &sample) {
+            EXPECT_NE(sample.safety.state, servo::SafetyState::tripped);
+            if (sample.safety.state != servo::SafetyState::running) {
+                return;
+            }
+            ++running;
+            for (std::size_t j = 0; j < 3; ++j) {
+                const auto i = static_cast<Eigen::Index>(j);
+                const double seen_Ohm =
+                    phantom.truth().resistance_Ohm[i] / drawn.motor[j].sensing.amplifier.gain -
+                    sample.command.cancelled_resistance_Ohm[i];
+                worst_Ohm = std::max(worst_Ohm, std::abs(seen_Ohm - kWanted_Ohm));
+                *largest_stated_Ohm =
+                    std::max(*largest_stated_Ohm, control::held_up_dR_Ohm(sample.motor[j]));
+            }
+        });
+    }
+    return worst_Ohm;
+}
+
+// Air then and now is within 10 K: by the calibration R is known to 7 % at the worst, if it is not
+// measured, and by a thermometer to 4.7 %; here both are of 25 °C, so that only the rest is left.
+TEST(CalibrationOfDrawnDevices, AStartHasTheRightDR) {
+    const int devices = testing::cases(2, 50);
+    double worst_Ohm = 0.0;
+    double worst_without_Ohm = 0.0;
+    for (int seed = 1; seed <= devices; ++seed) {
+        Tried tried;
+        tried.seed = static_cast<std::uint64_t>(seed);
+        tried.is_on_board = false;
+        tried.options.air_C = 25.0;
+        const CalibrationReport report = tried.run();
+        ASSERT_TRUE(report.is_complete) << seed << ": " << report.problem;
+        device::DeviceDescription known = tried.file;
+        known.calibration = report.calibration;
+        double stated_Ohm = 0.0;
+        double stated_without_Ohm = 0.0;
+        const double error_Ohm = worst_dR_error_Ohm(known, tried.seed, &stated_Ohm);
+        const double without_Ohm = worst_dR_error_Ohm(tried.file, tried.seed, &stated_without_Ohm);
+        // Where gravity moves a braking rotor before the start, the observer learns from little,
+        // and may weigh it against the air's 10 K: within what it states, of which 1.96 of 3
+        // deviations are 95 %. Without a calibration dR is 0.77 instead of 0.5 Ω, less what R is
+        // lower.
+        EXPECT_LT(error_Ohm, 1.96 / 3.0 * stated_Ohm) << seed;
+        EXPECT_LT(error_Ohm, 0.2 * without_Ohm) << seed;
+        EXPECT_NEAR(stated_Ohm, 3.0 * 0.05 * 2.18, 0.03) << seed;
+        EXPECT_GT(without_Ohm, 0.1) << seed;
+        EXPECT_GT(stated_without_Ohm, 0.75) << seed;
+        worst_Ohm = std::max(worst_Ohm, error_Ohm);
+        worst_without_Ohm = std::max(worst_without_Ohm, without_Ohm);
+        for (std::size_t j = 0; j < 3; ++j) {
+            EXPECT_GT(report.motor[j].before.least_dR_Ohm, 0.75);
+            EXPECT_LT(report.motor[j].at_start.least_dR_Ohm, 0.5);
+            EXPECT_LE(report.motor[j].now.least_dR_Ohm, report.motor[j].at_start.least_dR_Ohm);
+            EXPECT_NEAR(report.motor[j].at_start.R_hat_Ohm,
+                        report.calibration.motor[j].resistance_Ohm +
+                            report.calibration.motor[j].ripple_cos_Ohm +
+                            report.calibration.motor[j].ripple_cos_2_Ohm - 0.5,
+                        1e-9);
+        }
+    }
+    std::printf("worst of %d: dR at a start %.1f mOhm, without a calibration %.0f mOhm\n", devices,
+                1e3 * worst_Ohm, 1e3 * worst_without_Ohm);
+}
+
+// R of copper by 0.39 % a kelvin: a calibration in cold air is that of a lower R, by 3.9 %.
+TEST(CalibrationRun, TheAirsTemperatureIsAThermometersOrUnknown) {
+    for (const bool has_thermometer : {false, true}) {
+        Tried tried;
+        tried.is_on_board = false;
+        tried.ambient_C = 15.0;
+        if (has_thermometer) {
+            tried.options.air_C = 15.0;
+        }
+        const CalibrationReport report = tried.run();
+        ASSERT_TRUE(report.is_complete) << report.problem;
+        EXPECT_EQ(report.calibration.air_error_K, has_thermometer ? kThermometer_K : 10.0);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const TrueMotor truth = true_motor(tried.file, tried.seed, j, 0.0);
+            const device::MotorCalibration &found = report.calibration.motor[j];
+            const double cold = has_thermometer ? 1.0 : 1.0 - 0.039;
+            EXPECT_NEAR(found.resistance_Ohm, cold * truth.resistance_Ohm,
+                        4.0 * found.resistance_deviation_Ohm);
+            device::DeviceDescription known = tried.file;
+            known.calibration = report.calibration;
+            const control::ResistanceEstimate R = control::known_at_start(known, j).mean;
+            EXPECT_NEAR(R.resistance_Ohm, truth.resistance_Ohm, 1.96 * R.deviation_Ohm);
+        }
+    }
+}
+
+TEST(CalibrationRun, SaysWhatIsMissing) {
+    Tried still;
+    still.is_on_board = false;
+    still.moves_hand = false;
+    still.options.longest_motion_s = 3.0;
+    const CalibrationReport report = still.run();
+    EXPECT_FALSE(report.is_complete);
+    EXPECT_NE(report.problem.find("motor 1 was not turned enough"), std::string::npos)
+        << report.problem;
+
+    Tried early; // a person ends it after half a second of motion
+    early.is_on_board = false;
+    std::string instruction;
+    int ticks = 0;
+    const CalibrationReport ended = early.run([&](const CalibrationRun &run) {
+        if (run.stage() == CalibrationStage::motion) {
+            instruction = run.instruction();
+            EXPECT_FALSE(run.has_reached_all());
+            return ++ticks == 500;
+        }
+        return false;
+    });
+    EXPECT_FALSE(ended.is_complete);
+    EXPECT_NE(ended.problem.find("begin anew"), std::string::npos) << ended.problem;
+    EXPECT_NE(instruction.find("slowly"), std::string::npos) << instruction;
+}
+
+TEST(CalibrationRun, ATripEndsIt) {
+    Tried stopped;
+    stopped.faults = {emulator::parse_fault("stop@4")};
+    const CalibrationReport report = stopped.run();
+    EXPECT_FALSE(report.is_complete);
+    EXPECT_NE(report.problem.find("stop switch"), std::string::npos) << report.problem;
+    EXPECT_EQ(stopped.last.command.mode, device::CommandMode::brake);
+
+    Tried latched; // before it began
+    latched.faults = {emulator::parse_fault("stop@0-0.08")};
+    const CalibrationReport reset = latched.run();
+    EXPECT_TRUE(reset.is_complete) << reset.problem;
+}
+
+TEST(CalibrationRun, AMotorThatIsNotTheFilesIsNamed) {
+    Tried tried;
+    tried.truth = tried.file;
+    tried.truth->motor[1].resistance_Ohm *= 1.15;
+    const CalibrationReport report = tried.run();
+    EXPECT_FALSE(report.is_complete);
+    EXPECT_NE(report.problem.find("motor 2"), std::string::npos) << report.problem;
+}
+
+TEST(CalibrationRun, RefusesWhereNothingCanBeLearned) {
+    device::DeviceDescription exact = testing::phantom_1_0();
+    exact.motor[1].resistance_tolerance = 0.0;
+    device::DeviceDescription separate = testing::phantom_1_0();
+    separate.current_sensing.is_shared = false;
+    for (const auto &[file, part] :
+         {std::pair(exact, "resistance_tolerance"), std::pair(separate, "shared_with_amplifier")}) {
+        simulated::SimulatedPhantom phantom(file, {}, Vector3::Zero());
+        const std::string message =
+            testing::complaint_of([&] { const CalibrationRun run(phantom); });
+        EXPECT_NE(message.find(part), std::string::npos) << message;
+    }
+}
+
+/// A calibration of this serial number, with possible numbers.
+device::Calibration calibration_of(const std::string &serial) {
+    const device::DeviceDescription file = testing::phantom_1_0();
+    device::Calibration calibration;
+    calibration.serial = serial;
+    calibration.kind = "USB";
+    calibration.made_at_s = 1'764'000'000;
+    for (std::size_t j = 0; j < 3; ++j) {
+        for (const device::CalibrationField &field : device::calibration_fields(file, j, 10.0)) {
+            calibration.motor[j].*field.value =
+                0.4 * field.range.minimum + 0.6 * field.range.maximum;
+        }
+    }
+    return calibration;
+}
+
+TEST(Calibration, IsRefusedOnAnotherDevice) {
+    factory::DeviceRequest simulated;
+    simulated.description = testing::phantom_1_0();
+    simulated.description.calibration = calibration_of("sim-1-7");
+    simulated.simulation.device_seed = 7;
+    EXPECT_NO_THROW(static_cast<void>(factory::open_device(simulated)));
+    factory::BoardRequest board;
+    board.description = board.truth = simulated.description;
+    board.emulation.start_tip_m = Vector3::Zero();
+    board.emulation.identity = emulator::emulated_identity("sim-1-7");
+    EXPECT_NO_THROW(static_cast<void>(factory::open_board(board)));
+
+    simulated.simulation.device_seed = 8;
+    board.emulation.identity = emulator::emulated_identity("sim-1-8");
+    for (const std::string &message :
+         {testing::complaint_of([&] { static_cast<void>(factory::open_device(simulated)); }),
+          testing::complaint_of([&] { static_cast<void>(factory::open_board(board)); })}) {
+        for (const char *part : {"sim-1-7", "sim-1-8", "device calibrate"}) {
+            EXPECT_NE(message.find(part), std::string::npos) << message;
+        }
+    }
+    board.ignores_calibration = true; // to be calibrated anew
+    EXPECT_FALSE(factory::open_board(board).device->description().calibration);
+}
+
+/// A board in this process, to which hosts connect one after the other.
+struct StoringBoard {
+    emulator::EmulatedBoard board{testing::phantom_1_0(), options()};
+    static emulator::EmulatedBoardOptions options() {
+        emulator::EmulatedBoardOptions options;
+        options.identity = emulator::emulated_identity("board-7");
+        options.start_tip_m = Vector3::Zero();
+        return options;
+    }
+    [[nodiscard]] std::unique_ptr<usb::UsbDevice>
+    connect(const device::DeviceDescription &file = testing::phantom_1_0()) {
+        return std::make_unique<usb::UsbDevice>(std::make_unique<factory::InProcessPort>(board),
+                                                file, "", 1e-3, usb::Pacing::reports);
+    }
+    /// Another value in a calibration block of a motor, from 0.
+    void damage(std::uint16_t motor, std::size_t byte, std::uint8_t value) {
+        const auto connected = connect();
+        std::array<std::uint8_t, usb::kCalibrationBlockSize> payload{};
+        const auto kind = static_cast<std::uint8_t>(usb::Kind::calibration);
+        const auto index = static_cast<std::uint16_t>(usb::kFirstMotorBlock + motor);
+        ASSERT_EQ(board.control_in(kind, index, payload), payload.size());
+        usb::CalibrationBlock block;
+        ASSERT_EQ(usb::decode(payload.data(), payload.size(), block), usb::FrameStatus::ok);
+        block.bytes[byte] = value;
+        ASSERT_TRUE(board.control_out(kind, index, usb::encode(block)));
+    }
+};
+
+TEST(Calibration, ABoardKeepsItWithoutPower) {
+    StoringBoard rig;
+    {
+        const auto device = rig.connect();
+        EXPECT_FALSE(device->bench()->stored_calibration());
+        factory::use_calibration(*device);
+        EXPECT_FALSE(device->description().calibration);
+        device->bench()->store(calibration_of("board-7"));
+    }
+    rig.board.set_fault(emulator::parse_fault("restart"));
+    rig.board.pass(0.2);
+    ASSERT_EQ(rig.board.restarts(), 1U);
+    rig.board.clear_faults();
+    const auto device = rig.connect();
+    factory::use_calibration(*device);
+    ASSERT_TRUE(device->description().calibration);
+    const device::Calibration &kept = *device->description().calibration;
+    const device::Calibration stored = calibration_of("board-7");
+    EXPECT_EQ(kept.serial, "board-7");
+    EXPECT_EQ(kept.made_at_s, stored.made_at_s);
+    EXPECT_DOUBLE_EQ(kept.air_C, stored.air_C);
+    EXPECT_DOUBLE_EQ(kept.air_error_K, stored.air_error_K);
+    for (std::size_t j = 0; j < 3; ++j) {
+        for (const device::CalibrationField &field : device::calibration_fields({}, j, 0.0)) {
+            EXPECT_EQ(kept.motor[j].*field.value,
+                      static_cast<double>(static_cast<float>(stored.motor[j].*field.value)))
+                << field.key;
+        }
+    }
+    EXPECT_EQ(device->read().health, device::DeviceHealth::ok);
+    device->reconnect();
+    EXPECT_TRUE(device->description().calibration);
+}
+
+TEST(Calibration, TheFilesOneComesFirst) {
+    StoringBoard rig;
+    rig.connect()->bench()->store(calibration_of("board-7"));
+    device::DeviceDescription file = testing::phantom_1_0();
+    file.calibration = calibration_of("board-7");
+    file.calibration->made_at_s = 1;
+    const auto device = rig.connect(file);
+    factory::use_calibration(*device);
+    EXPECT_EQ(device->description().calibration->made_at_s, 1);
+}
+
+TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
+    const std::size_t layout = 0;
+    const std::size_t made_at = 4;
+    const std::size_t exponent_of_R = 8 + 3;
+    for (const auto &[byte, value, part] :
+         {std::tuple(layout, std::uint8_t{9}, "out of range"),
+          std::tuple(made_at, std::uint8_t{99}, "not complete"),
+          std::tuple(exponent_of_R, std::uint8_t{0x7f}, "not finite"),
+          std::tuple(exponent_of_R, std::uint8_t{0x41}, "motor 2: resistance_Ohm")}) {
+        StoringBoard rig;
+        device::Calibration calibration = calibration_of("board-7");
+        if (value == 0x7f) { // an infinity has no fraction
+            calibration.motor[1].resistance_Ohm = 2.0;
+        }
+        rig.connect()->bench()->store(calibration);
+        rig.damage(1, byte, value);
+        if (value == 0x7f) {
+            rig.damage(1, exponent_of_R - 1, 0x80);
+        }
+        const auto device = rig.connect();
+        const std::string message =
+            testing::complaint_of([&] { factory::use_calibration(*device); });
+        for (const char *expected : {part, "board-7", "device calibrate --to-board"}) {
+            EXPECT_NE(message.find(expected), std::string::npos) << message;
+        }
+        EXPECT_EQ(message.find('\n'), std::string::npos);
+        EXPECT_FALSE(device->bench()->facts().empty()); // all the same
+        device->bench()->store(calibration_of("board-7"));
+        EXPECT_NO_THROW(factory::use_calibration(*device));
+    }
 }
 
 } // namespace
