@@ -25,6 +25,9 @@ constexpr int kResetting_ticks = 200;
 /// Without rest of the tip, in which the gains could ramp up.
 constexpr int kLongestStart_ticks = 60'000;
 
+/// At the end, for a board to report that it brakes.
+constexpr int kBraking_ticks = 20;
+
 /// Of the three drags [Hz]: no two of them, nor a hand's motion, stay in step.
 constexpr std::array<double, 3> kDrag_hz{0.9, 1.1, 1.3};
 /// ω: from this rate on the drag is whole [rad/s of the rotor]. As a damper it is then well below
@@ -56,9 +59,11 @@ double guarded_Ohm(const device::DeviceDescription &device, std::size_t motor) {
         .max_cancelled_Ohm();
 }
 
-Cancellable cancellable(const device::MotorParameters &file, const control::ObservedMotor &known,
+/// Averaged over the commutator's angles.
+Cancellable cancellable(const device::MotorParameters &file, control::ObservedMotor known,
                         double guard_Ohm, double dR_Ohm) {
     const double R_Ohm = known.mean.resistance_Ohm;
+    known.here.resistance_Ohm = R_Ohm;
     return {std::min(guard_Ohm, control::cancelled_resistance_Ohm(file, known, dR_Ohm)),
             std::max(control::held_up_dR_Ohm(known), R_Ohm - guard_Ohm)};
 }
@@ -154,7 +159,8 @@ void CalibrationRun::tick() {
         watch_progress();
         break;
     default:
-        if (state == SafetyState::waiting) { // the gains have ramped down
+        // The gains have ramped down, and the board has been told to brake.
+        if (state == SafetyState::waiting && ++braking_ticks_ >= kBraking_ticks) {
             servo_->stop();
             stage_ = CalibrationStage::done;
         }

@@ -42,7 +42,7 @@ enum class CalibrationStage : std::uint8_t { rest, start, motion, release, done 
 
 /// What a motor's resistance may be cancelled by, with what is known of it.
 struct Cancellable {
-    double R_hat_Ohm = 0.0;    ///< for the dR that was asked for
+    double R_hat_Ohm = 0.0;    ///< for the dR that was asked for, averaged over the angles
     double least_dR_Ohm = 0.0; ///< that observer and winding guard permit, with 3 deviations
 };
 
@@ -115,6 +115,7 @@ private:
     double best_share_ = 0.0; ///< of the motion
     int ticks_without_gain_ = 0;
     int motion_ticks_ = 0;
+    int braking_ticks_ = 0; ///< at the end
     bool has_moved_ = false;
     bool is_complete_ = false;
     std::string problem_;

@@ -120,7 +120,7 @@ TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, 
 }
 
 /// A drawn device whose hand does as the calibration asks.
-struct Tried {
+struct TriedCalibration {
     device::DeviceDescription file = testing::phantom_1_0();
     std::optional<device::DeviceDescription> truth; ///< of a board, if it is another one
     std::uint64_t seed = 1;
@@ -130,7 +130,7 @@ struct Tried {
     std::vector<emulator::Fault> faults;
     CalibrationOptions options;
 
-    Tried() { options.made_at_s = 1'764'000'000; }
+    TriedCalibration() { options.made_at_s = 1'764'000'000; }
 
     // What came of it:
     std::unique_ptr<simulated::SimulatedPhantom> phantom;
@@ -227,7 +227,7 @@ TEST(CalibrationOfDrawnDevices, IsAsGoodAsItsSensorsAllow) {
     double worst_k_T = 0.0;
     double longest_s = 0.0;
     for (int seed = 1; seed <= devices; ++seed) {
-        Tried tried;
+        TriedCalibration tried;
         tried.seed = static_cast<std::uint64_t>(seed);
         tried.is_on_board = seed % 2 == 1;
         const CalibrationReport report = tried.run();
@@ -331,7 +331,7 @@ TEST(CalibrationOfDrawnDevices, AStartHasTheRightDR) {
     double worst_Ohm = 0.0;
     double worst_without_Ohm = 0.0;
     for (int seed = 1; seed <= devices; ++seed) {
-        Tried tried;
+        TriedCalibration tried;
         tried.seed = static_cast<std::uint64_t>(seed);
         tried.is_on_board = false;
         tried.options.air_C = 25.0;
@@ -359,10 +359,7 @@ TEST(CalibrationOfDrawnDevices, AStartHasTheRightDR) {
             EXPECT_LT(report.motor[j].at_start.least_dR_Ohm, 0.5);
             EXPECT_LE(report.motor[j].now.least_dR_Ohm, report.motor[j].at_start.least_dR_Ohm);
             EXPECT_NEAR(report.motor[j].at_start.R_hat_Ohm,
-                        report.calibration.motor[j].resistance_Ohm +
-                            report.calibration.motor[j].ripple_cos_Ohm +
-                            report.calibration.motor[j].ripple_cos_2_Ohm - 0.5,
-                        1e-9);
+                        report.calibration.motor[j].resistance_Ohm - 0.5, 1e-9);
         }
     }
     std::printf("worst of %d: dR at a start %.1f mOhm, without a calibration %.0f mOhm\n", devices,
@@ -372,7 +369,7 @@ TEST(CalibrationOfDrawnDevices, AStartHasTheRightDR) {
 // R of copper by 0.39 % a kelvin: a calibration in cold air is that of a lower R, by 3.9 %.
 TEST(CalibrationRun, TheAirsTemperatureIsAThermometersOrUnknown) {
     for (const bool has_thermometer : {false, true}) {
-        Tried tried;
+        TriedCalibration tried;
         tried.is_on_board = false;
         tried.ambient_C = 15.0;
         if (has_thermometer) {
@@ -395,8 +392,29 @@ TEST(CalibrationRun, TheAirsTemperatureIsAThermometersOrUnknown) {
     }
 }
 
+TEST(CalibrationRun, IsStoredAndReadAgain) {
+    TriedCalibration tried;
+    const CalibrationReport report = tried.run();
+    ASSERT_TRUE(report.is_complete) << report.problem;
+    const std::string text = device::with_calibration(
+        testing::contents_of(testing::assets() / "devices/phantom_1_0.toml"), report.calibration);
+    const device::DeviceDescription read = device::read_device_text(text, "mine.toml");
+    tried.board.device->bench()->store(report.calibration); // it brakes by now
+    const auto stored = tried.board.device->bench()->stored_calibration();
+    ASSERT_TRUE(stored && read.calibration);
+    for (std::size_t j = 0; j < 3; ++j) {
+        for (const device::CalibrationField &field : device::calibration_fields({}, j, 0.0)) {
+            const double value = report.calibration.motor[j].*field.value;
+            EXPECT_NEAR(read.calibration->motor[j].*field.value, value, 1e-8 * std::abs(value));
+            EXPECT_NEAR(stored->motor[j].*field.value, value, 1e-7 * std::abs(value));
+        }
+    }
+    EXPECT_EQ(read.calibration->serial, "sim-1-1");
+    EXPECT_EQ(stored->serial, "sim-1-1");
+}
+
 TEST(CalibrationRun, SaysWhatIsMissing) {
-    Tried still;
+    TriedCalibration still;
     still.is_on_board = false;
     still.moves_hand = false;
     still.options.longest_motion_s = 3.0;
@@ -405,7 +423,7 @@ TEST(CalibrationRun, SaysWhatIsMissing) {
     EXPECT_NE(report.problem.find("motor 1 was not turned enough"), std::string::npos)
         << report.problem;
 
-    Tried early; // a person ends it after half a second of motion
+    TriedCalibration early; // a person ends it after half a second of motion
     early.is_on_board = false;
     std::string instruction;
     int ticks = 0;
@@ -423,21 +441,21 @@ TEST(CalibrationRun, SaysWhatIsMissing) {
 }
 
 TEST(CalibrationRun, ATripEndsIt) {
-    Tried stopped;
+    TriedCalibration stopped;
     stopped.faults = {emulator::parse_fault("stop@4")};
     const CalibrationReport report = stopped.run();
     EXPECT_FALSE(report.is_complete);
     EXPECT_NE(report.problem.find("stop switch"), std::string::npos) << report.problem;
     EXPECT_EQ(stopped.last.command.mode, device::CommandMode::brake);
 
-    Tried latched; // before it began
+    TriedCalibration latched; // before it began
     latched.faults = {emulator::parse_fault("stop@0-0.08")};
     const CalibrationReport reset = latched.run();
     EXPECT_TRUE(reset.is_complete) << reset.problem;
 }
 
 TEST(CalibrationRun, AMotorThatIsNotTheFilesIsNamed) {
-    Tried tried;
+    TriedCalibration tried;
     tried.truth = tried.file;
     tried.truth->motor[1].resistance_Ohm *= 1.15;
     const CalibrationReport report = tried.run();
@@ -517,12 +535,12 @@ struct StoringBoard {
     /// Another value in a calibration block of a motor, from 0.
     void damage(std::uint16_t motor, std::size_t byte, std::uint8_t value) {
         const auto connected = connect();
-        std::array<std::uint8_t, usb::kCalibrationBlockSize> payload{};
+        std::array<std::uint8_t, board::kLargestPayload> payload{};
         const auto kind = static_cast<std::uint8_t>(usb::Kind::calibration);
         const auto index = static_cast<std::uint16_t>(usb::kFirstMotorBlock + motor);
-        ASSERT_EQ(board.control_in(kind, index, payload), payload.size());
+        const std::size_t size = board.control_in(kind, index, payload);
         usb::CalibrationBlock block;
-        ASSERT_EQ(usb::decode(payload.data(), payload.size(), block), usb::FrameStatus::ok);
+        ASSERT_EQ(usb::decode(payload.data(), size, block), usb::FrameStatus::ok);
         block.bytes[byte] = value;
         ASSERT_TRUE(board.control_out(kind, index, usb::encode(block)));
     }
