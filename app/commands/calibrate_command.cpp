@@ -71,22 +71,23 @@ void show_numbers(const device::Calibration &calibration) {
 
 /// What the numbers do not say.
 void show_limits(const device::DeviceDescription &device, const device::Calibration &calibration) {
-    const double air_share =
-        device.motor.front().resistance_rise_per_K * calibration.air_error_K;
-    print(std::cout,
-          "R is at 25 degrees. The air's temperature, {:.3g} +- {:.3g} degrees, makes it uncertain "
-          "by another {:.1f} %{}.\n"
-          "A current sensor's gain, up to {:.0f} % off, scales R and R-hat alike: nothing here tells "
-          "it, and it costs as much of dR.\n",
-          calibration.air_C, calibration.air_error_K, 100.0 * air_share,
-          calibration.air_error_K > commissioning::kThermometer_K ? "; --air-C makes it less" : "",
-          100.0 * device.current_sensing.gain_tolerance);
+    const double air_share = device.motor.front().resistance_rise_per_K * calibration.air_error_K;
+    print(
+        std::cout,
+        "R is at 25 degrees. The air's temperature, {:.3g} +- {:.3g} degrees, makes it uncertain "
+        "by another {:.1f} %{}.\n"
+        "A current sensor's gain, up to {:.0f} % off, scales R and R-hat alike: nothing here tells "
+        "it, and it costs as much of dR.\n",
+        calibration.air_C, calibration.air_error_K, 100.0 * air_share,
+        calibration.air_error_K > commissioning::kThermometer_K ? "; --air-C makes it less" : "",
+        100.0 * device.current_sensing.gain_tolerance);
 }
 
 void show_dR(const CalibrationReport &report, double dR_Ohm) {
-    print(std::cout, "R-hat for a dR of {:.3g} Ohm, and the least dR that is permitted, with 3 "
-                     "deviations [Ohm]\n"
-                     "motor  by the file    at a start       after a touch\n",
+    print(std::cout,
+          "R-hat for a dR of {:.3g} Ohm, and the least dR that is permitted, with 3 "
+          "deviations [Ohm]\n"
+          "motor  by the file    at a start       after a touch\n",
           dR_Ohm);
     for (std::size_t j = 0; j < 3; ++j) {
         const commissioning::MotorCalibrationReport &motor = report.motor[j];
