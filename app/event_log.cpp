@@ -72,7 +72,7 @@ void EventLog::watch_tuning(const session::TuningHistory &tuning) {
 
 /// Of a simulated device.
 void EventLog::watch_plant(const session::Session &session, double now_s) {
-    if (!session.hand().is_simulated()) {
+    if (!session.device().has_world()) {
         plant_.reset();
         return;
     }

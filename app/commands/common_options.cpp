@@ -30,6 +30,33 @@ bool shapes_the_coupling(const control::Parameter &parameter) {
 
 } // namespace
 
+void TypedEmulation::add_to(CLI::App &command, const std::string &device) {
+    command
+        .add_option("--true-device-file", true_device_file,
+                    "what the " + device + " is, if it is another one [the device file]")
+        ->type_name("FILE");
+    command
+        .add_option("--fault", faults,
+                    "what fails of the " + device +
+                        ", as in springdrive device emulate; may be repeated")
+        ->type_name("FAULT");
+}
+
+std::optional<device::DeviceDescription> TypedEmulation::truth() const {
+    if (true_device_file.empty()) {
+        return std::nullopt;
+    }
+    return device::read_device_file(true_device_file);
+}
+
+std::vector<emulator::Fault> TypedEmulation::parsed_faults() const {
+    std::vector<emulator::Fault> parsed;
+    for (const std::string &fault : faults) {
+        parsed.push_back(emulator::parse_fault(fault));
+    }
+    return parsed;
+}
+
 void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
     command
@@ -41,16 +68,16 @@ void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
 void add_device_option(CLI::App &command, std::string &device) {
     command
         .add_option("--device", device,
-                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several "
-                    "[sim]")
-        ->type_name("sim|usb[:SERIAL]");
+                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several; "
+                    "emulated: a board in this process, to rehearse with [sim]")
+        ->type_name("sim|usb[:SERIAL]|emulated");
 }
 
 NamedDevice device_named(const std::string &device) {
     const std::size_t colon = device.find(':');
     const auto kind = factory::device_kind_named(device.substr(0, colon));
     if (!kind || (*kind == factory::DeviceKind::simulated && colon != std::string::npos)) {
-        throw InputError("--device " + device + ": must be sim, usb or usb:SERIAL");
+        throw InputError("--device " + device + ": must be sim, usb, usb:SERIAL or emulated");
     }
     return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};
 }

@@ -5,6 +5,7 @@
 #include "device/core/device_file.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
+#include "device/usb/emulator/emulator_faults.h"
 #include "engine/control/tuning.h"
 
 #include <array>
@@ -33,8 +34,24 @@ struct NamedDevice {
     std::string serial; ///< empty: the only one
 };
 
-/// @throw InputError unless it is sim, usb or usb:SERIAL
+/// @throw InputError unless it is sim, usb, usb:SERIAL or emulated
 [[nodiscard]] NamedDevice device_named(const std::string &device);
+
+/// `--true-device-file` and `--fault`: what an emulated board is.
+struct TypedEmulation {
+    std::filesystem::path true_device_file; ///< empty: the device file
+    std::vector<std::string> faults;
+
+    /// The options hold references to this: it must stay where it is until the parse is over.
+    /// @param device  "emulated board", in their help
+    void add_to(CLI::App &command, const std::string &device);
+
+    [[nodiscard]] bool is_empty() const { return true_device_file.empty() && faults.empty(); }
+    /// @throw InputError if it is no device file
+    [[nodiscard]] std::optional<device::DeviceDescription> truth() const;
+    /// @throw InputError if one is none
+    [[nodiscard]] std::vector<emulator::Fault> parsed_faults() const;
+};
 
 /// `--tuning-file`, which may stay empty.
 void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);

@@ -72,9 +72,10 @@ commissioning::SweepOptions checked_options(const TypedSweep &typed,
 }
 
 void check_files(const TypedSweep &typed) {
-    RunFiles files{{typed.board.device_file, typed.board.true_device_file, typed.tuning.file},
-                   {},
-                   {typed.csv}};
+    RunFiles files{
+        {typed.board.device_file, typed.board.emulation.true_device_file, typed.tuning.file},
+        {},
+        {typed.csv}};
     if (!typed.svg.empty()) {
         if (typed.svg.extension() != ".svg") {
             throw InputError("--svg " + typed.svg.string() + ": must be a file that ends in .svg");

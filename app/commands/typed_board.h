@@ -1,12 +1,12 @@
 // `--device` of commands that need a board, and what the emulated one is.
 #pragma once
 
+#include "app/commands/common_options.h"
 #include "device/factory/board_factory.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace CLI {
 class App;
@@ -18,9 +18,8 @@ namespace springdrive::app {
 struct TypedBoard {
     std::string device = "sim";
     std::filesystem::path device_file;
-    std::filesystem::path true_device_file; ///< empty: the device file
     std::uint64_t device_seed = 0;
-    std::vector<std::string> faults;
+    TypedEmulation emulation;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(CLI::App &command);

@@ -64,15 +64,18 @@ void TypedSession::add_to(CLI::App &command) {
     add_device_option(command, device);
     command.add_flag("--at-zero", options.starts_at_zero,
                      "the device on USB is held in its zero pose at the start, instead of zeroing "
-                     "it later: upper arm level, forearm hanging, tip at the origin");
+                     "it later: upper arm level, forearm hanging, tip at the origin; an emulated "
+                     "one always is");
+    emulation.add_to(command, "emulated board");
     add_device_file_option(command, options.device.file);
     tuning.add_to(command);
     effects.add_to(command);
     model.add_to(command);
     add_servo_hz_option(command, options.servo_hz);
     command
-        .add_option("--delay", options.delay_periods,
-                    "periods from reading θ to applying e_W, simulated, a real number 0 to 8 [0]")
+        .add_option("--delay", delay_periods,
+                    "periods from reading θ to applying e_W, simulated, a real number 0 to 8 [0; "
+                    "of an emulated board 0.3]")
         ->type_name("D");
     command
         .add_option("--path", options.path,
@@ -91,20 +94,32 @@ void TypedSession::add_to(CLI::App &command) {
                      "run the servo by frame time instead of the clock, which is repeatable");
 }
 
-/// Of a device on USB nothing is simulated.
+/// Of a device on USB nothing is simulated; behind an emulated board all is.
 void TypedSession::set_device(session::SessionOptions &session) const {
     const NamedDevice named = device_named(device);
     session.device.kind = named.kind;
     session.device.serial = named.serial;
-    const auto refuse = [](bool is_given, const char *option) {
+    const auto refuse = [&](bool is_given, const char *option) {
         if (is_given) {
             throw InputError(std::string(option) +
-                             ": is for the simulated device; remove it, or --device usb");
+                             ": is for the simulated device; remove it, or --device " + device);
         }
     };
+    const bool is_emulated = named.kind == factory::DeviceKind::emulated;
+    if (!is_emulated && !emulation.is_empty()) {
+        throw InputError("--true-device-file and --fault: are for the emulated board; remove them, "
+                         "or give --device emulated");
+    }
+    session.delay_periods = delay_periods.value_or(0.0);
+    if (is_emulated) {
+        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+        session.emulation.truth = emulation.truth();
+        session.emulation.faults = emulation.parsed_faults();
+        session.emulation.delay_periods = delay_periods.value_or(session.emulation.delay_periods);
+    }
     if (named.kind == factory::DeviceKind::usb) {
         refuse(!options.path.empty(), "--path");
-        refuse(options.delay_periods != 0.0, "--delay");
+        refuse(delay_periods.value_or(0.0) != 0.0, "--delay");
         refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");
         refuse(effects.device_seed != 0, "--device-seed");
         refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
@@ -122,7 +137,7 @@ session::SessionOptions TypedSession::session() const {
         session.late_limit_s = 1e-3 * *late_limit_ms;
     }
     session.tuning = tuning.tuning();
-    remark_on_margins(tuning.file, options.servo_hz, options.delay_periods);
+    remark_on_margins(tuning.file, options.servo_hz, delay_periods.value_or(0.0));
     session.effects = effects.effects();
     session.device_seed = effects.device_seed;
     session.model = model.options(tuning);
@@ -137,7 +152,9 @@ session::SessionOptions TypedSession::session() const {
 
 RunFiles TypedSession::files(std::vector<std::filesystem::path> written) const {
     written.push_back(options.record);
-    return {{options.device.file, tuning.file, options.path}, options.scene, std::move(written)};
+    return {{options.device.file, tuning.file, options.path, emulation.true_device_file},
+            options.scene,
+            std::move(written)};
 }
 
 } // namespace springdrive::app

@@ -34,6 +34,8 @@ struct TypedSession {
     TuningOptions tuning;
     EffectOptions effects;
     ModelTyped model;
+    TypedEmulation emulation;
+    std::optional<double> delay_periods;
     std::string device = "sim";
     std::optional<double> late_limit_ms;
 

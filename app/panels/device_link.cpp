@@ -18,9 +18,15 @@ namespace {
 using factory::DeviceKind;
 
 std::string name_of_offer(const session::DeviceChoice &choice) {
-    return choice.kind == DeviceKind::simulated
-               ? "simulated " + choice.file.stem().string()
-               : "USB " + (choice.serial.empty() ? "board" : choice.serial);
+    switch (choice.kind) {
+    case DeviceKind::simulated:
+        return "simulated " + choice.file.stem().string();
+    case DeviceKind::emulated:
+        return "emulated " + choice.file.stem().string();
+    case DeviceKind::usb:
+        break;
+    }
+    return "USB " + (choice.serial.empty() ? "board" : choice.serial);
 }
 
 /// What the session has, with the serial number of a board that was the only one.
@@ -32,7 +38,7 @@ session::DeviceChoice present_choice(const session::Session &session) {
     return choice;
 }
 
-/// The simulated devices, by their files.
+/// Simulated and emulated devices, by their files.
 std::vector<DeviceOffer> simulated_offers() {
     std::vector<DeviceOffer> all;
     std::error_code ignored;
@@ -40,9 +46,12 @@ std::vector<DeviceOffer> simulated_offers() {
          std::filesystem::directory_iterator(asset_folder() / "devices", ignored)) {
         if (entry.path().extension() == ".toml") {
             all.push_back({{entry.path(), DeviceKind::simulated, ""}, ""});
+            all.push_back({{entry.path(), DeviceKind::emulated, ""}, ""});
         }
     }
-    std::ranges::sort(all, {}, [](const DeviceOffer &offer) { return offer.choice.file; });
+    std::ranges::sort(all, {}, [](const DeviceOffer &offer) {
+        return std::pair(offer.choice.kind, offer.choice.file);
+    });
     return all;
 }
 
@@ -111,6 +120,21 @@ void draw_zeroing(session::Session &session, PlantTabState &state) {
                 "is driven before");
 }
 
+/// Of an emulated board.
+void draw_cable(session::Session &session, PlantTabState &state) {
+    factory::EmulatedDevice *const emulated = session.device().emulated();
+    if (emulated == nullptr) {
+        return;
+    }
+    const ui::Disabled disabled(session.is_lent());
+    const bool is_plugged = emulated->is_plugged();
+    if (ui::button(is_plugged ? "pull its cable###cable" : "plug it in###cable")) {
+        session.servo().paused([&] { emulated->set_plugged(!is_plugged); });
+        state.complaint.clear();
+    }
+    ui::explain("of the emulated board, to see what happens then");
+}
+
 /// A count that should be none.
 void show_count(const char *name, std::uint64_t count, const char *explanation) {
     ui::text(count == 0 ? kFaintInk : kWarning, "{} {}", name, count);
@@ -159,9 +183,15 @@ void show_link(const session::Session &session, const device::LinkStatus &link) 
 
 std::string device_text(const session::Session &session) {
     const session::DeviceChoice &choice = session.device_choice();
-    return session.description().name + (choice.kind == DeviceKind::simulated
-                                             ? ", simulated"
-                                             : " on USB, " + session.device().identity().serial);
+    switch (choice.kind) {
+    case DeviceKind::simulated:
+        return session.description().name + ", simulated";
+    case DeviceKind::emulated:
+        return session.description().name + ", emulated";
+    case DeviceKind::usb:
+        break;
+    }
+    return session.description().name + " on USB, " + session.device().identity().serial;
 }
 
 void draw_device_link(session::Session &session, PlantTabState &state) {
@@ -180,6 +210,7 @@ void draw_device_link(session::Session &session, PlantTabState &state) {
     if (const auto link = session.device().device().link()) {
         show_link(session, *link);
     }
+    draw_cable(session, state);
 }
 
 } // namespace springdrive::app

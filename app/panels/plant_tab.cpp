@@ -83,7 +83,7 @@ void draw_effects(session::Session &session, PlantTabState &state) {
 void draw_plant_tab(session::Session &session, PlantTabState &state) {
     draw_device_link(session, state);
     draw_rate(session, state);
-    if (session.hand().is_simulated()) {
+    if (session.device().has_world()) {
         ImGui::SameLine();
         draw_delay(session, state);
     }
@@ -94,7 +94,7 @@ void draw_plant_tab(session::Session &session, PlantTabState &state) {
         ui::wrapped(kWarning, "the device is released before it starts again: at this speed that "
                               "takes a while");
     }
-    if (session.hand().is_simulated()) {
+    if (session.device().has_world()) {
         draw_effects(session, state);
     }
 }

@@ -11,7 +11,7 @@ namespace springdrive::factory {
 OpenBoard open_board(const BoardRequest &request) {
     OpenBoard board;
     std::unique_ptr<usb::BoardPort> port;
-    if (request.kind == DeviceKind::simulated) {
+    if (request.kind != DeviceKind::usb) {
         board.emulated =
             std::make_unique<emulator::EmulatedBoard>(request.truth, request.emulation);
         port = std::make_unique<InProcessPort>(*board.emulated);

@@ -38,6 +38,15 @@ OpenDevice open_usb(const DeviceRequest &request) {
     return {std::move(device), nullptr};
 }
 
+OpenDevice open_emulated(const DeviceRequest &request) {
+    if (!request.serial.empty() && request.serial != kEmulatedSerial) {
+        throw InputError("there is no emulated device with the serial number '" + request.serial +
+                         "'; the only one is '" + kEmulatedSerial + "'");
+    }
+    return OpenDevice(std::make_unique<EmulatedDevice>(request.description, request.period_s,
+                                                       request.emulation, request.simulation));
+}
+
 } // namespace
 
 void use_calibration(usb::UsbDevice &device) {
@@ -69,7 +78,12 @@ std::optional<DeviceKind> device_kind_named(std::string_view name) {
 
 OpenDevice::OpenDevice(std::unique_ptr<device::HapticDevice> device,
                        simulated::SimulatedWorld *world)
-    : device_(std::move(device)), world_(world) {}
+    : device_(std::move(device)), world_(world), hand_(world) {}
+
+OpenDevice::OpenDevice(std::unique_ptr<EmulatedDevice> device)
+    : world_(nullptr), hand_(&device->hand()), emulated_(device.get()) {
+    device_ = std::move(device);
+}
 
 OpenDevice::~OpenDevice() { close(); }
 
@@ -77,6 +91,8 @@ OpenDevice &OpenDevice::operator=(OpenDevice &&other) noexcept {
     close();
     device_ = std::move(other.device_);
     world_ = other.world_;
+    hand_ = other.hand_;
+    emulated_ = other.emulated_;
     is_closed_ = other.is_closed_;
     return *this;
 }
@@ -112,6 +128,8 @@ OpenDevice open_device(const DeviceRequest &request) {
     switch (request.kind) {
     case DeviceKind::simulated:
         return open_simulated(request);
+    case DeviceKind::emulated:
+        return open_emulated(request);
     case DeviceKind::usb:
         break;
     }
@@ -120,7 +138,8 @@ OpenDevice open_device(const DeviceRequest &request) {
 
 std::vector<PresentDevice> devices_present() {
     std::vector<PresentDevice> present{
-        {DeviceKind::simulated, simulated::simulated_identity().serial, ""}};
+        {DeviceKind::simulated, simulated::simulated_identity().serial, ""},
+        {DeviceKind::emulated, kEmulatedSerial, ""}};
     for (usb::FoundBoard &board : usb::boards_present()) {
         present.push_back({DeviceKind::usb, std::move(board.serial), std::move(board.problem)});
     }

@@ -1,4 +1,5 @@
-// Opens a device, simulated or USB, by name and serial number, and manages it until it is closed.
+// Opens a device, simulated, on USB or emulated, by name and serial number, and manages it until it
+// is closed.
 //
 //   open_device() ──► open ──zero()──► zeroed
 //                      ▲ ▲               │
@@ -11,6 +12,7 @@
 #pragma once
 
 #include "device/core/haptic_device.h"
+#include "device/factory/emulated_device.h"
 #include "device/simulated/simulated_world.h"
 #include "device/simulated/simulation_options.h"
 
@@ -28,10 +30,14 @@ class UsbDevice;
 
 namespace springdrive::factory {
 
-enum class DeviceKind : std::uint8_t { simulated, usb };
+enum class DeviceKind : std::uint8_t {
+    simulated,
+    usb,
+    emulated, ///< a board in this process, see EmulatedDevice
+};
 
 /// As typed on the command line, indexed by DeviceKind.
-inline constexpr std::array<std::string_view, 2> kDeviceKindNames{"sim", "usb"};
+inline constexpr std::array<std::string_view, 3> kDeviceKindNames{"sim", "usb", "emulated"};
 
 [[nodiscard]] std::optional<DeviceKind> device_kind_named(std::string_view name);
 
@@ -43,8 +49,10 @@ struct DeviceRequest {
     bool has_clock = true;  ///< whether the servo has; otherwise the device paces it, in lockstep
 
     // For a simulated device only.
-    simulated::SimulationOptions simulation; ///< except its period
+    simulated::SimulationOptions simulation; ///< except its period; of an emulated one the plant's
     Vector3 start_tip_m{Vector3::Zero()};
+
+    EmulationOptions emulation; ///< for an emulated device only
 };
 
 enum class DeviceState : std::uint8_t {
@@ -58,6 +66,7 @@ class OpenDevice {
 public:
     /// @param world  the world of the device, if it is simulated
     OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world);
+    explicit OpenDevice(std::unique_ptr<EmulatedDevice> device);
     ~OpenDevice();                                      ///< closes
     OpenDevice(OpenDevice &&) noexcept = default;       ///< the source may then only be assigned to
     OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes the previous device
@@ -71,6 +80,13 @@ public:
 
     /// The world around a simulated device; null for any other.
     [[nodiscard]] simulated::SimulatedWorld *world() { return world_; }
+    [[nodiscard]] bool has_world() const { return world_ != nullptr; }
+
+    /// The simulated hand that holds a simulated or emulated device; null for a real hand.
+    [[nodiscard]] simulated::HandControl *hand() { return hand_; }
+
+    /// Null unless it is an emulated one.
+    [[nodiscard]] EmulatedDevice *emulated() { return emulated_; }
 
     [[nodiscard]] device::DeviceIdentity identity() const { return device_->identity(); }
     [[nodiscard]] DeviceState state() const;
@@ -88,6 +104,8 @@ public:
 private:
     std::unique_ptr<device::HapticDevice> device_;
     simulated::SimulatedWorld *world_;
+    simulated::HandControl *hand_;
+    EmulatedDevice *emulated_ = nullptr;
     bool is_closed_ = false;
 };
 

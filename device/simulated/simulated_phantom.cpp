@@ -31,6 +31,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
       temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
+    wanted_ = options_;
     linkage_.q_rad = start_angles(description, options, start_tip_m);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
@@ -69,6 +70,13 @@ void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
     parts.number = ++newest_parts_;
     wanted_parts_.publish(parts);
     delay_periods_ = options.delay_periods;
+    wanted_ = wanted;
+}
+
+void SimulatedPhantom::hold_with(const device::HandParameters &hand) {
+    SimulationOptions wanted = wanted_;
+    wanted.hand = hand;
+    simulate_as(wanted);
 }
 
 void SimulatedPhantom::follow(HandPath path) {

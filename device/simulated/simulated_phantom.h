@@ -79,6 +79,7 @@ public:
         hand_target_.publish(target_m);
     }
     void play(const HandStimulus &stimulus) noexcept override { stimulus_.publish(stimulus); }
+    void hold_with(const device::HandParameters &hand) override;
     void simulate_as(const SimulationOptions &options) override;
     void follow(HandPath path) override;
     [[nodiscard]] Vector3 hand_m() const override { return hand_.position_m; }
@@ -144,6 +145,7 @@ private:
 
     device::DeviceDescription description_;
     SimulationOptions options_; ///< without path; read by other threads, too
+    SimulationOptions wanted_;  ///< by the last `simulate_as`, for its thread
     PlantParts parts_;
     LatestValue<PlantParts> wanted_parts_;
     std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`

@@ -74,6 +74,9 @@ public:
     /// Continues with the options of `start` and the present state.
     void resume();
 
+    /// While paused, somebody else used the device, see ServoLoop::expect_gap.
+    void expect_gap() noexcept { loop_.expect_gap(); }
+
     /// Changes the rate from the next tick on, also while running.
     /// @throw InputError as `servo_period_s` and the device do; the rate is then unchanged
     void set_rate(double servo_hz);

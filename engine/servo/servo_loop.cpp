@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 namespace springdrive::servo {
 
@@ -248,7 +249,8 @@ ServoLoop::Passed ServoLoop::passed(const device::Measurement &measured,
         measured.number > measured_.number ? measured.number - measured_.number : 1;
     const auto missed = static_cast<std::uint32_t>(
         std::min(periods - 1, static_cast<std::uint64_t>(kMaxMissedPeriods)));
-    const std::uint32_t skipped = missed - std::min(missed, held_ticks_);
+    const std::uint32_t skipped =
+        std::exchange(expects_gap_, false) ? 0 : missed - std::min(missed, held_ticks_);
     skipped_in_a_row_ = skipped > 0 ? skipped_in_a_row_ + skipped : 0;
     return {(1.0 + missed) * period_s_, missed, skipped_in_a_row_};
 }

@@ -63,6 +63,10 @@ public:
     /// @throw InputError for a period that the device does not support
     void set_period(double period_s);
 
+    /// Measurements between the last and the next one went to somebody else: their time has
+    /// passed, but the servo missed no period of a device on its clock. Not on the servo's thread.
+    void expect_gap() noexcept { expects_gap_ = true; }
+
     /// Sends the safe state as the last command to the device. RT-safe.
     void stop() noexcept;
 
@@ -133,7 +137,8 @@ private:
     contact::Contact contact_;                                         ///< at that measurement
     bool has_measured_ = false;
     std::uint32_t skipped_in_a_row_ = 0; ///< periods of a device on the servo's clock
-    std::uint32_t held_ticks_ = 0;       ///< since the last new measurement
+    bool expects_gap_ = false;
+    std::uint32_t held_ticks_ = 0; ///< since the last new measurement
     std::uint64_t tick_ = 0;
     std::uint64_t tick_begun_ = 0; ///< may be abandoned at any point by an assertion
 };

@@ -71,7 +71,7 @@ std::vector<std::string> ServoRun::start(const std::function<void()> &on_thread)
 void ServoRun::advance(double frame_s) {
     inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
     publish();
-    if (way_.lockstep || speed_ < 1.0) {
+    if (!is_halted() && (way_.lockstep || speed_ < 1.0)) {
         pending_ticks_ += speed_ * frame_s * rate_hz();
         const int due = static_cast<int>(std::floor(pending_ticks_ + 1e-9));
         pending_ticks_ -= due;
@@ -81,7 +81,7 @@ void ServoRun::advance(double frame_s) {
 }
 
 bool ServoRun::can_change_speed() const {
-    return !way_.lockstep && device_->clock() == device::DeviceClock::servo;
+    return !way_.lockstep && !is_halted() && device_->clock() == device::DeviceClock::servo;
 }
 
 void ServoRun::set_speed(double speed) {
@@ -98,7 +98,7 @@ void ServoRun::set_speed(double speed) {
 }
 
 void ServoRun::step() {
-    if (speed_ == 0.0) {
+    if (speed_ == 0.0 && !is_halted()) {
         servo_->advance(1);
         take_in();
     }
@@ -145,9 +145,43 @@ bool ServoRun::stop_if_released() {
     return true;
 }
 
+bool ServoRun::halt_if_released() {
+    const auto must_not = [this] {
+        return latest_.safety.state != servo::SafetyState::waiting || !inputs_.release ||
+               has_failed();
+    };
+    if (is_halted() || must_not()) {
+        return false;
+    }
+    const bool ran = servo_->pause();
+    take_in(); // the latest sample may be outdated
+    if (must_not()) {
+        if (ran) {
+            servo_->resume();
+        }
+        return false;
+    }
+    halt_ = ran;
+    return true;
+}
+
+void ServoRun::go_on() {
+    const std::optional<bool> ran = std::exchange(halt_, std::nullopt);
+    if (!ran) {
+        return;
+    }
+    servo_->expect_gap();
+    pending_ticks_ = 0.0;
+    if (*ran) {
+        servo_->resume();
+    }
+}
+
 void ServoRun::paused(const std::function<void()> &step) {
+    SPRINGDRIVE_ASSERT(!is_halted());
     const bool ran = servo_->pause();
     const auto resume = [&] {
+        servo_->expect_gap();
         if (ran) {
             servo_->resume();
         }

@@ -67,6 +67,13 @@ public:
     /// otherwise, and after a failed assertion, returns false and changes nothing.
     [[nodiscard]] bool stop_if_released();
 
+    /// Stands still if no command reaches the motors, as after `release`: until `go_on`, no tick
+    /// runs, and the caller may use the device. Otherwise, and after a trip or a failed assertion,
+    /// returns false and changes nothing.
+    [[nodiscard]] bool halt_if_released();
+    void go_on();
+    [[nodiscard]] bool is_halted() const { return halt_.has_value(); }
+
     /// A simulated device, which waits for its servo, can be slowed down or stand still: its servo
     /// then runs in frames, like in lockstep. Others, and runs in lockstep, always have speed 1.
     /// @param speed  of the device's time, 0 to 1
@@ -116,6 +123,7 @@ private:
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;
     double speed_ = 1.0;
+    std::optional<bool> halt_;   ///< while it stands still: whether the thread ran before
     double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep, or slowed down
     std::uint64_t lost_ = 0;     ///< by previous servos
     servo::ServoSample latest_;

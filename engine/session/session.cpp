@@ -49,7 +49,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     servo_ = std::make_unique<ServoRun>(device_->device(),
                                         ServoWay{options.servo_hz, options.lockstep, options.cpu});
     recording_ = std::make_unique<Recording>(*servo_);
-    hand_.take_hold(device_->world(), description, simulation_.path, first.request.start_tip_m);
+    hand_.take_hold(device_->hand(), description, simulation_.path, first.request.start_tip_m);
     servo_->set_global_alpha(control::global_alpha_bound(description));
     if (options.late_limit_s) {
         servo::SafetyLimits limits = servo::unlowered();
@@ -61,7 +61,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     begin_past();
 }
 
-Session::~Session() = default;
+Session::~Session() { take_device_back(); }
 
 void Session::start(const std::function<void()> &on_thread) {
     if (!options_.record.empty()) {
@@ -79,6 +79,7 @@ void Session::start(const std::function<void()> &on_thread) {
             "no motor is driven until the device has been zeroed; in the window see Plant, "
             "or start with --at-zero");
     }
+    move_emulated();
     release_until_zeroed();
     start_servo();
 }
@@ -94,6 +95,7 @@ void Session::start_servo() {
 
 void Session::advance(double frame_s) {
     servo_->advance(frame_s);
+    go_on_with_loan(frame_s);
     recording_->pump();
     hand_.advance(latest().time_s);
     forget_old_past();
@@ -109,6 +111,7 @@ void Session::advance(double frame_s) {
 }
 
 void Session::stop() {
+    take_device_back();
     servo_->stop();
     note_failed_assertion();
     recording_->stop();
@@ -221,7 +224,7 @@ void Session::show(const LoadedScene &before) {
     control::Tuning tuning = servo_->inputs().tuning;
     models_->note_shown(now);
     models_->apply_to(now, before.choice, simulation_.planar, simulation_, tuning);
-    if (now.choice && device_->world() != nullptr) {
+    if (now.choice && device_->has_world()) {
         world().simulate_as(simulation_);
     }
     observe_as_wanted();
@@ -239,12 +242,13 @@ void Session::observe_resistance(bool on) {
 }
 
 void Session::observe_as_wanted() {
-    const bool has_inductance = device_->world() == nullptr ||
+    const bool has_inductance = !device_->has_world() ||
                                 simulation_.dynamics == simulated::PlantDynamics::electromechanical;
     servo_->observe_resistance(options_.observes_resistance && has_inductance);
 }
 
 void Session::set_servo_rate(double servo_hz) {
+    require_not_lent();
     const double before_hz = servo_->rate_hz();
     const double period_s = servo::servo_period_s(servo_hz);
     if (next_device_) {

@@ -77,7 +77,8 @@ public:
     /// @throw InputError for a rate that servo or device do not support; it is then unchanged
     void set_servo_rate(double servo_hz);
 
-    // Of a simulated device, from now on; noted in the record.
+    // Of a simulated device, from now on; noted in the record. The hand and its paths also of an
+    // emulated one.
 
     /// @param delay_periods  d, see SimulationOptions
     /// @throw InputError if it is out of range, or the device is none; nothing is then changed
@@ -112,6 +113,26 @@ public:
     /// @throw InputError if it cannot be found
     void reconnect_device(const std::optional<Vector3> &theta_rad = std::nullopt);
 
+    // The device for somebody else, such as its self-test:
+
+    /// Has the device released; once no motor is driven, the servo pauses, and `tick` alone uses
+    /// the device, once a period, on a thread of its own (in lockstep: within `advance`). It ends
+    /// when `tick` says that there is no more to do or throws, by `take_device_back`, or by an
+    /// emergency stop; then the servo goes on, waiting for rest in free space.
+    /// @param tick  returns whether there is more to do
+    /// @throw InputError while the device is stopped, exchanged, lost or lent already
+    void lend_device(std::function<bool()> tick);
+    /// Ends the loan now; may be called without one.
+    void take_device_back();
+    /// From the request on, until the servo goes on.
+    [[nodiscard]] bool is_lent() const { return loan_ != nullptr; }
+    /// Why `tick` threw, of the last loan; else empty.
+    [[nodiscard]] const std::string &loan_complaint() const { return loan_complaint_; }
+
+    /// While asked for, the device only brakes, whatever else would start it.
+    void keep_released(bool asked);
+    [[nodiscard]] bool is_kept_released() const { return is_kept_released_; }
+
     /// Until the device is zeroed, no motor is driven.
     [[nodiscard]] bool is_zeroed() const;
     /// Declares the rotors' angles now. @throw InputError if the device does not accept them
@@ -141,6 +162,7 @@ public:
 
 private:
     struct Prepared; ///< an opened device with all that is needed to start on it
+    class Loan;      ///< of the device
 
     /// What was noted of a device's ticks.
     struct Past {
@@ -160,6 +182,10 @@ private:
                                    control::Tuning &tuning) const;
     void show(const LoadedScene &before);
     [[nodiscard]] simulated::SimulatedWorld &world();
+    [[nodiscard]] simulated::HandControl &hand_control();
+    void move_emulated();
+    void require_not_lent() const;
+    void go_on_with_loan(double frame_s);
     void simulate_as(const simulated::SimulationOptions &simulation);
     void start_again_with(const simulated::PlantEffects &effects);
     void begin_path(const simulated::HandPath &path, const char *what);
@@ -198,11 +224,14 @@ private:
     bool has_started_ = false;
     bool reported_standstill_ = false;
     bool reported_failure_ = false; ///< of a failed assertion
+    bool is_kept_released_ = false;
     double released_until_s_ = 0.0; ///< after a zeroing, by the servo's time; 0: no more
     double next_look_s_ = 0.0;      ///< at the link, by the servo's time
     int reconnections_ = 0;         ///< by `advance`
     std::function<void()> on_thread_;
     Remarks remarks_;
+    std::string loan_complaint_;
+    std::unique_ptr<Loan> loan_; ///< ends first
 };
 
 } // namespace springdrive::session

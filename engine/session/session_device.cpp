@@ -63,7 +63,11 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
         servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);
     request.start_tip_m = rig::start_above(request.description, lower_m, upper_m);
-    if (!options_.path.empty()) {
+    if (choice.kind == factory::DeviceKind::emulated) {
+        request.emulation = options_.emulation;
+        simulation.effects = options_.effects;
+        request.start_tip_m = Vector3::Zero();
+    } else if (!options_.path.empty()) {
         simulation.path = simulated::HandPath::read_csv(options_.path);
         request.start_tip_m = simulation.path->points().front().position_m;
     } else if (options_.plays_script) {
@@ -93,6 +97,7 @@ void Session::exchange_device(const DeviceChoice &choice) {
         throw InputError("changing the device requires a restart of the program: " +
                          servo::description(latest().safety));
     }
+    require_not_lent();
     control::Tuning tuning = servo_->inputs().tuning;
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
@@ -140,7 +145,7 @@ void Session::begin_on(Prepared next) {
     options_.device = next.choice;
     simulation_ = next.request.simulation;
     const device::DeviceDescription &description = next.request.description;
-    hand_.take_hold(device_->world(), description, simulation_.path, next.request.start_tip_m);
+    hand_.take_hold(device_->hand(), description, simulation_.path, next.request.start_tip_m);
     scenes_->set_workspace(description.workspace);
     observe_as_wanted();
     servo_->set_global_alpha(control::global_alpha_bound(description));

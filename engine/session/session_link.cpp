@@ -18,34 +18,38 @@ constexpr double kLook_s = 0.5;
 /// A measured d differs by so much from the one in use before the latter is replaced.
 constexpr double kDelayTolerance_periods = 0.05;
 
-/// After a zeroing, for the velocity filter to settle: to it, the device jumped.
-constexpr double kZeroing_s = 0.1;
-
 } // namespace
 
 bool Session::is_zeroed() const { return device_->state() == factory::DeviceState::zeroed; }
 
 void Session::release_until_zeroed() {
     const bool is_settling = latest().time_s < released_until_s_;
-    servo_->release(is_exchanging() || !is_zeroed() || is_settling);
+    servo_->release(is_exchanging() || is_kept_released_ || loan_ || !is_zeroed() || is_settling);
+}
+
+void Session::keep_released(bool asked) {
+    is_kept_released_ = asked;
+    release_until_zeroed();
 }
 
 void Session::zero_device(const Vector3 &theta_rad) {
+    require_not_lent();
     servo_->paused([&] {
         device_->zero(theta_rad);
         note(dump({{"device", "zeroed"},
                    {"theta_rad", {theta_rad[0], theta_rad[1], theta_rad[2]}},
                    {"after_tick", latest().tick}}));
-        released_until_s_ = latest().time_s + kZeroing_s;
+        released_until_s_ = latest().time_s + kSettling_s;
     });
     release_until_zeroed();
 }
 
 void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
+    require_not_lent();
     servo_->paused([&] {
         const Vector3 theta = theta_rad.value_or(latest().theta_rad);
         device_->reconnect();
-        if (theta_rad || device_->world() != nullptr) {
+        if (theta_rad || device_->has_world()) {
             device_->zero(theta);
         }
         note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
@@ -55,12 +59,12 @@ void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
 
 /// A device that was unplugged is connected again once it is there; its trip stays.
 void Session::watch_link() {
-    if (device_->world() != nullptr || !has_started_ || is_exchanging() || servo_->has_failed()) {
-        return;
-    }
-    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_) {
+    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_ && !loan_) {
         released_until_s_ = 0.0;
         release_until_zeroed();
+    }
+    if (device_->has_world() || !has_started_ || is_exchanging() || loan_ || servo_->has_failed()) {
+        return;
     }
     if (latest().time_s < next_look_s_) {
         return;

@@ -27,9 +27,10 @@ struct SessionOptions {
     double servo_hz = 1000.0;
     bool starts_at_zero = false; ///< a device that must be zeroed is in its zero pose at the start
     double delay_periods = 0.0;  ///< of simulated devices; of others, it is measured
-    simulated::PlantEffects effects; ///< of the simulated device
-    std::uint64_t device_seed = 0;   ///< see SimulationOptions
-    bool observes_resistance = true; ///< R̂ follows the windings' resistances, see `Session`
+    simulated::PlantEffects effects;     ///< of simulated and emulated devices
+    std::uint64_t device_seed = 0;       ///< see SimulationOptions
+    factory::EmulationOptions emulation; ///< of emulated devices
+    bool observes_resistance = true;     ///< R̂ follows the windings' resistances, see `Session`
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
     bool plays_script = false; ///< without a path: the scripted touch, not `SimulatedHand::move_to`

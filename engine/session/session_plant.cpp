@@ -1,4 +1,5 @@
-// The part of `Session` that changes the simulated device: its delay, effects and hand.
+// The part of `Session` that changes the simulated device: its delay and effects; and the simulated
+// hand, which an emulated device has, too.
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/rig/scenario/scenarios.h"
@@ -68,8 +69,15 @@ simulated::HandPath from_here(const Vector3 &here_m, const simulated::HandPath &
 
 } // namespace
 
+simulated::HandControl &Session::hand_control() {
+    if (device_->hand() == nullptr) {
+        throw InputError(description().name + " is held by a real hand, which cannot be moved");
+    }
+    return *device_->hand();
+}
+
 simulated::SimulatedWorld &Session::world() {
-    if (device_->world() == nullptr) {
+    if (!device_->has_world()) {
         throw InputError(description().name + " is no simulated device: its plant cannot be set");
     }
     return *device_->world();
@@ -88,6 +96,7 @@ void Session::renew_exchange() {
 }
 
 void Session::set_delay(double delay_periods) {
+    require_not_lent();
     simulated::SimulationOptions simulation = simulation_;
     simulation.delay_periods = delay_periods;
     servo_->paused([&] {
@@ -136,9 +145,8 @@ void Session::start_again_with(const simulated::PlantEffects &effects) {
 }
 
 void Session::set_hand(const device::HandParameters &hand) {
-    simulated::SimulationOptions simulation = simulation_;
-    simulation.hand = hand;
-    simulate_as(simulation);
+    hand_control().hold_with(hand);
+    simulation_.hand = hand;
     renew_exchange();
     note(dump({{"hand",
                 {{"mass_kg", hand.mass_kg},
@@ -150,7 +158,7 @@ void Session::set_hand(const device::HandParameters &hand) {
 }
 
 void Session::follow_path(const simulated::HandPath &path) {
-    static_cast<void>(world());
+    static_cast<void>(hand_control());
     check_reach(description(), path);
     begin_path(path, "follows a path");
 }
@@ -162,16 +170,29 @@ void Session::leave_path() {
 }
 
 void Session::begin_path(const simulated::HandPath &path, const char *what) {
+    require_not_lent();
     servo_->paused([&] {
-        const simulated::HandPath whole = from_here(world().hand_m(), path);
-        world().follow(whole);
+        const simulated::HandPath whole = from_here(hand_control().hand_m(), path);
+        hand_control().follow(whole);
         hand_.follow(whole, latest().time_s);
         note(dump({{"hand", what}, {"after_tick", latest().tick}}));
     });
 }
 
+/// The path of an emulated device, which starts in its zero pose.
+void Session::move_emulated() {
+    if (device_->emulated() == nullptr) {
+        return;
+    }
+    if (!options_.path.empty()) {
+        follow_path(simulated::HandPath::read_csv(options_.path));
+    } else if (options_.plays_script) {
+        follow_script();
+    }
+}
+
 void Session::follow_script() {
-    static_cast<void>(world());
+    static_cast<void>(hand_control());
     const scene::Scene &scene = scenes_->now().scene;
     const simulated::SimulationOptions script =
         rig::scripted_touch_scenario(

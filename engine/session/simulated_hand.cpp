@@ -22,11 +22,10 @@ Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 
 
 } // namespace
 
-void SimulatedHand::take_hold(simulated::SimulatedWorld *world,
-                              const device::DeviceDescription &device,
+void SimulatedHand::take_hold(simulated::HandControl *hand, const device::DeviceDescription &device,
                               const std::optional<simulated::HandPath> &path,
                               const Vector3 &target_m) {
-    world_ = world;
+    hand_ = hand;
     geometry_ = device.geometry;
     workspace_ = device.workspace;
     path_ = path;
@@ -39,15 +38,15 @@ void SimulatedHand::move_to(const Vector3 &target_m) {
     const Vector3 upper_m = workspace_.centre_m + 0.5 * workspace_.size_m;
     target_m_ = nearest_in_reach(geometry_, workspace_.centre_m,
                                  target_m.cwiseMax(lower_m).cwiseMin(upper_m));
-    if (world_ != nullptr) {
-        world_->set_hand_target(target_m_);
+    if (hand_ != nullptr) {
+        hand_->set_hand_target(target_m_);
     }
 }
 
 void SimulatedHand::play(simulated::HandStimulus stimulus) {
     stimulus.number = ++stimuli_;
-    if (world_ != nullptr) {
-        world_->play(stimulus);
+    if (hand_ != nullptr) {
+        hand_->play(stimulus);
     }
 }
 

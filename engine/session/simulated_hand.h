@@ -1,9 +1,9 @@
-// The hand that holds a simulated device: its target, by a path or by request.
+// The hand that holds a simulated or emulated device: its target, by a path or by request.
 #pragma once
 
 #include "device/core/device_file.h"
+#include "device/simulated/hand_control.h"
 #include "device/simulated/hand_path.h"
-#include "device/simulated/simulated_world.h"
 
 #include <cstdint>
 #include <optional>
@@ -13,16 +13,16 @@ namespace springdrive::session {
 class SimulatedHand {
 public:
     /// Attaches the hand to a device's tip, which is at the path's start, or else at `target_m`.
-    /// @param world  must outlive this object; null for a real hand, which cannot be moved
-    void take_hold(simulated::SimulatedWorld *world, const device::DeviceDescription &device,
+    /// @param hand  must outlive this object; null for a real hand, which cannot be moved
+    void take_hold(simulated::HandControl *hand, const device::DeviceDescription &device,
                    const std::optional<simulated::HandPath> &path, const Vector3 &target_m);
 
     /// Sets the target, limited to workspace and reach; takes effect once the path has ended.
     void move_to(const Vector3 &target_m);
 
-    /// Starts a test signal beside the target; needs a simulated device.
+    /// Starts a test signal beside the target; needs a simulated hand.
     void play(simulated::HandStimulus stimulus);
-    [[nodiscard]] bool is_simulated() const { return world_ != nullptr; }
+    [[nodiscard]] bool is_simulated() const { return hand_ != nullptr; }
 
     /// Notes that the device's hand follows this path, which began at this servo time.
     void follow(const simulated::HandPath &path, double began_s);
@@ -35,7 +35,7 @@ public:
     [[nodiscard]] bool follows_path() const { return path_.has_value(); }
 
 private:
-    simulated::SimulatedWorld *world_ = nullptr;
+    simulated::HandControl *hand_ = nullptr;
     device::PhantomGeometry geometry_;
     device::Workspace workspace_;
     std::optional<simulated::HandPath> path_;

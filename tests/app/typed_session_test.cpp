@@ -49,7 +49,32 @@ TEST_F(TypedSession, TheCommandLineRefusesWhatDoesNotGoTogetherInOneLine) {
     expect_refused({"--contact-shape", "primitives", "--scene",
                     testing::assets() / "scenes/stepped_block.gltf"},
                    "cannot be touched as 'primitives'");
+    expect_refused({"--fault", "stop"}, "give --device emulated");
+    expect_refused({"--true-device-file", testing::assets() / "devices/phantom_1_0.toml"},
+                   "give --device emulated");
+    expect_refused({"--device", "emulated", "--fault", "stopp"}, "nearest name is 'stop'");
+    expect_refused({"--device", "emulated", "--step-us", "50"}, "--step-us");
+    expect_refused({"--device", "emulated", "--plant-model", "full"}, "--plant-model");
+    expect_refused({"--device", "emulated", "--delay", "9"}, "the delay is 9 periods");
+    expect_refused({"--device", "emulated:4711"}, "4711");
+    expect_refused({"--device", "emulator"}, "must be sim, usb, usb:SERIAL or emulated");
     EXPECT_TRUE(is_empty());
+}
+
+TEST_F(TypedSession, AnEmulatedBoardIsTouchedByItsScriptAndItsFaultStopsIt) {
+    const std::filesystem::path folder = testing::fresh_folder("emulated_record");
+    const auto ending_of = [&](std::vector<std::string> options) {
+        options.insert(options.begin(), {"record", folder / "touch.rec", "--force", "--lockstep",
+                                         "--seconds", "4", "--device", "emulated", "--at-zero",
+                                         "--scene", testing::assets() / "scenes/plate.gltf"});
+        return testing::run_program(options);
+    };
+    const testing::Ending whole = ending_of({"--device-seed", "3", "--without", "gravity"});
+    EXPECT_EQ(whole.exit_status, 0) << whole.error;
+    const testing::Ending stopped = ending_of({"--fault", "stop@2"});
+    EXPECT_EQ(stopped.exit_status, 1);
+    EXPECT_NE(stopped.error.find("stop switch"), std::string::npos) << stopped.error;
+    std::filesystem::remove_all(folder);
 }
 
 /// A tuning file states the rate and the delay for which it was found: a slower rate or a longer

@@ -133,6 +133,7 @@ EmulatedBoard::EmulatedBoard(const device::DeviceDescription &description,
       in_(Direction::in, seed_of(Direction::in, options.seed)),
       out_(Direction::out, seed_of(Direction::out, options.seed)),
       is_active_(options.faults.size()) {
+    active_.reserve(options.faults.size());
     power_up();
     const std::uint64_t longest = loop_at(kLongestStart_s);
     while (plant_.loops() < longest && board_->loop().state() == usb::BoardState::starting) {
@@ -185,7 +186,7 @@ void EmulatedBoard::put(std::span<const std::uint8_t> packet) {
     offers_report_ = false;
     ++permitted_;
     if (is_powered_) {
-        out_.put({{packet.begin(), packet.end()}, due_loop, 0}, active_, period_loops());
+        out_.put({packet, due_loop, 0}, active_, period_loops());
     }
 }
 
@@ -206,8 +207,9 @@ std::size_t EmulatedBoard::take(usb::Frame &packet) {
         return 0;
     }
     taken_loop_ = next->measured_loop;
-    std::ranges::copy(next->data, packet.begin());
-    return next->data.size();
+    const std::size_t size = std::min(next->size, packet.size());
+    std::copy_n(next->bytes.begin(), size, packet.begin());
+    return size;
 }
 
 bool EmulatedBoard::control_out(std::uint8_t request, std::uint16_t /*value*/,
@@ -291,8 +293,7 @@ void EmulatedBoard::run_loop() {
         return;
     }
     while (const std::optional<Packet> packet = out_.take(plant_.loops())) {
-        static_cast<void>(
-            board_->receive(packet->data.data(), packet->data.size(), plant_.now_us()));
+        static_cast<void>(board_->receive(packet->bytes.data(), packet->size, plant_.now_us()));
     }
     board::run_loop(plant_, *board_);
 }
@@ -303,8 +304,7 @@ bool EmulatedBoard::collect_report() {
     if (!is_powered_ || !board_->take_report(frame)) {
         return false;
     }
-    in_.put({{frame.begin(), frame.end()}, plant_.loops(), plant_.loops()}, active_,
-            period_loops());
+    in_.put({frame, plant_.loops(), plant_.loops()}, active_, period_loops());
     return true;
 }
 
@@ -324,6 +324,7 @@ void EmulatedBoard::run_to_report() {
 void EmulatedBoard::set_fault(const Fault &fault) {
     options_.faults.push_back(fault);
     is_active_.push_back(false);
+    active_.reserve(options_.faults.size());
     next_change_loop_ = 0;
     update_faults();
 }

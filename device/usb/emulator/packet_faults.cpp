@@ -20,22 +20,22 @@ bool PacketLine::strikes(const Fault &fault) {
 }
 
 void PacketLine::flip_bits(Packet &packet) {
-    if (packet.data.empty()) {
+    if (packet.size == 0) {
         return;
     }
     // Distinct bits, so that none is flipped back.
-    const std::uint64_t bits = 8 * packet.data.size();
+    const std::uint64_t bits = 8 * packet.size;
     const std::uint64_t count = 1 + below(3);
     const std::uint64_t first = below(bits);
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::uint64_t bit = (first + i * (1 + bits / 5)) % bits;
-        packet.data[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+        packet.bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
     }
 }
 
-void PacketLine::insert(Packet packet) {
+void PacketLine::insert(const Packet &packet) {
     const auto place = std::ranges::upper_bound(queue_, packet.due_loop, {}, &Packet::due_loop);
-    queue_.insert(place, std::move(packet));
+    queue_.insert(place, packet);
 }
 
 void PacketLine::put(Packet packet, std::span<const Fault> faults, double period_loops) {
@@ -62,8 +62,8 @@ void PacketLine::put(Packet packet, std::span<const Fault> faults, double period
             ++copies;
             break;
         case FaultKind::truncate:
-            if (packet.data.size() > 1) {
-                packet.data.resize(1 + below(packet.data.size() - 1));
+            if (packet.size > 1) {
+                packet.size = 1 + below(packet.size - 1);
             }
             break;
         default: // drop, stall
@@ -81,7 +81,7 @@ void PacketLine::put(Packet packet, std::span<const Fault> faults, double period
         last_due_loop_ = packet.due_loop;
     }
     if (is_held && !held_) {
-        held_ = std::move(packet);
+        held_ = packet;
         return;
     }
     for (std::size_t i = 0; i < copies; ++i) {
@@ -97,7 +97,7 @@ std::optional<Packet> PacketLine::take(std::uint64_t now_loop) {
     if (queue_.empty() || queue_.front().due_loop > now_loop) {
         return std::nullopt;
     }
-    Packet packet = std::move(queue_.front());
+    const Packet packet = queue_.front();
     queue_.erase(queue_.begin());
     return packet;
 }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "device/usb/emulator/emulator_faults.h"
+#include "device/usb/protocol.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -13,19 +15,38 @@
 
 namespace springdrive::emulator {
 
+/// Without memory of its own, as a servo's thread may put and take packets.
 struct Packet {
-    std::vector<std::uint8_t> data;
+    static constexpr std::size_t kLargest = 2 * usb::kFrameSize; ///< one too large is cut to this
+
+    std::array<std::uint8_t, kLargest> bytes{};
+    std::size_t size = 0;
     std::uint64_t due_loop = 0;      ///< it arrives once this loop has run
     std::uint64_t measured_loop = 0; ///< of a report
+
+    Packet() = default;
+    Packet(std::span<const std::uint8_t> data, std::uint64_t due, std::uint64_t measured)
+        : size(std::min(data.size(), kLargest)), due_loop(due), measured_loop(measured) {
+        std::copy_n(data.begin(), size, bytes.begin());
+    }
+
+    [[nodiscard]] std::span<const std::uint8_t> data() const {
+        return std::span(bytes).first(size);
+    }
 };
 
 /// How often each fault happened to a packet.
 using FaultCounts = std::array<std::uint64_t, kFaultKinds>;
 
-/// The same packets and faults give the same result for the same seed.
+/// The same packets and faults give the same result for the same seed. Allocates only for more
+/// packets under way than kUsual.
 class PacketLine {
 public:
-    PacketLine(Direction direction, std::uint64_t seed) : direction_(direction), random_(seed) {}
+    static constexpr std::size_t kUsual = 64;
+
+    PacketLine(Direction direction, std::uint64_t seed) : direction_(direction), random_(seed) {
+        queue_.reserve(kUsual);
+    }
 
     /// @param faults  that act now, of any kind and direction
     /// @param period_loops  T, for delays
@@ -44,7 +65,7 @@ public:
 private:
     [[nodiscard]] bool strikes(const Fault &fault);
     void flip_bits(Packet &packet);
-    void insert(Packet packet);
+    void insert(const Packet &packet);
     [[nodiscard]] std::uint64_t below(std::uint64_t bound);
 
     Direction direction_;

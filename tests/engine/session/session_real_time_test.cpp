@@ -256,5 +256,26 @@ TEST_F(RealTimeSession, NeitherDoesAHandOnAPathAtTheMaximumRate) {
     std::filesystem::remove_all(folder);
 }
 
+/// Packets that are lost, late and damaged, and the cable that is pulled in the end.
+TEST_F(RealTimeSession, NeitherDoesAnEmulatedBoardWithItsFaults) {
+    const bool holds = testing::holds_in_a_child([&] {
+        SessionOptions chosen = options("plate");
+        chosen.device.kind = factory::DeviceKind::emulated;
+        chosen.starts_at_zero = true;
+        for (const char *fault : {"drop:in:0.01", "delay:out:0.01:2", "repeat:in:0.01",
+                                  "reorder:in:0.01", "corrupt:in:0.01", "unplug@6"}) {
+            chosen.emulation.faults.push_back(emulator::parse_fault(fault));
+        }
+        Touch touch(chosen);
+        touch.stand_above();
+        touch.press();
+        EXPECT_TRUE(touch.until(
+            [&] { return touch.latest().safety.cause == servo::TripCause::device_lost; }));
+        expect_nothing_caught();
+        testing::end_this_child();
+    });
+    EXPECT_TRUE(holds);
+}
+
 } // namespace
 } // namespace springdrive::session

@@ -1,0 +1,286 @@
+// Covers engine/session/{session_loan,session_link}.cpp and device/factory/emulated_device.cpp: a
+// session with an emulated board in this process, its cable, and the loan of the device.
+#include "base/complaint.h"
+#include "device/core/phantom/kinematics.h"
+#include "device/simulated/stop_tour.h"
+#include "engine/commissioning/self_test.h"
+#include "engine/session/servo_run.h"
+#include "tests/engine/session/session_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numbers>
+#include <string>
+#include <thread>
+
+namespace springdrive::session {
+namespace {
+
+using servo::SafetyState;
+using servo::TripCause;
+
+const Vector3 kOverPlate_m(0.0, 0.03, 0.0);
+const Vector3 kInPlate_m(0.0, -0.01, 0.0);
+
+SessionOptions emulated(bool starts_at_zero) {
+    SessionOptions options = testing::scripted();
+    options.plays_script = false;
+    options.device.kind = factory::DeviceKind::emulated;
+    options.starts_at_zero = starts_at_zero;
+    return options;
+}
+
+emulator::EmulatedBoard &board_of(Session &session) { return session.device().emulated()->board(); }
+
+bool stands_over_plate(Session &session) {
+    session.hand().move_to(kOverPlate_m);
+    return testing::run_until(
+        session,
+        [&] {
+            return session.latest().safety.state == SafetyState::running &&
+                   (session.latest().tip_m - kOverPlate_m).norm() < 5e-3;
+        },
+        6.0);
+}
+
+bool presses(Session &session) {
+    session.hand().move_to(kInPlate_m);
+    return testing::run_until(
+        session,
+        [&] { return session.latest().contact.touching && session.latest().tip_force_N.y() > 0.3; },
+        4.0);
+}
+
+void set_plugged(Session &session, bool is_plugged) {
+    session.servo().paused([&] { session.device().emulated()->set_plugged(is_plugged); });
+}
+
+TEST(EmulatedSession, StartsInItsZeroPoseAndDrivesNothingUntilItIsZeroed) {
+    Session session(emulated(false));
+    session.start();
+    EXPECT_EQ(session.device().identity().kind, "emulated");
+    EXPECT_FALSE(session.is_zeroed());
+    testing::run(session, 1.0);
+    EXPECT_EQ(session.latest().safety.state, SafetyState::waiting);
+    EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::braking);
+    session.zero_device(Vector3::Zero());
+    ASSERT_TRUE(stands_over_plate(session));
+    EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::driving);
+    // It was zeroed as the hand held it, less than a millimetre below the zero pose by its weight.
+    constexpr double kSag_m = 1e-3;
+    EXPECT_LT((session.latest().tip_m - board_of(session).phantom().truth().tip_m).norm(), kSag_m);
+    EXPECT_TRUE(presses(session));
+    session.stop();
+}
+
+/// Means of the last part of a press that has settled.
+struct Pressed {
+    double force_N = 0.0;
+    double depth_m = 0.0;
+    Matrix3 J{Matrix3::Zero()};
+};
+
+Pressed settled_press(SessionOptions options) {
+    options.effects.coulomb_friction = false; // the rest would depend on the way there
+    options.effects.gravity = false;          // the zero pose would be the hand's sagging one
+    Session session(options);
+    session.start();
+    EXPECT_TRUE(stands_over_plate(session));
+    EXPECT_TRUE(presses(session));
+    testing::run(session, 1.2);
+    Pressed mean;
+    constexpr int kFrames = 300;
+    for (int i = 0; i < kFrames; ++i) {
+        session.advance(1e-3);
+        EXPECT_TRUE(session.latest().contact.touching);
+        mean.force_N += session.latest().tip_force_N.y() / kFrames;
+        mean.depth_m += (session.latest().contact.x0_m - session.latest().tip_m).y() / kFrames;
+    }
+    const device::PhantomGeometry &geometry = session.description().geometry;
+    mean.J = device::motor_jacobian(geometry,
+                                    device::joint_from_motor(geometry, session.latest().theta_rad));
+    session.stop();
+    return mean;
+}
+
+/// Bound: one count on every motor moves the tip by Σ ‖J_j‖ δ at most, against the stiffness that
+/// the press itself shows.
+TEST(EmulatedSession, PressesAsTheSimulatedDeviceWithinACount) {
+    const Pressed on_board = settled_press(emulated(true));
+    SessionOptions simulated = testing::scripted();
+    simulated.plays_script = false;
+    simulated.delay_periods = 0.3; // of the emulated board
+    const Pressed in_process = settled_press(simulated);
+    const double stiffness_N_per_m = in_process.force_N / in_process.depth_m;
+    const double count_m =
+        in_process.J.colwise().norm().sum() * testing::phantom_1_0().rad_per_count();
+    EXPECT_GT(in_process.force_N, 0.3);
+    EXPECT_NEAR(on_board.force_N, in_process.force_N, stiffness_N_per_m * count_m);
+}
+
+TEST(EmulatedSession, ComesBackAfterItsCableWasPulledInContact) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    ASSERT_TRUE(presses(session));
+    set_plugged(session, false);
+    testing::run(session, 1.0);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost);
+    EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::fault_braking);
+    session.hand().move_to(kOverPlate_m);
+    testing::run(session, 1.0); // the hand goes on without the host
+    EXPECT_LT((board_of(session).phantom().truth().tip_m - kOverPlate_m).norm(), 5e-3);
+    set_plugged(session, true);
+    testing::run(session, 1.0);
+    EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
+    EXPECT_TRUE(session.is_zeroed());
+    EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost); // until a reset
+    session.servo().reset_safety();
+    ASSERT_TRUE(stands_over_plate(session));
+    EXPECT_TRUE(presses(session));
+    session.stop();
+}
+
+TEST(EmulatedSession, MustBeZeroedAgainAfterItsPowerWasLost) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    emulator::Fault brown_out = emulator::parse_fault("brown-out:3");
+    brown_out.begin_s = board_of(session).time_s();
+    brown_out.end_s = brown_out.begin_s + 0.2;
+    session.servo().paused([&] { board_of(session).set_fault(brown_out); });
+    testing::run(session, 2.0);
+    EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
+    EXPECT_FALSE(session.is_zeroed());
+    session.stop();
+}
+
+TEST(EmulatedSession, FollowsItsScriptFromTheZeroPose) {
+    SessionOptions options = emulated(true);
+    options.plays_script = true;
+    Session session(options);
+    session.start();
+    EXPECT_TRUE(testing::run_into_contact(session));
+    session.stop();
+}
+
+TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    int ticks = 0;
+    bool was_driven = false;
+    session.lend_device([&] {
+        device::HapticDevice &device = session.device().device();
+        static_cast<void>(device.read());
+        was_driven =
+            was_driven || board_of(session).board().loop().state() == usb::BoardState::driving;
+        device.write(device::DeviceCommand::braking());
+        return ++ticks < 500;
+    });
+    EXPECT_TRUE(session.is_lent());
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return ticks > 100; }, 3.0));
+    const std::uint64_t tick = session.latest().tick;
+    testing::run(session, 0.1);
+    EXPECT_EQ(session.latest().tick, tick);
+    EXPECT_NE(complaint_of([&] { session.zero_device(Vector3::Zero()); }), "");
+    EXPECT_NE(complaint_of([&] { session.set_servo_rate(2000.0); }), "");
+    EXPECT_NE(complaint_of([&] { session.reconnect_device(); }), "");
+    EXPECT_NE(complaint_of([&] { session.exchange_device(session.device_choice()); }), "");
+    EXPECT_NE(complaint_of([&] { session.lend_device([] { return false; }); }), "");
+    testing::run(session, 1.0);
+    EXPECT_FALSE(session.is_lent());
+    EXPECT_EQ(session.loan_complaint(), "");
+    EXPECT_EQ(ticks, 500);
+    EXPECT_FALSE(was_driven);
+    EXPECT_GT(session.latest().tick, tick);
+    EXPECT_TRUE(stands_over_plate(session)); // no trip by the gap
+    EXPECT_TRUE(presses(session));
+    session.stop();
+}
+
+TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    int ticks = 0;
+    session.lend_device([&] {
+        static_cast<void>(session.device().device().read());
+        session.device().device().write(device::DeviceCommand::braking());
+        return ++ticks > 0;
+    });
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return ticks > 10; }, 3.0));
+    session.servo().emergency_stop();
+    testing::run(session, 0.1);
+    EXPECT_FALSE(session.is_lent());
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    EXPECT_NE(complaint_of([&] { session.lend_device([] { return false; }); }), "");
+    session.stop();
+}
+
+TEST(LentDevice, GivesTheReasonIfItsUserFails) {
+    Session session(emulated(true));
+    session.start();
+    session.lend_device([]() -> bool { throw InputError("it burns"); });
+    testing::run(session, 3.0);
+    EXPECT_FALSE(session.is_lent());
+    EXPECT_EQ(session.loan_complaint(), "it burns");
+    session.stop();
+}
+
+TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
+    Session session(emulated(true));
+    session.start();
+    testing::run(session, 0.1);
+    commissioning::SelfTest test(session.device().device());
+    double ends_s = 0.0;
+    session.lend_device([&] {
+        emulator::EmulatedBoard &board = board_of(session);
+        if (test.stage() == commissioning::SelfTestStage::motion && ends_s == 0.0) {
+            const simulated::HandPath path =
+                simulated::stop_tour(session.description(), board.phantom().truth().tip_m);
+            ends_s = board.time_s() + path.end_s();
+            session.device().hand()->follow(path);
+        } else if (ends_s > 0.0 && board.time_s() > ends_s) {
+            test.finish_motion();
+        }
+        return test.step();
+    });
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return !session.is_lent(); }, 60.0));
+    EXPECT_EQ(session.loan_complaint(), "");
+    EXPECT_TRUE(test.report().has_passed());
+    EXPECT_TRUE(stands_over_plate(session));
+    session.stop();
+}
+
+/// With the servo and the loan on threads of their own.
+TEST(LentDevice, IsUsedOnAThreadAndComesBack) {
+    SessionOptions options = emulated(true);
+    options.lockstep = false;
+    Session session(options);
+    session.start();
+    std::atomic<int> ticks{0};
+    std::thread::id user;
+    session.lend_device([&] {
+        user = std::this_thread::get_id();
+        static_cast<void>(session.device().device().read());
+        session.device().device().write(device::DeviceCommand::braking());
+        return ++ticks < 50;
+    });
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return !session.is_lent(); }, 20.0));
+    EXPECT_EQ(ticks, 50);
+    EXPECT_NE(user, std::this_thread::get_id());
+    const std::uint64_t tick = session.latest().tick;
+    EXPECT_TRUE(testing::run_until(
+        session, [&] { return session.latest().tick > tick + 20; }, 20.0));
+    EXPECT_NE(session.latest().safety.state, SafetyState::tripped);
+    session.stop();
+}
+
+} // namespace
+} // namespace springdrive::session
