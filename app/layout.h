@@ -7,6 +7,8 @@
 //   ├──────────────────────┼───────────┤
 //   │ Plots                │ Scene     │
 //   └──────────────────────┴───────────┘
+//
+// While the assistant is open, it has the column on the right, which is wider then.
 #pragma once
 
 #include <algorithm>
@@ -30,13 +32,20 @@ struct Layout {
     Rectangle servo;
     Rectangle scene;
     Rectangle plots;
+    Rectangle assistant; ///< in the place of tuning, servo and scene
 };
+
+/// Of the column on the right, times the scale.
+inline constexpr float kPanels = 400.0F;
+inline constexpr float kAssistant = 520.0F;
 
 /// @param size   of the window, in ImGui's units
 /// @param scale         of text and panels
 /// @param plots_height  of the plots' panel, as wanted
-[[nodiscard]] inline Layout layout(ImVec2 size, float scale, float plots_height) {
-    const float column = std::min(400.0F * scale, 0.55F * size.x);
+/// @param width         of the column on the right, times the scale, as wanted
+[[nodiscard]] inline Layout layout(ImVec2 size, float scale, float plots_height,
+                                   float width = kPanels) {
+    const float column = std::min(width * scale, 0.55F * size.x);
     const float strip = std::min(plots_height, size.y - 100.0F * scale);
     const float left = size.x - column;
     const float tuning = std::min(372.0F * scale, 0.6F * size.y);
@@ -47,6 +56,7 @@ struct Layout {
     result.tuning = {{left, 0.0F}, {column, tuning}};
     result.servo = {{left, tuning}, {column, servo}};
     result.scene = {{left, tuning + servo}, {column, size.y - tuning - servo}};
+    result.assistant = {{left, 0.0F}, {column, size.y}};
     return result;
 }
 

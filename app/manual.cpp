@@ -122,10 +122,12 @@ void write_surroundings(std::ostream &out) {
                    {"1", "a file or a value cannot be used, which one line on standard error says; "
                          "or the negative verdict of a command that gives one"},
                    {"2", "invalid options"}});
-    write_section(out, "ENVIRONMENT",
-                  {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes and figures"},
-                   {"XDG_CACHE_HOME", "the folder of caches [~/.cache]"},
-                   {"XDG_CONFIG_HOME", "where user-dirs.dirs names the documents [~/.config]"}});
+    write_section(
+        out, "ENVIRONMENT",
+        {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes and figures"},
+         {"XDG_CACHE_HOME", "the folder of caches [~/.cache]"},
+         {"XDG_STATE_HOME", "the folder of what the assistant has come through [~/.local/state]"},
+         {"XDG_CONFIG_HOME", "where user-dirs.dirs names the documents [~/.config]"}});
     write_section(
         out, "FILES",
         {{assets.string(), "devices, tunings, scenes, and the scripts that draw the figures"},

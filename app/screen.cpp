@@ -1,6 +1,7 @@
 #include "app/screen.h"
 
 #include "app/asset_folder.h"
+#include "app/assistant/assistant_panel.h"
 #include "app/commands/output_files.h"
 #include "app/frame_pace.h"
 #include "app/widgets/widgets.h"
@@ -62,6 +63,11 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
     : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
       desk_(session), keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
     scene_panel_.files = offered_scenes(options.session.scene);
+    scene_panel_.plant.assistant = &assistant_;
+    assistant_.opens_itself = !options.unattended();
+    opens_assistant_ = options.assistant;
+    // Until the first frame, in which the assistant decides.
+    session.keep_released(session.device_choice().kind != factory::DeviceKind::simulated);
     if (!window_.font_remark().empty()) {
         std::cerr << "springdrive: " << window_.font_remark() << '\n';
     }
@@ -207,11 +213,11 @@ void Screen::toggle_pause() {
 
 /// For keys: to the first widget of the next panel, or to the one that was left last.
 void Screen::go_to_next_panel(bool backwards) {
-    constexpr std::array<const char *, 6> kPanels{"stopped", "Tuning", "Servo",
-                                                  "Scene",   "Plots",  "record"};
-    for (std::size_t i = 0; i < kPanels.size(); ++i) {
-        panel_ = (panel_ + (backwards ? kPanels.size() - 1 : 1)) % kPanels.size();
-        ImGuiWindow *const window = ImGui::FindWindowByName(kPanels[panel_]);
+    constexpr std::array<const char *, 7> kNames{"stopped", "Tuning", "Servo",    "Scene",
+                                                 "Plots",   "record", "Assistant"};
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+        panel_ = (panel_ + (backwards ? kNames.size() - 1 : 1)) % kNames.size();
+        ImGuiWindow *const window = ImGui::FindWindowByName(kNames[panel_]);
         if (window != nullptr && window->WasActive) {
             ImGui::FocusWindow(window);
             ImGui::NavInitWindow(window, false);
@@ -226,7 +232,9 @@ void Screen::escape() {
     if (ImGui::GetIO().WantTextInput) {
         return;
     }
-    if (shows_keys_) {
+    if (session_.is_lent()) {
+        session_.take_device_back();
+    } else if (shows_keys_) {
         shows_keys_ = false;
     } else if (had_popup_) {
         ImGui::ClosePopupsOverWindow(nullptr, false); // if ImGui did not
@@ -309,16 +317,27 @@ void Screen::draw_contents() {
     window_.clear();
     draw_scene(places.scene_view);
     desk_.update(session_);
-    draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
+    if (std::exchange(opens_assistant_, false)) {
+        assistant_.open(session_);
+    }
+    assistant_.update(session_);
+    const bool has_panels = !assistant_.is_open();
+    if (has_panels) {
+        draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
+    } else {
+        draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
+    }
     if (!ImGui::IsAnyItemActive()) {
         desk_.let_go();
     }
     log_.update(session_, desk_.history());
     keeper_.update(session_);
-    if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
-        keep();
+    if (has_panels) {
+        if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
+            keep();
+        }
+        draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
     }
-    draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
     draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
                     places.plots, window_.scale());
     draw_scene_overlay(session_, opened_, places.scene_view, window_.scale());
@@ -335,7 +354,7 @@ Layout Screen::current_layout() const {
     const float plots_height = plot_panel_.is_large ? static_cast<float>(size.height)
                                                     : plot_panel_.height * window_.scale();
     return layout({static_cast<float>(size.width), static_cast<float>(size.height)},
-                  window_.scale(), plots_height);
+                  window_.scale(), plots_height, assistant_.is_open() ? kAssistant : kPanels);
 }
 
 void Screen::show_scene() {
@@ -393,11 +412,17 @@ ViewState Screen::view_state() const {
     state.linkage = device::linkage_pose(device.geometry,
                                          device::joint_from_motor(device.geometry, now.theta_rad));
     state.tip_m = now.tip_m;
+    if (const auto theta_rad = is_record ? std::nullopt : assistant_.theta_rad()) {
+        const Vector3 q_rad = device::joint_from_motor(device.geometry, *theta_rad);
+        state.linkage = device::linkage_pose(device.geometry, q_rad);
+        state.tip_m = device::tip_position_m(device.geometry, q_rad);
+    }
     state.proxy_m = now.contact.x0_m;
     state.touching = now.contact.touching;
     state.normal = now.contact.normal;
     state.tip_force_N = now.tip_force_N;
-    state.hand_target_m = is_record ? now.tip_m : session_.hand().target_m();
+    state.hand_target_m =
+        is_record || assistant_.theta_rad() ? state.tip_m : session_.hand().target_m();
     state.hand_held = mouse_.holds_hand();
     state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;

@@ -1,6 +1,7 @@
 // The whole user interface: the window, the 3-D view and the panels.
 #pragma once
 
+#include "app/assistant/assistant.h"
 #include "app/demo_options.h"
 #include "app/layout.h"
 #include "app/mouse.h"
@@ -77,6 +78,9 @@ private:
     ScenePanelState scene_panel_;
     PlotPanelState plot_panel_;
     OpenedRecord opened_;
+    assistant::Assistant assistant_{assistant::progress_folder()};
+    bool opens_assistant_ = false; ///< with the first frame
+    DoctorPopup assistants_doctor_;
     SessionKeeper keeper_{own_folder()};
     EventLog log_;
     double speed_before_pause_ = 1.0;

@@ -172,9 +172,9 @@ void Window::fit_scale_to_window() {
 
 void Window::choose_font() {
     // Latin, Greek, and the superscripts, arrows and symbols that the panels use.
-    static constexpr std::array<ImWchar, 13> kLetters{0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010,
+    static constexpr std::array<ImWchar, 15> kLetters{0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010,
                                                       0x2027, 0x2070, 0x209F, 0x2190, 0x22FF,
-                                                      0x21BA, 0x21BB, 0};
+                                                      0x21BA, 0x21BB, 0x2713, 0x2717, 0};
     ImGuiIO &io = ImGui::GetIO();
     std::error_code ignored;
     if (std::filesystem::exists(SPRINGDRIVE_FONT, ignored)) {

@@ -43,6 +43,8 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
         ->type_name("PIXELS");
     demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
         ->type_name("FACTOR");
+    demo.add_flag("--assistant", options.assistant,
+                  "open the assistant: step by step from the connection to the first touch");
     demo.add_flag(
         "--report", options.reports,
         "for each line \"report\" on standard input, write what the window shows as a line "

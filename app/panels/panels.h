@@ -24,6 +24,10 @@
 
 namespace springdrive::app {
 
+namespace assistant {
+class Assistant;
+}
+
 /// State of the tuning panel between frames. A typed number becomes active only when it is
 /// complete, as typing 0.5 passes through 0.
 struct TuningPanelState {
@@ -120,6 +124,7 @@ struct PlantTabState {
     double delay_periods = 0.0;
     std::string complaint; ///< why the last change was refused
     DoctorPopup doctor;
+    assistant::Assistant *assistant = nullptr; ///< offered, if there is one
 };
 
 /// Within the scene panel: which device, and its connection; the servo's rate; delay and effects of

@@ -1,3 +1,4 @@
+#include "app/assistant/assistant_panel.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
@@ -82,6 +83,9 @@ void draw_effects(session::Session &session, PlantTabState &state) {
 
 void draw_plant_tab(session::Session &session, PlantTabState &state) {
     draw_device_link(session, state);
+    if (state.assistant != nullptr) {
+        offer_assistant(session, *state.assistant);
+    }
     draw_rate(session, state);
     if (session.device().has_world()) {
         ImGui::SameLine();

@@ -52,9 +52,10 @@ void show_state(const session::Session &session) {
     switch (now.safety.state) {
     case servo::SafetyState::waiting:
         ui::text(kWarning, "{}",
-                 !session.is_zeroed()   ? "waiting to be zeroed: tab Plant"
-                 : now.contact.touching ? "waiting: lift the tip off the surface"
-                                        : "waiting for the tip to rest in free space");
+                 session.is_kept_released() ? "held braking by the assistant: tab Plant"
+                 : !session.is_zeroed()     ? "waiting to be zeroed: tab Plant"
+                 : now.contact.touching     ? "waiting: lift the tip off the surface"
+                                            : "waiting for the tip to rest in free space");
         break;
     case servo::SafetyState::starting:
         ui::text(kWarning, "starting, gains at {:.0f} %", 100.0 * now.safety.ramp);

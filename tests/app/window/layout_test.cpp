@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -99,6 +101,43 @@ TEST_P(Layout, ARecordFitsWithWhatOtherGainsWouldHaveDone) {
                       "kept");
     expect_all_fits(window.look(), "kept");
     std::filesystem::remove_all(folder);
+}
+
+/// The steps that say most, in all their states but the end of a self-test.
+TEST_P(Layout, TheAssistantFits) {
+    const std::filesystem::path state = testing::fresh_folder("layout_assistant");
+    setenv("XDG_STATE_HOME", state.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+    const std::filesystem::path progress = state / "springdrive" / "assistant";
+    std::filesystem::create_directories(progress);
+    const std::vector<std::string> steps{"link",      "identity",    "motion", "zeroing",
+                                         "self_test", "calibration", "touch"};
+    std::ofstream file(progress / "emulated-emulated");
+    file << "springdrive assistant 1\n";
+    for (const std::string &step : steps) {
+        file << "done " << step << '\n';
+    }
+    file.close();
+    ShownWindow window({"--device", "emulated", "--at-zero", "--assistant"}, GetParam());
+    unsetenv("XDG_STATE_HOME"); // NOLINT(concurrency-mt-unsafe)
+    for (const std::string &step : steps) {
+        window.click("steps/" + step);
+        window.look();
+        expect_all_fits(window.look(), step);
+    }
+    window.click("steps/self_test");
+    window.click("self_test/start");
+    window.wait_until([](const Report &report) { return report.find("self_test/stop") != nullptr; },
+                      "it runs");
+    expect_all_fits(window.look(), "self-test");
+    window.person().key("F12");
+    window.wait_until([](const Report &report) { return report.shows("stopped: emergency stop"); },
+                      "stopped");
+    expect_all_fits(window.look(), "stopped");
+    window.click("Assistant/Again");
+    window.click("steps/motion");
+    window.click("motion/nothing moves");
+    expect_all_fits(window.look(), "nothing moves");
+    std::filesystem::remove_all(state);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Layout,

@@ -1,0 +1,265 @@
+#include "app/assistant/assistant.h"
+
+#include "app/assistant/steps.h"
+#include "base/complaint.h"
+
+#include <utility>
+
+namespace springdrive::app::assistant {
+
+namespace {
+
+Assistant::Steps all_steps() {
+    return {make_link_step(),      make_identity_step(),    make_motion_step(), make_zero_step(),
+            make_self_test_step(), make_calibration_step(), make_touch_step()};
+}
+
+bool is_stopped(const session::Session &session) {
+    return session.latest().safety.state == servo::SafetyState::tripped;
+}
+
+bool is_lost(const session::Session &session) {
+    return session.device_choice().kind != factory::DeviceKind::simulated &&
+           session.latest().health == device::DeviceHealth::lost;
+}
+
+StepName step_at(std::size_t index) { return static_cast<StepName>(index); }
+
+} // namespace
+
+Assistant::Assistant(std::filesystem::path folder) : Assistant(std::move(folder), all_steps()) {}
+
+Assistant::Assistant(std::filesystem::path folder, Steps steps)
+    : folder_(std::move(folder)), steps_(std::move(steps)) {}
+
+std::filesystem::path Assistant::file() const {
+    return folder_.empty() || device_.empty() ? std::filesystem::path() : folder_ / device_;
+}
+
+/// Of each device, what it has come through is its own.
+void Assistant::watch_device(session::Session &session) {
+    std::string device;
+    if (session.device_choice().kind != factory::DeviceKind::simulated) {
+        const device::DeviceIdentity identity = session.device().identity();
+        device = progress_name(identity.kind, identity.serial);
+    }
+    if (device == device_) {
+        return;
+    }
+    device_ = device;
+    progress_ = {};
+    complaint_ = complaint_of([this] { progress_ = read_progress(file()); });
+    is_device_new_ = !device.empty();
+    if (is_open_) {
+        enter(session, StepName::link);
+    } else {
+        hold_back_or_not(session);
+    }
+}
+
+/// What was known of the zero is void with it.
+void Assistant::watch_zero(const session::Session &session) {
+    if (!session.is_zeroed() && progress_.done.test(index_of(StepName::zeroing))) {
+        void_from(index_of(StepName::zeroing));
+    }
+}
+
+void Assistant::update(session::Session &session) {
+    watch_device(session);
+    if (std::exchange(is_device_new_, false) && opens_itself && !is_open_ && !is_complete()) {
+        open(session);
+    }
+    if (!is_open_) {
+        return;
+    }
+    watch_zero(session);
+    step().update(session);
+    note_verdict(session);
+}
+
+/// A step that failed stays so until it has succeeded.
+void Assistant::note_verdict(const session::Session &session) {
+    const StepReport report = step().report(session);
+    const std::size_t at = index_of(present_);
+    if (report.voids_later) {
+        void_from(at + 1);
+    }
+    const Progress before = progress_;
+    if (report.verdict == Verdict::bad) {
+        void_from(at);
+        progress_.failed.set(at);
+    } else if (report.verdict != Verdict::open) {
+        progress_.failed.reset(at);
+    }
+    keep(before);
+}
+
+void Assistant::set_done(StepName name) {
+    const Progress before = progress_;
+    progress_.done.set(index_of(name));
+    keep(before);
+}
+
+/// Nothing is done from this step on.
+void Assistant::void_from(std::size_t step) {
+    const Progress before = progress_;
+    for (std::size_t i = step; i < kSteps; ++i) {
+        progress_.done.reset(i);
+    }
+    keep(before);
+}
+
+void Assistant::keep(const Progress &before) {
+    if (progress_ != before && !file().empty()) {
+        complaint_ = complaint_of([this] { write_progress(file(), progress_); });
+    }
+}
+
+/// While it is closed.
+void Assistant::hold_back_or_not(session::Session &session) {
+    holds_back_.clear();
+    for (std::size_t i = 0; i < kSteps && holds_back_.empty(); ++i) {
+        if (progress_.failed.test(i)) {
+            holds_back_ = kStepTitles[i].title;
+        }
+    }
+    session.keep_released(!holds_back_.empty());
+}
+
+StepName Assistant::first_not_done() const {
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        if (!progress_.done.test(i)) {
+            return step_at(i);
+        }
+    }
+    return StepName::link;
+}
+
+void Assistant::enter(session::Session &session, StepName to) {
+    step().end(session);
+    present_ = to;
+    session.keep_released(true);
+    step().begin(session);
+    step().update(session);
+}
+
+void Assistant::open(session::Session &session) {
+    watch_device(session);
+    is_device_new_ = false;
+    watch_zero(session);
+    is_open_ = true;
+    holds_back_.clear();
+    session.servo().set_speed(1.0); // steps wait for the device
+    enter(session, first_not_done());
+}
+
+bool Assistant::can_go_on(const session::Session &session) const {
+    if (is_stopped(session) || is_lost(session) || session.is_lent() || session.is_exchanging()) {
+        return false;
+    }
+    switch (step().report(session).verdict) {
+    case Verdict::good:
+    case Verdict::skipped:
+        return true;
+    case Verdict::open:
+        return progress_.done.test(index_of(present_));
+    case Verdict::doubtful:
+    case Verdict::bad:
+        break;
+    }
+    return false;
+}
+
+void Assistant::next(session::Session &session) {
+    if (!is_open_ || !can_go_on(session)) {
+        return;
+    }
+    const std::size_t at = index_of(present_);
+    set_done(present_);
+    if (at + 1 < kSteps) {
+        enter(session, step_at(at + 1));
+    } else {
+        leave(session);
+    }
+}
+
+void Assistant::continue_all_the_same(session::Session &session) {
+    if (!is_open_ || is_stopped(session) || is_lost(session) ||
+        step().report(session).verdict != Verdict::doubtful) {
+        return;
+    }
+    set_done(present_);
+    enter(session, step_at(index_of(present_) + 1));
+}
+
+void Assistant::back(session::Session &session) {
+    if (is_open_ && index_of(present_) > 0) {
+        enter(session, step_at(index_of(present_) - 1));
+    }
+}
+
+void Assistant::again(session::Session &session) {
+    if (!is_open_) {
+        return;
+    }
+    if (is_stopped(session) && !servo::is_final(session.latest().safety.cause)) {
+        session.servo().reset_safety();
+    }
+    enter(session, present_);
+}
+
+bool Assistant::can_go_to(StepName to) const {
+    return progress_.done.test(index_of(to)) || to == present_ || to == first_not_done();
+}
+
+void Assistant::go_to(session::Session &session, StepName to) {
+    if (is_open_ && to != present_ && can_go_to(to)) {
+        enter(session, to);
+    }
+}
+
+void Assistant::leave(session::Session &session) {
+    if (!is_open_) {
+        return;
+    }
+    step().end(session);
+    is_open_ = false;
+    hold_back_or_not(session);
+}
+
+StepState Assistant::state(StepName of) const {
+    return is_open_ && of == present_            ? StepState::present
+           : progress_.failed.test(index_of(of)) ? StepState::failed
+           : progress_.done.test(index_of(of))   ? StepState::done
+                                                 : StepState::open;
+}
+
+StepReport Assistant::report(const session::Session &session) const {
+    StepReport report = step().report(session);
+    if (is_lost(session)) {
+        report.troubles.push_back(
+            {"the device is lost: no answer from its board",
+             "plug it in again; it is connected by itself, then press Again"});
+    } else if (is_stopped(session)) {
+        report.troubles.push_back({"stopped: " + servo::description(session.latest().safety),
+                                   "remove the cause, then press Again, which resets the stop"});
+    }
+    if (report.verdict == Verdict::good && (is_lost(session) || is_stopped(session))) {
+        report.verdict = Verdict::open;
+    }
+    const bool needs_zero = present_ > StepName::zeroing && !is_lost(session);
+    if (needs_zero && !session.is_zeroed()) {
+        report.troubles.push_back({"the device is not zeroed", "go back to Zeroing"});
+    }
+    return report;
+}
+
+std::vector<Offer> Assistant::offers(session::Session &session) {
+    return is_lost(session) || is_stopped(session) ? std::vector<Offer>() : step().offers(session);
+}
+
+std::optional<Vector3> Assistant::theta_rad() const {
+    return is_open_ ? step().theta_rad() : std::nullopt;
+}
+
+} // namespace springdrive::app::assistant

@@ -1,0 +1,175 @@
+#include "app/assistant/rehearsal.h"
+#include "app/assistant/steps.h"
+#include "base/complaint.h"
+#include "base/degrees.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::assistant {
+
+namespace {
+
+/// From where a joint was when it was asked for, before a person is asked what they saw.
+constexpr double kMoved_rad = 12.0 * kRadiansPerDegree;
+constexpr double kShown_deg = 60.0;
+constexpr double kRehearsed_rad = 20.0 * kRadiansPerDegree;
+
+struct Motion {
+    const char *name;
+    const char *to_do;
+    const char *positive; ///< the tip's way in the picture by a positive angle
+    const char *negative;
+};
+
+constexpr std::array<Motion, 3> kMotions{{
+    {"base (joint 1)", "Turn the base: move the tip a hand's breadth to your right.",
+     "to the right", "to the left"},
+    {"upper arm (joint 2)", "Lift the upper arm: move the tip a hand's breadth up.", "up", "down"},
+    {"forearm (joint 3)", "Swing the forearm: pull the tip a hand's breadth towards you.",
+     "towards you", "away from you"},
+}};
+
+enum class Answer : std::uint8_t { none, same, reversed, other, dead };
+
+Trouble trouble_of(std::size_t joint, Answer answer) {
+    const std::size_t number = joint + 1;
+    switch (answer) {
+    case Answer::reversed:
+        return {fmt::format("channel {} is mirrored: its picture moves the other way", number),
+                fmt::format("exchange the channels A and B of encoder {0}, or set its sign in the "
+                            "board's calibration. If the self-test then says that encoder {0} is "
+                            "reversed, exchange the two leads of motor {0}, too",
+                            number)};
+    case Answer::other:
+        return {fmt::format("another joint than joint {} moves in the picture", number),
+                "exchange the plugs of the two encoders"};
+    case Answer::dead:
+        return {fmt::format("joint {} does not move in the picture: encoder {} counts nothing",
+                            number, number),
+                fmt::format("look at the plug and the supply of encoder {}", number)};
+    case Answer::none:
+    case Answer::same:
+        break;
+    }
+    return {};
+}
+
+class MotionStep final : public Step {
+public:
+    void begin(session::Session &session) override {
+        joint_ = 0;
+        answer_ = Answer::none;
+        start(session);
+    }
+
+    void update(session::Session &session) override {
+        q_rad_ = joints_rad(session);
+        for (Eigen::Index i = 0; i < 3; ++i) {
+            const double moved_rad = q_rad_[i] - from_rad_[i];
+            if (std::abs(moved_rad) > std::abs(farthest_rad_[i])) {
+                farthest_rad_[i] = moved_rad;
+            }
+        }
+    }
+
+    [[nodiscard]] StepReport report(const session::Session & /*session*/) const override {
+        StepReport report;
+        for (std::size_t i = 0; i < kMotions.size(); ++i) {
+            const double moved_deg = in_degrees(q_rad_ - from_rad_, i);
+            report.bars.push_back({kMotions[i].name, moved_deg, -kShown_deg, kShown_deg,
+                                   fmt::format("{:+.0f}°", moved_deg)});
+        }
+        for (std::size_t i = 0; i < joint_; ++i) {
+            report.seen.push_back(
+                fmt::format("{}: the picture moves as the device", kMotions[i].name));
+        }
+        if (joint_ == kMotions.size()) {
+            report.verdict = Verdict::good;
+            report.to_do = "All joints move as their picture.";
+            return report;
+        }
+        if (answer_ != Answer::none) {
+            report.verdict = Verdict::bad;
+            report.to_do = "Mend what is named below, then press Again.";
+            report.troubles.push_back(trouble_of(joint_, answer_));
+            return report;
+        }
+        const Motion &motion = kMotions[joint_];
+        report.to_do = std::string("The device only brakes. ") + motion.to_do;
+        if (has_moved()) {
+            const double farthest_deg = in_degrees(farthest_rad_, joint_);
+            report.seen.push_back(fmt::format(
+                "{}: the picture moved {} by {:.0f}°. Did the device?", motion.name,
+                farthest_deg > 0.0 ? motion.positive : motion.negative, std::abs(farthest_deg)));
+        }
+        if (!complaint_.empty()) {
+            report.troubles.push_back({complaint_, "move it yourself"});
+        }
+        return report;
+    }
+
+    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
+        if (joint_ == kMotions.size() || answer_ != Answer::none) {
+            return {};
+        }
+        std::vector<Offer> offers{
+            {"yes, the same way", "the picture moved as the device did",
+             [this, &session] { confirm(session); }, has_moved()},
+            {"no, the other way", "the picture moved in the opposite direction",
+             [this] { answer_ = Answer::reversed; }, has_moved()},
+            {"no, another joint", "the picture moved another joint than the device",
+             [this] { answer_ = Answer::other; }},
+            {"nothing moves", "the device moved, but not the picture",
+             [this] { answer_ = Answer::dead; }},
+        };
+        if (session.device().emulated() != nullptr) {
+            offers.push_back({"let the simulated hand do it",
+                              "an emulated device: its hand moves this joint, and back",
+                              [this, &session] {
+                                  complaint_ = complaint_of(
+                                      [&] { move_joint(session, joint_, kRehearsed_rad); });
+                              },
+                              !session.hand().follows_path()});
+        }
+        return offers;
+    }
+
+private:
+    static Vector3 joints_rad(const session::Session &session) {
+        return device::joint_from_motor(session.description().geometry, session.latest().theta_rad);
+    }
+    static double in_degrees(const Vector3 &q_rad, std::size_t joint) {
+        return q_rad[static_cast<Eigen::Index>(joint)] / kRadiansPerDegree;
+    }
+    [[nodiscard]] bool has_moved() const {
+        return std::abs(farthest_rad_[static_cast<Eigen::Index>(joint_)]) >= kMoved_rad;
+    }
+
+    void start(session::Session &session) {
+        q_rad_ = from_rad_ = joints_rad(session);
+        farthest_rad_ = Vector3::Zero();
+        complaint_.clear();
+    }
+    void confirm(session::Session &session) {
+        ++joint_;
+        start(session);
+    }
+
+    std::size_t joint_ = 0; ///< that is asked for; 3: none any more
+    Answer answer_ = Answer::none;
+    Vector3 q_rad_{Vector3::Zero()};
+    Vector3 from_rad_{Vector3::Zero()};
+    Vector3 farthest_rad_{Vector3::Zero()};
+    std::string complaint_;
+};
+
+} // namespace
+
+std::unique_ptr<Step> make_motion_step() { return std::make_unique<MotionStep>(); }
+
+} // namespace springdrive::app::assistant

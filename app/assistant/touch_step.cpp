@@ -1,0 +1,139 @@
+#include "app/asset_folder.h"
+#include "app/assistant/rehearsal.h"
+#include "app/assistant/steps.h"
+#include "base/complaint.h"
+#include "engine/control/tuning_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+namespace springdrive::app::assistant {
+
+namespace {
+
+/// Of the tip, while a person touches for the first time.
+constexpr double kGentleForce_N = 1.0;
+/// What counts as a touch.
+constexpr double kFelt_N = 0.15;
+constexpr double kFelt_s = 0.5;
+
+class TouchStep final : public Step {
+public:
+    void begin(session::Session &session) override {
+        end(session);
+        felt_s_ = 0.0;
+        peak_N_ = 0.0;
+        last_s_ = session.latest().time_s;
+        complaint_ = complaint_of([&] {
+            const control::Tuning soft =
+                control::read_tuning_file(asset_folder() / "tunings" / "soft.toml");
+            const std::filesystem::path plate = asset_folder() / "scenes" / "plate.gltf";
+            std::error_code ignored;
+            if (!std::filesystem::equivalent(plate, session.scenes().now().scene.file, ignored)) {
+                session.request_scene(plate);
+            }
+            before_ = Before{session.servo().inputs().tuning, session.servo().inputs().limits};
+            servo::SafetyLimits gentle = before_->limits;
+            gentle.tip_force_N = std::min(gentle.tip_force_N, kGentleForce_N);
+            session.servo().tune(soft);
+            session.servo().lower_limits(gentle);
+        });
+        session.keep_released(!complaint_.empty());
+    }
+
+    void update(session::Session &session) override {
+        const servo::ServoSample &now = session.latest();
+        const double passed_s = std::max(0.0, now.time_s - last_s_);
+        last_s_ = now.time_s;
+        if (now.safety.state != servo::SafetyState::running || session.scenes().is_loading()) {
+            return;
+        }
+        const double force_N = now.contact.touching ? now.tip_force_N.norm() : 0.0;
+        peak_N_ = std::max(peak_N_, force_N);
+        felt_s_ += force_N >= kFelt_N ? passed_s : 0.0;
+    }
+
+    void end(session::Session &session) override {
+        session.keep_released(true);
+        if (before_) {
+            session.servo().tune(before_->tuning);
+            session.servo().lower_limits(before_->limits);
+            before_.reset();
+        }
+    }
+
+    [[nodiscard]] StepReport report(const session::Session &session) const override {
+        const servo::ServoSample &now = session.latest();
+        StepReport report;
+        report.to_do = to_do(session);
+        const bool touches =
+            now.contact.touching && now.safety.state == servo::SafetyState::running;
+        const double force_N = touches ? now.tip_force_N.norm() : 0.0;
+        report.bars.push_back(
+            {"force", force_N, 0.0, kGentleForce_N, fmt::format("{:.2f} N", force_N)});
+        report.seen.push_back(
+            fmt::format("depth {:.1f} mm, felt for {:.1f} of {:.1f} s, at most {:.2f} N",
+                        touches ? 1e3 * (now.contact.x0_m - now.tip_m).norm() : 0.0,
+                        std::min(felt_s_, kFelt_s), kFelt_s, peak_N_));
+        report.seen.push_back(fmt::format("tuning soft, force limited to {:.0f} N; both return to "
+                                          "what they were afterwards",
+                                          kGentleForce_N));
+        if (!complaint_.empty()) {
+            report.troubles.push_back({complaint_, "reinstall springdrive, then press Again"});
+            report.verdict = Verdict::bad;
+        } else if (felt_s_ >= kFelt_s) {
+            report.verdict = Verdict::good;
+        }
+        return report;
+    }
+
+    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
+        if (session.device().emulated() == nullptr) {
+            return {};
+        }
+        return {{"let the simulated hand do it", "an emulated device: its hand presses and lifts",
+                 [this, &session] { complaint_ = complaint_of([&] { press_and_lift(session); }); },
+                 !session.hand().follows_path()}};
+    }
+
+private:
+    struct Before {
+        control::Tuning tuning;
+        servo::SafetyLimits limits;
+    };
+
+    [[nodiscard]] std::string to_do(const session::Session &session) const {
+        if (felt_s_ >= kFelt_s) {
+            return "That was it: the plate gave way softly and pushed back. Press Finish.";
+        }
+        if (session.scenes().is_loading()) {
+            return "The plate is being loaded.";
+        }
+        switch (session.latest().safety.state) {
+        case servo::SafetyState::waiting:
+            return session.latest().contact.touching
+                       ? "Lift the tip off the plate, and hold it still: the motors start then."
+                       : "Hold the tip still above the plate: the motors start then.";
+        case servo::SafetyState::starting:
+            return "The motors start.";
+        default:
+            return "Move down onto the plate and press gently. It should feel like a soft cushion, "
+                   "without a buzz, and push straight up. If it pulls or grows by itself: F12.";
+        }
+    }
+
+    std::optional<Before> before_;
+    double felt_s_ = 0.0;
+    double peak_N_ = 0.0;
+    double last_s_ = 0.0;
+    std::string complaint_;
+};
+
+} // namespace
+
+std::unique_ptr<Step> make_touch_step() { return std::make_unique<TouchStep>(); }
+
+} // namespace springdrive::app::assistant

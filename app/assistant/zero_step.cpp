@@ -1,0 +1,99 @@
+#include "app/assistant/rehearsal.h"
+#include "app/assistant/steps.h"
+#include "base/complaint.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::assistant {
+
+namespace {
+
+constexpr double kStill_s = 0.5;
+/// 0.1 mm at the tip of a PHANTOM 1.0: less than a hand trembles.
+constexpr int kStillStep_counts = 8;
+
+class ZeroStep final : public Step {
+public:
+    void begin(session::Session &session) override {
+        complaint_.clear();
+        was_zeroed_ = session.is_zeroed();
+        is_zeroed_here_ = false;
+        note_motion(session);
+    }
+
+    void update(session::Session &session) override {
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (std::abs(session.latest().counts[i] - counts_[i]) > kStillStep_counts) {
+                note_motion(session);
+                break;
+            }
+        }
+        still_s_ = session.latest().time_s - since_s_;
+        was_zeroed_ = was_zeroed_ && session.is_zeroed();
+        is_zeroed_here_ = is_zeroed_here_ && session.is_zeroed();
+    }
+
+    [[nodiscard]] StepReport report(const session::Session &session) const override {
+        StepReport report;
+        report.shows_pose = true;
+        report.voids_later = is_zeroed_here_; // the self-test checks the zero
+        report.to_do = "Hold the device in its zero pose: the upper arm level and straight towards "
+                       "you, the forearm hanging, square to it. Hold it still, then press \"zero "
+                       "here\". Three degrees are near enough for a touch.";
+        report.seen.push_back(is_still() ? "the device is held still"
+                                         : "the device moves: hold it still");
+        if (is_zeroed_here_) {
+            report.seen.push_back(
+                fmt::format("zeroed; the tip is {:.1f} mm from the origin of the picture",
+                            1e3 * session.latest().tip_m.norm()));
+        } else if (was_zeroed_) {
+            report.seen.emplace_back("it is zeroed already; the self-test checks how well");
+        }
+        if (!complaint_.empty()) {
+            report.troubles.push_back({complaint_, "hold it still, and try again"});
+        }
+        report.verdict = is_zeroed_here_ || was_zeroed_ ? Verdict::good : Verdict::open;
+        return report;
+    }
+
+    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
+        std::vector<Offer> offers{{"zero here", "all angles are zero from now on",
+                                   [this, &session] { zero(session); }, is_still()}};
+        if (session.device().emulated() != nullptr) {
+            offers.push_back(
+                {"let the simulated hand do it", "an emulated device: its hand holds the zero pose",
+                 [this, &session] { complaint_ = complaint_of([&] { hold_zero_pose(session); }); },
+                 !session.hand().follows_path()});
+        }
+        return offers;
+    }
+
+private:
+    [[nodiscard]] bool is_still() const { return still_s_ >= kStill_s; }
+    void note_motion(const session::Session &session) {
+        counts_ = session.latest().counts;
+        since_s_ = session.latest().time_s;
+        still_s_ = 0.0;
+    }
+    void zero(session::Session &session) {
+        complaint_ = complaint_of([&] { session.zero_device(Vector3::Zero()); });
+        is_zeroed_here_ = complaint_.empty();
+    }
+
+    std::array<std::int32_t, 3> counts_{};
+    double since_s_ = 0.0;
+    double still_s_ = 0.0;
+    bool was_zeroed_ = false;
+    bool is_zeroed_here_ = false;
+    std::string complaint_;
+};
+
+} // namespace
+
+std::unique_ptr<Step> make_zero_step() { return std::make_unique<ZeroStep>(); }
+
+} // namespace springdrive::app::assistant

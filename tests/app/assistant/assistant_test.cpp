@@ -1,0 +1,252 @@
+// Covers app/assistant/{assistant,progress_file}.cpp: the sequence of steps, whatever they are, and
+// the file by which it is resumed.
+#include "app/assistant/assistant.h"
+
+#include "base/complaint.h"
+#include "tests/app/assistant/walker.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+namespace springdrive::app::assistant {
+namespace {
+
+/// Does as the test says.
+class ToldStep final : public Step {
+public:
+    void begin(session::Session & /*session*/) override { ++begun; }
+    void update(session::Session & /*session*/) override {}
+    void end(session::Session & /*session*/) override { ++ended; }
+    [[nodiscard]] StepReport report(const session::Session & /*session*/) const override {
+        StepReport report;
+        report.verdict = verdict;
+        return report;
+    }
+    Verdict verdict = Verdict::open;
+    int begun = 0;
+    int ended = 0;
+};
+
+class Sequence {
+public:
+    explicit Sequence(const std::filesystem::path &folder = {})
+        : session(testing::Walker::options_with({})), assistant(folder, told_steps()) {
+        assistant.update(session);
+    }
+
+    void update() { assistant.update(session); }
+    void pass(std::size_t step, Verdict verdict = Verdict::good) {
+        steps[step]->verdict = verdict;
+        update();
+        assistant.next(session);
+    }
+
+    std::array<ToldStep *, kSteps> steps{};
+    session::Session session;
+    Assistant assistant;
+
+private:
+    Assistant::Steps told_steps() {
+        Assistant::Steps all;
+        for (std::size_t i = 0; i < kSteps; ++i) {
+            auto step = std::make_unique<ToldStep>();
+            steps[i] = step.get();
+            all[i] = std::move(step);
+        }
+        return all;
+    }
+};
+
+std::filesystem::path file_in(const std::filesystem::path &folder) {
+    return folder / progress_name("emulated", "emulated");
+}
+
+TEST(Assistant, OpensForADeviceThatItHasNotSeenYet) {
+    Sequence sequence;
+    EXPECT_TRUE(sequence.assistant.is_open());
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
+    EXPECT_TRUE(sequence.session.is_kept_released());
+    session::SessionOptions plain = testing::Walker::options_with({});
+    plain.device.kind = factory::DeviceKind::simulated;
+    session::Session session(plain);
+    Assistant assistant({});
+    assistant.update(session);
+    EXPECT_FALSE(assistant.is_open());
+    assistant.open(session); // by a button
+    EXPECT_TRUE(assistant.is_open());
+    EXPECT_FALSE(assistant.can_go_on(session));
+}
+
+TEST(Assistant, GoesOnOnlyAfterAGoodOrSkippedStep) {
+    Sequence sequence;
+    for (const Verdict verdict : {Verdict::open, Verdict::doubtful, Verdict::bad}) {
+        sequence.pass(0, verdict);
+        EXPECT_EQ(sequence.assistant.present(), StepName::link);
+    }
+    sequence.pass(0, Verdict::skipped);
+    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+    EXPECT_EQ(sequence.assistant.state(StepName::link), StepState::done);
+    EXPECT_EQ(sequence.assistant.state(StepName::identity), StepState::present);
+    EXPECT_EQ(sequence.assistant.state(StepName::motion), StepState::open);
+    EXPECT_EQ(sequence.steps[0]->ended, 2); // before it began, and after
+    EXPECT_EQ(sequence.steps[1]->begun, 1);
+}
+
+TEST(Assistant, ContinuesADoubtfulStepOnlyWhenAskedAndABadOneNever) {
+    Sequence sequence;
+    sequence.steps[0]->verdict = Verdict::bad;
+    sequence.update();
+    sequence.assistant.continue_all_the_same(sequence.session);
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
+    sequence.steps[0]->verdict = Verdict::doubtful;
+    sequence.update();
+    sequence.assistant.continue_all_the_same(sequence.session);
+    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+}
+
+TEST(Assistant, GoesBackAndAgainAndForthOverWhatIsDone) {
+    Sequence sequence;
+    sequence.assistant.back(sequence.session); // there is none
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
+    sequence.pass(0);
+    sequence.pass(1);
+    sequence.assistant.back(sequence.session);
+    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+    EXPECT_EQ(sequence.steps[1]->begun, 2);
+    sequence.assistant.again(sequence.session);
+    EXPECT_EQ(sequence.steps[1]->begun, 3);
+    sequence.steps[1]->verdict = Verdict::open; // not yet seen again, but done before
+    sequence.update();
+    EXPECT_TRUE(sequence.assistant.can_go_on(sequence.session));
+    EXPECT_TRUE(sequence.assistant.can_go_to(StepName::motion)); // the first that is not done
+    EXPECT_FALSE(sequence.assistant.can_go_to(StepName::zeroing));
+    sequence.assistant.go_to(sequence.session, StepName::zeroing);
+    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+    sequence.assistant.go_to(sequence.session, StepName::link);
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
+}
+
+TEST(Assistant, AStepThatFailsVoidsWhatCameAfterAndHoldsTheDevice) {
+    const std::filesystem::path folder = testing::fresh_folder("assistant_fails");
+    {
+        Sequence sequence(folder);
+        sequence.pass(0);
+        sequence.pass(1);
+        sequence.assistant.back(sequence.session);
+        sequence.steps[1]->verdict = Verdict::bad;
+        sequence.update();
+        EXPECT_FALSE(sequence.assistant.can_go_to(StepName::motion));
+        sequence.steps[1]->verdict = Verdict::open; // begun again, but not mended yet
+        sequence.update();
+        sequence.assistant.leave(sequence.session);
+        EXPECT_EQ(sequence.assistant.state(StepName::identity), StepState::failed);
+        EXPECT_EQ(sequence.assistant.holds_back(), "Identity");
+        EXPECT_TRUE(sequence.session.is_kept_released());
+    }
+    Sequence later(folder);
+    EXPECT_EQ(later.assistant.present(), StepName::identity);
+    later.assistant.leave(later.session);
+    EXPECT_TRUE(later.session.is_kept_released());
+    later.assistant.open(later.session);
+    later.pass(1);
+    later.assistant.leave(later.session);
+    EXPECT_FALSE(later.session.is_kept_released());
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Assistant, IsResumedAtTheFirstStepThatIsNotDone) {
+    const std::filesystem::path folder = testing::fresh_folder("assistant_resumed");
+    {
+        Sequence sequence(folder);
+        sequence.pass(0);
+        sequence.pass(1);
+        sequence.assistant.leave(sequence.session);
+        EXPECT_FALSE(sequence.assistant.is_open());
+        EXPECT_EQ(sequence.steps[2]->ended, 1);
+        sequence.assistant.open(sequence.session);
+        EXPECT_EQ(sequence.assistant.present(), StepName::motion);
+    }
+    Sequence later(folder);
+    EXPECT_TRUE(later.assistant.is_open());
+    EXPECT_EQ(later.assistant.present(), StepName::motion);
+    for (std::size_t i = 2; i < kSteps; ++i) {
+        if (i == index_of(StepName::self_test)) {
+            later.session.zero_device(Vector3::Zero());
+        }
+        later.pass(i);
+    }
+    EXPECT_FALSE(later.assistant.is_open());
+    Sequence last(folder);
+    last.session.zero_device(Vector3::Zero());
+    EXPECT_FALSE(last.assistant.is_open()); // once is enough
+    last.assistant.open(last.session);
+    EXPECT_TRUE(last.assistant.is_complete());
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Assistant, WithoutItsZeroADeviceIsZeroedAgain) {
+    const std::filesystem::path folder = testing::fresh_folder("assistant_zero");
+    Progress known;
+    known.done.set(); // of a board that has lost its power since
+    write_progress(file_in(folder), known);
+    Sequence sequence(folder);
+    EXPECT_FALSE(sequence.assistant.is_open());
+    sequence.assistant.open(sequence.session);
+    EXPECT_EQ(sequence.assistant.present(), StepName::zeroing);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Assistant, BeginsAnewWithADamagedFileAndSaysSo) {
+    const std::filesystem::path folder = testing::fresh_folder("assistant_damaged");
+    std::filesystem::create_directories(folder);
+    std::ofstream(file_in(folder)) << "springdrive assistant 1\ndone link\ndone nonsense\n";
+    Sequence sequence(folder);
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
+    EXPECT_NE(sequence.assistant.complaint().find(":3: 'done nonsense' names no step"),
+              std::string::npos)
+        << sequence.assistant.complaint();
+    sequence.pass(0);
+    EXPECT_EQ(sequence.assistant.complaint(), "");
+    EXPECT_TRUE(read_progress(file_in(folder)).done.test(0));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Assistant, GoesOnWhereItsProgressCannotBeKept) {
+    const std::filesystem::path folder = testing::fresh_folder("assistant_unwritable");
+    std::ofstream(folder / "file") << "no folder";
+    Sequence sequence(folder / "file");
+    sequence.pass(0);
+    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+    EXPECT_NE(sequence.assistant.complaint(), "");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
+    const std::filesystem::path folder = testing::fresh_folder("progress_file");
+    const std::filesystem::path file = folder / "below" / "device";
+    EXPECT_EQ(read_progress(file), Progress());
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        Progress progress;
+        progress.done.set(i);
+        progress.failed.set(kSteps - 1 - i);
+        write_progress(file, progress);
+        EXPECT_EQ(read_progress(file), progress);
+    }
+    for (const char *text : {"", "springdrive\n", "springdrive assistant 1\nlink\n",
+                             "springdrive assistant 1\ndone \n", "\xff\xfe"}) {
+        std::ofstream(file) << text;
+        EXPECT_NE(complaint_of([&] { static_cast<void>(read_progress(file)); }), "") << text;
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST(ProgressFile, NameIsAFileNameWhateverTheSerialNumberIs) {
+    EXPECT_EQ(progress_name("USB", "A-12_b"), "USB-A-12_b");
+    EXPECT_EQ(progress_name("USB", "../x"), "USB-%2e%2e%2fx");
+    EXPECT_NE(progress_name("USB", "1"), progress_name("emulated", "1"));
+}
+
+} // namespace
+} // namespace springdrive::app::assistant
