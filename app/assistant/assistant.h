@@ -56,6 +56,10 @@ public:
 
     [[nodiscard]] StepName present() const { return present_; }
     [[nodiscard]] StepState state(StepName step) const;
+    /// Also of the present one.
+    [[nodiscard]] bool has_failed(StepName step) const {
+        return progress_.failed.test(index_of(step));
+    }
     [[nodiscard]] bool can_go_to(StepName step) const;
     [[nodiscard]] bool can_go_on(const session::Session &session) const;
     [[nodiscard]] bool is_complete() const { return progress_.done.all(); }

@@ -56,7 +56,8 @@ void draw_steps(session::Session &session, Assistant &assistant) {
         const std::string label =
             ui::formatted("{} {}###{}", mark_of(state), assistant::kStepTitles[i].title,
                           assistant::kStepTitles[i].name);
-        ImGui::PushStyleColor(ImGuiCol_Text, colour_of(state));
+        ImGui::PushStyleColor(ImGuiCol_Text,
+                              assistant.has_failed(step) ? kDanger : colour_of(state));
         if (ui::selectable(label.c_str(), state == StepState::present)) {
             assistant.go_to(session, step);
         }
@@ -98,16 +99,16 @@ void draw_bar(const assistant::Bar &bar) {
 
 /// The zero pose from the side, the user on the right: upper arm level, forearm hanging.
 void draw_pose(const device::PhantomGeometry &geometry) {
-    const float height = 5.0F * ImGui::GetFontSize();
-    const float scale = height / static_cast<float>(1.5 * geometry.forearm_m);
+    const float font = ImGui::GetFontSize();
+    const float scale = 4.0F * font / static_cast<float>(geometry.forearm_m);
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    ImGui::Dummy({ImGui::GetContentRegionAvail().x, 1.25F * height});
+    ImGui::Dummy({ImGui::GetContentRegionAvail().x, 7.0F * font});
     ui::enter("pose", "picture", "the zero pose, from the side");
-    const ImVec2 base{corner.x + 1.5F * ImGui::GetFontSize(), corner.y + 0.25F * height};
+    const ImVec2 base{corner.x + 1.5F * font, corner.y + 2.0F * font};
     const ImVec2 elbow{base.x + scale * static_cast<float>(geometry.upper_arm_m), base.y};
     const ImVec2 tip{elbow.x, elbow.y + scale * static_cast<float>(geometry.forearm_m)};
     ImDrawList &list = *ImGui::GetWindowDrawList();
-    const float line = 0.25F * ImGui::GetFontSize();
+    const float line = 0.25F * font;
     const ImU32 ink = ImGui::GetColorU32(kTransposeMap);
     const ImU32 faint = ImGui::GetColorU32(kFaintInk);
     list.AddLine(base, elbow, ink, line);
@@ -117,11 +118,11 @@ void draw_pose(const device::PhantomGeometry &geometry) {
     const float square = 2.5F * line;
     list.AddLine({elbow.x - square, elbow.y}, {elbow.x - square, elbow.y + square}, faint);
     list.AddLine({elbow.x - square, elbow.y + square}, {elbow.x, elbow.y + square}, faint);
-    const float gap = 0.6F * ImGui::GetFontSize();
-    list.AddText({base.x, base.y - gap - ImGui::GetFontSize()}, faint, "upper arm level");
+    const float gap = 0.6F * font;
+    list.AddText({base.x, base.y - gap - font}, faint, "upper arm level");
     list.AddText({elbow.x + gap, 0.5F * (elbow.y + tip.y)}, faint, "forearm hanging");
     list.AddText({tip.x + gap, tip.y - gap}, faint, "tip at the origin");
-    list.AddText({elbow.x + 5.0F * gap, elbow.y - gap}, faint, "you");
+    list.AddText({elbow.x + 5.0F * font, elbow.y - gap}, faint, "you");
 }
 
 void draw_troubles(const StepReport &report) {

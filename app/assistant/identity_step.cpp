@@ -46,8 +46,8 @@ public:
         const device::DeviceDescription &device = session.description();
         report.seen.push_back(fmt::format("device file: {}, {}", device.name,
                                           session.device_choice().file.filename().string()));
-        report.seen.push_back(fmt::format("in use, the lower of file and board: at most {:.4g} V, "
-                                          "{:.4g} A, {:.4g} Ω of R cancelled",
+        report.seen.push_back(fmt::format("in use, by the lower of both: {:.4g} V, {:.4g} A, "
+                                          "{:.4g} Ω",
                                           device.motor[0].supply_V, device.motor[0].peak_current_A,
                                           device.amplifier.max_cancelled_Ohm));
         if (!complaint_.empty()) {

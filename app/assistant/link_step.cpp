@@ -21,8 +21,10 @@ constexpr std::uint64_t kJudgedReports = 1500;
 /// no good cable.
 constexpr double kBearableShare = 1e-3;
 
+/// Ticks without their report, and commands that did not arrive. A report that is lost is one that
+/// a tick misses, too.
 std::uint64_t faulty_of(const device::LinkStatus &link) {
-    return link.lost + link.late + link.absent + link.corrupt + link.rejected + link.unsent;
+    return std::max(link.lost, link.absent) + link.late + link.rejected + link.unsent;
 }
 
 class LinkStep final : public Step {
@@ -120,7 +122,7 @@ private:
                                           link->delay_s / session.servo().period_s(),
                                           1e6 * link->round_trip_s));
         report.seen.push_back(
-            fmt::format("{} of {} reports lost, late, damaged or absent", faulty, reports));
+            fmt::format("{} of {} reports not whole or not in time", faulty, reports));
         const double watched = static_cast<double>(reports) / static_cast<double>(kJudgedReports);
         report.bars.push_back(
             {"watched", std::min(1.0, watched), 0.0, 1.0, fmt::format("{} reports", reports)});
@@ -129,6 +131,7 @@ private:
         }
         if (static_cast<double>(faulty) <= kBearableShare * static_cast<double>(reports)) {
             report.verdict = Verdict::good;
+            report.to_do = "The connection is good. Press Next.";
             return;
         }
         report.verdict = Verdict::doubtful;

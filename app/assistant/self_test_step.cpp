@@ -227,6 +227,10 @@ private:
     static void report_result(const SelfTestReport &result, bool is_zeroed, StepReport &report) {
         for (std::size_t i = 0; !result.pulses.empty() && i < 3; ++i) {
             const commissioning::WindingFigures &motor = result.windings.motor[i];
+            if (!motor.is_measured()) {
+                report.seen.push_back(fmt::format("motor {}: R and L were not measured", i + 1));
+                continue;
+            }
             report.seen.push_back(fmt::format(
                 "motor {}: R {:.3f} Ω, L {:.3f} mH{}", i + 1, motor.resistance_Ohm,
                 1e3 * motor.inductance_H,

@@ -107,11 +107,13 @@ TEST_P(AssistantFinds, InItsSelfTestWhatTheEmulatorBroke) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, AssistantFinds,
-    ::testing::Values(Damage{{"reversed-encoder:1"}, Verdict::bad, "encoder 1 counts down"},
-                      Damage{{"open-winding:2"}, Verdict::bad, "2"},
-                      Damage{{"lost-counts:2:0.1"}, Verdict::bad, "counts are lost"},
-                      Damage{{"reversed-sensor:3"}, Verdict::bad, "3"},
-                      Damage{{"sensor-gain:1:1.1"}, Verdict::doubtful, "1"}),
+    ::testing::Values(
+        Damage{{"reversed-encoder:1"}, Verdict::bad, "encoder 1 counts down"},
+        Damage{{"open-winding:2"}, Verdict::bad, "motor 2 draws hardly any current"},
+        Damage{{"lost-counts:2:0.1"}, Verdict::bad, "counts are lost"},
+        Damage{{"reversed-sensor:3"}, Verdict::bad, "the current sensor of motor 3 counts against"},
+        Damage{
+            {"sensor-gain:1:1.1"}, Verdict::doubtful, "the current sensor of motor 1 has a gain"}),
     [](const auto &damage) {
         std::string name = damage.param.faults.front();
         std::erase_if(name, [](char letter) { return !std::isalnum(letter); });

@@ -155,7 +155,7 @@ TEST_F(AssistantInTheWindow, AMirroredChannelIsNamedByWhoSeesIt) {
 TEST_F(AssistantInTheWindow, AnOpenWindingIsFoundAndNotPassed) {
     const Report result = test_of_zeroed({"--fault", "open-winding:2"});
     EXPECT_TRUE(result.shows("must not be driven")) << result.texts();
-    EXPECT_TRUE(result.shows("motor 2")) << result.texts();
+    EXPECT_TRUE(result.shows("motor 2 draws hardly any current")) << result.texts();
     EXPECT_FALSE(is_enabled(result, "Assistant/Next"));
     EXPECT_EQ(result.find("continue all the same"), nullptr);
 }
