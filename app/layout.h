@@ -37,7 +37,7 @@ struct Layout {
 
 /// Of the column on the right, times the scale.
 inline constexpr float kPanels = 400.0F;
-inline constexpr float kAssistant = 520.0F;
+inline constexpr float kAssistant = 460.0F;
 
 /// @param size   of the window, in ImGui's units
 /// @param scale         of text and panels

@@ -326,6 +326,7 @@ void Screen::draw_contents() {
         draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
     } else {
         draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
+        desk_.update(session_); // the tuning of the touch is noted when it begins
     }
     if (!ImGui::IsAnyItemActive()) {
         desk_.let_go();

@@ -57,9 +57,11 @@ void Assistant::watch_device(session::Session &session) {
     }
 }
 
-/// What was known of the zero is void with it.
+/// What was known of the zero is void with it. Of a device that is lost it is known only once it is
+/// there again.
 void Assistant::watch_zero(const session::Session &session) {
-    if (!session.is_zeroed() && progress_.done.test(index_of(StepName::zeroing))) {
+    if (!is_lost(session) && !session.is_zeroed() &&
+        progress_.done.test(index_of(StepName::zeroing))) {
         void_from(index_of(StepName::zeroing));
     }
 }

@@ -49,6 +49,9 @@ const ImVec4 &colour_of(StepState state) {
 }
 
 void draw_steps(session::Session &session, Assistant &assistant) {
+    const ui::Scope scope("steps");
+    // Otherwise entries are wider than their window by the spacing, and cut off.
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0.0F, ImGui::GetStyle().ItemSpacing.y});
     for (std::size_t i = 0; i < assistant::kSteps; ++i) {
         const auto step = static_cast<StepName>(i);
         const StepState state = assistant.state(step);
@@ -63,6 +66,7 @@ void draw_steps(session::Session &session, Assistant &assistant) {
         }
         ImGui::PopStyleColor();
     }
+    ImGui::PopStyleVar();
 }
 
 /// From the middle of its range to the value, as angles are.

@@ -163,6 +163,7 @@ TEST(AssistantWalk, APulledCableIsNamedAndTheStepGoesOnAfterwards) {
     walker.session.device().emulated()->set_plugged(true);
     walker.run(1.5);
     EXPECT_TRUE(walker.session.is_zeroed());
+    EXPECT_EQ(walker.assistant.state(StepName::zeroing), StepState::done);
     walker.assistant.again(walker.session);
     walker.run(0.2);
     walker.test();
