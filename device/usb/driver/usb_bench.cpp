@@ -6,14 +6,21 @@
 #include "device/usb/driver/board_request.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 namespace springdrive::usb {
 
 using device::Fact;
+using namespace std::chrono_literals;
 
 namespace {
+
+/// In which a board has stored a block: PROTOCOL.md, request 0x22.
+constexpr auto kStoring = 50ms;
 
 device::ChannelPulse pulse_of(const ChannelTest &test) {
     const auto has = [&](std::uint16_t finding) { return (test.findings & finding) != 0; };
@@ -188,6 +195,16 @@ std::vector<Fact> UsbBench::facts() {
     return facts;
 }
 
+CalibrationBlock UsbBench::kept_block(const BoardStatus &board, std::uint16_t index) {
+    std::array<std::uint8_t, kCalibrationBlockSize> answer{};
+    if (port_.control_in(Kind::calibration, index, answer) == 0) {
+        throw InputError(board.name + ": could not store a calibration; unplug it to go on "
+                                      "without, and keep the calibration in a file: springdrive "
+                                      "device calibrate --out FILE");
+    }
+    return ask<CalibrationBlock>(port_, Kind::calibration, index, board.name, "calibration");
+}
+
 std::optional<device::Calibration> UsbBench::stored_calibration() {
     const BoardStatus board = status_();
     if (board.capabilities.calibration_blocks < kFirstMotorBlock + kChannels) {
@@ -204,8 +221,7 @@ std::optional<device::Calibration> UsbBench::stored_calibration() {
     std::size_t empty = 0;
     for (std::size_t motor = 0; motor < kChannels; ++motor) {
         const auto index = static_cast<std::uint16_t>(kFirstMotorBlock + motor);
-        const auto block =
-            ask<CalibrationBlock>(port_, Kind::calibration, index, board.name, "calibration");
+        const CalibrationBlock block = kept_block(board, index);
         if (std::ranges::all_of(block.bytes, [](std::uint8_t byte) { return byte == 0; })) {
             ++empty;
             continue;
@@ -245,9 +261,8 @@ void UsbBench::store(const device::Calibration &calibration) {
                                          board.name, description_of(board.newest.state),
                                          board.capabilities.calibration_blocks));
         }
-        const auto kept =
-            ask<CalibrationBlock>(port_, Kind::calibration, index, board.name, "calibration");
-        if (kept.bytes != block.bytes) {
+        std::this_thread::sleep_for(kStoring); // it stores in the background
+        if (kept_block(board, index).bytes != block.bytes) {
             throw InputError(board.name +
                              ": does not keep a calibration; its firmware is at fault");
         }

@@ -4,6 +4,7 @@
 #include "device/core/bench.h"
 #include "device/usb/driver/board_port.h"
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ public:
     void store(const device::Calibration &calibration) override;
 
 private:
+    [[nodiscard]] CalibrationBlock kept_block(const BoardStatus &board, std::uint16_t index);
+
     BoardPort &port_;
     std::function<BoardStatus()> status_;
 };
