@@ -50,6 +50,18 @@ bool overflows() {
     return ImGui::GetItemRectMax().x > right + 0.5F;
 }
 
+/// Of the previous item, without what is scrolled out of its panel above or below.
+Rectangle shown_place() {
+    ImVec2 lower = ImGui::GetItemRectMin();
+    ImVec2 upper = ImGui::GetItemRectMax();
+    if (ImGui::GetScrollMaxY() > 0.0F && ImGui::IsItemVisible()) {
+        const float top = ImGui::GetWindowPos().y;
+        lower.y = std::max(lower.y, top);
+        upper.y = std::min(upper.y, top + ImGui::GetWindowHeight());
+    }
+    return {lower, {upper.x - lower.x, upper.y - lower.y}};
+}
+
 void enter_item(std::string_view label, const char *kind, std::string_view text,
                 decltype(ShownItem::value) value, decltype(ShownItem::numbers) numbers) {
     ShownItem item;
@@ -58,9 +70,7 @@ void enter_item(std::string_view label, const char *kind, std::string_view text,
     item.text = text;
     item.value = std::move(value);
     item.numbers = std::move(numbers);
-    const ImVec2 lower = ImGui::GetItemRectMin();
-    const ImVec2 size = ImGui::GetItemRectSize();
-    item.place = {lower, size};
+    item.place = shown_place();
     item.is_visible = ImGui::IsItemVisible();
     item.is_enabled = !state().is_disabled;
     item.is_focused = ImGui::IsItemFocused();

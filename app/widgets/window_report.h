@@ -22,8 +22,8 @@ struct ShownItem {
     std::string text; ///< as shown
     std::variant<std::monostate, bool, double, std::string> value;
     std::vector<std::pair<std::string, double>> numbers; ///< further ones, for example of a plot
-    Rectangle place;                                     ///< in the window's units
-    bool is_visible = true;                              ///< not scrolled out of its panel
+    Rectangle place;        ///< in the window's units; what is seen of it
+    bool is_visible = true; ///< not scrolled out of its panel
     bool is_enabled = true;
     bool is_focused = false; ///< keys act on it
     bool overflows = false;  ///< wider than its panel
