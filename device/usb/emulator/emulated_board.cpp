@@ -184,7 +184,12 @@ void EmulatedBoard::put(std::span<const std::uint8_t> packet) {
     }
     silence_s_ = 0.0;
     offers_report_ = false;
-    ++permitted_;
+    // Or every later report would be one ahead, too, and d a period longer.
+    if (ahead_ > 0) {
+        --ahead_;
+    } else {
+        ++permitted_;
+    }
     if (is_powered_) {
         out_.put({packet, due_loop, 0}, active_, period_loops());
     }
@@ -196,8 +201,10 @@ std::size_t EmulatedBoard::take(usb::Frame &packet) {
     }
     std::optional<Packet> next = in_.take(plant_.loops());
     if (!next && (options_.clock == BoardClock::wall || offers_report_)) {
+        const bool is_offer = offers_report_;
         offers_report_ = !collect_report() && offers_report_;
         next = in_.take(plant_.loops());
+        ahead_ += is_offer && next ? 1 : 0;
     } else if (!next && permitted_ > 0) {
         --permitted_;
         run_to_report();
@@ -240,6 +247,7 @@ void EmulatedBoard::attach(bool is_high_speed) {
     usb::Frame old;
     static_cast<void>(board_->take_report(old));
     permitted_ = 1;
+    ahead_ = 0;
     offers_report_ = false;
     silence_s_ = 0.0;
     taken_loop_ = plant_.loops();

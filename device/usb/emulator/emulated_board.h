@@ -12,7 +12,8 @@
 //   after that report was measured, to within a loop. So a host should answer each report by one
 //   packet, and leave the reports' phase as it is: then reports are equidistant.
 //   A host that has been silent for kSilence_s of wall time no longer stops time: it then passes by
-//   the wall clock, so that the watchdog acts, and one report is permitted each kSilence_s.
+//   the wall clock, so that the watchdog acts, and one report is permitted each kSilence_s. Each of
+//   these stands for that of a later packet: it is one ahead of the host's answers.
 // - Wall clock: `pass` runs the loops that are due, packets arrive when they are put, and `take`
 //   gives the newest report, once. What the machine is too slow for is lost: `late_s`.
 //
@@ -131,6 +132,7 @@ private:
     std::uint32_t period_us_ = 1000;
     std::uint64_t permitted_ = 0;  ///< reports, by the frame clock
     bool offers_report_ = false;   ///< to a silent host
+    std::uint64_t ahead_ = 0;      ///< reports that it took so, and has not answered yet
     std::uint64_t taken_loop_ = 0; ///< when the report that was taken last was measured
     double silence_s_ = 0.0;       ///< since the last packet
     double owed_s_ = 0.0;          ///< of the wall clock, less than a loop after `pass`

@@ -251,15 +251,51 @@ TEST(FrameClock, LetsTimePassForASilentHost) {
     EXPECT_EQ(host.faults(), Faults::kNoCommand);
     ASSERT_TRUE(host.receive()); // one for each tenth of a second
     EXPECT_FALSE(host.receive());
-    // And by packets again, one report each.
+    // And by packets again, one report each; the first has had its own.
     const double silent_s = host.board.time_s();
     EXPECT_NEAR(silent_s - stopped_s, 6e-3, 1e-4);
+    host.send({});
+    EXPECT_FALSE(host.receive());
     host.send({});
     ASSERT_TRUE(host.receive());
     EXPECT_EQ(host.report.faults, Faults::kNoCommand);
     EXPECT_FALSE(host.receive());
     pass_ms(50);
     EXPECT_LE(host.board.time_s() - silent_s, 1.1e-3);
+}
+
+// A host that is slow now and then: what it was offered meanwhile waits to be read.
+TEST(FrameClock, KeepsTheDelayOfAHostThatWasSilentForAWhile) {
+    for (const int silent_ms : {0, 90, 110, 350}) {
+        SCOPED_TRACE(silent_ms);
+        Host host;
+        host.begin();
+        host.exchange({}, 20);
+        const double before_s = host.delay_s();
+        ASSERT_TRUE(host.receive());
+        std::vector<Report> read; // not answered yet
+        for (int i = 0; i < silent_ms; ++i) {
+            host.board.pass(1e-3);
+            const Report last = host.report;
+            if (host.receive()) {
+                read.push_back(host.report);
+            }
+            host.report = last;
+        }
+        EXPECT_EQ(static_cast<int>(read.size()), silent_ms / 100);
+        // It answers them one after the other, each with what came in between.
+        for (int i = 0; i < 20; ++i) {
+            host.send({});
+            if (host.receive()) {
+                read.push_back(host.report);
+            }
+            ASSERT_FALSE(read.empty());
+            host.report = read.front();
+            read.erase(read.begin());
+        }
+        EXPECT_TRUE(read.empty());
+        EXPECT_NEAR(host.delay_s(), before_s, 1e-6);
+    }
 }
 
 /// Reports with the times at which they are measured.
