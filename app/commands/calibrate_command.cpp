@@ -99,6 +99,18 @@ void show_dR(const CalibrationReport &report, double dR_Ohm) {
     }
 }
 
+/// What the observers' picture of the last period depends on.
+void show_link(const device::HapticDevice &device) {
+    if (const std::optional<device::LinkStatus> link = device.link()) {
+        print(std::cout,
+              "commands acted after {:.2f} periods, at most {:.2f}; {} reports, {} lost, {} too "
+              "late\n",
+              link->delay_s * CalibrationRun::kRate_hz,
+              link->longest_delay_s * CalibrationRun::kRate_hz, link->reports, link->lost,
+              link->absent);
+    }
+}
+
 /// The simulated hand moves the tip about; a person presses Enter to end.
 class CalibratingHand {
 public:
@@ -174,6 +186,7 @@ void calibrate(const TypedCalibration &typed) {
     const CalibrationReport report = run.report();
     if (!report.is_complete) {
         print(std::cout, "not calibrated: {}\n", report.problem);
+        show_link(*board.device);
         throw CLI::RuntimeError(kNotCalibrated);
     }
     const device::DeviceDescription &device = board.device->description();
@@ -181,6 +194,7 @@ void calibrate(const TypedCalibration &typed) {
           device::text_of_utc(report.calibration.made_at_s), report.motion_s);
     show_numbers(report.calibration);
     show_limits(device, report.calibration);
+    show_link(*board.device);
     show_dR(report, typed.options.dR_Ohm);
     if (!typed.out.empty()) {
         const std::string calibrated = device::with_calibration(text, report.calibration);
