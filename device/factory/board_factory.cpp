@@ -22,9 +22,9 @@ OpenBoard open_board(const BoardRequest &request) {
     if (request.ignores_calibration) {
         description.calibration.reset();
     }
-    auto device = std::make_unique<usb::UsbDevice>(
-        std::move(port), description, request.serial, request.period_s, usb::Pacing::reports,
-        request.watchdog_periods);
+    auto device = std::make_unique<usb::UsbDevice>(std::move(port), description, request.serial,
+                                                   request.period_s, usb::Pacing::reports,
+                                                   request.watchdog_periods);
     if (!request.ignores_calibration) {
         use_calibration(*device);
     }
