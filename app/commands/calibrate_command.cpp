@@ -99,12 +99,13 @@ void show_dR(const CalibrationReport &report, double dR_Ohm) {
     }
 }
 
-/// What the observers' picture of the last period depends on.
+/// What the observers' picture of the last period depends on: d of the last commands, and what is
+/// missing since the connection.
 void show_link(const device::HapticDevice &device) {
     if (const std::optional<device::LinkStatus> link = device.link()) {
         print(std::cout,
-              "commands acted after {:.2f} periods, at most {:.2f}; {} reports, {} lost, {} too "
-              "late\n",
+              "the last commands acted after {:.2f} periods, at most {:.2f}; {} reports, {} lost, "
+              "{} ticks without one\n",
               link->delay_s * CalibrationRun::kRate_hz,
               link->longest_delay_s * CalibrationRun::kRate_hz, link->reports, link->lost,
               link->absent);

@@ -132,7 +132,7 @@ private:
     std::uint32_t period_us_ = 1000;
     std::uint64_t permitted_ = 0;  ///< reports, by the frame clock
     bool offers_report_ = false;   ///< to a silent host
-    std::uint64_t ahead_ = 0;      ///< reports that it took so, and has not answered yet
+    std::uint64_t ahead_ = 0;      ///< reports that it was offered so, each for a later packet
     std::uint64_t taken_loop_ = 0; ///< when the report that was taken last was measured
     double silence_s_ = 0.0;       ///< since the last packet
     double owed_s_ = 0.0;          ///< of the wall clock, less than a loop after `pass`

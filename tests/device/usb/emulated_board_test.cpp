@@ -294,7 +294,7 @@ TEST(FrameClock, KeepsTheDelayOfAHostThatWasSilentForAWhile) {
             read.erase(read.begin());
         }
         EXPECT_TRUE(read.empty());
-        EXPECT_NEAR(host.delay_s(), before_s, 1e-6);
+        EXPECT_NEAR(host.delay_s(), before_s, 1e-6); // of the board's time, in whole µs
     }
 }
 
