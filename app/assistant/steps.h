@@ -17,7 +17,7 @@ namespace springdrive::app::assistant {
 [[nodiscard]] std::unique_ptr<Step> make_zero_step();
 /// commissioning::SelfTest.
 [[nodiscard]] std::unique_ptr<Step> make_self_test_step();
-/// Nothing yet.
+/// commissioning::CalibrationRun.
 [[nodiscard]] std::unique_ptr<Step> make_calibration_step();
 /// A soft touch within lowered limits.
 [[nodiscard]] std::unique_ptr<Step> make_touch_step();

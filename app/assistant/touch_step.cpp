@@ -96,7 +96,7 @@ public:
         }
         return {{"let the simulated hand do it", "an emulated device: its hand presses and lifts",
                  [this, &session] { complaint_ = complaint_of([&] { press_and_lift(session); }); },
-                 !session.hand().follows_path()}};
+                 !session.hand().follows_path() && !session.scenes().is_loading()}};
     }
 
 private:

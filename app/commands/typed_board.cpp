@@ -30,7 +30,9 @@ factory::BoardRequest TypedBoard::request() const {
     request.truth = emulation.truth().value_or(request.description);
     request.emulation.simulation.device_seed = device_seed;
     request.emulation.identity =
-        emulator::emulated_identity(simulated::simulated_identity(device_seed).serial);
+        emulator::emulated_identity(named.kind == factory::DeviceKind::emulated
+                                        ? factory::emulated_serial(device_seed)
+                                        : simulated::simulated_identity(device_seed).serial);
     request.emulation.start_tip_m = Vector3::Zero();
     request.emulation.faults = emulation.parsed_faults();
     return request;

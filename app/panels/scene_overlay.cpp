@@ -51,7 +51,8 @@ void draw_trip_banner(session::Session &session, const Rectangle &view, float sc
 void draw_waiting_banner(const session::Session &session, const Rectangle &view, float scale) {
     const Banner banner("waiting", view, scale, ImVec4(0.36F, 0.26F, 0.05F, 0.96F));
     ui::wrapped(kInk, "{}",
-                session.is_kept_released() ? "The device only brakes."
+                session.is_lent() ? "A step of the assistant has the device: its motors may act."
+                : session.is_kept_released() ? "The device only brakes."
                 : session.latest().contact.touching
                     ? "The motors brake until the tip is lifted off the surface and held still."
                     : "The motors start as soon as the tip is held still.");

@@ -35,14 +35,16 @@ OpenDevice open_usb(const DeviceRequest &request) {
         usb::make_libusb_port(), request.description, request.serial, request.period_s,
         request.has_clock ? usb::Pacing::clock : usb::Pacing::reports);
     use_calibration(*device);
-    return {std::move(device), nullptr};
+    return OpenDevice(std::move(device));
 }
 
 OpenDevice open_emulated(const DeviceRequest &request) {
-    if (!request.serial.empty() && request.serial != kEmulatedSerial) {
+    const std::string serial = emulated_serial(request.simulation.device_seed);
+    if (!request.serial.empty() && request.serial != kEmulatedSerial && request.serial != serial) {
         throw InputError("there is no emulated device with the serial number '" + request.serial +
                          "'; the only one is '" + kEmulatedSerial + "'");
     }
+    device::require_calibration_of(request.description, serial);
     return OpenDevice(std::make_unique<EmulatedDevice>(request.description, request.period_s,
                                                        request.emulation, request.simulation));
 }
@@ -85,6 +87,11 @@ OpenDevice::OpenDevice(std::unique_ptr<EmulatedDevice> device)
     device_ = std::move(device);
 }
 
+OpenDevice::OpenDevice(std::unique_ptr<usb::UsbDevice> device)
+    : world_(nullptr), hand_(nullptr), usb_(device.get()) {
+    device_ = std::move(device);
+}
+
 OpenDevice::~OpenDevice() { close(); }
 
 OpenDevice &OpenDevice::operator=(OpenDevice &&other) noexcept {
@@ -93,6 +100,7 @@ OpenDevice &OpenDevice::operator=(OpenDevice &&other) noexcept {
     world_ = other.world_;
     hand_ = other.hand_;
     emulated_ = other.emulated_;
+    usb_ = other.usb_;
     is_closed_ = other.is_closed_;
     return *this;
 }
@@ -101,6 +109,24 @@ DeviceState OpenDevice::state() const {
     return is_closed_             ? DeviceState::closed
            : device_->is_zeroed() ? DeviceState::zeroed
                                   : DeviceState::open;
+}
+
+void OpenDevice::take_calibration(const device::Calibration &calibration) {
+    device::DeviceDescription calibrated = device_->description();
+    calibrated.calibration = calibration;
+    device::require_calibration_of(calibrated, identity().serial);
+    if (const std::string wrong = device::what_is_wrong_with(calibration, calibrated);
+        !wrong.empty()) {
+        throw InputError("of the calibration, " + wrong + "; calibrate the device again");
+    }
+    if (emulated_ != nullptr) {
+        emulated_->take_calibration(calibration);
+    } else if (usb_ != nullptr) {
+        usb_->take_calibration(calibration);
+    } else {
+        throw InputError(calibrated.name + " has no board: its calibration is that of its device "
+                                           "file");
+    }
 }
 
 void OpenDevice::zero(const Vector3 &theta_rad) {

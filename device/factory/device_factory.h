@@ -67,6 +67,7 @@ public:
     /// @param world  the world of the device, if it is simulated
     OpenDevice(std::unique_ptr<device::HapticDevice> device, simulated::SimulatedWorld *world);
     explicit OpenDevice(std::unique_ptr<EmulatedDevice> device);
+    explicit OpenDevice(std::unique_ptr<usb::UsbDevice> device);
     ~OpenDevice();                                      ///< closes
     OpenDevice(OpenDevice &&) noexcept = default;       ///< the source may then only be assigned to
     OpenDevice &operator=(OpenDevice &&other) noexcept; ///< closes the previous device
@@ -91,6 +92,10 @@ public:
     [[nodiscard]] device::DeviceIdentity identity() const { return device_->identity(); }
     [[nodiscard]] DeviceState state() const;
 
+    /// Makes the calibration part of a board's description, instead of any that it has.
+    /// @throw InputError if it is another device's, or impossible for this one, or this is no board
+    void take_calibration(const device::Calibration &calibration);
+
     /// @throw InputError if it is closed
     void zero(const Vector3 &theta_rad);
 
@@ -106,6 +111,7 @@ private:
     simulated::SimulatedWorld *world_;
     simulated::HandControl *hand_;
     EmulatedDevice *emulated_ = nullptr;
+    usb::UsbDevice *usb_ = nullptr; ///< of one on USB
     bool is_closed_ = false;
 };
 

@@ -1,5 +1,7 @@
 #include "device/factory/emulated_device.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace springdrive::factory {
@@ -10,7 +12,7 @@ emulator::EmulatedBoardOptions board_options(const device::DeviceDescription &tr
                                              const EmulationOptions &options,
                                              const simulated::SimulationOptions &simulation) {
     emulator::EmulatedBoardOptions board;
-    board.identity = emulator::emulated_identity(kEmulatedSerial);
+    board.identity = emulator::emulated_identity(emulated_serial(simulation.device_seed));
     board.settings.counts_per_turn.fill(static_cast<std::uint32_t>(truth.encoder_counts_per_turn));
     board.simulation.effects = simulation.effects;
     board.simulation.hand = simulation.hand;
@@ -24,6 +26,12 @@ emulator::EmulatedBoardOptions board_options(const device::DeviceDescription &tr
 
 } // namespace
 
+std::string emulated_serial(std::uint64_t device_seed) {
+    constexpr std::uint64_t kSevenDigits = 10'000'000;
+    return device_seed == 0 ? kEmulatedSerial
+                            : fmt::format("{}-{}", kEmulatedSerial, device_seed % kSevenDigits);
+}
+
 EmulatedDevice::EmulatedDevice(const device::DeviceDescription &description, double period_s,
                                const EmulationOptions &options,
                                const simulated::SimulationOptions &simulation)
@@ -32,8 +40,9 @@ EmulatedDevice::EmulatedDevice(const device::DeviceDescription &description, dou
       period_s_(period_s) {
     auto port = std::make_unique<InProcessPort>(board_);
     port_ = port.get();
-    device_ = std::make_unique<usb::UsbDevice>(std::move(port), description, kEmulatedSerial,
-                                               period_s, usb::Pacing::reports);
+    device_ = std::make_unique<usb::UsbDevice>(std::move(port), description,
+                                               emulated_serial(simulation.device_seed), period_s,
+                                               usb::Pacing::reports);
 }
 
 void EmulatedDevice::note_cable() noexcept {

@@ -14,6 +14,7 @@
 #include "device/usb/driver/usb_device.h"
 #include "device/usb/emulator/emulated_board.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,10 @@
 namespace springdrive::factory {
 
 inline constexpr const char *kEmulatedSerial = "emulated";
+
+/// Each seed makes another device, with a serial number of its own; of a seed with more digits than
+/// fit into a board's identity the last seven tell it.
+[[nodiscard]] std::string emulated_serial(std::uint64_t device_seed);
 
 /// What an emulated board is, beyond what its simulated plant is.
 struct EmulationOptions {
@@ -58,6 +63,11 @@ public:
     void zero(const Vector3 &theta_rad) override { device_->zero(theta_rad); }
     void close() noexcept override { device_->close(); }
     void reconnect() override;
+
+    /// See UsbDevice.
+    void take_calibration(const device::Calibration &calibration) {
+        device_->take_calibration(calibration);
+    }
 
     // While no other thread uses the device:
 

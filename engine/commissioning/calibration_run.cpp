@@ -142,8 +142,9 @@ void CalibrationRun::tick() {
     ++ticks_;
     const SafetyState state = sample_.safety.state;
     if (state == SafetyState::tripped) {
-        stop_for("the safety monitor has stopped the device: " +
-                 servo::description(sample_.safety) + "; begin anew");
+        stop_for(CalibrationProblem::stopped, "the safety monitor has stopped the device: " +
+                                                  servo::description(sample_.safety) +
+                                                  "; begin anew");
         return;
     }
     switch (stage_) {
@@ -151,8 +152,10 @@ void CalibrationRun::tick() {
         if (state == SafetyState::running) {
             stage_ = CalibrationStage::motion;
             ticks_ = 0;
+            lowest_rad_ = highest_rad_ = sample_.theta_rad;
         } else if (ticks_ >= kLongestStart_ticks) {
-            stop_for("the tip was never at rest, so the motors could not start; hold it still");
+            stop_for(CalibrationProblem::never_at_rest,
+                     "the tip was never at rest, so the motors could not start; hold it still");
         }
         break;
     case CalibrationStage::motion:
@@ -183,9 +186,12 @@ void CalibrationRun::excite() {
 
 void CalibrationRun::watch_progress() {
     ++motion_ticks_;
+    lowest_rad_ = lowest_rad_.cwiseMin(sample_.theta_rad);
+    highest_rad_ = highest_rad_.cwiseMax(sample_.theta_rad);
     for (std::size_t j = 0; j < 3; ++j) {
         if (!sample_.motor[j].is_trusted) {
-            stop_for(fmt::format("what motor {}'s current sensor and encoder say contradicts the "
+            stop_for(CalibrationProblem::contradiction,
+                     fmt::format("what motor {}'s current sensor and encoder say contradicts the "
                                  "device file, or itself; springdrive device self-test names it",
                                  j + 1));
             return;
@@ -221,16 +227,18 @@ void CalibrationRun::finish() {
                                     sample_.winding[j].R_hat_limit_Ohm, options_.dR_Ohm);
         if (problem_.empty() &&
             worst_deviation_Ohm(learned_[j]) > kEnough * learned_[j].resistance_Ohm) {
-            problem_ = fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only; "
-                                   "begin anew, and {}",
-                                   j + 1, worst_deviation_Ohm(learned_[j]), kMotions[j]);
+            refuse(CalibrationProblem::little_motion,
+                   fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only; "
+                               "begin anew, and {}",
+                               j + 1, worst_deviation_Ohm(learned_[j]), kMotions[j]));
         }
     }
     device::DeviceDescription calibrated = file;
     calibrated.calibration = calibration();
     if (const std::string wrong = device::what_is_wrong_with(*calibrated.calibration, file);
         problem_.empty() && !wrong.empty()) {
-        problem_ = wrong + ": it is another motor than the device file's; correct the device file";
+        refuse(CalibrationProblem::of_another_kind,
+               wrong + ": it is another motor than the device file's; correct the device file");
     }
     for (std::size_t j = 0; j < 3; ++j) {
         motor_[j].at_start = cancellable(file.motor[j], servo::used_at_start(calibrated, j),
@@ -243,8 +251,13 @@ void CalibrationRun::finish() {
     ticks_ = 0;
 }
 
-void CalibrationRun::stop_for(std::string problem) {
+void CalibrationRun::refuse(CalibrationProblem kind, std::string problem) {
+    kind_ = kind;
     problem_ = std::move(problem);
+}
+
+void CalibrationRun::stop_for(CalibrationProblem kind, std::string problem) {
+    refuse(kind, std::move(problem));
     is_complete_ = false;
     servo_->stop();
     stage_ = CalibrationStage::done;
@@ -295,18 +308,44 @@ double CalibrationRun::share() const {
     return 1.0;
 }
 
-std::string CalibrationRun::instruction() const {
-    switch (stage_) {
+std::size_t CalibrationRun::least_known() const {
+    if (stage_ != CalibrationStage::motion) {
+        return 0;
+    }
+    std::size_t least = 0;
+    for (std::size_t j = 1; j < 3; ++j) {
+        least = share_of(j) < share_of(least) ? j : least;
+    }
+    return least;
+}
+
+std::array<MotorProgress, 3> CalibrationRun::progress() const {
+    std::array<MotorProgress, 3> progress;
+    if (!servo_) {
+        return progress;
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        const device::MotorCalibration known = learned(j);
+        const auto index = static_cast<Eigen::Index>(j);
+        progress[j] = {share_of(j), known.resistance_Ohm, known.resistance_deviation_Ohm,
+                       (highest_rad_[index] - lowest_rad_[index]) /
+                           device_.description().geometry.transmission_ratio[index]};
+    }
+    return progress;
+}
+
+double CalibrationRun::motion_left_s() const {
+    return std::max(0.0, options_.longest_motion_s - motion_ticks_ * kPeriod_s);
+}
+
+std::string CalibrationRun::instruction(CalibrationStage stage, std::size_t least_known) {
+    switch (stage) {
     case CalibrationStage::rest:
     case CalibrationStage::start:
         return "hold the stylus still in free space: the motors start";
-    case CalibrationStage::motion: {
-        std::size_t least = 0;
-        for (std::size_t j = 1; j < 3; ++j) {
-            least = share_of(j) < share_of(least) ? j : least;
-        }
-        return fmt::format("{}, slowly, over a hand's breadth; it resists gently", kMotions[least]);
-    }
+    case CalibrationStage::motion:
+        return fmt::format("{}, slowly, over a hand's breadth; it resists gently",
+                           kMotions[least_known]);
     case CalibrationStage::release:
         return "hold the stylus: the motors are released";
     case CalibrationStage::done:
@@ -351,13 +390,18 @@ device::Calibration CalibrationRun::calibration() const {
 CalibrationReport CalibrationRun::report() const {
     CalibrationReport report;
     report.is_complete = is_complete_ && stage_ == CalibrationStage::done;
+    report.kind = kind_;
     report.problem = problem_;
+    if (kind_ == CalibrationProblem::stopped) {
+        report.trip = sample_.safety.cause;
+    }
     if (has_moved_) {
         report.calibration = calibration();
         report.motor = motor_;
     }
     report.motion_s = motion_ticks_ * kPeriod_s;
     if (!report.is_complete && report.problem.empty()) {
+        report.kind = CalibrationProblem::ended;
         report.problem = "it was ended before anything was learned";
     }
     return report;

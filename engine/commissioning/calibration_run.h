@@ -53,12 +53,33 @@ struct MotorCalibrationReport {
     double turned_rad = 0.0; ///< of the rotor, to and fro
 };
 
+/// What ended a calibration without a result.
+enum class CalibrationProblem : std::uint8_t {
+    none,
+    ended,           ///< by a person
+    stopped,         ///< by the safety monitor
+    never_at_rest,   ///< so that the gains could not ramp up
+    little_motion,   ///< not enough of it to know R and ripple
+    contradiction,   ///< current sensor and encoder do not fit together, or not the file
+    of_another_kind, ///< R or k_T beyond the file's tolerances
+};
+
 struct CalibrationReport {
     bool is_complete = false; ///< may be used and stored
-    std::string problem;      ///< in one line, why not, and what to do
+    CalibrationProblem kind = CalibrationProblem::none;
+    servo::TripCause trip = servo::TripCause::none; ///< of the safety monitor
+    std::string problem;                            ///< in one line, why not, and what to do
     device::Calibration calibration;
     std::array<MotorCalibrationReport, 3> motor;
     double motion_s = 0.0; ///< duration
+};
+
+/// What is known of a motor by now, for display.
+struct MotorProgress {
+    double share = 0.0;          ///< 1 once R and ripple are known as well as they should be
+    double resistance_Ohm = 0.0; ///< at 25 °C
+    double deviation_Ohm = 0.0;  ///< standard, of R
+    double moved_rad = 0.0;      ///< from the lowest to the highest angle of its joint
 };
 
 class CalibrationRun {
@@ -76,11 +97,23 @@ public:
 
     [[nodiscard]] CalibrationStage stage() const { return stage_; }
     /// What the person shall do now, and what is still missing.
-    [[nodiscard]] std::string instruction() const;
+    [[nodiscard]] std::string instruction() const { return instruction(stage_, least_known()); }
+    [[nodiscard]] static std::string instruction(CalibrationStage stage, std::size_t least_known);
+    /// The motor of which least is known.
+    [[nodiscard]] std::size_t least_known() const;
+    /// RT-safe.
+    [[nodiscard]] std::array<MotorProgress, 3> progress() const;
     /// Of the present stage.
     [[nodiscard]] double share() const;
     /// Whether all motors are known as well as they should be.
     [[nodiscard]] bool has_reached_all() const;
+
+    /// The longest that the motion still lasts; before it, all of it [s].
+    [[nodiscard]] double motion_left_s() const;
+
+    /// Of a window that shall be able to stop it: another number each frame, from 1. Once there was
+    /// one, its silence trips the safety monitor.
+    void note_window(std::uint32_t heartbeat) { inputs_.heartbeat = heartbeat; }
 
     /// Ends the motion with what has been learned. The gains ramp down: go on with `step`.
     void finish();
@@ -95,7 +128,8 @@ private:
     void tick();
     void excite();
     void watch_progress();
-    void stop_for(std::string problem);
+    void stop_for(CalibrationProblem kind, std::string problem);
+    void refuse(CalibrationProblem kind, std::string problem);
     [[nodiscard]] double time_s() const;
     [[nodiscard]] device::MotorCalibration learned(std::size_t motor) const;
     [[nodiscard]] double share_of(std::size_t motor) const;
@@ -118,7 +152,10 @@ private:
     int braking_ticks_ = 0; ///< at the end
     bool has_moved_ = false;
     bool is_complete_ = false;
+    CalibrationProblem kind_ = CalibrationProblem::none;
     std::string problem_;
+    Vector3 lowest_rad_{Vector3::Zero()}; ///< of the rotors, in the motion
+    Vector3 highest_rad_{Vector3::Zero()};
 };
 
 } // namespace springdrive::commissioning

@@ -220,6 +220,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     inputs_.reset_count = 0;
     inputs_.release = false;
     next_tick_ = 0;
+    latest_.time_s = 0.0; // of the new servo, whose first sample is still to come
     speed_ = 1.0;
     statistics_ = {};
     standstills_ = {};

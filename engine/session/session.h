@@ -8,6 +8,7 @@
 // The parts are independent of each other; what concerns several of them is here.
 #pragma once
 
+#include "device/core/calibration.h"
 #include "device/factory/device_factory.h"
 #include "engine/session/recording.h"
 #include "engine/session/remarks.h"
@@ -113,7 +114,15 @@ public:
     /// @throw InputError if it cannot be found
     void reconnect_device(const std::optional<Vector3> &theta_rad = std::nullopt);
 
-    // The device for somebody else, such as its self-test:
+    /// Makes a board's calibration part of its description, and starts on it as if it had been
+    /// opened with it: what was observed of the windings before is forgotten. A record continues in
+    /// a new file. The device must be released, as after a loan.
+    /// @throw InputError while a motor is driven, or the device is stopped, exchanged or lent; for
+    /// a
+    ///        calibration of another device, or an impossible one; nothing is then changed
+    void use_calibration(const device::Calibration &calibration);
+
+    // The device for somebody else, such as its self-test or calibration:
 
     /// Has the device released; once no motor is driven, the servo pauses, and `tick` alone uses
     /// the device, once a period, on a thread of its own (in lockstep: within `advance`). It ends
@@ -196,6 +205,7 @@ private:
     void go_on_with_exchange();
     void prepare_again();
     void begin_on(Prepared next);
+    void begin_part(const std::filesystem::path &part_before, const char *why);
     void note_standstill();
     void note_failed_assertion();
     void start_servo();

@@ -80,7 +80,8 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     if (const std::optional<device::Calibration> &used = device.device().description().calibration;
         used && !request.description.calibration) { // the board's: a record needs it, too
         whole_text = device::with_calibration(text, *used);
-        request.description.calibration = used;
+        request.description = device::read_device_text(whole_text, choice.file);
+        device.take_calibration(*request.description.calibration); // to the last bit as recorded
     }
     return {choice, std::move(whole_text), std::move(request), std::move(device)};
 }
@@ -150,22 +151,71 @@ void Session::begin_on(Prepared next) {
     observe_as_wanted();
     servo_->set_global_alpha(control::global_alpha_bound(description));
     models_->set_ground(ground(next.text, description, servo_->rate_hz()));
-    begin_past();
-    try {
-        const std::filesystem::path part = recording_->begin_part(header_of_record());
-        if (!part.empty()) {
-            recording_->note(dump({{"continues", part_before.string()}}));
-            remarks_.add("the record continues in " + part.string() + ", for the new device");
-        }
-    } catch (const InputError &error) {
-        remarks_.add(error.what());
-    }
+    begin_part(part_before, "for the new device");
     if (has_started_) {
         start_servo();
         servo_->set_speed(speed);
     }
     release_until_zeroed();
     choose_again();
+}
+
+/// A record continues after `ServoRun::renew`.
+void Session::begin_part(const std::filesystem::path &part_before, const char *why) {
+    next_look_s_ = 0.0; // of the servo before, whose time was another
+    released_until_s_ = 0.0;
+    begin_past();
+    try {
+        const std::filesystem::path part = recording_->begin_part(header_of_record());
+        if (!part.empty()) {
+            recording_->note(dump({{"continues", part_before.string()}}));
+            remarks_.add("the record continues in " + part.string() + ", " + why);
+        }
+    } catch (const InputError &error) {
+        remarks_.add(error.what());
+    }
+}
+
+void Session::use_calibration(const device::Calibration &calibration) {
+    require_not_lent();
+    if (is_exchanging()) {
+        throw InputError("the device is being exchanged; wait until that is done");
+    }
+    if (latest().safety.state == servo::SafetyState::tripped) { // which a new servo would forget
+        throw InputError("the device is stopped: " + servo::description(latest().safety) +
+                         "; reset it first");
+    }
+    if (device_->device().bench() == nullptr) {
+        throw InputError(description().name +
+                         " has no board: its calibration is that of its device file");
+    }
+    const ModelGround &before = models_->ground();
+    const std::string text = device::with_calibration(before.memory.device_text, calibration);
+    const device::DeviceDescription calibrated =
+        device::read_device_text(text, options_.device.file); // a record's, to the last bit
+    const device::Calibration &known = *calibrated.calibration;
+    device::require_calibration_of(calibrated, device_->identity().serial);
+    if (!servo_->stop_if_released()) {
+        throw InputError("a motor is driven; the calibration is used once the device is released");
+    }
+    const std::filesystem::path part_before = recording_->file();
+    recording_->end_part(
+        dump({{"device", "calibrated"}, {"at", device::text_of_utc(known.made_at_s)}}));
+    const double speed = servo_->speed();
+    device_->take_calibration(known);
+    if (hand_.follows_path()) { // by the old servo's time
+        leave_path();
+    }
+    servo_->renew(device_->device());
+    hand_.take_hold(device_->hand(), calibrated, std::nullopt, hand_.target_m());
+    observe_as_wanted();
+    models_->set_ground(ground(text, calibrated, servo_->rate_hz()));
+    begin_part(part_before, "with the new calibration");
+    release_until_zeroed();
+    if (has_started_) {
+        start_servo();
+        servo_->set_speed(speed);
+    }
 }
 
 } // namespace springdrive::session

@@ -89,8 +89,8 @@ private:
 
 void Session::require_not_lent() const {
     if (loan_) {
-        throw InputError("the device is in use by its self-test; wait until that is over, or stop "
-                         "it");
+        throw InputError("the device is in use by its self-test or calibration; wait until that is "
+                         "over, or stop it");
     }
 }
 

@@ -60,7 +60,7 @@ public:
 
     [[nodiscard]] const Capabilities &capabilities() const { return capabilities_; }
 
-    /// Makes a calibration part of the description. Before the first `read`.
+    /// Makes a calibration part of the description. While nobody else uses the device.
     void take_calibration(const device::Calibration &calibration);
 
 private:

@@ -89,6 +89,9 @@ PlantFaults plant_faults(std::span<const Fault> faults) {
         case FaultKind::disable:
             plant.is_disabled = true;
             break;
+        case FaultKind::failed_store:
+            plant.has_failed_store = true;
+            break;
         case FaultKind::drop:
         case FaultKind::delay:
         case FaultKind::reorder:

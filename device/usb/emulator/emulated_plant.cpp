@@ -162,7 +162,7 @@ bool EmulatedPlant::load_block(std::uint16_t index, usb::CalibrationBlock &block
 }
 
 bool EmulatedPlant::store_block(const usb::CalibrationBlock &block) {
-    if (block.index >= stored_.size()) {
+    if (block.index >= stored_.size() || faults_.has_failed_store) {
         return false;
     }
     stored_[block.index] = block;

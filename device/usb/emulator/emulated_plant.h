@@ -43,6 +43,7 @@ struct PlantFaults {
     bool is_stopped = false;
     bool is_disabled = false;
     bool has_failed_stage = false;
+    bool has_failed_store = false;
 };
 
 class EmulatedPlant {

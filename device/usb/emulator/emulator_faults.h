@@ -42,12 +42,13 @@ enum class FaultKind : std::uint8_t {
     hot_stage,
     brown_out, ///< below kLeastLogicSupply_V the board is off, and restarts afterwards
     // Of the whole board:
-    stop,    ///< the stop switch is pressed
-    disable, ///< the enable line is open
-    restart, ///< at once, without leaving the bus
-    unplug,  ///< by whoever holds the device: EmulatedBoard::unplug_wanted
+    stop,         ///< the stop switch is pressed
+    disable,      ///< the enable line is open
+    restart,      ///< at once, without leaving the bus
+    unplug,       ///< by whoever holds the device: EmulatedBoard::unplug_wanted
+    failed_store, ///< of calibrations
 };
-inline constexpr std::size_t kFaultKinds = 24;
+inline constexpr std::size_t kFaultKinds = 25;
 
 [[nodiscard]] constexpr bool is_of_packets(FaultKind kind) { return kind <= FaultKind::stall; }
 
@@ -115,6 +116,7 @@ inline constexpr std::array<FaultName, kFaultKinds> kFaultNames{{
     {"disable", FaultKind::disable, FaultForm::nothing},
     {"restart", FaultKind::restart, FaultForm::nothing},
     {"unplug", FaultKind::unplug, FaultForm::nothing},
+    {"failed-store", FaultKind::failed_store, FaultForm::nothing},
 }};
 
 [[nodiscard]] constexpr std::string_view name_of(FaultKind kind) {

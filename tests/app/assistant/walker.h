@@ -34,9 +34,16 @@ public:
 
     explicit Walker(const std::vector<std::string> &faults = {},
                     const std::filesystem::path &folder = {})
-        : session(options_with(faults)), assistant(folder) {
-        assistant.update(session);
-        session.start();
+        : Walker(folder, options_with(faults)) {}
+    Walker(const std::filesystem::path &folder, const session::SessionOptions &options)
+        : session(options), assistant(folder) {
+        if (options.starts_at_zero) {
+            session.start(); // zeroed before the assistant looks
+            assistant.update(session);
+        } else {
+            assistant.update(session);
+            session.start();
+        }
     }
     ~Walker() { session.stop(); }
     Walker(const Walker &) = delete;
@@ -126,7 +133,18 @@ public:
         run_until([&] { return verdict() == app::assistant::Verdict::good; }, 15.0);
     }
 
-    /// Up to a step, with each one before done.
+    /// Until the motion by hand has begun.
+    void begin_calibration() {
+        choose("start");
+        ASSERT_TRUE(run_until([&] { return offers("that is enough"); }, 15.0)) << text();
+    }
+    void calibrate() {
+        begin_calibration();
+        ASSERT_TRUE(run_until([&] { return !session.is_lent(); }, 60.0)) << text();
+        run(0.2);
+    }
+
+    /// Up to a step, with each one before done, or skipped.
     void walk_to(app::assistant::StepName step) {
         using app::assistant::StepName;
         while (assistant.is_open() && assistant.present() != step &&
@@ -144,9 +162,11 @@ public:
             case StepName::touch:
                 touch();
                 break;
+            case StepName::calibration:
+                choose("skip");
+                break;
             case StepName::link:
             case StepName::identity:
-            case StepName::calibration:
                 break;
             }
             next();

@@ -106,7 +106,7 @@ TEST_F(AssistantInTheWindow, LeadsAHealthyDeviceToItsFirstTouchAndDoesNotComeAga
     const Report tested = test();
     EXPECT_TRUE(tested.shows("Nothing was found")) << tested.texts();
     next();
-    EXPECT_TRUE(window().look().shows("skipped: not calibrated"));
+    press("calibration/skip");
     next();
     press(std::string("touch/") + kByHand);
     next();
@@ -206,6 +206,29 @@ TEST_F(AssistantInTheWindow, APulledCableAndAStopAreNamedAndTheStepIsDoneAgain) 
     window().person().key("Escape");
     window().wait_until([](const Report &report) { return report.shows("stopped before its end"); },
                         "ended");
+}
+
+/// On a loan of its own thread, stopped by a key, and then to its end.
+TEST_F(AssistantInTheWindow, ADeviceIsCalibratedAndItsBoardKeepsIt) {
+    open_at({"link", "identity", "motion", "zeroing", "self_test"}, {"--at-zero"});
+    press("calibration/start");
+    window().wait_until(
+        [](const Report &report) { return is_enabled(report, "calibration/that is enough"); },
+        "it is moved by hand", 60.0);
+    window().person().key("Escape");
+    const Report stopped = window().wait_until(
+        [](const Report &report) { return report.shows("stopped before its end"); }, "ended");
+    EXPECT_TRUE(stopped.shows("nothing was kept")) << stopped.texts();
+    EXPECT_FALSE(is_enabled(stopped, "Assistant/Next"));
+    press("calibration/calibrate again");
+    const Report done = window().wait_until(
+        [](const Report &report) { return report.shows("kept by the board"); }, "it is calibrated",
+        240.0);
+    EXPECT_TRUE(done.shows("motor 3: R 2.1")) << done.texts(); // 2.18 Ω of the file's motors
+    press("Assistant/Again");
+    EXPECT_TRUE(window().look().shows("kept by the board"));
+    next();
+    EXPECT_TRUE(window().look().shows("7 of 7"));
 }
 
 } // namespace

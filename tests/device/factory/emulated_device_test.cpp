@@ -45,6 +45,14 @@ TEST(EmulatedDevice, IsPresentAndOpenedByName) {
               std::string::npos);
 }
 
+TEST(EmulatedDevice, EachSeedIsADeviceOfItsOwn) {
+    DeviceRequest request = emulated_request();
+    request.simulation.device_seed = 9;
+    EXPECT_EQ(open_device(request).identity().serial, "emulated-9");
+    EXPECT_EQ(emulated_serial(0), kEmulatedSerial);
+    EXPECT_LE(emulated_serial(~std::uint64_t{0}).size(), usb::kSerialSize);
+}
+
 TEST(EmulatedDevice, APeriodPassesWithEachTickWhateverTheHostDoes) {
     DeviceRequest request = emulated_request();
     request.emulation.delay_periods = 0.5;

@@ -169,8 +169,11 @@ struct TriedCalibration {
     }
 
     /// @param ends  asked before each tick whether the person ends the motion now
-    CalibrationReport run(const std::function<bool(const CalibrationRun &)> &ends =
-                              [](const CalibrationRun &) { return false; }) {
+    /// @param before_tick  what else is done before
+    CalibrationReport run(
+        const std::function<bool(const CalibrationRun &)> &ends =
+            [](const CalibrationRun &) { return false; },
+        const std::function<void(CalibrationRun &)> &before_tick = [](CalibrationRun &) {}) {
         open();
         device::HapticDevice &device = is_on_board ? *board.device : *phantom;
         simulated::SimulatedPhantom &hand = is_on_board ? board.emulated->phantom() : *phantom;
@@ -180,7 +183,7 @@ struct TriedCalibration {
         for (std::size_t j = 0; j < 3; ++j) {
             bound[j].emplace(file, j);
         }
-        while (run.step()) {
+        while (before_tick(run), run.step()) {
             EXPECT_GE(run.share(), 0.0);
             EXPECT_LE(run.share(), 1.0);
             if (ends(run)) {
@@ -454,12 +457,33 @@ TEST(CalibrationRun, ATripEndsIt) {
     EXPECT_TRUE(reset.is_complete) << reset.problem;
 }
 
+TEST(CalibrationRun, ASilentWindowStopsIt) {
+    for (const bool is_silent : {false, true}) {
+        TriedCalibration watched;
+        watched.moves_hand = false;
+        watched.options.longest_motion_s = 4.0; // longer than a window may be silent
+        std::uint32_t heartbeat = 1;
+        CalibrationReport report = watched.run([](const CalibrationRun &) { return false; },
+                                               [&](CalibrationRun &run) {
+                                                   heartbeat += is_silent ? 0 : 1;
+                                                   run.note_window(heartbeat);
+                                               });
+        EXPECT_FALSE(report.is_complete);
+        EXPECT_EQ(report.kind,
+                  is_silent ? CalibrationProblem::stopped : CalibrationProblem::little_motion);
+        EXPECT_EQ(report.trip,
+                  is_silent ? servo::TripCause::window_silent : servo::TripCause::none);
+        EXPECT_EQ(watched.last.command.mode, device::CommandMode::brake);
+    }
+}
+
 TEST(CalibrationRun, AMotorThatIsNotTheFilesIsNamed) {
     TriedCalibration tried;
     tried.truth = tried.file;
     tried.truth->motor[1].resistance_Ohm *= 1.15;
     const CalibrationReport report = tried.run();
     EXPECT_FALSE(report.is_complete);
+    EXPECT_EQ(report.kind, CalibrationProblem::of_another_kind);
     EXPECT_NE(report.problem.find("motor 2"), std::string::npos) << report.problem;
 }
 

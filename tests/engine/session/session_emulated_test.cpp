@@ -1,6 +1,7 @@
 // Covers engine/session/{session_loan,session_link}.cpp and device/factory/emulated_device.cpp: a
 // session with an emulated board in this process, its cable, and the loan of the device.
 #include "base/complaint.h"
+#include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
@@ -254,6 +255,98 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     EXPECT_EQ(session.loan_complaint(), "");
     EXPECT_TRUE(test.report().has_passed());
     EXPECT_TRUE(stands_over_plate(session));
+    session.stop();
+}
+
+/// Of an emulated device, with possible numbers.
+device::Calibration calibration_of(const std::string &serial) {
+    device::Calibration calibration;
+    calibration.serial = serial;
+    calibration.kind = "USB";
+    calibration.made_at_s = 1'764'000'000;
+    for (std::size_t j = 0; j < 3; ++j) {
+        for (const device::CalibrationField &field :
+             device::calibration_fields(testing::phantom_1_0(), j, 10.0)) {
+            calibration.motor[j].*field.value =
+                0.4 * field.range.minimum + 0.6 * field.range.maximum;
+        }
+    }
+    return calibration;
+}
+
+TEST(CalibratedSession, GoesOnWithANewCalibrationInAFileOfItsOwn) {
+    const std::filesystem::path folder = testing::fresh_folder("calibrated_session");
+    Session session(emulated(true));
+    session.start();
+    session.keep_released(true);
+    session.start_recording(folder / "touch.rec");
+    testing::run(session, 0.3);
+    const std::string before = session.past().back().header.device_toml;
+    session.use_calibration(calibration_of(factory::kEmulatedSerial));
+    testing::run(session, 0.3);
+    ASSERT_TRUE(session.description().calibration);
+    const double R_Ohm = session.description().calibration->motor[0].resistance_Ohm;
+    // Observers start from it, and learn little at rest.
+    const double file_Ohm = testing::phantom_1_0().motor[0].resistance_Ohm;
+    EXPECT_NEAR(session.latest().motor[0].mean.resistance_Ohm, R_Ohm,
+                0.1 * std::abs(R_Ohm - file_Ohm));
+    EXPECT_EQ(session.latest().safety.state, SafetyState::waiting); // still kept released
+    EXPECT_TRUE(session.is_zeroed());
+    EXPECT_EQ(session.recording().parts().size(), 2U);
+    ASSERT_EQ(session.past().size(), 2U);
+    EXPECT_EQ(session.past().front().header.device_toml, before);
+    EXPECT_NE(session.past().back().header.device_toml.find("[calibration]"), std::string::npos);
+    session.keep_released(false);
+    EXPECT_TRUE(stands_over_plate(session));
+    EXPECT_TRUE(presses(session));
+    session.stop();
+    std::filesystem::remove_all(folder);
+}
+
+TEST(CalibratedSession, IsRefusedWhileDrivenOrStoppedAndForAnotherDevice) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    const auto refused = [&](const device::Calibration &calibration) {
+        const std::string complaint = complaint_of([&] { session.use_calibration(calibration); });
+        EXPECT_FALSE(session.description().calibration);
+        return complaint;
+    };
+    const device::Calibration own = calibration_of(factory::kEmulatedSerial);
+    EXPECT_NE(refused(own).find("a motor is driven"), std::string::npos);
+    session.keep_released(true);
+    testing::run(session, 1.0);
+    EXPECT_NE(refused(calibration_of("another")).find("another"), std::string::npos);
+    device::Calibration impossible = own;
+    impossible.motor[1].resistance_Ohm *= 2.0;
+    EXPECT_NE(refused(impossible).find("resistance_Ohm"), std::string::npos);
+    session.servo().emergency_stop();
+    testing::run(session, 0.1);
+    EXPECT_NE(refused(own).find("emergency stop"), std::string::npos);
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
+    session.servo().reset_safety();
+    testing::run(session, 0.1);
+    EXPECT_EQ(complaint_of([&] { session.use_calibration(own); }), "");
+    session.stop();
+    Session simulated(testing::scripted());
+    EXPECT_NE(complaint_of([&] { simulated.use_calibration(own); }), ""); // has no board
+}
+
+/// The cable is noticed on a servo whose time began anew, too.
+TEST(CalibratedSession, IsConnectedAgainAfterwards) {
+    Session session(emulated(true));
+    session.start();
+    session.keep_released(true);
+    testing::run(session, 5.0);
+    session.use_calibration(calibration_of(factory::kEmulatedSerial));
+    testing::run(session, 0.3);
+    set_plugged(session, false);
+    testing::run(session, 0.5);
+    EXPECT_EQ(session.latest().health, device::DeviceHealth::lost);
+    set_plugged(session, true);
+    testing::run(session, 1.2); // a look each half a second
+    EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
+    EXPECT_TRUE(session.description().calibration);
     session.stop();
 }
 
