@@ -76,7 +76,7 @@ void add_device_option(CLI::App &command, std::string &device) {
 NamedDevice device_named(const std::string &device) {
     const std::size_t colon = device.find(':');
     const auto kind = factory::device_kind_named(device.substr(0, colon));
-    if (!kind || (*kind == factory::DeviceKind::simulated && colon != std::string::npos)) {
+    if (!kind || (*kind != factory::DeviceKind::usb && colon != std::string::npos)) {
         throw InputError("--device " + device + ": must be sim, usb, usb:SERIAL or emulated");
     }
     return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};

@@ -26,10 +26,11 @@ namespace {
 
 void list_devices() {
     for (const factory::PresentDevice &device : factory::devices_present()) {
-        print(std::cout, "{}:{}{}{}\n",
-              factory::kDeviceKindNames[static_cast<std::size_t>(device.kind)],
-              device.serial.empty() ? "?" : one_line(device.serial),
-              device.problem.empty() ? "" : "  ", device.problem);
+        std::string name(factory::kDeviceKindNames[static_cast<std::size_t>(device.kind)]);
+        if (device.kind == factory::DeviceKind::usb) { // of the others, there is one each
+            name += ":" + (device.serial.empty() ? "?" : one_line(device.serial));
+        }
+        print(std::cout, "{}{}{}\n", name, device.problem.empty() ? "" : "  ", device.problem);
     }
 }
 

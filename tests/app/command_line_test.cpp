@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,26 @@ TEST(CommandLine, TheDemoTakesAFileWithoutAnOptionByItsKind) {
         testing::expect_one_line(testing::run_program({"demo", "a.gltf", option, "b.gltf"}), 2,
                                  option);
     }
+}
+
+/// Without a board on USB: one that cannot be used is listed, too.
+TEST(CommandLine, DeviceTakesWhatDeviceListNames) {
+    const testing::Ending list = testing::run_program({"device", "list"});
+    EXPECT_EQ(list.exit_status, 0) << list.error;
+    std::istringstream lines(list.out);
+    int named = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const std::string device = line.substr(0, line.find(' '));
+        if (!device.starts_with("usb:")) {
+            ++named;
+            const testing::Ending used =
+                testing::run_program({"device", "info", "--device", device});
+            EXPECT_EQ(used.exit_status, 0) << line << ": " << used.error;
+        }
+    }
+    EXPECT_EQ(named, 2); // the simulated one, and an emulated board
+    testing::expect_refused(testing::run_program({"device", "info", "--device", "sim:sim-1"}),
+                            "must be sim, usb, usb:SERIAL or emulated");
 }
 
 TEST(CommandLine, RefusesAnEmptyArgument) {
