@@ -1,6 +1,7 @@
 #include "app/assistant/assistant.h"
 
 #include "app/assistant/steps.h"
+#include "app/assistant/stop_words.h"
 #include "base/complaint.h"
 
 #include <utility>
@@ -243,11 +244,17 @@ StepReport Assistant::report(const session::Session &session) const {
             {"the device is lost: no answer from its board",
              "plug it in again; it is connected by itself, then press Again"});
     } else if (is_stopped(session)) {
-        report.troubles.push_back({"stopped: " + servo::description(session.latest().safety),
-                                   "remove the cause, then press Again, which resets the stop"});
+        const servo::SafetyStatus &stop = session.latest().safety;
+        report.troubles.push_back(
+            {"stopped: " + servo::description(stop),
+             remedy_of(stop) +
+                 (servo::is_final(stop.cause) ? "" : "; then press Again, which resets the stop")});
     }
-    if (report.verdict == Verdict::good && (is_lost(session) || is_stopped(session))) {
-        report.verdict = Verdict::open;
+    if (is_lost(session) || is_stopped(session)) {
+        report.to_do = "Do what is named below.";
+        if (report.verdict == Verdict::good) {
+            report.verdict = Verdict::open;
+        }
     }
     const bool needs_zero = present_ > StepName::zeroing && !is_lost(session);
     if (needs_zero && !session.is_zeroed()) {

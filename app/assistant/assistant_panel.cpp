@@ -197,7 +197,7 @@ void draw_step(session::Session &session, Assistant &assistant, DoctorPopup &doc
         doctor.offer(report.asks_doctor, session.servo().rate_hz());
     }
     if (report.verdict == Verdict::doubtful) {
-        ui::wrapped(kWarning, "Not known then: {}.", report.unchecked);
+        ui::wrapped(kWarning, "If you continue: {}.", report.unchecked);
         if (ui::button("continue all the same")) {
             assistant.continue_all_the_same(session);
         }

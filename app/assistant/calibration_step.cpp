@@ -121,8 +121,8 @@ public:
 
 private:
     static constexpr const char *kUnchecked =
-        "R and k_T of each motor, but for the device file's tolerance; dR is held up for it until "
-        "a touch has told them";
+        "R and k_T of each motor are known to the device file's tolerance only; dR is held up for "
+        "it until a touch has told them";
 
     void start(session::Session &session) {
         begin(session);
@@ -320,7 +320,7 @@ private:
         if (!report.troubles.empty()) {
             report.verdict = Verdict::doubtful;
             report.to_do = "The device is calibrated, but only until the program ends.";
-            report.unchecked = "what the next start uses; this calibration is lost for it";
+            report.unchecked = "the next start is without this calibration";
         }
     }
 

@@ -1,4 +1,5 @@
 #include "app/assistant/steps.h"
+#include "app/assistant/stop_words.h"
 
 #include "base/complaint.h"
 #include "base/one_line.h"
@@ -61,7 +62,7 @@ public:
         const device::BoardFaults faults{session.latest().board_faults};
         if (faults.any()) {
             report.troubles.push_back({"the board reports " + device::names_of(faults),
-                                       "remove the cause, then press Again"});
+                                       remedy_of(faults) + "; then press Again"});
             report.verdict = Verdict::bad;
             return report;
         }

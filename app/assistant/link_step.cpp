@@ -116,11 +116,11 @@ private:
         report.seen.push_back(fmt::format("{} device, serial number {}, {}",
                                           session.device().identity().kind,
                                           session.device().identity().serial, link->speed));
-        report.seen.push_back(fmt::format("{:.0f} reports a second; d {:.2f} periods, round trip "
-                                          "{:.0f} µs",
-                                          session.servo().rate_hz(),
-                                          link->delay_s / session.servo().period_s(),
-                                          1e6 * link->round_trip_s));
+        const double d = link->delay_s / session.servo().period_s();
+        report.seen.push_back(fmt::format(
+            "{:.0f} reports a second; d {}, round trip {:.0f} µs", session.servo().rate_hz(),
+            d > 0.0 ? fmt::format("{:.2f} periods", d) : "not measured", // of a board in a fault
+            1e6 * link->round_trip_s));
         report.seen.push_back(
             fmt::format("{} of {} reports not whole or not in time", faulty, reports));
         const double watched = static_cast<double>(reports) / static_cast<double>(kJudgedReports);

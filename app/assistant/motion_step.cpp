@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,8 @@ constexpr std::array<Motion, 3> kMotions{{
 
 enum class Answer : std::uint8_t { none, same, reversed, other, dead };
 
-Trouble trouble_of(std::size_t joint, Answer answer) {
+/// @param other  the joint that moved in the picture instead, if one did
+Trouble trouble_of(std::size_t joint, Answer answer, std::optional<std::size_t> other) {
     const std::size_t number = joint + 1;
     switch (answer) {
     case Answer::reversed:
@@ -46,8 +48,13 @@ Trouble trouble_of(std::size_t joint, Answer answer) {
                             "reversed, exchange the two leads of motor {0}, too",
                             number)};
     case Answer::other:
-        return {fmt::format("another joint than joint {} moves in the picture", number),
-                "exchange the plugs of the two encoders"};
+        return other ? Trouble{fmt::format("joint {} moves in the picture instead of joint {}",
+                                           *other + 1, number),
+                               fmt::format("exchange the plugs of encoders {} and {}", number,
+                                           *other + 1)}
+                     : Trouble{
+                           fmt::format("another joint than joint {} moves in the picture", number),
+                           "exchange the plugs of the two encoders"};
     case Answer::dead:
         return {fmt::format("joint {} does not move in the picture: encoder {} counts nothing",
                             number, number),
@@ -96,7 +103,7 @@ public:
         if (answer_ != Answer::none) {
             report.verdict = Verdict::bad;
             report.to_do = "Mend what is named below, then press Again.";
-            report.troubles.push_back(trouble_of(joint_, answer_));
+            report.troubles.push_back(trouble_of(joint_, answer_, moved_instead()));
             return report;
         }
         const Motion &motion = kMotions[joint_];
@@ -106,6 +113,10 @@ public:
             report.seen.push_back(fmt::format(
                 "{}: the picture moved {} by {:.0f}°. Did the device?", motion.name,
                 farthest_deg > 0.0 ? motion.positive : motion.negative, std::abs(farthest_deg)));
+        } else if (const std::optional<std::size_t> other = moved_instead()) {
+            report.seen.push_back(
+                fmt::format("the picture moved another joint, the {}, by {:.0f}°. Did the device?",
+                            kMotions[*other].name, std::abs(in_degrees(farthest_rad_, *other))));
         }
         if (!complaint_.empty()) {
             report.troubles.push_back({complaint_, "move it yourself"});
@@ -148,6 +159,17 @@ private:
     }
     [[nodiscard]] bool has_moved() const {
         return std::abs(farthest_rad_[static_cast<Eigen::Index>(joint_)]) >= kMoved_rad;
+    }
+
+    /// Another joint that moved while this one did not.
+    [[nodiscard]] std::optional<std::size_t> moved_instead() const {
+        for (std::size_t i = 0; i < kMotions.size() && !has_moved(); ++i) {
+            if (i != joint_ &&
+                std::abs(farthest_rad_[static_cast<Eigen::Index>(i)]) >= kMoved_rad) {
+                return i;
+            }
+        }
+        return std::nullopt;
     }
 
     void start(session::Session &session) {

@@ -44,8 +44,10 @@ public:
         report.to_do = "Hold the device in its zero pose: the upper arm level and straight towards "
                        "you, the forearm hanging, square to it. Hold it still, then press \"zero "
                        "here\". Three degrees are near enough for a touch.";
-        report.seen.push_back(is_still() ? "the device is held still"
-                                         : "the device moves: hold it still");
+        if (!is_zeroed_here_) { // which made all counts jump
+            report.seen.push_back(is_still() ? "the device is held still"
+                                             : "the device moves: hold it still");
+        }
         if (is_zeroed_here_) {
             report.seen.push_back(
                 fmt::format("zeroed; the tip is {:.1f} mm from the origin of the picture",

@@ -72,6 +72,28 @@ TEST(AssistantWalk, AMirroredPictureIsNamedAndNotPassed) {
     EXPECT_TRUE(walker.session.is_kept_released());
 }
 
+TEST(AssistantWalk, CrossedEncodersAreNamedByWhatMovedInstead) {
+    Walker walker({"crossed-encoders:1:3"});
+    walker.walk_to(StepName::motion);
+    walker.choose(Walker::kByHand);
+    walker.run(2.0);
+    EXPECT_TRUE(walker.says("moved another joint, the forearm (joint 3)")) << walker.text();
+    EXPECT_FALSE(walker.offers("yes, the same way"));
+    walker.choose("no, another joint");
+    walker.run(0.1);
+    EXPECT_EQ(walker.verdict(), Verdict::bad);
+    EXPECT_TRUE(walker.says("exchange the plugs of encoders 1 and 3")) << walker.text();
+}
+
+TEST(AssistantWalk, AStopSaysWhatToDoAndNotToGoOn) {
+    Walker walker({"failed-sensor:2"});
+    walker.run(3.0);
+    EXPECT_FALSE(walker.assistant.can_go_on(walker.session));
+    EXPECT_TRUE(walker.says("look at the plugs and the supply of the current sensors"))
+        << walker.text();
+    EXPECT_FALSE(walker.says("Press Next")) << walker.text();
+}
+
 struct Damage {
     std::vector<std::string> faults;
     Verdict verdict;
