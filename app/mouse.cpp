@@ -12,7 +12,8 @@ constexpr double kDepthPerNotch_m = 0.002;
 } // namespace
 
 void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view,
-                        bool may_move_hand) {
+                        bool may_move_hand,
+                        const std::function<Vector3(const PixelPoint &)> &point_under) {
     const ImGuiIO &io = ImGui::GetIO();
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
     // A drag ends before this frame's motion, which is not part of it.
@@ -58,7 +59,8 @@ void MouseInView::apply(session::Session &session, Camera &camera, const Rectang
         break;
     }
     if (io.MouseWheel != 0.0F && over_view && dragging_ != Drag::hand) {
-        camera.zoom(io.MouseWheel);
+        camera.zoom(io.MouseWheel,
+                    point_under({io.MousePos.x - view.corner.x, io.MousePos.y - view.corner.y}));
     }
 }
 

@@ -128,9 +128,8 @@ void Screen::obey(const KeyPress &key) {
 bool Screen::move_by_key(const KeyPress &key) {
     constexpr double kStep_m = 1e-3;
     constexpr double kFineStep_m = 1e-4;
-    constexpr double kTurn_px = 12.0;
     // On the floor, away from who looks.
-    const Vector3 right = camera_.right();
+    const Vector3 right = view_control_.camera().right();
     const Vector3 away = Vector3::UnitY().cross(right);
     const std::array<std::pair<std::string_view, Vector3>, 6> moves{{{"w", away},
                                                                      {"s", -away},
@@ -147,16 +146,7 @@ bool Screen::move_by_key(const KeyPress &key) {
             return true;
         }
     }
-    if (key.name == "j" || key.name == "l") {
-        camera_.orbit(key.name == "j" ? -kTurn_px : kTurn_px, 0.0);
-    } else if (key.name == "i" || key.name == "k") {
-        camera_.orbit(0.0, key.name == "i" ? -kTurn_px : kTurn_px);
-    } else if (key.name == "u" || key.name == "o") {
-        camera_.zoom(key.name == "u" ? 1.0 : -1.0);
-    } else {
-        return false;
-    }
-    return true;
+    return view_control_.obey(key.name);
 }
 
 void Screen::obey_plain(const std::string &key) {
@@ -181,8 +171,6 @@ void Screen::obey_plain(const std::string &key) {
         toggle_pause();
     } else if (key == ".") {
         servo.step();
-    } else if (key == "Home") {
-        frame_scene();
     } else if (key == "F1") {
         shows_keys_ = !shows_keys_;
     } else if (key == "F11") {
@@ -313,9 +301,13 @@ void Screen::draw_contents() {
     upload(kUploadPerFrame_s);
     const Layout places = current_layout();
     opened_.update(ImGui::GetIO().DeltaTime, desk_.now());
-    mouse_.apply(session_, camera_, places.scene_view, !opened_.is_shown());
+    const ViewState state = view_state();
+    view_control_.update(session_, state, places.scene_view,
+                         free_of_overlays(places.scene_view, opened_.is_shown(), window_.scale()),
+                         !opened_.is_shown());
+    view_control_.report(session_, state, places.scene_view);
     window_.clear();
-    draw_scene(places.scene_view);
+    draw_scene(places.scene_view, state);
     desk_.update(session_);
     if (std::exchange(opens_assistant_, false)) {
         assistant_.open(session_);
@@ -342,6 +334,9 @@ void Screen::draw_contents() {
     draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
                     places.plots, window_.scale());
     draw_scene_overlay(session_, opened_, places.scene_view, window_.scale());
+    if (const auto viewpoint = draw_view_buttons(places.scene_view, window_.scale())) {
+        view_control_.look_from(*viewpoint);
+    }
     // Raised by its first frame only: to be raised in each would end what is done with the mouse.
     shows_keys_ = shows_keys_ && !ImGui::IsMouseClicked(ImGuiMouseButton_Left);
     if (shows_keys_) {
@@ -361,20 +356,9 @@ Layout Screen::current_layout() const {
 void Screen::show_scene() {
     const scene::Scene &scene = session_.scenes().now().scene;
     renderer_.set_scene(scene);
-    frame_scene();
+    view_control_.look_from(Viewpoint::home);
     shown_scene_ = session_.scenes().id();
     print(scene.remarks);
-}
-
-/// Shows the whole scene, and the device at least up to its motors.
-void Screen::frame_scene() {
-    const scene::Scene &scene = session_.scenes().now().scene;
-    const Layout places = current_layout();
-    const double motors_m = session_.description().geometry.forearm_m;
-    const Vector3 upper_m =
-        scene.upper_m.cwiseMax(Vector3(scene.upper_m.x(), motors_m + 0.03, scene.upper_m.z()));
-    camera_.frame(scene.lower_m, upper_m,
-                  places.scene_view.size.x / std::max(1.0F, places.scene_view.size.y));
 }
 
 void Screen::upload(double duration_s) {
@@ -389,7 +373,7 @@ void Screen::print(const std::vector<std::string> &remarks) const {
     }
 }
 
-void Screen::draw_scene(const Rectangle &view) {
+void Screen::draw_scene(const Rectangle &view, const ViewState &state) {
     const Window::Size pixels = window_.framebuffer();
     const Window::Size size = window_.size();
     const float pixel_scale =
@@ -400,7 +384,7 @@ void Screen::draw_scene(const Rectangle &view) {
     viewport.width = static_cast<int>(view.size.x * pixel_scale);
     viewport.height = static_cast<int>(view.size.y * pixel_scale);
     if (viewport.width > 0 && viewport.height > 0) {
-        renderer_.draw(camera_, viewport, view_state(), pixel_scale * window_.scale());
+        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale());
     }
 }
 
@@ -424,7 +408,7 @@ ViewState Screen::view_state() const {
     state.tip_force_N = now.tip_force_N;
     state.hand_target_m =
         is_record || assistant_.theta_rad() ? state.tip_m : session_.hand().target_m();
-    state.hand_held = mouse_.holds_hand();
+    state.hand_held = view_control_.holds_hand();
     state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;
     state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();

@@ -4,7 +4,6 @@
 #include "app/assistant/assistant.h"
 #include "app/demo_options.h"
 #include "app/layout.h"
-#include "app/mouse.h"
 #include "app/opened_record.h"
 #include "app/own_folder.h"
 #include "app/panels/panels.h"
@@ -12,8 +11,8 @@
 #include "app/report_requests.h"
 #include "app/session_keeper.h"
 #include "app/tuning_desk.h"
-#include "app/view/camera.h"
 #include "app/view/renderer.h"
+#include "app/view_control.h"
 #include "app/window.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
@@ -58,11 +57,10 @@ private:
     void escape();
     void go_to_next_panel(bool backwards);
     void toggle_pause();
-    void frame_scene();
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
     void print(const std::vector<std::string> &remarks) const; ///< on the scene
-    void draw_scene(const Rectangle &view);
+    void draw_scene(const Rectangle &view, const ViewState &state);
     [[nodiscard]] ViewState view_state() const;
     void open(const std::filesystem::path &file);
     void obey_on_record(const std::string &key);
@@ -70,8 +68,7 @@ private:
     Window window_;
     session::Session &session_;
     Renderer renderer_;
-    Camera camera_;
-    MouseInView mouse_;
+    ViewControl view_control_;
     TuningDesk desk_;
     TuningPanelState tuning_panel_;
     ServoPanelState servo_panel_;

@@ -13,7 +13,7 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 24> kKeys{{
+constexpr std::array<KeyHelp, 25> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
@@ -29,7 +29,8 @@ constexpr std::array<KeyHelp, 24> kKeys{{
     {"I J K L U O", "turn the view: up, left, down, right; nearer, farther"},
     {"F6", "go to the next panel; with Shift, to the one before"},
     {"arrows, Tab", "go from widget to widget; Enter presses it, or begins to change it"},
-    {"Home", "show the whole scene"},
+    {"Home", "show the whole device and scene, also after the window has changed"},
+    {"T F", "the same from above, from the front"},
     {"F11", "fill the screen"},
     {"F1", "show or hide these keys"},
     {"Esc", "close what is open: this, a list, large plots, the full screen"},
@@ -37,7 +38,7 @@ constexpr std::array<KeyHelp, 24> kKeys{{
     {"drag on a plot", "move; with the right button, zoom to the range"},
     {"double click on a plot", "live again, with its own ranges"},
     {"left drag on the scene", "move the hand; with the wheel, in depth"},
-    {"right or middle drag", "turn or shift the view; the wheel zooms"},
+    {"right or middle drag", "turn or shift the view; the wheel zooms to the cursor"},
 }};
 
 } // namespace

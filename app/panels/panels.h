@@ -9,6 +9,7 @@
 #include "app/panels/tuning_files.h"
 #include "app/session_keeper.h"
 #include "app/tuning_desk.h"
+#include "app/view/camera.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"
 #include "engine/session/session.h"
@@ -170,5 +171,12 @@ void draw_keys_overlay(const Rectangle &window);
 /// Over the scene: how to use the mouse, and a banner after a safety trip.
 void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const Rectangle &view,
                         float scale);
+
+/// At the left edge of the scene. The viewpoint whose button was pressed, if one was.
+[[nodiscard]] std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale);
+
+/// The part of the scene over which none of these is drawn, a banner of one line included: for
+/// what must be seen whole. All of the scene where it is too small for both.
+[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale);
 
 } // namespace springdrive::app

@@ -3,10 +3,31 @@
 #include "base/one_line.h"
 
 #include <algorithm>
+#include <array>
 
 namespace springdrive::app {
 
 namespace {
+
+constexpr const char *kHandHelp =
+    "left drag: move the hand, with the wheel: depth · right drag: orbit · middle drag: pan · "
+    "wheel: zoom to the cursor · F1: keys";
+constexpr const char *kPathHelp =
+    "the hand follows a path · right drag: orbit · middle drag: pan · wheel: zoom to the cursor · "
+    "F1: keys";
+
+/// Of what stands over the scene, to its edges.
+float margin(float scale) { return 10.0F * scale; }
+
+/// Broken into lines as it is drawn.
+ImVec2 help_size(const char *help, const Rectangle &view, float scale) {
+    const float wrap = view.size.x - 2.0F * margin(scale);
+    return {wrap, ImGui::CalcTextSize(help, nullptr, false, wrap).y};
+}
+
+float width_of_view_buttons() {
+    return ImGui::CalcTextSize("front").x + 2.0F * ImGui::GetStyle().FramePadding.x;
+}
 
 /// A box over the top of the scene, in a colour that says how urgent it is.
 class Banner {
@@ -15,7 +36,7 @@ public:
         : scope_(name) {
         const float width =
             std::min(0.9F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
-        ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), 12.0F * scale});
+        ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), kTop * scale});
         ImGui::SetNextWindowSize({width, 0.0F});
         ImGui::PushStyleColor(ImGuiCol_WindowBg, colour);
         ImGui::Begin(name, nullptr, kOverlay);
@@ -30,6 +51,8 @@ public:
     static constexpr ImGuiWindowFlags kOverlay =
         ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
+
+    static constexpr float kTop = 12.0F; ///< below the scene's upper edge, times the scale
 
     /// Width beside the banner for the button that stops.
     [[nodiscard]] static float room_of_stop(float scale) { return 100.0F * scale; }
@@ -73,10 +96,10 @@ void draw_record_banner(const session::Session &session, const OpenedRecord &ope
 }
 
 void draw_stop_button(session::Session &session, const Rectangle &view, float scale) {
-    const float margin = 10.0F * scale;
-    const float width = Banner::room_of_stop(scale) - margin;
+    const float width = Banner::room_of_stop(scale) - margin(scale);
     const ui::Scope scope("stop");
-    ImGui::SetNextWindowPos({view.corner.x + view.size.x - width - margin, view.corner.y + margin});
+    ImGui::SetNextWindowPos(
+        {view.corner.x + view.size.x - width - margin(scale), view.corner.y + margin(scale)});
     ImGui::SetNextWindowSize({width, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
@@ -120,21 +143,61 @@ void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const R
         draw_record_controls(opened, view, scale);
         return;
     }
-    const char *help = session.hand().follows_path()
-                           ? "the hand follows a path · right drag: orbit · middle drag: pan · "
-                             "wheel: zoom · F1: keys"
-                           : "left drag: move the hand, with the wheel: depth · right drag: orbit "
-                             "· middle drag: pan · wheel: zoom · F1: keys";
+    const char *const help = session.hand().follows_path() ? kPathHelp : kHandHelp;
+    const ImVec2 size = help_size(help, view, scale);
+    const ImVec2 corner{view.corner.x + margin(scale),
+                        view.corner.y + view.size.y - size.y - margin(scale)};
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
-    const float margin = 10.0F * scale;
-    const float wrap = view.size.x - 2.0F * margin;
-    const float height = ImGui::CalcTextSize(help, nullptr, false, wrap).y;
-    const ImVec2 corner{view.corner.x + margin, view.corner.y + view.size.y - height - margin};
     list.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y});
     list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), corner,
-                 ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help, nullptr, wrap);
+                 ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help, nullptr,
+                 size.x);
     list.PopClipRect();
-    ui::enter_at({corner, {wrap, height}}, "help", "text", help);
+    ui::enter_at({corner, size}, "help", "text", help);
+}
+
+std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
+    struct Choice {
+        const char *label;
+        Viewpoint viewpoint;
+        const char *help;
+    };
+    constexpr std::array<Choice, 3> kChoices{
+        {{"home", Viewpoint::home, "Shows all of device and scene; key Home."},
+         {"top", Viewpoint::top, "The same from above; key T."},
+         {"front", Viewpoint::front, "The same from the front, level; key F."}}};
+    const ui::Scope scope("view");
+    ImGui::SetNextWindowPos({view.corner.x + margin(scale), view.corner.y + margin(scale)});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
+    ImGui::Begin("view", nullptr,
+                 Banner::kOverlay | ImGuiWindowFlags_NoBackground |
+                     ImGuiWindowFlags_AlwaysAutoResize);
+    std::optional<Viewpoint> chosen;
+    for (const Choice &choice : kChoices) {
+        if (ui::button(choice.label, {width_of_view_buttons(), 0.0F})) {
+            chosen = choice.viewpoint;
+        }
+        ui::explain(choice.help);
+    }
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+    return chosen;
+}
+
+Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale) {
+    const float left = width_of_view_buttons() + 2.0F * margin(scale);
+    const float right = 2.0F * margin(scale);
+    const float top = Banner::kTop * scale + ImGui::GetTextLineHeight() +
+                      2.0F * ImGui::GetStyle().WindowPadding.y + margin(scale);
+    const float bottom =
+        2.0F * margin(scale) +
+        (is_record ? ImGui::GetFrameHeight() + 1.4F * ImGui::GetStyle().WindowPadding.y
+                   : help_size(kHandHelp, view, scale).y);
+    const Rectangle free{{view.corner.x + left, view.corner.y + top},
+                         {view.size.x - left - right, view.size.y - top - bottom}};
+    const bool has_room = free.size.x > 0.5F * view.size.x && free.size.y > 0.5F * view.size.y;
+    return has_room ? free : view;
 }
 
 } // namespace springdrive::app

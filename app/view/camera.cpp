@@ -1,6 +1,7 @@
 #include "app/view/camera.h"
 
 #include "app/view/gl_vector.h"
+#include "base/assertions.h"
 #include "base/degrees.h"
 
 #include <glm/ext/matrix_clip_space.hpp>
@@ -15,44 +16,34 @@ namespace springdrive::app {
 namespace {
 
 constexpr double kFieldOfView_rad = 32.0 * kRadiansPerDegree; // vertical
-constexpr double kFramedYaw_rad = 24.0 * kRadiansPerDegree;
-constexpr double kFramedPitch_rad = 22.0 * kRadiansPerDegree;
-constexpr double kSteepestPitch_rad = 89.0 * kRadiansPerDegree; // at 90° yaw and roll are the same
+constexpr double kHomeYaw_rad = 24.0 * kRadiansPerDegree;
+constexpr double kHomePitch_rad = 22.0 * kRadiansPerDegree;
+constexpr double kSteepestPitch_rad = 90.0 * kRadiansPerDegree;
 constexpr double kOrbit_rad_per_px = 0.4 * kRadiansPerDegree;
 constexpr double kZoomPerStep = 0.9;
 constexpr double kNearestZoom = 1.0 / 20.0; // of the framed distance
 constexpr double kFarthestZoom = 5.0;
-constexpr double kFrameMargin = 1.05;
 
 // Relative to the distance, so that the depth buffer's precision scales with the zoom.
 constexpr double kNearPlane = 0.02;
 constexpr double kFarPlane = 5.0;
 constexpr double kFarPlaneBeyond_m = 2.0; // the floor remains visible when zoomed in
 
-double half_height_per_depth() { return std::tan(kFieldOfView_rad / 2.0); }
-
 } // namespace
 
-void Camera::frame(const Vector3 &lower_m, const Vector3 &upper_m, double aspect) {
-    yaw_rad_ = kFramedYaw_rad;
-    pitch_rad_ = kFramedPitch_rad;
-    target_m_ = (lower_m + upper_m) / 2.0;
+double Camera::half_height_per_depth() { return std::tan(kFieldOfView_rad / 2.0); }
 
-    const double vertical = half_height_per_depth();
-    const double horizontal = aspect * vertical;
-    double distance_m = 1e-3; // of a box without extent
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vector3 offset_m = Vector3((corner & 1) != 0 ? upper_m.x() : lower_m.x(),
-                                         (corner & 2) != 0 ? upper_m.y() : lower_m.y(),
-                                         (corner & 4) != 0 ? upper_m.z() : lower_m.z()) -
-                                 target_m_;
-        const double towards_eye_m = -offset_m.dot(forward());
-        const double across_m = std::max(std::abs(offset_m.dot(right())) / horizontal,
-                                         std::abs(offset_m.dot(up())) / vertical);
-        // A corner on the optical axis must still be well beyond the near plane.
-        distance_m = std::max({distance_m, towards_eye_m + across_m, 1.2 * towards_eye_m});
-    }
-    distance_m_ = framed_distance_m_ = kFrameMargin * distance_m;
+void Camera::look_from(Viewpoint viewpoint) {
+    yaw_rad_ = viewpoint == Viewpoint::home ? kHomeYaw_rad : 0.0;
+    pitch_rad_ = viewpoint == Viewpoint::home  ? kHomePitch_rad
+                 : viewpoint == Viewpoint::top ? kSteepestPitch_rad
+                                               : 0.0;
+}
+
+void Camera::place(const Vector3 &eye_m, double distance_m) {
+    SPRINGDRIVE_ASSERT(distance_m > 0.0);
+    target_m_ = eye_m + distance_m * forward();
+    distance_m_ = framed_distance_m_ = distance_m;
 }
 
 void Camera::orbit(double dx_px, double dy_px) {
@@ -66,9 +57,13 @@ void Camera::pan(double dx_px, double dy_px, double viewport_height_px) {
     target_m_ += pixel_m * (dy_px * up() - dx_px * right());
 }
 
-void Camera::zoom(double steps) {
-    distance_m_ = std::clamp(distance_m_ * std::pow(kZoomPerStep, steps),
-                             kNearestZoom * framed_distance_m_, kFarthestZoom * framed_distance_m_);
+void Camera::zoom(double steps, const Vector3 &about_m) {
+    const double distance_m =
+        std::clamp(distance_m_ * std::pow(kZoomPerStep, steps), kNearestZoom * framed_distance_m_,
+                   kFarthestZoom * framed_distance_m_);
+    // Eye and target are scaled about the point.
+    target_m_ = about_m + distance_m / distance_m_ * (target_m_ - about_m);
+    distance_m_ = distance_m;
 }
 
 glm::mat4 Camera::view() const {

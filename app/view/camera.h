@@ -9,6 +9,7 @@
 
 #include <glm/mat4x4.hpp>
 
+#include <cstdint>
 #include <optional>
 
 namespace springdrive::app {
@@ -23,20 +24,32 @@ struct PixelSize {
     double height_px = 0.0;
 
     [[nodiscard]] double aspect() const { return width_px / height_px; }
+    [[nodiscard]] bool operator==(const PixelSize &) const = default;
+};
+
+/// Directions to look from.
+enum class Viewpoint : std::uint8_t {
+    home,  ///< from the user's side, from above and slightly from the right
+    top,   ///< from above, the user below
+    front, ///< from the user's side, level
 };
 
 class Camera {
 public:
-    /// Looks at a box from the user's side, from above and slightly from the right, from the
-    /// smallest distance at which all of it is visible. @param aspect width/height of the viewport
-    void frame(const Vector3 &lower_m, const Vector3 &upper_m, double aspect);
+    /// Turns about the target.
+    void look_from(Viewpoint viewpoint);
+
+    /// Moves eye and target without turning; limits of the zoom are relative to this distance.
+    /// @pre distance_m > 0
+    void place(const Vector3 &eye_m, double distance_m);
 
     /// Rotates about the target, so that the near side of the scene follows the mouse.
     void orbit(double dx_px, double dy_px);
     /// Shifts the target in the view plane, so that points at its depth follow the mouse.
     void pan(double dx_px, double dy_px, double viewport_height_px);
-    /// Moves nearer by a tenth per step, farther for negative steps.
-    void zoom(double steps);
+    /// Moves nearer to a point by a tenth per step, farther for negative steps; the point stays at
+    /// its pixel.
+    void zoom(double steps, const Vector3 &about_m);
 
     [[nodiscard]] glm::mat4 view() const;
     [[nodiscard]] glm::mat4 projection(double aspect) const;
@@ -50,6 +63,9 @@ public:
     [[nodiscard]] const Vector3 &target_m() const { return target_m_; }
     [[nodiscard]] double distance_m() const { return distance_m_; } ///< from eye to target
 
+    /// Height of half the viewport in a view plane, per distance of that plane from the eye.
+    [[nodiscard]] static double half_height_per_depth();
+
     /// Size of a pixel in the view plane through `at_m`. It is symmetric about the eye, as zooming
     /// can put the hand behind it.
     [[nodiscard]] double metres_per_pixel(const Vector3 &at_m, double viewport_height_px) const;
@@ -62,6 +78,8 @@ public:
     [[nodiscard]] std::optional<PixelPoint> pixel_of(const Vector3 &point_m,
                                                      const PixelSize &viewport) const;
 
+    [[nodiscard]] bool operator==(const Camera &) const = default;
+
 private:
     /// Distance from the eye along `forward`.
     [[nodiscard]] double depth_m(const Vector3 &point_m) const {
@@ -72,7 +90,7 @@ private:
     double yaw_rad_ = 0.0;   ///< about y; 0 looks from +z, positive from the right
     double pitch_rad_ = 0.0; ///< positive looks from above
     double distance_m_ = 0.5;
-    double framed_distance_m_ = 0.5; ///< of the last `frame`; limits of the zoom are relative to it
+    double framed_distance_m_ = 0.5; ///< of the last `place`; limits of the zoom are relative to it
 };
 
 } // namespace springdrive::app

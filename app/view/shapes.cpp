@@ -124,4 +124,15 @@ ShapeMesh make_shape(Shape shape) {
     throw std::logic_error("no such shape");
 }
 
+const ShapeMesh &unit_shape(Shape shape) {
+    static const std::vector<ShapeMesh> kMade = [] {
+        std::vector<ShapeMesh> made;
+        for (const Shape each : kShapes) {
+            made.push_back(make_shape(each));
+        }
+        return made;
+    }();
+    return kMade.at(static_cast<std::size_t>(shape));
+}
+
 } // namespace springdrive::app

@@ -30,4 +30,7 @@ struct ShapeMesh {
 
 [[nodiscard]] ShapeMesh make_shape(Shape shape);
 
+/// The same, made once.
+[[nodiscard]] const ShapeMesh &unit_shape(Shape shape);
+
 } // namespace springdrive::app

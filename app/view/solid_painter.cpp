@@ -13,7 +13,7 @@ constexpr std::array<std::uint8_t, 4> kWhite{255, 255, 255, 255};
 SolidPainter::SolidPainter() : white_(1, 1, {}, kWhite) {
     meshes_.reserve(kShapes.size());
     for (const Shape shape : kShapes) {
-        const ShapeMesh made = make_shape(shape);
+        const ShapeMesh &made = unit_shape(shape);
         meshes_.emplace_back(made.vertices, made.indices);
     }
 }

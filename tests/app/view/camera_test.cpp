@@ -2,6 +2,7 @@
 #include "app/view/camera.h"
 
 #include "app/view/gl_vector.h"
+#include "tests/support/framed_box.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -35,25 +36,18 @@ public:
 
     /// After all actions of a user.
     Camera camera() {
-        Camera camera;
         const Vector3 centre_m = point(0.1);
         const Vector3 half_m(between(0.05, 0.3), between(0.05, 0.3), between(0.05, 0.3));
-        camera.frame(centre_m - half_m, centre_m + half_m, kViewport.aspect());
+        Camera camera = testing::framed_box(centre_m - half_m, centre_m + half_m, kViewport);
         camera.orbit(between(-900.0, 900.0), between(-200.0, 200.0));
         camera.pan(between(-100.0, 100.0), between(-100.0, 100.0), kViewport.height_px);
-        camera.zoom(between(-5.0, 10.0));
+        camera.zoom(between(-5.0, 10.0), camera.target_m() + point(0.1));
         return camera;
     }
 
 private:
     std::mt19937_64 random_;
 };
-
-Vector3 corner_of(const Vector3 &lower_m, const Vector3 &upper_m, int corner) {
-    return {(corner & 1) != 0 ? upper_m.x() : lower_m.x(),
-            (corner & 2) != 0 ? upper_m.y() : lower_m.y(),
-            (corner & 4) != 0 ? upper_m.z() : lower_m.z()};
-}
 
 /// Normalised device coordinates, as OpenGL computes them.
 glm::vec3 device_coordinates(const Camera &camera, double aspect, const Vector3 &point_m) {
@@ -174,46 +168,19 @@ TEST(Camera, MetresPerPixelBehindTheEyeAreThoseInFrontOfIt) {
     }
 }
 
-TEST(Camera, FramingShowsAllCornersInAnyViewport) {
-    RandomViews random(8);
-    for (int i = 0; i < 2000; ++i) {
-        const double aspect = std::exp(random.between(-1.5, 1.5));
-        const Vector3 lower_m = random.point(2.0);
-        // From flat plates to long bars, millimetres to metres.
-        const Vector3 extent_m(std::exp(random.between(-7.0, 1.0)),
-                               std::exp(random.between(-7.0, 1.0)),
-                               std::exp(random.between(-7.0, 1.0)));
-        Camera camera;
-        camera.frame(lower_m, lower_m + extent_m, aspect);
-        double farthest_out = 0.0;
-        for (int corner = 0; corner < 8; ++corner) {
-            const glm::vec3 drawn =
-                device_coordinates(camera, aspect, corner_of(lower_m, lower_m + extent_m, corner));
-            ASSERT_LT(std::abs(drawn.z), 1.0F) << "cut off by the near or far plane";
-            farthest_out = std::max({farthest_out, static_cast<double>(std::abs(drawn.x)),
-                                     static_cast<double>(std::abs(drawn.y))});
-        }
-        ASSERT_LT(farthest_out, 1.0);
-        // Nor is it too small in the middle of the screen.
-        ASSERT_GT(farthest_out, 0.5);
-    }
-}
-
-TEST(Camera, FramingLooksFromTheUsersSideFromAboveAndTheRight) {
+TEST(Camera, ViewpointsLookFromWhereTheySay) {
     Camera camera;
-    camera.frame(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), 1.5);
+    camera.look_from(Viewpoint::home);
     EXPECT_GT(camera.eye_m().z(), 0.2);
     EXPECT_GT(camera.eye_m().y(), 0.0);
     EXPECT_GT(camera.eye_m().x(), 0.0);
     EXPECT_LT(camera.eye_m().x(), camera.eye_m().z());
-}
-
-TEST(Camera, FramingABoxWithoutExtentStillHasAView) {
-    Camera camera;
-    const Vector3 point_m(0.1, 0.2, 0.3);
-    camera.frame(point_m, point_m, 1.5);
-    EXPECT_GT(camera.distance_m(), 0.0);
-    EXPECT_TRUE(camera.view()[0][0] == camera.view()[0][0]); // no NaN
+    camera.look_from(Viewpoint::top);
+    EXPECT_LT((camera.forward() + Vector3::UnitY()).norm(), kExact);
+    EXPECT_LT((camera.right() - Vector3::UnitX()).norm(), kExact);
+    camera.look_from(Viewpoint::front);
+    EXPECT_LT((camera.forward() + Vector3::UnitZ()).norm(), kExact);
+    EXPECT_LT((camera.up() - Vector3::UnitY()).norm(), kExact);
 }
 
 TEST(Camera, OrbitKeepsDistanceAndTarget) {
@@ -251,23 +218,50 @@ TEST(Camera, PanCarriesTheTargetPlaneAlongWithTheMouse) {
     }
 }
 
-TEST(Camera, ZoomBackAndForthComesBack) {
+const Vector3 kBoxCorner_m(0.1, 0.1, 0.1);
+
+TEST(Camera, ZoomKeepsThePointThatItZoomsToAtItsPixel) {
     RandomViews random(11);
-    Camera camera;
-    camera.frame(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), 1.5);
-    const double distance_m = camera.distance_m();
-    camera.zoom(3.0);
-    EXPECT_LT(camera.distance_m(), distance_m);
-    camera.zoom(-3.0);
-    EXPECT_NEAR(camera.distance_m(), distance_m, kExact);
+    int nearer = 0;
+    for (int i = 0; i < 500; ++i) {
+        Camera camera = random.camera();
+        const Vector3 about_m = camera.target_m() + random.point(0.3 * camera.distance_m());
+        const std::optional<PixelPoint> before = camera.pixel_of(about_m, kViewport);
+        ASSERT_TRUE(before.has_value());
+        const double depth_m = (about_m - camera.eye_m()).dot(camera.forward());
+        const double distance_m = camera.distance_m();
+        camera.zoom(random.between(-6.0, 6.0), about_m);
+        const std::optional<PixelPoint> after = camera.pixel_of(about_m, kViewport);
+        ASSERT_TRUE(after.has_value());
+        // Hundreds of pixels, each with a rounding error of some 1e-16 of the distance.
+        ASSERT_NEAR(after->x_px, before->x_px, 1e-8);
+        ASSERT_NEAR(after->y_px, before->y_px, 1e-8);
+        // The point is as much nearer as the target is.
+        ASSERT_NEAR((about_m - camera.eye_m()).dot(camera.forward()) / depth_m,
+                    camera.distance_m() / distance_m, 1e-9);
+        nearer += camera.distance_m() < distance_m ? 1 : 0;
+    }
+    EXPECT_GT(nearer, 100); // both directions were tried
+    EXPECT_LT(nearer, 400);
 }
 
-TEST(Camera, ZoomNeverPassesThroughTheTarget) {
-    Camera camera;
-    camera.frame(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), 1.5);
-    camera.zoom(1e6);
+TEST(Camera, ZoomBackAndForthComesBack) {
+    Camera camera = testing::framed_box(-kBoxCorner_m, kBoxCorner_m, kViewport);
+    const Camera before = camera;
+    const Vector3 about_m(0.05, 0.02, -0.03);
+    camera.zoom(3.0, about_m);
+    EXPECT_LT(camera.distance_m(), before.distance_m());
+    camera.zoom(-3.0, about_m);
+    EXPECT_NEAR(camera.distance_m(), before.distance_m(), kExact);
+    EXPECT_LT((camera.eye_m() - before.eye_m()).norm(), kExact);
+}
+
+TEST(Camera, ZoomNeverPassesThroughThePoint) {
+    Camera camera = testing::framed_box(-kBoxCorner_m, kBoxCorner_m, kViewport);
+    camera.zoom(1e6, kBoxCorner_m);
     EXPECT_GT(camera.distance_m(), 0.0);
-    camera.zoom(-1e6);
+    EXPECT_GT((kBoxCorner_m - camera.eye_m()).dot(camera.forward()), 0.0);
+    camera.zoom(-1e6, kBoxCorner_m);
     EXPECT_LT(camera.distance_m(), 100.0);
 }
 

@@ -4,6 +4,7 @@
 
 #include "app/view/gl_vector.h"
 #include "tests/support/devices.h"
+#include "tests/support/framed_box.h"
 
 #include <Eigen/Geometry>
 #include <glm/geometric.hpp>
@@ -148,7 +149,8 @@ TEST(LinkageSolids, AreRedWhenTripped) {
 class Markers : public ::testing::Test {
 protected:
     Markers() {
-        camera.frame(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), 880.0 / 520.0);
+        camera =
+            testing::framed_box(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), {880.0, 520.0});
         state.touching = true;
         state.proxy_m = Vector3(0.02, 0.03, -0.01);
         state.normal = Vector3(2.0, 3.0, 6.0) / 7.0;
@@ -194,7 +196,7 @@ TEST_F(Markers, ThereIsNoArrowWithoutAForceOrWithOneThatIsNoNumber) {
 }
 
 TEST_F(Markers, BallsKeepALegibleSizeFromAfar) {
-    camera.zoom(-15.0);
+    camera.zoom(-15.0, camera.target_m());
     const Solid proxy = only_one(solids(), Shape::ball);
     const double radius_m = (end_of(proxy) - start_of(proxy)).norm();
     EXPECT_GT(radius_m, kProxyRadius_m);

@@ -26,7 +26,7 @@ struct Box {
 
 /// What a reader would see of the report's widgets, panels apart.
 std::vector<Box> boxes_of(const Report &report) {
-    static const std::set<std::string> kSurfaces{"panel", "tooltip"};
+    static const std::set<std::string> kSurfaces{"panel", "tooltip", "drawing"};
     std::vector<Box> boxes;
     for (const auto &item : report.all().at("items")) {
         if (kSurfaces.contains(item.at("kind")) || !item.value("visible", true)) {
