@@ -37,59 +37,115 @@ Vector3 pivot_axis(const device::LinkagePose &pose) {
                                              : Vector3::UnitY().cross(outward).normalized();
 }
 
+// The linkage is drawn in four planes side by side, so that no part passes through another in any
+// pose. The forearm, which ends at the tip, is in the middle. Along the pivot axis:
+constexpr double kArmAside_m = -0.0140;  // beside the column and the forearm
+constexpr double kCrankAside_m = 0.0175; // beside the column, at the motors' end
+constexpr double kRodAside_m = 0.0260;   // beside the crank
+
+constexpr double kColumnRadius_m = 0.0080;
+constexpr double kMotorRadius_m = 0.0170;
+constexpr double kMotorFrom_m = -0.0280;
+constexpr double kMotorTo_m = 0.0125;
+constexpr double kHubRadius_m = 0.0090; // of the crank
+constexpr double kArmRadius_m = 0.0052;
+constexpr double kCrankRadius_m = 0.0042;
+constexpr double kRodRadius_m = 0.0030;
+constexpr double kForearmRadius_m = 0.0042;
+constexpr double kElbowRadius_m = 0.0085;
+constexpr double kPinRadius_m = 0.0048;
+constexpr double kRim_m = 0.0010; // by which pins and hubs stand out over what they hold
+
 struct Builder {
     Vector3 pivot_axis;
     Paint paint;
-    std::vector<Solid> solids;
+    std::vector<LinkageSolid> solids;
 
-    void bar(const Vector3 &from_m, const Vector3 &to_m, double radius_m) {
-        solids.push_back(spindle(Shape::cylinder, from_m, to_m, radius_m, paint(kBarColour)));
-        solids.push_back(ball(from_m, radius_m, paint(kBarColour)));
-        solids.push_back(ball(to_m, radius_m, paint(kBarColour)));
+    [[nodiscard]] Vector3 aside(const Vector3 &at_m, double aside_m) const {
+        return at_m + aside_m * pivot_axis;
     }
 
-    /// A short cylinder along the pivot axis.
-    void joint(const Vector3 &at_m, double radius_m, double width_m,
-               const Colour &colour = kJointColour) {
-        const Vector3 half_m = width_m / 2.0 * pivot_axis;
-        solids.push_back(
-            spindle(Shape::cylinder, at_m - half_m, at_m + half_m, radius_m, paint(colour)));
+    void add(LinkagePart part, const Solid &solid) { solids.push_back({part, solid}); }
+
+    void bar(LinkagePart part, const Vector3 &from_m, const Vector3 &to_m, double radius_m) {
+        add(part, spindle(Shape::cylinder, from_m, to_m, radius_m, paint(kBarColour)));
+        add(part, ball(from_m, radius_m, paint(kBarColour)));
+        add(part, ball(to_m, radius_m, paint(kBarColour)));
+    }
+
+    /// A cylinder about the pivot axis through a joint.
+    void drum(LinkagePart part, const Vector3 &joint_m, double from_m, double to_m, double radius_m,
+              const Colour &colour = kJointColour) {
+        add(part, spindle(Shape::cylinder, aside(joint_m, from_m), aside(joint_m, to_m), radius_m,
+                          paint(colour)));
     }
 
     void post(const Vector3 &foot_m, double height_m, double radius_m) {
         const Vector3 head_m = foot_m + height_m * Vector3::UnitY();
-        solids.push_back(spindle(Shape::cylinder, foot_m, head_m, radius_m, paint(kBaseColour)));
+        add(LinkagePart::base,
+            spindle(Shape::cylinder, foot_m, head_m, radius_m, paint(kBaseColour)));
     }
 
-    void forearm(const Vector3 &elbow_m, const Vector3 &tip_m, double radius_m) {
-        solids.push_back(spindle(Shape::taper, elbow_m, tip_m, radius_m, paint(kBarColour)));
+    void base(const Vector3 &motors_m, double floor_height_m) {
+        const Vector3 foot_m(motors_m.x(), floor_height_m, motors_m.z());
+        post(foot_m, 0.010, 0.048); // plate
+        post(foot_m, 0.022, 0.032); // hub
+        if (motors_m.y() > floor_height_m) {
+            post(foot_m, motors_m.y() - floor_height_m, kColumnRadius_m);
+        }
+        drum(LinkagePart::base, motors_m, kMotorFrom_m, kMotorTo_m, kMotorRadius_m, kBaseColour);
+        drum(LinkagePart::base, motors_m, kMotorFrom_m - 0.003, kMotorFrom_m, kHubRadius_m);
+    }
+
+    void upper_arm(const Vector3 &motors_m, const Vector3 &elbow_m) {
+        bar(LinkagePart::upper_arm, aside(motors_m, kArmAside_m), aside(elbow_m, kArmAside_m),
+            kArmRadius_m);
+        drum(LinkagePart::upper_arm, elbow_m, kArmAside_m - kArmRadius_m - kRim_m,
+             kForearmRadius_m + kRim_m, kElbowRadius_m);
+    }
+
+    void crank(const Vector3 &motors_m, const Vector3 &end_m) {
+        drum(LinkagePart::crank, motors_m, kMotorTo_m, kCrankAside_m + kCrankRadius_m,
+             kHubRadius_m);
+        bar(LinkagePart::crank, aside(motors_m, kCrankAside_m), aside(end_m, kCrankAside_m),
+            kCrankRadius_m);
+        drum(LinkagePart::crank, end_m, kCrankAside_m - kCrankRadius_m,
+             kRodAside_m + kRodRadius_m + kRim_m, kPinRadius_m);
+    }
+
+    void rod(const Vector3 &crank_m, const Vector3 &coupling_m) {
+        bar(LinkagePart::rod, aside(crank_m, kRodAside_m), aside(coupling_m, kRodAside_m),
+            kRodRadius_m);
+    }
+
+    void forearm(const Vector3 &elbow_m, const Vector3 &coupling_m, const Vector3 &tip_m) {
+        add(LinkagePart::forearm,
+            spindle(Shape::taper, elbow_m, tip_m, kForearmRadius_m, paint(kBarColour)));
+        drum(LinkagePart::forearm, coupling_m, -kForearmRadius_m - kRim_m,
+             kRodAside_m + kRodRadius_m + kRim_m, kPinRadius_m);
     }
 };
 
 } // namespace
 
+std::vector<LinkageSolid> linkage_parts(const device::LinkagePose &pose, double floor_height_m,
+                                        bool tripped) {
+    Builder build{pivot_axis(pose), Paint{tripped}, {}};
+    build.base(pose.base_m, floor_height_m);
+    build.upper_arm(pose.base_m, pose.elbow_m);
+    build.crank(pose.base_m, pose.crank_m);
+    build.rod(pose.crank_m, pose.coupling_m);
+    build.forearm(pose.elbow_m, pose.coupling_m, pose.tip_m);
+    return build.solids;
+}
+
 std::vector<Solid> linkage_solids(const device::LinkagePose &pose, double floor_height_m,
                                   bool tripped) {
-    Builder build{pivot_axis(pose), Paint{tripped}, {}};
-
-    Vector3 foot_m = pose.base_m;
-    foot_m.y() = floor_height_m;
-    build.post(foot_m, 0.010, 0.048); // plate
-    build.post(foot_m, 0.022, 0.032); // hub
-    if (pose.base_m.y() > floor_height_m) {
-        build.post(foot_m, pose.base_m.y() - floor_height_m, 0.009); // turret
+    std::vector<Solid> solids;
+    for (const LinkageSolid &each : linkage_parts(pose, floor_height_m, tripped)) {
+        solids.push_back(each.solid);
     }
-    build.joint(pose.base_m, 0.015, 0.050, kBaseColour); // both motors of the linkage
-    build.joint(pose.base_m, 0.009, 0.056);
-
-    build.bar(pose.base_m, pose.elbow_m, 0.0052);
-    build.bar(pose.base_m, pose.crank_m, 0.0042);
-    build.bar(pose.crank_m, pose.coupling_m, 0.0030);
-    build.forearm(pose.elbow_m, pose.tip_m, 0.0042);
-    build.joint(pose.elbow_m, 0.0085, 0.016);
-    build.joint(pose.crank_m, 0.0060, 0.013);
-    build.joint(pose.coupling_m, 0.0060, 0.013);
-    return build.solids;
+    return solids;
 }
 
 } // namespace springdrive::app
