@@ -27,6 +27,9 @@ namespace springdrive::app {
 
 namespace {
 
+/// Four samples take three times as long where the processor draws.
+constexpr int kSamples = 4;
+
 constexpr double kUploadPerFrame_s = 0.25 * kFrame_s; // a large scene takes several frames
 
 /// The glTF files of a folder, sorted by name.
@@ -61,7 +64,8 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
-      desk_(session), keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
+      renderer_(Window::draws_in_software() ? 0 : kSamples), desk_(session),
+      keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
     scene_panel_.files = offered_scenes(options.session.scene);
     scene_panel_.plant.assistant = &assistant_;
     assistant_.opens_itself = !options.unattended();

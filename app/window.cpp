@@ -43,17 +43,6 @@ void on_glfw_error(int code, const char *text) {
     glfw_complaint() = std::string(text) + " (GLFW " + std::to_string(code) + ")";
 }
 
-GLFWwindow *create_window(const std::string &title, Window::Size size, int samples) {
-    glfwWindowHint(GLFW_SAMPLES, samples);
-    return glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
-}
-
-bool draws_in_software(GLFWwindow *window) {
-    glfwMakeContextCurrent(window);
-    const auto *renderer = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
-    return renderer != nullptr && is_software_renderer(renderer);
-}
-
 float display_scale(GLFWwindow *window) {
     float x = 1.0F;
     float y = 1.0F;
@@ -89,14 +78,10 @@ Window::Window(const std::string &title, Size size, double scale) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    glfwWindowHint(GLFW_SAMPLES, 0); // the scene has its own, see MultisampledTarget
     const bool chooses_size = size.width <= 0 || size.height <= 0;
     size = chooses_size ? kDefaultSize : size;
-    window_ = create_window(title, size, 4);
-    if (window_ != nullptr && draws_in_software(window_)) {
-        // With four samples per pixel, software rendering of a frame takes three times as long.
-        glfwDestroyWindow(window_);
-        window_ = create_window(title, size, 0);
-    }
+    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
         const std::string why = glfw_complaint();
         glfwTerminate();
@@ -187,6 +172,11 @@ void Window::choose_font() {
     ImFontConfig plain;
     plain.SizePixels = std::round(kFontPixels * scale_);
     io.Fonts->AddFontDefault(&plain);
+}
+
+bool Window::draws_in_software() {
+    const auto *renderer = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
+    return renderer != nullptr && is_software_renderer(renderer);
 }
 
 bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }

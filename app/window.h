@@ -39,6 +39,9 @@ public:
 
     [[nodiscard]] bool is_closing() const;
 
+    /// Whether the processor does what a graphics card would do.
+    [[nodiscard]] static bool draws_in_software();
+
     /// Polls events and begins an ImGui frame.
     void begin_frame();
 

@@ -7,10 +7,12 @@ layout(location = 3) in vec2 texture_coordinate;
 uniform mat4 model;
 uniform mat3 normal_matrix;
 uniform mat4 view_projection;
+uniform mat4 light;  // from the world to the shadow maps
 uniform vec4 colour; // linear
 
 out vec3 world_position_m;
 out vec3 world_normal;
+out vec3 in_light;
 out vec4 base_colour;
 out vec2 base_coordinate;
 
@@ -18,6 +20,7 @@ void main() {
     vec4 world = model * vec4(position_m, 1.0);
     world_position_m = world.xyz;
     world_normal = normal_matrix * normal;
+    in_light = (light * world).xyz;
     base_colour = colour * vertex_colour;
     base_coordinate = texture_coordinate;
     gl_Position = view_projection * world;

@@ -135,6 +135,13 @@ GLuint FramebufferKind::create() {
 }
 void FramebufferKind::destroy(GLuint name) noexcept { glDeleteFramebuffers(1, &name); }
 
+GLuint RenderbufferKind::create() {
+    GLuint name = 0;
+    glGenRenderbuffers(1, &name);
+    return name;
+}
+void RenderbufferKind::destroy(GLuint name) noexcept { glDeleteRenderbuffers(1, &name); }
+
 GLuint ProgramKind::create() { return glCreateProgram(); }
 void ProgramKind::destroy(GLuint name) noexcept { glDeleteProgram(name); }
 
@@ -205,6 +212,25 @@ Texture2D::Texture2D(int width, int height, const Format &format,
 }
 
 void Texture2D::bind(int unit) const {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(GL_TEXTURE_2D, texture_.name());
+}
+
+DepthTexture::DepthTexture(int size) {
+    glBindTexture(GL_TEXTURE_2D, texture_.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT,
+                 GL_UNSIGNED_INT, nullptr);
+    constexpr std::array<GLfloat, 4> kFarthest{1.0F, 1.0F, 1.0F, 1.0F};
+    glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, kFarthest.data());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+}
+
+void DepthTexture::bind(int unit) const {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     glBindTexture(GL_TEXTURE_2D, texture_.name());
 }

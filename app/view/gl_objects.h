@@ -61,6 +61,10 @@ struct FramebufferKind {
     static GLuint create();
     static void destroy(GLuint name) noexcept;
 };
+struct RenderbufferKind {
+    static GLuint create();
+    static void destroy(GLuint name) noexcept;
+};
 struct ProgramKind {
     static GLuint create();
     static void destroy(GLuint name) noexcept;
@@ -69,6 +73,7 @@ struct ProgramKind {
 using Buffer = GlName<BufferKind>;
 using VertexArray = GlName<VertexArrayKind>;
 using Framebuffer = GlName<FramebufferKind>;
+using Renderbuffer = GlName<RenderbufferKind>;
 
 /// A vertex and a fragment shader, linked.
 class Program {
@@ -111,6 +116,19 @@ public:
 
     /// @param pixels first row at t = 0, without padding; empty leaves the content undefined
     Texture2D(int width, int height, const Format &format, std::span<const std::uint8_t> pixels);
+
+    void bind(int unit) const;
+    [[nodiscard]] GLuint name() const { return texture_.name(); }
+
+private:
+    GlName<TextureKind> texture_;
+};
+
+/// A square texture of depths. Reading compares with a depth: 1 where that is not behind, filtered
+/// linearly; and 1 beyond its edges.
+class DepthTexture {
+public:
+    explicit DepthTexture(int size);
 
     void bind(int unit) const;
     [[nodiscard]] GLuint name() const { return texture_.name(); }

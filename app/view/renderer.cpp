@@ -14,17 +14,10 @@ namespace {
 constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
 constexpr float kMarkerGlow = 0.55F;    // they keep their colour on the unlit side
 
-/// Sets the uniforms of the lit programs: the camera, and the identity transformation.
-void begin(const Program &lit, const glm::mat4 &view_projection, const Vector3 &eye_m) {
-    lit.use();
-    lit.set("view_projection", view_projection);
-    lit.set("eye_m", to_glm(eye_m));
-    lit.set("base_texture", 0);
-    lit.set("model", glm::mat4(1.0F));
-    lit.set("normal_matrix", glm::mat3(1.0F));
-    lit.set("colour", glm::vec4(1.0F));
-    lit.set("glow", 0.0F);
-}
+// The scene's shadows are seen from near; those of the linkage are cast in each frame.
+constexpr int kSceneShadow_px = 1024;
+constexpr int kMovingShadow_px = 512;
+constexpr double kLightPerWorkspace = 1.4; // radius of what the key light sees; includes the base
 
 } // namespace
 
@@ -33,16 +26,20 @@ struct Renderer::Frame {
     glm::mat4 view_projection;
     Vector3 eye_m;
     Vector3 forward;
+    Vector3 tip_m;
+    double floor_height_m;
     std::vector<Solid> linkage;
     std::vector<Solid> markers;
     Solid tip;
 };
 
-Renderer::Renderer()
+Renderer::Renderer(int samples)
     : background_("background", shaders::fullscreen_vert, shaders::background_frag),
       lit_("lit", shaders::lit_vert, shaders::lit_frag),
       lit_emissive_("lit, emissive", shaders::lit_vert, shaders::lit_frag, "EMISSIVE"),
-      lit_translucent_("lit, translucent", shaders::lit_vert, shaders::lit_frag, "TRANSLUCENT") {
+      lit_translucent_("lit, translucent", shaders::lit_vert, shaders::lit_frag, "TRANSLUCENT"),
+      depth_("depth", shaders::depth_vert, shaders::depth_frag), scene_shadow_(kSceneShadow_px),
+      moving_shadow_(kMovingShadow_px), target_(samples) {
     check_gl("setting up the renderer");
 }
 
@@ -57,6 +54,7 @@ void Renderer::upload(double duration_s) {
         scene_ = std::move(*next_scene_);
         next_scene_.reset();
         floor_.scene_changed();
+        scene_cast_ = false;
     }
 }
 
@@ -70,21 +68,17 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
     const Frame frame{camera.projection(aspect) * camera.view(),
                       camera.eye_m(),
                       camera.forward(),
+                      state.tip_m,
+                      state.floor_height_m,
                       linkage_solids(state.linkage, state.floor_height_m, state.tripped),
                       marker_solids(state, scale),
                       tip_solid(state, scale)};
 
     GLint target = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
-    floor_.lay(state.workspace, state.floor_height_m);
-    std::vector<Solid> casters = frame.linkage;
-    casters.push_back(frame.tip);
-    floor_.cast_shadows(scene_, painter_, casters);
-    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+    cast_shadows(frame, state);
 
-    glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
-    glEnable(GL_SCISSOR_TEST);
+    target_.begin(viewport.width, viewport.height);
     glDepthMask(GL_TRUE);
     glClear(GL_DEPTH_BUFFER_BIT);
     draw_background();
@@ -101,9 +95,49 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
-    glDisable(GL_SCISSOR_TEST);
     glBindVertexArray(0);
+    target_.end(static_cast<GLuint>(target), viewport.x, viewport.y);
     check_gl("drawing the view");
+}
+
+void Renderer::cast_shadows(const Frame &frame, const ViewState &state) {
+    std::vector<Solid> casters = frame.linkage;
+    casters.push_back(frame.tip);
+    floor_.lay(state.workspace, state.floor_height_m);
+    floor_.cast_shadows(scene_, painter_, casters);
+
+    const glm::mat4 light =
+        light_matrix(kTowardsKeyLight, to_glm(state.workspace.centre_m),
+                     static_cast<float>(kLightPerWorkspace * state.workspace.size_m.maxCoeff()));
+    if (light != light_ || !scene_cast_) {
+        scene_shadow_.cast(depth_, light, [&](const Program &depth) {
+            depth.set("model", glm::mat4(1.0F));
+            scene_.draw_casters();
+        });
+        light_ = light;
+        scene_cast_ = true;
+    }
+    moving_shadow_.cast(depth_, light,
+                        [&](const Program &depth) { painter_.draw_geometry(depth, casters); });
+}
+
+void Renderer::begin(const Program &lit, const Frame &frame) const {
+    lit.use();
+    lit.set("view_projection", frame.view_projection);
+    lit.set("eye_m", to_glm(frame.eye_m));
+    lit.set("tip_m", to_glm(frame.tip_m));
+    lit.set("floor_height_m", static_cast<float>(frame.floor_height_m));
+    lit.set("light", light_);
+    lit.set("key_direction", kTowardsKeyLight);
+    lit.set("base_texture", 0);
+    scene_shadow_.bind(2);
+    lit.set("scene_shadow", 2);
+    moving_shadow_.bind(3);
+    lit.set("moving_shadow", 3);
+    lit.set("model", glm::mat4(1.0F));
+    lit.set("normal_matrix", glm::mat3(1.0F));
+    lit.set("colour", glm::vec4(1.0F));
+    lit.set("glow", 0.0F);
 }
 
 void Renderer::draw_background() const {
@@ -113,17 +147,17 @@ void Renderer::draw_background() const {
 }
 
 void Renderer::draw_scene_and_linkage(const Frame &frame) const {
-    begin(lit_emissive_, frame.view_projection, frame.eye_m);
+    begin(lit_emissive_, frame);
     lit_emissive_.set("emissive_texture", 1);
     scene_.draw_opaque_emissive(lit_emissive_);
-    begin(lit_, frame.view_projection, frame.eye_m);
+    begin(lit_, frame);
     scene_.draw_opaque();
     painter_.draw(lit_, frame.linkage);
 }
 
 void Renderer::draw_markers(const Frame &frame) const {
     const std::span<const Solid> tip(&frame.tip, 1);
-    begin(lit_, frame.view_projection, frame.eye_m);
+    begin(lit_, frame);
     lit_.set("glow", kMarkerGlow);
     glEnable(GL_CULL_FACE);
     glCullFace(GL_BACK);
@@ -141,7 +175,7 @@ void Renderer::draw_markers(const Frame &frame) const {
 }
 
 void Renderer::draw_translucent(const Frame &frame) const {
-    begin(lit_translucent_, frame.view_projection, frame.eye_m);
+    begin(lit_translucent_, frame);
     lit_translucent_.set("emissive_texture", 1);
     scene_.draw_translucent(lit_translucent_, frame.forward);
 }

@@ -1,11 +1,13 @@
-// Draws the 3-D view: scene, floor, linkage and markers. OpenGL 3.3 core without multisampling,
-// fast enough for a software renderer.
+// Draws the 3-D view: scene, floor, linkage and markers, with shadows and several samples per
+// pixel. OpenGL 3.3 core, fast enough for a software renderer.
 #pragma once
 
 #include "app/view/camera.h"
 #include "app/view/floor.h"
 #include "app/view/gl_objects.h"
+#include "app/view/multisampled_target.h"
 #include "app/view/scene_meshes.h"
+#include "app/view/shadow_map.h"
 #include "app/view/solid_painter.h"
 #include "app/view/view_state.h"
 #include "engine/scene/scene.h"
@@ -30,7 +32,8 @@ struct ViewportPixels {
 class Renderer {
 public:
     /// @throw std::runtime_error with the shader's name and log if OpenGL rejects it.
-    Renderer();
+    /// @param samples  per pixel; 0 for none beside the pixel itself
+    explicit Renderer(int samples);
 
     /// Sets the scene to draw once `upload` has transferred it to the graphics card; until then,
     /// the previous one is drawn. @param scene must exist until then, or until another is set
@@ -52,6 +55,9 @@ public:
 private:
     struct Frame;
 
+    void cast_shadows(const Frame &frame, const ViewState &state);
+    /// Sets the uniforms of a lit program: camera, lights, and the identity transformation.
+    void begin(const Program &lit, const Frame &frame) const;
     void draw_background() const;
     void draw_scene_and_linkage(const Frame &frame) const;
     void draw_markers(const Frame &frame) const;
@@ -66,6 +72,12 @@ private:
     std::optional<SceneMeshes> next_scene_; ///< being uploaded
     std::vector<std::string> remarks_;
     Floor floor_;
+    Program depth_;
+    glm::mat4 light_{0.0F};   ///< of the shadow maps
+    ShadowMap scene_shadow_;  ///< the scene is static: cast once
+    ShadowMap moving_shadow_; ///< of linkage and tip
+    bool scene_cast_ = false;
+    MultisampledTarget target_;
     VertexArray no_vertices_;
 };
 

@@ -140,4 +140,12 @@ void SceneMeshes::draw_all() const {
     }
 }
 
+void SceneMeshes::draw_casters() const {
+    for (const Item &item : items_) {
+        if (!item.translucent) {
+            item.mesh.draw();
+        }
+    }
+}
+
 } // namespace springdrive::app

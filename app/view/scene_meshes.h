@@ -35,7 +35,8 @@ public:
     /// @param lit is active, with emissive_texture at unit 1
     /// @param forward unit, from the eye into the scene
     void draw_translucent(const Program &lit, const Vector3 &forward) const;
-    void draw_all() const; ///< without textures
+    void draw_all() const;     ///< without textures
+    void draw_casters() const; ///< the same of what is not translucent
 
 private:
     struct Item {

@@ -1,6 +1,7 @@
 #include "app/view/shadow_mask.h"
 
 #include "app/view/embedded_shaders.h"
+#include "app/view/shadow_map.h"
 
 #include <stdexcept>
 
@@ -46,6 +47,7 @@ void ShadowMask::cast(const ShadowPrograms &programs, const ShadowArea &area,
     programs.cast.set("centre_m", area.centre_m);
     programs.cast.set("half_size_m", area.half_size_m);
     programs.cast.set("floor_height_m", area.height_m);
+    programs.cast.set("key_direction", kTowardsKeyLight);
     draw_casters(programs.cast);
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);

@@ -1,5 +1,5 @@
-// A soft vertical shadow on a square of floor, as a small texture: independent of the window's
-// buffers, blurred once instead of for every pixel of the floor.
+// A soft shadow of the key light on a square of floor, as a small texture: independent of the
+// window's buffers, blurred once instead of for every pixel of the floor.
 #pragma once
 
 #include "app/view/gl_objects.h"
