@@ -27,10 +27,10 @@ uniform sampler2D emissive_texture;
 
 out vec4 pixel;
 
-const vec3 kKey = vec3(1.00, 0.96, 0.90) * 0.86;
-const vec3 kSky = vec3(0.50, 0.55, 0.62) * 0.72;
-const vec3 kGround = vec3(0.34, 0.32, 0.30) * 0.62;
-const vec3 kEye = vec3(0.12);
+const vec3 kKey = vec3(1.00, 0.96, 0.90) * 0.64;
+const vec3 kSky = vec3(0.50, 0.55, 0.62) * 0.62;
+const vec3 kGround = vec3(0.34, 0.32, 0.30) * 0.55;
+const vec3 kEye = vec3(0.10);
 const float kHighlight = 0.16;
 const float kRim = 0.18;
 
