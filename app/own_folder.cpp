@@ -1,6 +1,7 @@
 #include "app/own_folder.h"
 
-#include <cstdlib>
+#include "app/user_folder.h"
+
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -11,12 +12,6 @@ namespace springdrive::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// An absolute folder that a variable of the environment names; else empty.
-fs::path folder_in(const char *variable) {
-    const char *value = std::getenv(variable); // NOLINT(concurrency-mt-unsafe)
-    return value != nullptr && *value == '/' ? value : "";
-}
 
 /// Whether files are to be expected here: who starts the program from a menu did not choose it.
 bool was_chosen(const fs::path &home) {
@@ -33,11 +28,11 @@ const fs::path &own_folder() {
 }
 
 fs::path choose_own_folder() {
-    const fs::path home = folder_in("HOME");
+    const fs::path home = folder_named_by("HOME");
     if (was_chosen(home) || home.empty()) {
         return ".";
     }
-    const fs::path config = folder_in("XDG_CONFIG_HOME");
+    const fs::path config = folder_named_by("XDG_CONFIG_HOME");
     return documents_folder((config.empty() ? home / ".config" : config) / "user-dirs.dirs", home) /
            "springdrive";
 }

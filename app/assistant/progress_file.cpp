@@ -1,5 +1,6 @@
 #include "app/assistant/progress_file.h"
 
+#include "app/user_folder.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <ostream>
 #include <system_error>
@@ -24,21 +24,11 @@ struct Mark {
 };
 constexpr std::array<Mark, 2> kMarks{{{"done ", &Progress::done}, {"failed ", &Progress::failed}}};
 
-/// An absolute folder that a variable of the environment names; else empty.
-std::filesystem::path named_folder(const char *variable) {
-    const char *value = std::getenv(variable); // NOLINT(concurrency-mt-unsafe)
-    return value != nullptr && *value == '/' ? value : "";
-}
-
 } // namespace
 
 std::filesystem::path progress_folder() {
-    std::filesystem::path state = named_folder("XDG_STATE_HOME");
-    if (state.empty()) {
-        const std::filesystem::path home = named_folder("HOME");
-        state = home.empty() ? home : home / ".local" / "state";
-    }
-    return state.empty() ? state : state / "springdrive" / "assistant";
+    const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+    return state.empty() ? state : state / "assistant";
 }
 
 std::string progress_name(const std::string &kind, const std::string &serial) {

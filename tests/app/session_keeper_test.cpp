@@ -4,39 +4,16 @@
 
 #include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <set>
-#include <sys/resource.h>
 #include <thread>
 
 namespace springdrive::app {
 namespace {
-
-/// Files of this process cannot grow beyond `bytes` while this lives, as on a full disk.
-class FullDisk {
-public:
-    explicit FullDisk(std::uint64_t bytes) {
-        before_ = std::signal(SIGXFSZ, SIG_IGN);
-        getrlimit(RLIMIT_FSIZE, &limit_);
-        rlimit small = limit_;
-        small.rlim_cur = bytes;
-        setrlimit(RLIMIT_FSIZE, &small);
-    }
-    ~FullDisk() {
-        setrlimit(RLIMIT_FSIZE, &limit_);
-        std::signal(SIGXFSZ, before_);
-    }
-    FullDisk(const FullDisk &) = delete;
-    FullDisk &operator=(const FullDisk &) = delete;
-
-private:
-    rlimit limit_{};
-    void (*before_)(int) = nullptr;
-};
 
 class SessionKeeperTest : public ::testing::Test {
 protected:
@@ -190,7 +167,7 @@ TEST_F(SessionKeeperTest, KeepsThePastOfEarlierDevices) {
 TEST_F(SessionKeeperTest, TriesAgainWhatAFullDiskPrevented) {
     run(4.0);
     {
-        const FullDisk full(200'000);
+        const testing::FullDisk full(200'000);
         keep();
         run(0.5);
         EXPECT_FALSE(keeper.is_kept());

@@ -1,0 +1,80 @@
+// What the window remembers from one run to the next, in a small file:
+//
+//   springdrive settings 1
+//   text_size 1.25
+//   window 1600 900
+//   panels hidden
+//   start dismissed
+//   recent /home/ann/bone.glb
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+struct Settings {
+    static constexpr std::size_t kMostRecent = 8;
+
+    double text_size = 1.0; ///< of text and panels, times the display's scale
+    int width = 0;          ///< of the window in pixels; 0: by the display
+    int height = 0;
+    bool hides_panels = false;                 ///< scene and read-outs only
+    bool dismissed_start = false;              ///< the plate of the first minute
+    std::vector<std::filesystem::path> recent; ///< scenes, records, sessions; the newest first
+
+    friend bool operator==(const Settings &, const Settings &) = default;
+};
+
+/// The range of `Settings::text_size`, and its steps by key.
+inline constexpr double kLeastTextSize = 0.5;
+inline constexpr double kGreatestTextSize = 3.0;
+
+/// The next size of text in that direction, in steps that are seen; the same at the end.
+[[nodiscard]] double next_text_size(double now, bool larger);
+
+/// $XDG_CONFIG_HOME/springdrive/settings, or ~/.config/springdrive/settings; empty where neither is
+/// known.
+[[nodiscard]] std::filesystem::path settings_file();
+
+/// The defaults if there is no such file. @throw InputError with file, line and what is wrong
+[[nodiscard]] Settings read_settings(const std::filesystem::path &file);
+
+/// Makes the folder, too. A file that cannot be written completely stays as it was.
+/// @throw InputError if it cannot be written
+void write_settings(const std::filesystem::path &file, const Settings &settings);
+
+/// Puts a file at the head of the list of recent ones, once, by its absolute name. A name with a
+/// line end is not remembered.
+void note_recent(Settings &settings, const std::filesystem::path &file);
+
+/// The settings of a run: read at its start, saved when they change. What cannot be read or written
+/// is said once and never ends the run.
+class SettingsKeeper {
+public:
+    /// @param file  empty: nothing is remembered
+    explicit SettingsKeeper(std::filesystem::path file);
+
+    [[nodiscard]] bool remembers() const { return !file_.empty(); }
+    Settings now;
+
+    /// Writes the file if anything has changed. One that could not be read is renamed first.
+    void save();
+    /// All as in a first run; the file is removed.
+    void reset();
+
+    /// Why they could not be read or written, once; else empty.
+    [[nodiscard]] std::string take_complaint();
+
+private:
+    void set_damaged_aside();
+
+    std::filesystem::path file_;
+    Settings saved_;
+    bool is_damaged_ = false; ///< the file is not ours to replace
+    std::string complaint_;
+};
+
+} // namespace springdrive::app

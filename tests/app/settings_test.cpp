@@ -1,0 +1,202 @@
+// Covers app/settings.cpp: what the window remembers, and files that are damaged or cannot be
+// written.
+#include "app/settings.h"
+
+#include "base/input_error.h"
+#include "tests/support/complaint.h"
+#include "tests/support/files.h"
+#include "tests/support/full_disk.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+
+namespace springdrive::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WindowSettings : public ::testing::Test {
+protected:
+    void write(const std::string &text) const { std::ofstream(file, std::ios::binary) << text; }
+
+    fs::path folder = testing::fresh_folder("settings");
+    fs::path file = folder / "settings";
+};
+
+Settings all_changed() {
+    Settings settings;
+    settings.text_size = 1.25;
+    settings.width = 1600;
+    settings.height = 900;
+    settings.hides_panels = true;
+    settings.dismissed_start = true;
+    settings.recent = {"/a b/bone ü.glb", "/tmp/\xff.rec"}; // no path need be UTF-8
+    return settings;
+}
+
+TEST_F(WindowSettings, AreReadAsTheyWereWritten) {
+    write_settings(folder / "new" / "settings", all_changed());
+    EXPECT_EQ(read_settings(folder / "new" / "settings"), all_changed());
+    write_settings(file, {});
+    EXPECT_EQ(read_settings(file), Settings());
+}
+
+TEST_F(WindowSettings, AreTheDefaultsWithoutAFile) {
+    EXPECT_EQ(read_settings(file), Settings());
+    EXPECT_EQ(read_settings(""), Settings());
+    SettingsKeeper none("");
+    none.now = all_changed();
+    none.save();
+    none.reset();
+    EXPECT_FALSE(none.remembers());
+    EXPECT_EQ(none.take_complaint(), "");
+}
+
+TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
+    const std::string heading = "springdrive settings 1\n";
+    const std::array<std::pair<std::string, std::string>, 13> damaged{{
+        {"", ":1: must be 'springdrive settings 1'"},
+        {"springdrive settings 2\n", ":1: must be"},
+        {std::string("\0\xff\n", 3), ":1: must be"},
+        {heading + "scale 2\n", ":2: 'scale' is no setting"},
+        {heading + "\n", ":2: '' is no setting"},
+        {heading + "text_size\n", ":2: text_size must be followed by a number from 0.5 to 3"},
+        {heading + "text_size nan\n", ":2: text_size must"},
+        {heading + "text_size 3.01\n", ":2: text_size must"},
+        {heading + "text_size 2\nwindow 800\n", ":3: window must be followed by two numbers"},
+        {heading + "window 800 239\n", ":2: window must"},
+        {heading + "panels shown\n", ":2: panels must be followed by hidden"},
+        {heading + "recent bone.glb\n", ":2: recent must be followed by an absolute path"},
+        {heading + "start dismissed \n", ":2: start must be followed by dismissed"},
+    }};
+    for (const auto &[text, complaint] : damaged) {
+        write(text);
+        const std::string said = testing::complaint_of([&] { (void)read_settings(file); });
+        EXPECT_NE(said.find(file.string() + complaint), std::string::npos) << said;
+        EXPECT_NE(said.find("--reset-settings"), std::string::npos) << said;
+        EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    }
+    write(heading + "text_size 0.5\nwindow 320 16384\n"); // the ends of the ranges
+    EXPECT_EQ(read_settings(file).text_size, 0.5);
+    EXPECT_EQ(read_settings(file).height, 16384);
+}
+
+TEST_F(WindowSettings, ThatAreDamagedAreKeptBesideTheNewOnes) {
+    for (const char *name : {"settings.damaged", "settings-2.damaged"}) {
+        write("typed by hand\n");
+        SettingsKeeper keeper(file);
+        EXPECT_EQ(keeper.now, Settings());
+        EXPECT_NE(keeper.take_complaint().find(":1: must be"), std::string::npos);
+        EXPECT_EQ(keeper.take_complaint(), ""); // once
+        keeper.save();
+        EXPECT_EQ(testing::contents_of(file), "typed by hand\n"); // nothing has changed
+        keeper.now = all_changed();
+        keeper.save();
+        EXPECT_EQ(keeper.take_complaint(), "");
+        EXPECT_EQ(read_settings(file), all_changed());
+        EXPECT_EQ(testing::contents_of(folder / name), "typed by hand\n");
+    }
+}
+
+TEST_F(WindowSettings, OfAFolderThatCannotBeUsedAreSaidOnce) {
+    write("not a folder");
+    SettingsKeeper keeper(file / "springdrive" / "settings");
+    EXPECT_EQ(keeper.take_complaint(), ""); // there are none
+    keeper.now.hides_panels = true;
+    keeper.save();
+    EXPECT_NE(keeper.take_complaint().find("not remembered"), std::string::npos);
+    keeper.save();
+    EXPECT_EQ(keeper.take_complaint(), "");
+    EXPECT_EQ(testing::contents_of(file), "not a folder");
+}
+
+TEST_F(WindowSettings, OfAReadOnlyFolderAreUsedButNotReplaced) {
+    // No user may create files there, root neither.
+    SettingsKeeper keeper("/proc/springdrive/settings");
+    keeper.now.hides_panels = true;
+    keeper.save();
+    const std::string said = keeper.take_complaint();
+    EXPECT_NE(said.find("/proc/springdrive/settings"), std::string::npos) << said;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    EXPECT_TRUE(keeper.now.hides_panels); // for this run
+    SettingsKeeper device("/dev/full");
+    EXPECT_NE(device.take_complaint().find("cannot be read"), std::string::npos);
+}
+
+TEST_F(WindowSettings, AreAsTheyWereWhenTheDiskIsFull) {
+    write_settings(file, all_changed());
+    SettingsKeeper keeper(file);
+    keeper.now.text_size = 2.0;
+    {
+        const testing::FullDisk full(10);
+        keeper.save();
+    }
+    EXPECT_NE(keeper.take_complaint().find("is the disk full?"), std::string::npos);
+    EXPECT_EQ(read_settings(file), all_changed());
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1); // no remains
+    keeper.now.text_size = 2.5;
+    keeper.save(); // there is room again
+    EXPECT_EQ(read_settings(file).text_size, 2.5);
+}
+
+TEST_F(WindowSettings, ResetRemovesTheFile) {
+    write_settings(file, all_changed());
+    SettingsKeeper keeper(file);
+    EXPECT_EQ(keeper.now, all_changed());
+    keeper.reset();
+    EXPECT_EQ(keeper.now, Settings());
+    EXPECT_FALSE(fs::exists(file));
+    keeper.reset(); // there is none
+    EXPECT_EQ(keeper.take_complaint(), "");
+    keeper.now = all_changed();
+    keeper.save();
+    EXPECT_EQ(read_settings(file), all_changed());
+}
+
+TEST_F(WindowSettings, RememberTheNewestFilesOnce) {
+    Settings settings;
+    for (int i = 0; i < 12; ++i) {
+        note_recent(settings, "/scenes/" + std::to_string(i) + ".glb");
+    }
+    ASSERT_EQ(settings.recent.size(), Settings::kMostRecent);
+    EXPECT_EQ(settings.recent.front(), "/scenes/11.glb");
+    EXPECT_EQ(settings.recent.back(), "/scenes/4.glb");
+    note_recent(settings, "/scenes/x/../4.glb");
+    EXPECT_EQ(settings.recent.size(), Settings::kMostRecent);
+    EXPECT_EQ(settings.recent.front(), "/scenes/4.glb");
+    const Settings before = settings;
+    note_recent(settings, "/scenes/a\nb.glb");
+    note_recent(settings, "");
+    EXPECT_EQ(settings, before);
+    note_recent(settings, "here.rec");
+    EXPECT_EQ(settings.recent.front(), fs::current_path() / "here.rec");
+    write_settings(file, settings);
+    EXPECT_EQ(read_settings(file), settings);
+}
+
+TEST(TextSize, GoesInStepsToItsEndsAndBack) {
+    double size = 1.0;
+    int steps = 0;
+    for (; next_text_size(size, true) > size; ++steps) {
+        size = next_text_size(size, true);
+    }
+    EXPECT_EQ(size, kGreatestTextSize);
+    for (; steps > 0; --steps) {
+        size = next_text_size(size, false);
+    }
+    EXPECT_EQ(size, 1.0);
+    while (next_text_size(size, false) < size) {
+        size = next_text_size(size, false);
+    }
+    EXPECT_EQ(size, kLeastTextSize);
+    EXPECT_EQ(next_text_size(1.1, true), 1.25); // from between two steps
+    EXPECT_EQ(next_text_size(1.1, false), 1.0);
+}
+
+} // namespace
+} // namespace springdrive::app
