@@ -1,5 +1,6 @@
 #include "app/own_folder.h"
 #include "app/panels/panels.h"
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/tuning_difference.h"
 
@@ -47,6 +48,7 @@ void draw_differences(const TuningDesk &desk, const control::Tuning &other) {
     for (const control::TuningChange &change : changes) {
         const ui::Scope scope(change.name);
         ImGui::TableNextColumn();
+        const ui::ExplainedRow row(explanation_of(change.name), ui::ExplainedRow::Reach::items);
         ui::text(kFaintInk, "{}", change.symbol);
         for (const std::string &value : {change.before, change.after}) {
             ImGui::TableNextColumn();

@@ -1,5 +1,6 @@
 #include "app/panels/held_dR.h"
 
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"
@@ -29,14 +30,11 @@ double active_dR_Ohm(const session::Session &session) {
 }
 
 void draw_observed_resistances(session::Session &session) {
+    const ui::ExplainedRow row(explanation_of("observe R", "Ω"));
     bool is_wanted = session.wants_resistance_observed();
     if (ui::checkbox("observe R", is_wanted)) {
         session.observe_resistance(is_wanted);
     }
-    ui::explain("R of each winding, observed while it is driven:\n"
-                "R̂ follows it, so that dR is what the slider says. So are k_T,\n"
-                "for an equal K_q, and the offset of the current's sensor.\n"
-                "Otherwise all are those of the device file.");
     const control::ObservedMotors &R = session.latest().motor;
     if (!R.front().is_observed) {
         if (is_wanted) {

@@ -1,4 +1,5 @@
 #include "app/panels/panels.h"
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/workspace_edge.h"
@@ -54,6 +55,7 @@ bool edit_limit(const servo::SafetyLimit &limit, double device_value, double liv
     const double maximum = scale * device_value;
     const double minimum = kMinShare * maximum;
     const ui::Scope scope(limit.name);
+    const ui::ExplainedRow row(explanation_of(std::string("limit_") + limit.name));
     ImGui::AlignTextToFramePadding();
     ui::text(kFaintInk, "{}", limit.what);
     ImGui::SameLine(10.6F * font);
@@ -65,7 +67,6 @@ bool edit_limit(const servo::SafetyLimit &limit, double device_value, double liv
         const double digits = scale * live < 1e-3 * maximum ? 0.0 : scale * live;
         ui::text(digits > 0.9 * shown ? kWarning : kInk, "{:.3g}", digits);
     }
-    ui::explain("now");
     ImGui::SameLine(13.6F * font);
     ImGui::SetNextItemWidth(6.6F * font);
     bool changed = ui::slider_with_number("##slider", shown, minimum, maximum, "%.3g");

@@ -2,11 +2,13 @@
 
 #include "app/own_folder.h"
 #include "app/panels/held_dR.h"
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 namespace springdrive::app {
 
@@ -16,14 +18,18 @@ constexpr double kMinMargin = 1.0;
 constexpr double kMaxMargin = 3.0;
 
 /// One limit: its parameter, its value, and its distance from the current value.
-void show_headroom(const char *symbol, const StabilityHeadroom &headroom, const char *unit,
+void show_headroom(const control::Parameter &parameter, const StabilityHeadroom &headroom,
                    bool stable, bool upwards) {
+    const std::string_view unit = parameter.unit;
     const std::string way =
         std::string(stable ? " may " : " must ") + (upwards == stable ? "rise to" : "fall to");
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ui::text(kFaintInk, "{}{}", symbol, way);
-    ui::explain("predicted, other parameters unchanged, at the current configuration");
+    const ui::ExplainedRow row(explanation_of(parameter.name) +
+                                   "\nits limit is predicted, other parameters unchanged, at the "
+                                   "current configuration",
+                               ui::ExplainedRow::Reach::items);
+    ui::text(kFaintInk, "{}{}", parameter.symbol, way);
     ImGui::TableNextColumn();
     if (!headroom.limit) {
         ui::text(kFaintInk, "{}", stable ? "no limit found" : "does not help");
@@ -66,9 +72,12 @@ void show_prediction(const StabilityPrediction &prediction) {
     show_verdict(prediction);
     const bool stable = prediction.worst.is_stable();
     if (ImGui::BeginTable("room", 3, ImGuiTableFlags_SizingStretchProp)) {
-        show_headroom("K_P", prediction.K_P, "V/rad", stable, true);
-        show_headroom("K_D", prediction.K_D, "V·s/rad", stable, true);
-        show_headroom("dR", prediction.dR, "Ω", stable, false);
+        show_headroom(control::parameter_of(&control::Tuning::K_P_V_per_rad), prediction.K_P,
+                      stable, true);
+        show_headroom(control::parameter_of(&control::Tuning::K_D_Vs_per_rad), prediction.K_D,
+                      stable, true);
+        show_headroom(control::parameter_of(&control::Tuning::dR_Ohm), prediction.dR, stable,
+                      false);
         ImGui::EndTable();
     }
 }

@@ -1,6 +1,7 @@
 #include "app/panels/tuning_consequences.h"
 
 #include "app/panels/held_dR.h"
+#include "app/symbols.h"
 
 #include "app/widgets/widgets.h"
 #include "base/print.h"
@@ -16,18 +17,16 @@ namespace springdrive::app {
 
 namespace {
 
-/// A number with its unit, laid out as `label   value unit`.
-void show(const char *label, CheckedFormat<double> format, double value, const char *unit,
-          const char *explanation) {
+/// A number with its unit, laid out as `label   value unit`; explained by its label.
+void show(const char *label, CheckedFormat<double> format, double value, const char *unit) {
     ImGui::TableNextColumn();
+    const ui::ExplainedRow row(explanation_of(label, unit), ui::ExplainedRow::Reach::items);
     ui::text(kFaintInk, "{}", label);
-    ui::explain(explanation);
     ImGui::TableNextColumn();
     const ui::Scope scope(label);
     std::array<char, 32> digits{};
     print(digits, format, value);
     ui::text(kInk, "{} {}", digits.data(), unit);
-    ui::explain(explanation);
 }
 
 } // namespace
@@ -67,19 +66,14 @@ void show_consequences(const session::Session &session) {
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {
         return;
     }
-    show("K_L = K_HF", "{:.2f}", c.K_L_Nm_per_rad, "N·m/rad",
-         "inductive stiffness k_T²/L (4), (14)");
-    show("K_DC", "{:.3f}", c.K_DC_Nm_per_rad, "N·m/rad", "static stiffness k_T K_P/dR (13)");
-    show("B_dR", "{:.2e}", c.B_dR_Nms_per_rad, "N·m·s/rad", "residual series damper k_T²/dR (8)");
-    show("lag τ", "{:.2f}", 1000.0 * c.loop_lag_s, "ms",
-         "lag of the velocity loop: T (a/(1 − a) + 1 + d), a = exp(−λT)");
-    show("added", "{:.1e}", c.added_inertia_kg_m2, "kg·m²",
-         "inertia added to each rotor in free space: k_T² τ/dR");
-    show("at the tip", "{:.0f}", added_mass_g, "g",
-         "the same as a mass at the tip, mean over directions, at this configuration");
-    show("tip stiffness", "{:.2f}", 1e-3 * stiffness, "N/mm",
-         "(1 − η) α K_DC with the transpose map, on a rigid surface, at this configuration");
-    show("active α", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²", "α of (23) at this configuration");
+    show("K_L = K_HF", "{:.2f}", c.K_L_Nm_per_rad, "N·m/rad");
+    show("K_DC", "{:.3f}", c.K_DC_Nm_per_rad, "N·m/rad");
+    show("B_dR", "{:.2e}", c.B_dR_Nms_per_rad, "N·m·s/rad");
+    show("lag τ", "{:.2f}", 1000.0 * c.loop_lag_s, "ms");
+    show("added", "{:.1e}", c.added_inertia_kg_m2, "kg·m²");
+    show("at the tip", "{:.0f}", added_mass_g, "g");
+    show("tip stiffness", "{:.2f}", 1e-3 * stiffness, "N/mm");
+    show("active α", "{:.0f}", now.alpha_rad2_per_m2, "rad²/m²");
     ImGui::EndTable();
     show_held_up_dR(session);
     if (tuning.map == control::MotionMap::transpose &&

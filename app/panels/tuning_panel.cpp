@@ -3,6 +3,7 @@
 #include "app/panels/panels.h"
 #include "app/panels/presets.h"
 #include "app/panels/tuning_consequences.h"
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "engine/control/tuning.h"
@@ -102,10 +103,9 @@ void edit_parameter(session::Session &session, TuningDesk &desk, TuningPanelStat
     }
     const float font = ImGui::GetFontSize();
     const ui::Scope scope(parameter.name);
+    const ui::ExplainedRow row(explanation_of(parameter.name));
     ImGui::AlignTextToFramePadding();
     ui::text(acts ? kInk : kFaintInk, "{}", parameter.symbol);
-    ui::explain(
-        ui::formatted("{} {}\nfrom {}", parameter.help, parameter.equation, range_text(parameter)));
     ImGui::SameLine(2.9F * font);
     ImGui::SetNextItemWidth(9.0F * font);
     double &value = tuning.*parameter.value;
@@ -206,12 +206,12 @@ void draw_history_buttons(session::Session &session, TuningDesk &desk) {
 }
 
 void draw_map_choice(session::Session &session, TuningDesk &desk) {
+    const ui::ExplainedRow row(explanation_of("maps") + "\nkey M switches");
     control::Tuning tuning = desk.now();
     ImGui::SetNextItemWidth(9.0F * ImGui::GetFontSize());
     if (ui::choice("##map", tuning.map, control::kMotionMapLabels)) {
         desk.replace(session, tuning, "map " + std::string(control::label_of(tuning.map)));
     }
-    ui::explain("key M switches");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(8.0F * ImGui::GetFontSize());
     if (ui::choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels)) {

@@ -1,5 +1,6 @@
 #include "app/plots/channel_look.h"
 
+#include "app/symbols.h"
 #include "app/widgets/look.h"
 #include "base/degrees.h"
 #include "engine/control/perception.h"
@@ -47,23 +48,6 @@ const std::array<ImVec4, kColourCount> kColours{{{0.17F, 0.78F, 0.60F, 1.0F},
                                                  {0.72F, 0.64F, 0.48F, 1.0F},
                                                  {0.62F, 0.86F, 0.35F, 1.0F}}};
 
-/// "tip_x" of "tip_x_m": the unit stands at the axis.
-std::string without_unit(const session::Channel &channel) {
-    static constexpr std::array<std::string_view, 15> kUnits{
-        "_rad_per_s", "_m_per_s", "_Vs_per_rad", "_V_per_rad", "_rad2_per_m2",
-        "_Nm_per_A",  "_Ohm",     "_rad",        "_m",         "_s",
-        "_V",         "_A",       "_N",          "_J",         "_C"};
-    if (channel.unit == "1") {
-        return channel.name;
-    }
-    for (const std::string_view unit : kUnits) {
-        if (channel.name.ends_with(unit)) {
-            return channel.name.substr(0, channel.name.size() - unit.size());
-        }
-    }
-    return channel.name;
-}
-
 /// Which of three, if a channel belongs to a motor or is a component of a vector: the place of the
 /// digit or letter that says so in its label.
 struct Component {
@@ -97,7 +81,7 @@ std::vector<ChannelLook> all_looks() {
     constexpr std::size_t kOthers = kColourCount - 3;
     for (const session::Channel &channel : session::channels()) {
         const auto named = std::ranges::find(named_looks(), channel.name, &NamedLook::channel);
-        const std::string label = without_unit(channel);
+        const std::string label = without_unit(channel); // it stands at the axis
         if (named != named_looks().end()) {
             looks.push_back({std::string(named->label), named->stroke});
         } else if (const std::optional<Component> component = component_of(label)) {

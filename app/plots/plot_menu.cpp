@@ -3,6 +3,7 @@
 #include "app/plots/plot_menu.h"
 
 #include "app/plots/channel_look.h"
+#include "app/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 
@@ -30,7 +31,7 @@ std::string lower_case(std::string text) {
 bool matches(std::size_t channel, const std::string &words) {
     const session::Channel &known = session::channels()[channel];
     const std::string where =
-        lower_case(known.name + ' ' + look_of(channel).label + ' ' + known.about);
+        lower_case(known.name + ' ' + look_of(channel).label + ' ' + explanation_of(known.name));
     std::istringstream stream(lower_case(words));
     std::string word;
     while (stream >> word) {
@@ -85,6 +86,7 @@ void draw_channel_list(std::string &searched, float rows, IsChosen &&is_chosen, 
         }
         const session::Channel &known = session::channels()[channel];
         const bool is_shown = is_chosen(channel);
+        const ui::ExplainedRow row(explanation_of(known.name));
         draw_swatch(look_of(channel).stroke, PlotKind::time);
         ImGui::SameLine();
         // Several can be chosen before the menu closes.
@@ -93,9 +95,6 @@ void draw_channel_list(std::string &searched, float rows, IsChosen &&is_chosen, 
         }
         ui::enter(known.name, "entry", known.name, is_shown);
         offer_channel({channel});
-        if (!known.about.empty()) {
-            ui::explain(known.about);
-        }
     }
     ImGui::EndChild();
 }
@@ -159,9 +158,9 @@ bool draw_legend_entry(const Plot &plot, std::size_t channel, const LegendEntry 
     const session::Channel &known = session::channels()[channel];
     ui::enter(known.name, "legend", entry.text);
     offer_channel({channel, plot.id});
-    ui::explain(known.name + entry.values +
+    ui::explain(legend_text(plot.settings, channel) + entry.values +
                 "\na click removes it, a drag moves it to another plot, with Ctrl copies it" +
-                (known.about.empty() ? "" : "\n" + known.about));
+                "\n" + explanation_of(known.name));
     ImGui::PopID();
     return is_clicked;
 }

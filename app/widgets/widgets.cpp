@@ -13,7 +13,10 @@ struct State {
     WindowReport report;
     std::vector<std::string> scopes;
     bool is_disabled = false;
-    int number_typed_in = -1; ///< frame
+    int number_typed_in = -1;  ///< frame
+    std::size_t explained = 0; ///< tooltips of items so far
+    ImVec2 hovered_row;        ///< corner of the row below the mouse
+    double hovered_since_s = 0.0;
 };
 
 State &state() {
@@ -83,6 +86,16 @@ void note_number() {
     if (ImGui::IsItemActive() && ImGui::GetIO().WantTextInput) {
         state().number_typed_in = ImGui::GetFrameCount();
     }
+}
+
+/// At the mouse; long lines are broken.
+void show_tooltip(std::string_view text) {
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(44.0F * ImGui::GetFontSize());
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+    enter("", "tooltip", text);
+    ImGui::EndTooltip();
 }
 
 } // namespace
@@ -170,11 +183,37 @@ void show_text(const ImVec4 &colour, const std::string &text, bool wraps) {
 
 void explain(std::string_view text) {
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
-        ImGui::BeginTooltip();
-        ImGui::TextUnformatted(text.data(), text.data() + text.size());
-        enter("", "tooltip", text);
-        ImGui::EndTooltip();
+        ++state().explained;
+        show_tooltip(text);
     }
+}
+
+ExplainedRow::ExplainedRow(std::string text, Reach reach)
+    : text_(std::move(text)), reach_(reach), corner_(ImGui::GetCursorScreenPos()),
+      explained_before_(state().explained) {}
+
+ExplainedRow::~ExplainedRow() {
+    constexpr double kRest_s = 0.4; // a mouse that passes raises nothing
+    const float gap = 0.5F * ImGui::GetStyle().ItemSpacing.y;
+    const float right = reach_ == Reach::items
+                            ? ImGui::GetItemRectMax().x
+                            : ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+    const float bottom = reach_ == Reach::items ? ImGui::GetItemRectMax().y
+                                                : ImGui::GetCursorScreenPos().y - 2.0F * gap;
+    const bool is_over =
+        ImGui::IsWindowHovered() &&
+        ImGui::IsMouseHoveringRect({corner_.x, corner_.y - gap}, {right, bottom + gap});
+    if (!is_over || ImGui::IsAnyItemActive() || state().explained != explained_before_) {
+        return;
+    }
+    if (state().hovered_row.x != corner_.x || state().hovered_row.y != corner_.y) {
+        state().hovered_row = corner_;
+        state().hovered_since_s = ImGui::GetTime();
+    }
+    if (ImGui::GetTime() - state().hovered_since_s < kRest_s) {
+        return;
+    }
+    show_tooltip(text_);
 }
 
 bool button(const char *label, ImVec2 size) {

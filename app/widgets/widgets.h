@@ -15,6 +15,7 @@
 #include <imgui.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -123,6 +124,27 @@ void wrapped(const ImVec4 &colour, CheckedFormat<std::type_identity_t<Values>...
 
 /// The tooltip of the previous item, also of one that is disabled.
 void explain(std::string_view text);
+
+/// What is drawn until the end of this scope is a row: its text appears wherever the mouse rests on
+/// the row, unless an item there explains itself, or something is being dragged.
+class ExplainedRow {
+public:
+    /// How far a row reaches.
+    enum class Reach : std::uint8_t { panel, items };
+
+    /// @param text   broken into lines where it is long
+    /// @param reach  `panel`: over its whole width; `items`: up to the last item, as in tables
+    explicit ExplainedRow(std::string text, Reach reach = Reach::panel);
+    ~ExplainedRow();
+    ExplainedRow(const ExplainedRow &) = delete;
+    ExplainedRow &operator=(const ExplainedRow &) = delete;
+
+private:
+    std::string text_;
+    Reach reach_;
+    ImVec2 corner_;
+    std::size_t explained_before_;
+};
 
 /// True when pressed. @param size  0: as its label
 bool button(const char *label, ImVec2 size = {0.0F, 0.0F});
