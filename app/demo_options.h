@@ -17,9 +17,10 @@ struct DemoOptions {
     Existing existing = Existing::keep; ///< of the screenshot
     int width = 0; ///< of the window in pixels; 0: 1280 × 720 times the display's scale
     int height = 0;
-    double scale = 0.0;     ///< of text and panels; 0: the display's own
-    bool assistant = false; ///< opens it, whatever the device has come through
-    bool reports = false;   ///< answers requests on standard input, see ReportRequests
+    double scale = 0.0;             ///< of text and panels; 0: the display's own
+    bool assistant = false;         ///< opens it, whatever the device has come through
+    std::filesystem::path settings; ///< of the window, to be remembered; empty: they are not
+    bool reports = false;           ///< answers requests on standard input, see ReportRequests
 
     /// A run that ends by itself follows a path, so that it touches something.
     [[nodiscard]] bool unattended() const { return frames > 0 || seconds > 0.0; }

@@ -8,7 +8,9 @@
 //   │ Plots                │ Scene     │
 //   └──────────────────────┴───────────┘
 //
-// While the assistant is open, it has the column on the right, which is wider then.
+// While the assistant is open, it has the column on the right, which is wider then. Without panels,
+// the scene has the whole window. The plate of the first minute stands below the scene, so that it
+// hides nothing that it speaks of.
 #pragma once
 
 #include <algorithm>
@@ -33,6 +35,7 @@ struct Layout {
     Rectangle scene;
     Rectangle plots;
     Rectangle assistant; ///< in the place of tuning, servo and scene
+    Rectangle start;     ///< the plate of the first minute; empty unless it is asked for
 };
 
 /// Of the column on the right, times the scale.
@@ -58,6 +61,22 @@ inline constexpr float kAssistant = 460.0F;
     result.scene = {{left, tuning + servo}, {column, size.y - tuning - servo}};
     result.assistant = {{left, 0.0F}, {column, size.y}};
     return result;
+}
+
+/// Without panels: scene and read-outs only.
+[[nodiscard]] inline Layout layout_of_scene(ImVec2 size) {
+    Layout result;
+    result.scene_view = {{0.0F, 0.0F}, size};
+    return result;
+}
+
+/// The same with a plate of that height below the scene.
+[[nodiscard]] inline Layout with_start_plate(Layout places, float height) {
+    Rectangle &view = places.scene_view;
+    height = std::min(height, 0.5F * view.size.y);
+    view.size.y -= height;
+    places.start = {{view.corner.x, view.corner.y + view.size.y}, {view.size.x, height}};
+    return places;
 }
 
 } // namespace springdrive::app

@@ -127,13 +127,17 @@ void write_surroundings(std::ostream &out) {
         {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes and figures"},
          {"XDG_CACHE_HOME", "the folder of caches [~/.cache]"},
          {"XDG_STATE_HOME", "the folder of what the assistant has come through [~/.local/state]"},
-         {"XDG_CONFIG_HOME", "where user-dirs.dirs names the documents [~/.config]"}});
+         {"XDG_CONFIG_HOME",
+          "the folder of the window's settings, and of user-dirs.dirs, which names the documents "
+          "[~/.config]"}});
     write_section(
         out, "FILES",
         {{assets.string(), "devices, tunings, scenes, and the scripts that draw the figures"},
          {"~/Documents/springdrive",
           "what is made in a window that was started from a menu; one that was started in a folder "
           "of its own uses that"},
+         {"~/.config/springdrive/settings",
+          "what the window remembers; springdrive demo --reset-settings removes it"},
          {"~/.cache/springdrive", "measured models of scenes, which can be deleted at any time"},
          {"/etc/security/limits.d/springdrive.conf",
           "real-time priority and locked memory for the group plugdev"},

@@ -60,12 +60,21 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
     return files;
 }
 
+/// What is typed goes before what is remembered.
+Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
+    return {{options.width, options.height},
+            {settings.width, settings.height},
+            options.scale,
+            options.scale > 0.0 ? 1.0 : settings.text_size};
+}
+
 } // namespace
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
-    : window_("springdrive", {options.width, options.height}, options.scale), session_(session),
-      renderer_(Window::draws_in_software() ? 0 : kSamples), desk_(session),
+    : habits_(options.settings), window_("springdrive", wish_of(options, habits_.settings())),
+      session_(session), renderer_(Window::draws_in_software() ? 0 : kSamples), desk_(session),
       keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
+    habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
     scene_panel_.plant.assistant = &assistant_;
     assistant_.opens_itself = !options.unattended();
@@ -112,6 +121,10 @@ void Screen::obey(const KeyPress &key) {
         return; // a slider is being dragged: it would go on in another slot or step
     }
     if ((!key.with_ctrl && move_by_key(key)) || key.is_repeated) {
+        return;
+    }
+    if (const WindowOrder order = window_order_of(key); order != WindowOrder::none) {
+        obey(order);
         return;
     }
     const bool is_redo = key.with_ctrl && (key.name == "y" || (key.name == "z" && key.with_shift));
@@ -175,12 +188,16 @@ void Screen::obey_plain(const std::string &key) {
         toggle_pause();
     } else if (key == ".") {
         servo.step();
-    } else if (key == "F1") {
-        shows_keys_ = !shows_keys_;
-    } else if (key == "F11") {
-        window_.toggle_full_screen();
     } else if (key == "Escape") {
         escape();
+    }
+}
+
+void Screen::obey(WindowOrder order) {
+    if (order == WindowOrder::toggle_keys) {
+        shows_keys_ = !shows_keys_;
+    } else {
+        habits_.obey(order, window_);
     }
 }
 
@@ -205,8 +222,8 @@ void Screen::toggle_pause() {
 
 /// For keys: to the first widget of the next panel, or to the one that was left last.
 void Screen::go_to_next_panel(bool backwards) {
-    constexpr std::array<const char *, 7> kNames{"stopped", "Tuning", "Servo",    "Scene",
-                                                 "Plots",   "record", "Assistant"};
+    constexpr std::array<const char *, 9> kNames{"message", "Tuning", "Servo",  "Scene",    "Plots",
+                                                 "record",  "Start",  "window", "Assistant"};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
         panel_ = (panel_ + (backwards ? kNames.size() - 1 : 1)) % kNames.size();
         ImGuiWindow *const window = ImGui::FindWindowByName(kNames[panel_]);
@@ -247,9 +264,18 @@ void Screen::draw_frame() {
     window_.begin_frame();
     draw_contents();
     const std::optional<std::filesystem::path> picture = keeper_.take_picture();
-    window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value() || picture.has_value());
+    const std::optional<std::filesystem::path> asked = habits_.take_picture();
+    window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value() || picture.has_value() ||
+                        asked.has_value());
     window_.end_frame();
     write_pictures(picture);
+    if (asked) {
+        habits_.note_picture(*asked, complaint_of([&] {
+            write_file(
+                *asked, [this](std::ostream &out) { window_.write_screenshot(out); },
+                Existing::keep);
+        }));
+    }
     ++frame_;
     const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
     frame_durations_.add(duration.count());
@@ -283,6 +309,7 @@ void Screen::keep() {
 }
 
 std::string Screen::finish() {
+    habits_.finish(window_);
     desk_.let_go();
     log_.update(session_, desk_.history());
     keeper_.finish(session_, desk_.history(), log_);
@@ -303,6 +330,11 @@ void Screen::draw_contents() {
         show_scene();
     }
     upload(kUploadPerFrame_s);
+    note_opened();
+    habits_.update(window_);
+    if (has_panels()) { // the assistant's, too
+        window_.set_room(Window::kRoomForPanels);
+    }
     const Layout places = current_layout();
     opened_.update(ImGui::GetIO().DeltaTime, desk_.now());
     const ViewState state = view_state();
@@ -317,30 +349,9 @@ void Screen::draw_contents() {
         assistant_.open(session_);
     }
     assistant_.update(session_);
-    const bool has_panels = !assistant_.is_open();
-    if (has_panels) {
-        draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
-    } else {
-        draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
-        desk_.update(session_); // the tuning of the touch is noted when it begins
-    }
-    if (!ImGui::IsAnyItemActive()) {
-        desk_.let_go();
-    }
-    log_.update(session_, desk_.history());
-    keeper_.update(session_);
-    if (has_panels) {
-        if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
-            keep();
-        }
-        draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
-    }
-    draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
-                    places.plots, window_.scale());
-    draw_scene_overlay(session_, opened_, places.scene_view, window_.scale());
-    if (const auto viewpoint = draw_view_buttons(places.scene_view, window_.scale())) {
-        view_control_.look_from(*viewpoint);
-    }
+    draw_panels(places);
+    draw_over_scene(places.scene_view);
+    draw_start(places.start);
     // Raised by its first frame only: to be raised in each would end what is done with the mouse.
     shows_keys_ = shows_keys_ && !ImGui::IsMouseClicked(ImGuiMouseButton_Left);
     if (shows_keys_) {
@@ -349,12 +360,45 @@ void Screen::draw_contents() {
     had_popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId);
 }
 
+/// The assistant needs its place also where panels are hidden.
+bool Screen::has_panels() const { return assistant_.is_open() || !habits_.settings().hides_panels; }
+
+void Screen::draw_panels(const Layout &places) {
+    if (has_panels() && !assistant_.is_open()) {
+        draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
+    } else if (assistant_.is_open()) {
+        draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
+        desk_.update(session_); // the tuning of the touch is noted when it begins
+    }
+    if (!ImGui::IsAnyItemActive()) {
+        desk_.let_go();
+    }
+    log_.update(session_, desk_.history());
+    keeper_.update(session_);
+    if (has_panels() && !assistant_.is_open()) {
+        if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
+            keep();
+        }
+        draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
+    }
+    if (has_panels()) {
+        draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
+                        places.plots, window_.scale());
+    }
+}
+
 Layout Screen::current_layout() const {
-    const Window::Size size = window_.size();
-    const float plots_height = plot_panel_.is_large ? static_cast<float>(size.height)
-                                                    : plot_panel_.height * window_.scale();
-    return layout({static_cast<float>(size.width), static_cast<float>(size.height)},
-                  window_.scale(), plots_height, assistant_.is_open() ? kAssistant : kPanels);
+    const Window::Size pixels = window_.size();
+    const ImVec2 size{static_cast<float>(pixels.width), static_cast<float>(pixels.height)};
+    const float plots_height = plot_panel_.is_large ? size.y : plot_panel_.height * window_.scale();
+    const Layout places = has_panels() ? layout(size, window_.scale(), plots_height,
+                                                assistant_.is_open() ? kAssistant : kPanels)
+                                       : layout_of_scene(size);
+    constexpr float kExpectedHeight = 100.0F; // until it has been drawn
+    return !shows_start()
+               ? places
+               : with_start_plate(places, start_height_ > 0.0F ? start_height_
+                                                               : kExpectedHeight * window_.scale());
 }
 
 void Screen::show_scene() {
@@ -362,6 +406,11 @@ void Screen::show_scene() {
     renderer_.set_scene(scene);
     view_control_.look_from(Viewpoint::home);
     shown_scene_ = session_.scenes().id();
+    std::error_code ignored;
+    if (!std::filesystem::equivalent(scene.file.parent_path(), asset_folder() / "scenes",
+                                     ignored)) {
+        habits_.note_opened(scene.file);
+    }
     print(scene.remarks);
 }
 

@@ -3,6 +3,7 @@
 
 #include "app/assistant/assistant.h"
 #include "app/demo_options.h"
+#include "app/hand_lift.h"
 #include "app/layout.h"
 #include "app/opened_record.h"
 #include "app/own_folder.h"
@@ -10,10 +11,12 @@
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
 #include "app/session_keeper.h"
+#include "app/tip_inside.h"
 #include "app/tuning_desk.h"
 #include "app/view/renderer.h"
 #include "app/view_control.h"
 #include "app/window.h"
+#include "app/window_habits.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 
@@ -49,10 +52,17 @@ private:
     void write_pictures(const std::optional<std::filesystem::path> &of_session);
     void keep();
     [[nodiscard]] Layout current_layout() const;
+    [[nodiscard]] bool has_panels() const;
+    [[nodiscard]] bool shows_start() const;
+    void draw_panels(const Layout &places);
+    void draw_over_scene(const Rectangle &view);
+    void draw_start(const Rectangle &place);
     [[nodiscard]] std::string report_line() const;
     void take_orders();
     void obey(const KeyPress &key);
     void obey_plain(const std::string &key);
+    void obey(WindowOrder order);
+    void obey(SceneAction action);
     bool move_by_key(const KeyPress &key);
     void escape();
     void go_to_next_panel(bool backwards);
@@ -63,8 +73,10 @@ private:
     void draw_scene(const Rectangle &view, const ViewState &state);
     [[nodiscard]] ViewState view_state() const;
     void open(const std::filesystem::path &file);
+    void note_opened();
     void obey_on_record(const std::string &key);
 
+    WindowHabits habits_;
     Window window_;
     session::Session &session_;
     Renderer renderer_;
@@ -78,6 +90,9 @@ private:
     assistant::Assistant assistant_{assistant::progress_folder()};
     bool opens_assistant_ = false; ///< with the first frame
     DoctorPopup assistants_doctor_;
+    TipInside tip_inside_;
+    HandLift lift_;
+    float start_height_ = 0.0F; ///< of the first minute's plate, as measured; 0: not yet
     SessionKeeper keeper_{own_folder()};
     EventLog log_;
     double speed_before_pause_ = 1.0;
@@ -85,6 +100,7 @@ private:
     bool had_popup_ = false;  ///< in the last frame
     std::size_t panel_ = 0;   ///< to which F6 went last
     std::uint32_t shown_scene_ = 0;
+    std::filesystem::path noted_record_; ///< the last that was noted among recent files
     bool keeps_frames_;
     bool reports_;
     ReportRequests requests_;

@@ -29,10 +29,6 @@ constexpr float kFontPixels = 15.0F;
 
 constexpr Window::Size kDefaultSize{1280, 720};
 
-/// A window smaller than this, times the scale, gets smaller text.
-constexpr float kMinWidth = 1000.0F;
-constexpr float kMinHeight = 640.0F;
-
 /// The last error of GLFW.
 std::string &glfw_complaint() {
     static std::string complaint;
@@ -66,7 +62,8 @@ bool names(int key, int scancode, std::string_view letter) {
 
 } // namespace
 
-Window::Window(const std::string &title, Size size, double scale) {
+Window::Window(const std::string &title, const Wish &wish)
+    : text_size_(static_cast<float>(wish.text_size)) {
     glfwSetErrorCallback(on_glfw_error);
     if (glfwInit() == GLFW_FALSE) {
         throw InputError(
@@ -79,8 +76,8 @@ Window::Window(const std::string &title, Size size, double scale) {
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_SAMPLES, 0); // the scene has its own, see MultisampledTarget
-    const bool chooses_size = size.width <= 0 || size.height <= 0;
-    size = chooses_size ? kDefaultSize : size;
+    const bool chooses_size = wish.size.width <= 0 || wish.size.height <= 0;
+    const Size size = chooses_size ? kDefaultSize : wish.size;
     window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
         const std::string why = glfw_complaint();
@@ -93,7 +90,8 @@ Window::Window(const std::string &title, Size size, double scale) {
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwShowWindow(window_);
-    scale_ = scale > 0.0 ? static_cast<float>(scale) : display_scale(window_);
+    start_scale_ = wish.scale > 0.0 ? static_cast<float>(wish.scale) : display_scale(window_);
+    scale_ = start_scale_ * text_size_;
 
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
@@ -101,8 +99,10 @@ Window::Window(const std::string &title, Size size, double scale) {
     choose_font();
     usable_scale_ = scale_;
     apply_look(scale_);
-    if (chooses_size) {
-        enlarge_for_scale();
+    if (chooses_size && wish.remembered.width > 0) {
+        resize_within_screen(wish.remembered.width, wish.remembered.height);
+    } else if (chooses_size && start_scale_ > 1.0F) { // a high-density screen
+        return_to_default_size();
     }
     // ImGui's callbacks call these.
     glfwSetKeyCallback(window_, on_key);
@@ -127,27 +127,43 @@ void Window::use_keyboard() {
     io.KeyMap[ImGuiKey_Space] = io.KeyMap[ImGuiKey_Enter];
 }
 
-/// Enlarges the window for a high-density screen.
-void Window::enlarge_for_scale() {
+void Window::resize_within_screen(int width, int height) {
     int left = 0;
     int top = 0;
-    int width = 0;
-    int height = 0;
-    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
-    if (monitor == nullptr || scale_ <= 1.0F) {
+    int most_width = width;
+    int most_height = height;
+    if (GLFWmonitor *monitor = glfwGetPrimaryMonitor(); monitor != nullptr) {
+        glfwGetMonitorWorkarea(monitor, &left, &top, &most_width, &most_height);
+    }
+    glfwSetWindowSize(window_, std::min(width, most_width), std::min(height, most_height));
+}
+
+void Window::return_to_default_size() {
+    if (!is_full_screen()) {
+        resize_within_screen(static_cast<int>(kDefaultSize.width * start_scale_),
+                             static_cast<int>(kDefaultSize.height * start_scale_));
+    }
+}
+
+/// Draws the letters anew in another size. Not within a frame.
+void Window::renew_text() {
+    if (scale_ == start_scale_ * text_size_) {
         return;
     }
-    glfwGetMonitorWorkarea(monitor, &left, &top, &width, &height);
-    glfwSetWindowSize(window_, std::min(static_cast<int>(kDefaultSize.width * scale_), width),
-                      std::min(static_cast<int>(kDefaultSize.height * scale_), height));
+    scale_ = start_scale_ * text_size_;
+    ImGui::GetIO().Fonts->Clear();
+    choose_font();
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    usable_scale_ = 0.0F;
 }
 
 /// Reduces the text size if panels would be clipped otherwise.
 void Window::fit_scale_to_window() {
     const Size now = size();
-    const float fits = std::min(static_cast<float>(now.width) / kMinWidth,
-                                static_cast<float>(now.height) / kMinHeight);
-    const float usable = std::clamp(fits, 0.5F * scale_, scale_);
+    const float fits = std::min(static_cast<float>(now.width) / static_cast<float>(room_.width),
+                                static_cast<float>(now.height) / static_cast<float>(room_.height));
+    const float usable = std::clamp(fits, 0.5F * std::min(scale_, start_scale_), scale_);
     if (usable != usable_scale_) {
         usable_scale_ = usable;
         ImGui::GetIO().FontGlobalScale = usable / scale_;
@@ -183,6 +199,7 @@ bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_
 
 void Window::begin_frame() {
     glfwPollEvents();
+    renew_text();
     fit_scale_to_window();
     show_short_key_presses();
     ImGui_ImplOpenGL3_NewFrame();
@@ -289,6 +306,12 @@ void Window::note_key(int key, int scancode, int action, int mods) {
         return;
     case GLFW_KEY_F6:
         note("F6");
+        return;
+    case GLFW_KEY_F9:
+        note("F9");
+        return;
+    case GLFW_KEY_F10:
+        note("F10");
         return;
     case GLFW_KEY_F11:
         note("F11");

@@ -16,7 +16,7 @@ namespace springdrive::app {
 /// A key with those held for it.
 struct KeyPress {
     std::string name; ///< the letter on the keyboard, lower case; or "Home", "Escape", "F1", "F6",
-                      ///< "F11", "PageUp", "PageDown"
+                      ///< "F9", "F10", "F11", "PageUp", "PageDown"
     bool with_ctrl = false;
     bool with_shift = false;
     bool is_repeated = false; ///< held down
@@ -29,10 +29,16 @@ public:
         int height = 0;
     };
 
-    /// @param size   in pixels; 0 × 0 for 1280 × 720 times the scale, limited by the screen
-    /// @param scale  of text and panels; 0 for the display's scale
+    /// What is wanted of a new window.
+    struct Wish {
+        Size size;              ///< in pixels; 0 × 0 for 1280 × 720 times the scale
+        Size remembered;        ///< the same, of an earlier run; used without `size`, if not 0 × 0
+        double scale = 0.0;     ///< of text and panels; 0 for the display's scale
+        double text_size = 1.0; ///< see `set_text_size`
+    };
+
     /// @throw InputError if no window or no OpenGL 3.3 is available, with the remedy.
-    Window(const std::string &title, Size size, double scale);
+    Window(const std::string &title, const Wish &wish);
     ~Window();
     Window(const Window &) = delete;
     Window &operator=(const Window &) = delete;
@@ -51,6 +57,19 @@ public:
     /// Fills the screen, or returns to the former size.
     void toggle_full_screen();
     [[nodiscard]] bool is_full_screen() const;
+
+    /// Of the present one: that of a first run. Not while it fills the screen.
+    void return_to_default_size();
+
+    /// Of text and panels, times the scale of the start; from the next frame on.
+    void set_text_size(double text_size) { text_size_ = static_cast<float>(text_size); }
+    /// Whether the window is too small for text of the size that is set.
+    [[nodiscard]] bool limits_text() const { return usable_scale_ < scale_; }
+
+    /// The size below which text gets smaller, times the scale.
+    void set_room(Size room) { room_ = room; }
+    static constexpr Size kRoomForPanels{1000, 640};
+    static constexpr Size kRoomForScene{480, 300}; ///< without panels
 
     /// Clears the whole framebuffer.
     void clear();
@@ -84,12 +103,16 @@ private:
     void choose_font();
     static void use_keyboard();
     void note_key(int key, int scancode, int action, int mods);
-    void enlarge_for_scale();
+    void renew_text();
+    void resize_within_screen(int width, int height);
     void fit_scale_to_window();
     void show_short_key_presses();
 
     GLFWwindow *window_ = nullptr;
-    float scale_ = 1.0F;                                     ///< of the font
+    float start_scale_ = 1.0F; ///< as typed, or the display's
+    float text_size_ = 1.0F;   ///< times that
+    float scale_ = 1.0F;       ///< of the font: their product
+    Size room_ = kRoomForPanels;
     std::array<int, 4> before_full_screen_{0, 0, 1280, 720}; ///< x, y, width, height
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;

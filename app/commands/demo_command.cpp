@@ -3,6 +3,7 @@
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/demo.h"
+#include "app/settings.h"
 #include "base/input_error.h"
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,7 @@ struct TypedDemo {
     TypedSession session;
     DemoOptions options;
     std::filesystem::path shown; ///< by a file manager, which names no option
+    bool resets_settings = false;
 };
 
 void add_run_options(CLI::App &demo, TypedDemo &typed) {
@@ -43,6 +45,12 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
         ->type_name("PIXELS");
     demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
         ->type_name("FACTOR");
+    demo.add_option("--settings", options.settings,
+                    "where the window remembers size, text and recent files "
+                    "[~/.config/springdrive/settings; with --frames, --seconds or --report none]")
+        ->type_name("FILE");
+    demo.add_flag("--reset-settings", typed.resets_settings,
+                  "forget them first: the window is as in a first run");
     demo.add_flag("--assistant", options.assistant,
                   "open the assistant: step by step from the connection to the first touch");
     demo.add_flag(
@@ -69,6 +77,23 @@ void check(const DemoOptions &options) {
     }
 }
 
+/// A script finds the same window every time, unless it names a file.
+void choose_settings(DemoOptions &options, bool resets) {
+    const bool is_script = options.unattended() || options.reports;
+    const std::filesystem::path usual = settings_file();
+    if (resets) {
+        SettingsKeeper keeper(options.settings.empty() ? usual : options.settings);
+        (void)keeper.take_complaint(); // of a file that is damaged, which is removed
+        keeper.reset();
+        if (const std::string complaint = keeper.take_complaint(); !complaint.empty()) {
+            throw InputError(complaint);
+        }
+    }
+    if (options.settings.empty() && !is_script) {
+        options.settings = usual;
+    }
+}
+
 /// By its kind, as a file that is dropped on the window.
 void place_shown(TypedDemo &typed) {
     std::error_code ignored;
@@ -92,6 +117,7 @@ void run(TypedDemo typed) {
                                                    "folder of a kept session");
     }
     check_outputs(typed.session.files({options.screenshot}), options.existing);
+    choose_settings(options, typed.resets_settings);
     if (!run_demo(options)) {
         throw CLI::RuntimeError(1);
     }

@@ -13,7 +13,7 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 25> kKeys{{
+constexpr std::array<KeyHelp, 28> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
@@ -31,7 +31,10 @@ constexpr std::array<KeyHelp, 25> kKeys{{
     {"arrows, Tab", "go from widget to widget; Enter presses it, or begins to change it"},
     {"Home", "show the whole device and scene, also after the window has changed"},
     {"T F", "the same from above, from the front"},
+    {"F9", "write a picture of the window, where sessions are kept"},
+    {"F10", "hide the panels, or show them: scene and read-outs alone"},
     {"F11", "fill the screen"},
+    {"Ctrl + − 0", "larger, smaller, usual text"},
     {"F1", "show or hide these keys"},
     {"Esc", "close what is open: this, a list, large plots, the full screen"},
     {"wheel on a plot", "zoom in time; with Ctrl, in value"},

@@ -7,9 +7,11 @@
 #include "app/panels/doctor_popup.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
+#include "app/scene_message.h"
 #include "app/session_keeper.h"
 #include "app/tuning_desk.h"
 #include "app/view/camera.h"
+#include "app/window_habits.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"
 #include "engine/session/session.h"
@@ -168,11 +170,45 @@ void draw_model_tab(session::Session &session);
 /// Over everything: the keys and what they do. The mouse acts on what is below.
 void draw_keys_overlay(const Rectangle &window);
 
-/// Over the scene: how to use the mouse, and a banner after a safety trip.
-void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const Rectangle &view,
-                        float scale);
+/// What the message over the scene depends on, except whether the tip is inside a solid.
+[[nodiscard]] SceneSituation situation_of(const session::Session &session,
+                                          const OpenedRecord &opened);
 
-/// At the left edge of the scene. The viewpoint whose button was pressed, if one was.
+/// What is shown over the scene.
+struct SceneOverlay {
+    SceneSituation now;
+    const Notice *notice = nullptr; ///< null: there is none
+    bool has_help = true;           ///< how to use the mouse
+};
+
+/// Over the scene: one message with its button, the button that stops, how to use the mouse.
+/// @return what the message's button asks for
+[[nodiscard]] SceneAction draw_scene_overlay(session::Session &session, OpenedRecord &opened,
+                                             const SceneOverlay &shown, const Rectangle &view,
+                                             float scale);
+
+enum class StartAnswer : std::uint8_t { none, got_it, keys };
+
+/// The first minute: what is simulated, how to move the hand, what to try.
+/// @param height  that it needs at this width
+[[nodiscard]] StartAnswer draw_start_plate(const Rectangle &place, float &height);
+
+/// Without panels: force, its direction and the depth, large, over a corner of the scene.
+/// @param map  in use
+void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
+                    float scale);
+
+/// What was chosen in the window's menu.
+struct WindowMenuChoice {
+    WindowOrder order = WindowOrder::none;
+    std::filesystem::path opened; ///< a recent file; else empty
+};
+
+/// In a corner of the scene: what concerns the window itself, and recent files.
+[[nodiscard]] WindowMenuChoice draw_window_menu(const WindowHabits &habits, const Rectangle &view,
+                                                float scale);
+
+/// At the right edge of the scene, below the button that stops. The viewpoint whose button was pressed, if one was.
 [[nodiscard]] std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale);
 
 /// The part of the scene over which none of these is drawn, a banner of one line included: for

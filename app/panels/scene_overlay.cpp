@@ -29,74 +29,67 @@ float width_of_view_buttons() {
     return ImGui::CalcTextSize("front").x + 2.0F * ImGui::GetStyle().FramePadding.x;
 }
 
-/// A box over the top of the scene, in a colour that says how urgent it is.
-class Banner {
-public:
-    Banner(const char *name, const Rectangle &view, float scale, const ImVec4 &colour)
-        : scope_(name) {
-        const float width =
-            std::min(0.9F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
-        ImGui::SetNextWindowPos({view.corner.x + 0.5F * (view.size.x - width), kTop * scale});
-        ImGui::SetNextWindowSize({width, 0.0F});
-        ImGui::PushStyleColor(ImGuiCol_WindowBg, colour);
-        ImGui::Begin(name, nullptr, kOverlay);
+float height_of_stop() { return 2.0F * ImGui::GetFontSize(); }
+
+constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                                      ImGuiWindowFlags_NoFocusOnAppearing;
+
+/// Width beside a message for the button that stops, and on the other side for the menu.
+float room_of_stop(float scale) { return 100.0F * scale; }
+
+/// Dark enough for white letters, and opaque: it must be read over any mesh.
+ImVec4 colour_of(SceneUrgency urgency) {
+    switch (urgency) {
+    case SceneUrgency::stopped:
+        return {0.42F, 0.09F, 0.08F, 0.97F};
+    case SceneUrgency::waits:
+        return {0.36F, 0.26F, 0.05F, 0.97F};
+    case SceneUrgency::remark:
+        break;
     }
-    ~Banner() {
-        ImGui::End();
-        ImGui::PopStyleColor();
-    }
-    Banner(const Banner &) = delete;
-    Banner &operator=(const Banner &) = delete;
-
-    static constexpr ImGuiWindowFlags kOverlay =
-        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-        ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
-
-    static constexpr float kTop = 12.0F; ///< below the scene's upper edge, times the scale
-
-    /// Width beside the banner for the button that stops.
-    [[nodiscard]] static float room_of_stop(float scale) { return 100.0F * scale; }
-
-private:
-    ui::Scope scope_;
-};
-
-void draw_trip_banner(session::Session &session, const Rectangle &view, float scale) {
-    const servo::SafetyStatus &safety = session.latest().safety;
-    const Banner banner("stopped", view, scale, ImVec4(0.42F, 0.09F, 0.08F, 0.96F));
-    ui::wrapped(kInk, "Stopped: {}. The motors brake.", servo::description(safety));
-    if (!servo::is_final(safety.cause) && ui::button("Reset")) {
-        session.servo().reset_safety();
-    }
+    return {0.10F, 0.20F, 0.36F, 0.97F};
 }
 
-/// What has to happen before the motors start: otherwise a reset seems to do nothing.
-void draw_waiting_banner(const session::Session &session, const Rectangle &view, float scale) {
-    const Banner banner("waiting", view, scale, ImVec4(0.36F, 0.26F, 0.05F, 0.96F));
-    ui::wrapped(kInk, "{}",
-                session.is_lent() ? "A step of the assistant has the device: its motors may act."
-                : session.is_kept_released() ? "The device only brakes."
-                : session.latest().contact.touching
-                    ? "The motors brake until the tip is lifted off the surface and held still."
-                    : "The motors start as soon as the tip is held still.");
+/// A plate over the top of the scene.
+SceneAction draw_message(const SceneMessage &message, const Rectangle &view, float scale) {
+    const ui::Scope scope(message.name);
+    const float width = std::min(0.95F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
+    ImGui::SetNextWindowPos(
+        {view.corner.x + 0.5F * (view.size.x - width), view.corner.y + margin(scale)});
+    ImGui::SetNextWindowSize({width, 0.0F});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, colour_of(message.urgency));
+    ImGui::Begin("message", nullptr, kOverlay);
+    ImGui::SetWindowFontScale(1.2F);
+    ui::wrapped(kInk, "{}", message.text);
+    ImGui::SetWindowFontScale(1.0F);
+    if (!message.more.empty()) {
+        ui::wrapped(kInk, "{}", message.more);
+    }
+    const bool is_pressed = *message.button != '\0' && ui::button(message.button);
+    ImGui::End();
+    ImGui::PopStyleColor();
+    return is_pressed ? message.action : SceneAction::none;
 }
 
-/// So that a record is not taken for the present.
-void draw_record_banner(const session::Session &session, const OpenedRecord &opened,
-                        const Rectangle &view, float scale) {
-    const Banner banner("record shown", view, scale, ImVec4(0.10F, 0.20F, 0.36F, 0.96F));
-    const session::LoadedRecord &record = opened.playback().record();
-    ui::wrapped(kInk, "Record: {}. The servo goes on; R shows the present.",
-                record.file.filename().string());
-    const session::RecordedScene then = record.scene_of(opened.playback().sample());
-    if (then.sha256 != session.scenes().now().sha256) {
-        ui::wrapped(kWarning, "Not its scene: it was recorded on {}.",
-                    in_quotes(std::filesystem::path(then.file).filename().string()));
-    }
+/// On a plate above the help, in the corner where neither read-outs nor messages are.
+void draw_notice(const Notice &notice, const Rectangle &view, float scale) {
+    const ui::Scope scope("notice");
+    const float wanted = ImGui::CalcTextSize(notice.text.c_str()).x + 3.0F * margin(scale);
+    ImGui::SetNextWindowPos({view.corner.x + view.size.x - margin(scale),
+                             view.corner.y + view.size.y - 3.5F * margin(scale)},
+                            ImGuiCond_Always, {1.0F, 1.0F});
+    ImGui::SetNextWindowSize({std::min(0.55F * view.size.x, wanted), 0.0F});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg,
+                          colour_of(notice.is_bad ? SceneUrgency::stopped : SceneUrgency::remark));
+    ImGui::Begin("notice", nullptr, kOverlay | ImGuiWindowFlags_NoInputs);
+    ui::wrapped(kInk, "{}", notice.text);
+    ImGui::End();
+    ImGui::PopStyleColor();
 }
 
 void draw_stop_button(session::Session &session, const Rectangle &view, float scale) {
-    const float width = Banner::room_of_stop(scale) - margin(scale);
+    const float width = room_of_stop(scale) - margin(scale);
     const ui::Scope scope("stop");
     ImGui::SetNextWindowPos(
         {view.corner.x + view.size.x - width - margin(scale), view.corner.y + margin(scale)});
@@ -107,8 +100,8 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.80F, 0.17F, 0.14F, 1.0F));
     ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.92F, 0.24F, 0.20F, 1.0F));
     ImGui::Begin("stop", nullptr,
-                 Banner::kOverlay | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
-    if (ui::button("STOP  F12", {width, 2.0F * ImGui::GetFontSize()})) {
+                 kOverlay | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
+    if (ui::button("STOP  F12", {width, height_of_stop()})) {
         session.servo().emergency_stop();
     }
     ui::explain("Emergency stop: the motors brake at once. F12 does the same at any time, and the\n"
@@ -118,31 +111,7 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
     ImGui::PopStyleVar(2);
 }
 
-} // namespace
-
-void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const Rectangle &view,
-                        float scale) {
-    const bool is_record = opened.is_shown();
-    switch (session.latest().safety.state) {
-    case servo::SafetyState::tripped:
-        draw_trip_banner(session, view, scale);
-        break;
-    case servo::SafetyState::waiting:
-        if (!is_record) {
-            draw_waiting_banner(session, view, scale);
-        }
-        break;
-    default:
-        break;
-    }
-    draw_stop_button(session, view, scale);
-    if (is_record) {
-        if (session.latest().safety.state != servo::SafetyState::tripped) {
-            draw_record_banner(session, opened, view, scale);
-        }
-        draw_record_controls(opened, view, scale);
-        return;
-    }
+void draw_help(const session::Session &session, const Rectangle &view, float scale) {
     const char *const help = session.hand().follows_path() ? kPathHelp : kHandHelp;
     const ImVec2 size = help_size(help, view, scale);
     const ImVec2 corner{view.corner.x + margin(scale),
@@ -156,6 +125,48 @@ void draw_scene_overlay(session::Session &session, OpenedRecord &opened, const R
     ui::enter_at({corner, size}, "help", "text", help);
 }
 
+} // namespace
+
+SceneSituation situation_of(const session::Session &session, const OpenedRecord &opened) {
+    SceneSituation now;
+    now.safety = session.latest().safety;
+    now.is_lost = session.latest().health == device::DeviceHealth::lost;
+    now.reconnects = session.device_choice().kind == factory::DeviceKind::usb;
+    now.is_lent = session.is_lent();
+    now.is_released = session.is_kept_released();
+    now.is_zeroed = session.is_zeroed();
+    now.is_paused = session.servo().can_change_speed() && session.servo().speed() == 0.0;
+    now.touching = session.latest().contact.touching;
+    now.can_move_hand = session.hand().is_simulated() && !session.hand().follows_path();
+    if (opened.is_shown()) {
+        const session::LoadedRecord &record = opened.playback().record();
+        now.record = record.file.filename().string();
+        const session::RecordedScene then = record.scene_of(opened.playback().sample());
+        if (then.sha256 != session.scenes().now().sha256) {
+            now.scene_of_record = in_quotes(std::filesystem::path(then.file).filename().string());
+        }
+    }
+    return now;
+}
+
+SceneAction draw_scene_overlay(session::Session &session, OpenedRecord &opened,
+                               const SceneOverlay &shown, const Rectangle &view, float scale) {
+    SceneAction action = SceneAction::none;
+    if (const std::optional<SceneMessage> message = message_for(shown.now)) {
+        action = draw_message(*message, view, scale);
+    }
+    draw_stop_button(session, view, scale);
+    if (shown.notice != nullptr) {
+        draw_notice(*shown.notice, view, scale);
+    }
+    if (opened.is_shown()) {
+        draw_record_controls(opened, view, scale);
+    } else if (shown.has_help) {
+        draw_help(session, view, scale);
+    }
+    return action;
+}
+
 std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
     struct Choice {
         const char *label;
@@ -167,12 +178,12 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
          {"top", Viewpoint::top, "The same from above; key T."},
          {"front", Viewpoint::front, "The same from the front, level; key F."}}};
     const ui::Scope scope("view");
-    ImGui::SetNextWindowPos({view.corner.x + margin(scale), view.corner.y + margin(scale)});
+    ImGui::SetNextWindowPos({view.corner.x + view.size.x - width_of_view_buttons() - margin(scale),
+                             view.corner.y + 2.0F * margin(scale) + height_of_stop()});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
     ImGui::Begin("view", nullptr,
-                 Banner::kOverlay | ImGuiWindowFlags_NoBackground |
-                     ImGuiWindowFlags_AlwaysAutoResize);
+                 kOverlay | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_AlwaysAutoResize);
     std::optional<Viewpoint> chosen;
     for (const Choice &choice : kChoices) {
         if (ui::button(choice.label, {width_of_view_buttons(), 0.0F})) {
@@ -186,9 +197,9 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
 }
 
 Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale) {
-    const float left = width_of_view_buttons() + 2.0F * margin(scale);
-    const float right = 2.0F * margin(scale);
-    const float top = Banner::kTop * scale + ImGui::GetTextLineHeight() +
+    const float left = 2.0F * margin(scale);
+    const float right = width_of_view_buttons() + 2.0F * margin(scale);
+    const float top = margin(scale) + ImGui::GetTextLineHeight() +
                       2.0F * ImGui::GetStyle().WindowPadding.y + margin(scale);
     const float bottom =
         2.0F * margin(scale) +

@@ -14,9 +14,12 @@ namespace {
 constexpr std::chrono::seconds kAnswer{60};
 
 std::vector<std::string> with_window(std::vector<std::string> arguments, const WindowSize &size) {
-    arguments.insert(arguments.begin(),
-                     {"demo", "--report", "--width", std::to_string(size.width), "--height",
-                      std::to_string(size.height), "--scale", std::to_string(size.scale)});
+    if (size.is_typed) {
+        arguments.insert(arguments.begin(),
+                         {"--width", std::to_string(size.width), "--height",
+                          std::to_string(size.height), "--scale", std::to_string(size.scale)});
+    }
+    arguments.insert(arguments.begin(), {"demo", "--report"});
     return arguments;
 }
 

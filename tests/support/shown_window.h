@@ -38,6 +38,8 @@ struct WindowSize {
     int width = 1280;
     int height = 720;
     double scale = 1.0;
+    /// Whether the program is told; otherwise it chooses itself, on a display of this size.
+    bool is_typed = true;
 };
 
 /// In the names of tests with parameters.

@@ -103,6 +103,22 @@ TEST_P(Layout, ARecordFitsWithWhatOtherGainsWouldHaveDone) {
     std::filesystem::remove_all(folder);
 }
 
+TEST_P(Layout, TheFirstMinuteFitsWithAndWithoutPanels) {
+    const std::filesystem::path folder = testing::fresh_folder("layout_start");
+    ShownWindow window({"--settings", folder / "settings"}, GetParam());
+    window.wait_until_running();
+    EXPECT_TRUE(window.look().find("Start/got it"));
+    expect_all_fits(window.look(), "with panels");
+    window.person().key("F10");
+    // Until the notice that stands over the scene is gone.
+    window.wait_until([](const Report &report) { return !report.shows("F10 shows the panels"); },
+                      "the notice goes");
+    EXPECT_TRUE(window.look().find("Start/got it"));
+    EXPECT_TRUE(window.look().find("read-outs/force"));
+    expect_all_fits(window.look(), "without panels");
+    std::filesystem::remove_all(folder);
+}
+
 /// The steps that say most, in all their states but the end of a self-test.
 TEST_P(Layout, TheAssistantFits) {
     const std::filesystem::path state = testing::fresh_folder("layout_assistant");

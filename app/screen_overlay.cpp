@@ -1,0 +1,90 @@
+// What stands over the scene and below it: messages, read-outs, the window's menu, the first
+// minute.
+#include "app/screen.h"
+
+#include "base/complaint.h"
+
+namespace springdrive::app {
+
+bool Screen::shows_start() const {
+    return habits_.wants_start() && !assistant_.is_open() && !opened_.is_shown() &&
+           !plot_panel_.is_large && // nor is there a scene to speak of
+           session_.device_choice().kind == factory::DeviceKind::simulated;
+}
+
+void Screen::obey(SceneAction action) {
+    switch (action) {
+    case SceneAction::none:
+        return;
+    case SceneAction::reset:
+        session_.servo().reset_safety();
+        return;
+    case SceneAction::go_on:
+        toggle_pause();
+        return;
+    case SceneAction::show_present:
+        opened_.view = RecordView::present;
+        return;
+    case SceneAction::zero:
+        if (const std::string complaint =
+                complaint_of([this] { session_.zero_device(Vector3::Zero()); });
+            !complaint.empty()) {
+            habits_.say(complaint, true);
+        }
+        return;
+    case SceneAction::lift_hand:
+        lift_.start();
+        return;
+    }
+}
+
+void Screen::draw_over_scene(const Rectangle &view) {
+    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(), !shows_start()};
+    const bool is_inside = tip_inside_.at(session_.scenes().now().scene, session_.scenes().id(),
+                                          session_.latest().tip_m, ImGui::GetTime());
+    shown.now.is_inside = is_inside && !assistant_.is_open();
+    obey(draw_scene_overlay(session_, opened_, shown, view, window_.scale()));
+    if (view_control_.holds_hand()) {
+        lift_.stop();
+    }
+    lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
+    if (!has_panels()) {
+        const servo::ServoSample now =
+            opened_.is_shown() ? opened_.playback().sample() : session_.latest();
+        draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.scale());
+    }
+    if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
+        view_control_.look_from(*viewpoint);
+    }
+    const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
+    obey(choice.order);
+    if (!choice.opened.empty()) {
+        open(choice.opened);
+    }
+}
+
+void Screen::draw_start(const Rectangle &place) {
+    if (place.size.y <= 0.0F) {
+        return;
+    }
+    const StartAnswer answer = draw_start_plate(place, start_height_);
+    if (answer == StartAnswer::got_it) {
+        habits_.dismiss_start();
+    } else if (answer == StartAnswer::keys) {
+        shows_keys_ = true;
+    }
+}
+
+/// Among recent files: scenes that are not included, and records, once they are there.
+void Screen::note_opened() {
+    const session::RecordPlayback &playback = opened_.playback();
+    const std::filesystem::path record = !playback.is_open() ? std::filesystem::path()
+                                         : opened_.run()     ? opened_.run()->folder
+                                                             : playback.record().file;
+    if (record != noted_record_ && !record.empty()) {
+        habits_.note_opened(record);
+    }
+    noted_record_ = record;
+}
+
+} // namespace springdrive::app
