@@ -10,6 +10,7 @@
 #include "engine/scene/gltf_nodes.h"
 #include "engine/scene/load_allowance.h"
 #include "engine/scene/remark_list.h"
+#include "engine/scene/scene_extras.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
 
@@ -266,6 +267,23 @@ void add_touch(Scene &scene, std::span<const PlacedPrimitive> primitives, const 
     }
 }
 
+/// Words on the middle of the upper side of what a node has.
+void add_caption(Scene &scene, std::span<const PlacedPrimitive> primitives) {
+    const std::string &text = primitives.front().node->touch.caption;
+    if (text.empty()) {
+        return;
+    }
+    BoundingBox box;
+    for (const PlacedPrimitive &primitive : primitives) {
+        for (const Vector3 &position : primitive.positions) {
+            box.include(position);
+        }
+    }
+    Vector3 at_m = 0.5 * (box.lower + box.upper);
+    at_m.y() = box.upper.y();
+    scene.captions.push_back({text, at_m});
+}
+
 bool has_smooth(const std::vector<PlacedPrimitive> &primitives) {
     return std::ranges::any_of(
         primitives, [](const PlacedPrimitive &primitive) { return primitive.node->touch.smooth; });
@@ -299,6 +317,7 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
     for (std::span rest(primitives); !rest.empty();) {
         const std::size_t size = first_node_size(rest);
         add_touch(scene, rest.first(size), fit);
+        add_caption(scene, rest.first(size));
         rest = rest.subspan(size);
     }
     TextureLibrary textures(model, folder_of(scene.file));
@@ -323,6 +342,7 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     scene.in_metres = extras.in_metres;
     scene.planar = extras.planar;
     scene.tolerance = extras.tolerance;
+    scene.lesson = extras.lesson;
     const std::vector<PlacedMesh> nodes = place_meshes(model, remarks);
     progress.begin(Stage::gathering, true);
     std::vector<PlacedPrimitive> primitives = gather(model, nodes, remarks, progress);
@@ -338,6 +358,9 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     bend_smooth_nodes(primitives, remarks);
     progress.begin(Stage::placing, true);
     const Fit fit = fit_scene(scene, primitives, workspace, remarks);
+    if (scene.lesson.spot) {
+        scene.lesson.spot->point_m = fit(scene.lesson.spot->point_m);
+    }
     build_meshes(scene, std::move(primitives), fit, model, remarks, progress);
     if (!flat.empty()) {
         scene.flat_surface = flat_touch(std::move(flat), fit, scene.surface);

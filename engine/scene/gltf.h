@@ -30,6 +30,7 @@ namespace springdrive::scene {
 /// And for the node's own mesh alone:
 /// - `"shape"`: "plate", "sphere", "box", "cylinder" or "capsule" to be touched exactly as that,
 ///   fitted to the box around the mesh, which is drawn as it is. See `fit_shape`.
+/// - `"caption"`: words of at most 40 bytes, shown on it.
 ///
 /// Of the scene or the asset as a whole:
 /// - `"tolerance"`: how far a cheaper model of plant, surface and control may deviate from the
@@ -37,6 +38,9 @@ namespace springdrive::scene {
 ///   may be left out, and these are the defaults. See docs/models.md.
 /// - `"planar"`: true where the hand stays in the linkage's plane, x = const: then the base joint
 ///   need not be simulated.
+/// - `"lesson"`: what to feel, as `{"title": "A wall", "feel": "Press on it: it stays.",
+///   "point": [0, 0, 0], "normal": [0, 1, 0]}`; title and sentence have at most 40 and 200 bytes,
+///   point and normal say where to touch, in the file's coordinates. All may be left out.
 ///
 /// @throw InputError with one line that names the file, what is wrong in it and where: for a file
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds

@@ -1,11 +1,10 @@
 #include "engine/scene/gltf_nodes.h"
 
-#include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/wanted.h"
+#include "engine/scene/gltf_extras.h"
 
-#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -17,160 +16,6 @@
 namespace springdrive::scene::gltf {
 
 namespace {
-
-std::string shown(const nlohmann::json &value) {
-    constexpr std::size_t kLongest = 40;
-    return value.is_string() ? in_quotes(value.get<std::string>())
-                             : one_line(value.dump(), kLongest);
-}
-
-/// The extras of a glTF object, read key by key from the JSON text itself: tinygltf's own values
-/// lose `null` and whatever does not fit into an int. Keys that are not read belong to other
-/// programs.
-class Extras {
-public:
-    /// @param text JSON of the extras; empty when there are none
-    /// @param owner for messages: "node 'pad'"
-    /// @param remarks gains the values that are left out as another program's
-    Extras(const std::string &text, std::string owner, RemarkList &remarks);
-
-    [[nodiscard]] bool has(const char *key) const;
-
-    /// The number under `key`, if there is one.
-    /// @param meaning what it may be, for the message: "a number from 0 to 10"
-    /// Left out unless it is a number from `minimum` to `maximum`.
-    [[nodiscard]] std::optional<double> number(const char *key, double minimum, double maximum,
-                                               const std::string &meaning) const;
-
-    /// Left out unless the value is true or false.
-    [[nodiscard]] std::optional<bool> flag(const char *key) const;
-
-    /// Which of `words` the value of `key` is, if there is one. Left out unless it is one of them.
-    [[nodiscard]] std::optional<std::size_t> word(const char *key,
-                                                  std::span<const std::string_view> words,
-                                                  const std::string &meaning) const;
-
-    /// The extras within the extras, if there are any. Messages name their keys as `key.inner`.
-    /// Left out unless it is an object, empty or with any of `keys`; then it is our own, and values
-    /// in it that cannot be are refused rather than left out.
-    [[nodiscard]] std::optional<Extras> object(const char *key,
-                                               std::span<const std::string_view> keys,
-                                               const std::string &meaning) const;
-
-    /// @throw InputError for a key that is none of `keys`: in an object of our own, it is a typing
-    ///        error.
-    void refuse_all_but(std::span<const std::string_view> keys) const;
-
-    /// @throw InputError always: "<owner>: extras.<key> is <value>; it must be <meaning>".
-    [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
-
-private:
-    /// A remark, or in an object of our own a refusal.
-    void leave_out(const char *key, const std::string &meaning) const;
-
-    nlohmann::json values_;
-    std::string owner_;
-    RemarkList *remarks_;
-    bool is_ours_ = false;
-    std::string path_ = "extras."; ///< before keys, in messages
-};
-
-Extras::Extras(const std::string &text, std::string owner, RemarkList &remarks)
-    : values_(text.empty() ? nlohmann::json::object() : nlohmann::json::parse(text)),
-      owner_(std::move(owner)), remarks_(&remarks) {}
-
-bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
-
-std::optional<double> Extras::number(const char *key, double minimum, double maximum,
-                                     const std::string &meaning) const {
-    if (!has(key)) {
-        return std::nullopt;
-    }
-    const auto number = values_[key].is_number() ? values_[key].get<double>() : minimum - 1.0;
-    if (!(number >= minimum && number <= maximum)) {
-        leave_out(key, meaning);
-        return std::nullopt;
-    }
-    return number;
-}
-
-std::optional<bool> Extras::flag(const char *key) const {
-    if (!has(key)) {
-        return std::nullopt;
-    }
-    if (!values_[key].is_boolean()) {
-        leave_out(key, "true or false");
-        return std::nullopt;
-    }
-    return values_[key].get<bool>();
-}
-
-std::optional<std::size_t> Extras::word(const char *key, std::span<const std::string_view> words,
-                                        const std::string &meaning) const {
-    if (!has(key)) {
-        return std::nullopt;
-    }
-    const auto found = values_[key].is_string()
-                           ? std::ranges::find(words, values_[key].get_ref<const std::string &>())
-                           : words.end();
-    if (found == words.end()) {
-        leave_out(key, meaning);
-        return std::nullopt;
-    }
-    return static_cast<std::size_t>(found - words.begin());
-}
-
-std::optional<Extras> Extras::object(const char *key, std::span<const std::string_view> keys,
-                                     const std::string &meaning) const {
-    if (!has(key)) {
-        return std::nullopt;
-    }
-    const nlohmann::json &value = values_[key];
-    const bool is_ours = value.is_object() &&
-                         (value.empty() || std::ranges::any_of(keys, [&](std::string_view name) {
-                              return value.contains(name);
-                          }));
-    if (!is_ours) {
-        leave_out(key, meaning);
-        return std::nullopt;
-    }
-    Extras inner("", owner_, *remarks_);
-    inner.values_ = value;
-    inner.path_ = path_ + key + ".";
-    inner.is_ours_ = true;
-    return inner;
-}
-
-void Extras::refuse_all_but(std::span<const std::string_view> keys) const {
-    for (const auto &[key, value] : values_.items()) {
-        if (std::ranges::find(keys, key) == keys.end()) {
-            std::string known;
-            for (const std::string_view name : keys) {
-                known += (known.empty() ? "" : ", ") + std::string(name);
-            }
-            throw InputError(owner_ + ": " + path_ + one_line(key, 40) +
-                             " is not known; what may stand there is " + known);
-        }
-    }
-}
-
-void Extras::refuse(const char *key, const std::string &meaning) const {
-    throw InputError(owner_ + ": " + path_ + key + " is " + shown(values_[key]) + "; it must be " +
-                     meaning);
-}
-
-void Extras::leave_out(const char *key, const std::string &meaning) const {
-    if (is_ours_) {
-        refuse(key, meaning);
-    }
-    const std::string text = path_ + key + " is " + shown(values_[key]) +
-                             ": left out as another program's; it would have to be " + meaning;
-    if (owner_.find(' ') == std::string::npos) {
-        remarks_->add(owner_ + ": " + text);
-    } else {
-        remarks_->add_of(owner_, nullptr, text);
-    }
-}
 
 constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
 
@@ -207,33 +52,6 @@ void check_sides(const TouchExtras &touch, const std::string &label) {
                          (is_plate ? "both sides; set extras.sides to 'two'"
                                    : "outside only; set extras.sides to 'one'") +
                          ", or leave it out");
-    }
-}
-
-constexpr std::array<std::string_view, 3> kToleranceKeys = {"force_N", "direction_deg",
-                                                            "bandwidth_hz"};
-
-void read_tolerance(const Extras &extras, ModelTolerance &tolerance) {
-    tolerance.force_N = extras.number("force_N", 1e-4, 10.0, "a number from 0.0001 to 10")
-                            .value_or(tolerance.force_N);
-    if (const auto direction_deg =
-            extras.number("direction_deg", 0.01, 180.0, "a number from 0.01 to 180")) {
-        tolerance.direction_rad = *direction_deg * kRadiansPerDegree;
-    }
-    tolerance.bandwidth_hz = extras.number("bandwidth_hz", 1.0, 5000.0, "a number from 1 to 5000")
-                                 .value_or(tolerance.bandwidth_hz);
-    extras.refuse_all_but(kToleranceKeys);
-}
-
-void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene,
-                RemarkList &remarks) {
-    constexpr std::array<std::string_view, 1> kUnits = {"m"};
-    const Extras extras(text, owner, remarks);
-    scene.in_metres |= extras.word("units", kUnits, "'m' (metres)").has_value();
-    scene.planar = extras.flag("planar").value_or(scene.planar);
-    if (const auto tolerance = extras.object(
-            "tolerance", kToleranceKeys, "an object of force_N, direction_deg and bandwidth_hz")) {
-        read_tolerance(*tolerance, scene.tolerance);
     }
 }
 
@@ -353,6 +171,8 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const
     const Extras extras(text, label, remarks);
     TouchExtras touch = parent;
     touch.shape.reset();
+    constexpr std::size_t kLongestCaption = 40;
+    touch.caption = extras.text("caption", kLongestCaption).value_or("");
     if (const auto eta =
             extras.number("eta", 0.0, 1.0, "a number from 0 (rigid) to 1 (free space)")) {
         touch.material.eta = *eta;
@@ -368,16 +188,6 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const
     }
     check_sides(touch, label);
     return touch;
-}
-
-SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks) {
-    SceneExtras extras;
-    read_scene(model.asset.extras_json_string, "asset", extras, remarks);
-    const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
-    if (scene < model.scenes.size()) {
-        read_scene(model.scenes[scene].extras_json_string, "scene", extras, remarks);
-    }
-    return extras;
 }
 
 std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, RemarkList &remarks) {

@@ -1,10 +1,8 @@
 // The node graph of a glTF, flattened, and what its "extras" say: which meshes are placed where,
-// how they feel, and what holds for the scene as a whole. The keys are those that `load_gltf`
-// documents.
+// and how they feel. The keys are those that `load_gltf` documents.
 #pragma once
 
 #include "engine/contact/mesh/surface_material.h"
-#include "engine/scene/model_tolerance.h"
 #include "engine/scene/remark_list.h"
 #include "engine/scene/shape_fit.h"
 
@@ -20,11 +18,13 @@ class Model;
 
 namespace springdrive::scene::gltf {
 
-/// What a node's extras say about touch. All but `shape` pass from a node to its children.
+/// What a node's extras say about touch. All but `shape` and `caption` pass from a node to its
+/// children.
 struct TouchExtras {
     contact::SurfaceMaterial material;
     bool smooth = false;            ///< touched and drawn as the curved surface of its normals
     std::optional<ShapeKind> shape; ///< touched as this instead of as its triangles
+    std::string caption;            ///< shown on it; may be empty
 };
 
 /// A node's touch. A node that gives one coefficient of friction gives both: the other is the same.
@@ -37,19 +37,6 @@ struct TouchExtras {
 ///        the sides that it asks for.
 [[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
                                      const std::string &label, RemarkList &remarks);
-
-/// What the extras of the scene, or of the asset, say.
-struct SceneExtras {
-    bool in_metres = false; ///< coordinates are metres in the device's frame
-    bool planar = false;    ///< the hand stays in the linkage's plane
-    ModelTolerance tolerance;
-};
-
-/// Of the asset and of the scene that `place_meshes` takes; the scene's values come first.
-/// @param remarks gains what is left out as another program's, as above
-/// @throw InputError for a value of a wrong type or out of range in a `tolerance` that has any of
-///        its keys, and for a key there that is none.
-[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks);
 
 /// A node that holds a mesh.
 struct PlacedMesh {

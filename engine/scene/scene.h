@@ -5,6 +5,7 @@
 #include "device/core/device_file.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
+#include "engine/scene/lesson.h"
 #include "engine/scene/model_tolerance.h"
 
 #include <array>
@@ -60,6 +61,8 @@ struct Scene {
     bool in_metres = false;           ///< the file asked for metres, so nothing was fitted
     bool planar = false;              ///< the hand stays in the linkage's plane
     ModelTolerance tolerance;         ///< what a cheaper model may be off
+    Lesson lesson;                    ///< what there is to feel
+    std::vector<Caption> captions;    ///< of single nodes
     std::vector<std::string> remarks; ///< what of the file cannot be touched or drawn, by name
 };
 

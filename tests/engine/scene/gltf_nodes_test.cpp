@@ -3,6 +3,8 @@
 #include "base/degrees.h"
 #include "tests/engine/scene/gltf_builder.h"
 
+#include <algorithm>
+
 #include <cmath>
 
 namespace springdrive::scene {
@@ -390,6 +392,84 @@ TEST(SceneExtras, LeavesWhatIsNoToleranceAndNoFlagToOtherPrograms) {
     expect_refused(R"({"tolerance": {"force_N": 1, "force": 1}})",
                    "scene: extras.tolerance.force is not known; what may stand there is force_N, "
                    "direction_deg, bandwidth_hz");
+}
+
+TEST(SceneExtras, ALessonIsReadWhole) {
+    const Scene scene = load(with_scene_extras(
+        R"({"units": "m", "lesson": {"title": "A wall", "feel": "Press\non it.",
+            "point": [0.01, 0.02, -0.03], "normal": [0, 0, -2]}})"));
+    EXPECT_EQ(scene.lesson.title, "A wall");
+    EXPECT_EQ(scene.lesson.feel, "Press on it."); // on one line
+    ASSERT_TRUE(scene.lesson.spot);
+    EXPECT_EQ(scene.lesson.spot->point_m, Vector3(0.01, 0.02, -0.03));
+    EXPECT_EQ(scene.lesson.spot->normal, Vector3(0.0, 0.0, -1.0));
+    EXPECT_TRUE(load(one_triangle()).lesson.is_empty());
+    EXPECT_TRUE(load(with_scene_extras(R"({"lesson": {}})")).lesson.is_empty());
+}
+
+TEST(SceneExtras, ASpotIsFittedWithItsScene) {
+    GltfBuilder builder =
+        with_scene_extras(R"({"lesson": {"point": [0, 0, 0], "normal": [0, 1, 0]}})");
+    builder.asset = R"({"version": "2.0"})"; // in no particular unit
+    const Scene scene = load(builder);
+    ASSERT_TRUE(scene.lesson.spot);
+    // The triangle has a corner at the file's origin.
+    const auto is_corner = [&](const Vector3 &p) {
+        return (p - scene.lesson.spot->point_m).isZero(1e-9);
+    };
+    EXPECT_TRUE(std::ranges::any_of(scene.surface.vertices_m, is_corner));
+    EXPECT_FALSE(scene.lesson.spot->point_m.isZero(1e-3)); // it was moved
+}
+
+TEST(SceneExtras, ALessonOfAnotherKindIsLeftOutAndAWrongOneRefused) {
+    for (const std::string value : {"\"touch\"", "null", "[1]", R"({"chapter":1})"}) {
+        const Scene scene = load(with_scene_extras(R"({"lesson": )" + value + "}"));
+        EXPECT_TRUE(scene.lesson.is_empty());
+        EXPECT_TRUE(has_remark(scene, "left out as another program's; it would have to be an "
+                                      "object of title, feel, point and normal"))
+            << value;
+    }
+    const auto lesson = [](const std::string &members) {
+        return R"({"lesson": {)" + members + "}}";
+    };
+    expect_refused(lesson(R"("title": 5)"),
+                   "scene: extras.lesson.title is 5; it must be a text of 1 to 40 bytes");
+    expect_refused(lesson(R"("title": " ")"), "extras.lesson.title is ''; it must be a text");
+    EXPECT_NO_THROW(load(with_scene_extras(lesson(R"("title": ")" + std::string(40, 'a') + '"'))));
+    expect_refused(lesson(R"("title": ")" + std::string(41, 'a') + '"'),
+                   "it must be a text of 1 to 40 bytes");
+    expect_refused(lesson(R"("feel": ")" + std::string(201, 'a') + '"'),
+                   "it must be a text of 1 to 200 bytes");
+    expect_refused(lesson(R"("point": [0, 0], "normal": [0, 1, 0])"),
+                   "scene: extras.lesson.point is [0,0]; it must be a list of three numbers");
+    expect_refused(lesson(R"("point": [0, 0, "0"], "normal": [0, 1, 0])"),
+                   "it must be a list of three numbers from -1e+06 to 1e+06");
+    expect_refused(lesson(R"("point": [0, 0, 2e6], "normal": [0, 1, 0])"),
+                   "it must be a list of three numbers from");
+    expect_refused(lesson(R"("point": [0, 0, 0])"),
+                   "extras.lesson.point is [0,0,0]; it must be given with its normal");
+    expect_refused(lesson(R"("normal": [0, 1, 0])"),
+                   "extras.lesson.normal is [0,1,0]; it must be given with its point");
+    expect_refused(lesson(R"("point": [0, 0, 0], "normal": [0, 0, 0])"),
+                   "extras.lesson.normal is [0,0,0]; it must be a direction, not zero");
+    expect_refused(lesson(R"("title": "A wall", "sentence": "Press.")"),
+                   "scene: extras.lesson.sentence is not known; what may stand there is title, "
+                   "feel, point, normal");
+}
+
+TEST(TouchExtras, ACaptionStandsOnItsNodeAloneAndAnotherProgramsIsLeftOut) {
+    const Scene scene = load(one_triangle(R"("extras": {"caption": "soft"})"));
+    ASSERT_EQ(scene.captions.size(), 1U);
+    EXPECT_EQ(scene.captions.front().text, "soft");
+    EXPECT_NEAR(scene.captions.front().at_m.y(), scene.upper_m.y(), 1e-12);
+    const Scene other = load(one_triangle(R"("extras": {"caption": 7})"));
+    EXPECT_TRUE(other.captions.empty());
+    EXPECT_TRUE(has_remark(other, "extras.caption is 7: left out as another program's; it would "
+                                  "have to be a text of 1 to 40 bytes"));
+    RemarkList remarks;
+    gltf::TouchExtras parent;
+    parent.caption = "all of it";
+    EXPECT_EQ(gltf::read_touch("{}", parent, "node 'child'", remarks).caption, "");
 }
 
 TEST(GltfNodes, AMillionChildrenOfOneNodeAreRefusedByName) {
