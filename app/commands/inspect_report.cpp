@@ -89,6 +89,22 @@ Json nodes_json(const InspectReport &report) {
     return nodes;
 }
 
+/// Without what it does not say.
+Json lesson_json(const scene::Lesson &lesson) {
+    Json json = Json::object();
+    if (!lesson.title.empty()) {
+        json["title"] = lesson.title;
+    }
+    if (!lesson.feel.empty()) {
+        json["feel"] = lesson.feel;
+    }
+    if (lesson.spot) {
+        json["point_m"] = vector_json(lesson.spot->point_m);
+        json["normal"] = vector_json(lesson.spot->normal);
+    }
+    return json;
+}
+
 void write_head(std::ostream &out, const InspectReport &report) {
     const scene::Scene &scene = *report.scene;
     out << report.name;
@@ -96,6 +112,12 @@ void write_head(std::ostream &out, const InspectReport &report) {
         print(out, ": {:.1f} kB", 1e-3 * static_cast<double>(report.file_bytes));
     }
     print(out, ", loaded in {:.3f} s\n", report.load_s);
+    if (!scene.lesson.title.empty()) {
+        out << "title     " << scene.lesson.title << '\n';
+    }
+    if (!scene.lesson.feel.empty()) {
+        out << "feel      " << scene.lesson.feel << '\n';
+    }
     if (scene.in_metres) {
         out << "units     metres of the device's frame, unchanged\n";
     } else {
@@ -159,6 +181,9 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
     json["bytes"] = surface.bytes();
     json["bytes_per_triangle"] = bytes_per_triangle(surface);
     json["planar"] = scene.planar;
+    if (!scene.lesson.is_empty()) {
+        json["lesson"] = lesson_json(scene.lesson);
+    }
     if (report.model != nullptr) {
         json["model"] = model_selection::json_of(*report.model);
     }

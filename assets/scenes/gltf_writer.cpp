@@ -80,13 +80,43 @@ public:
     }
 
 private:
+    static std::string list_of(const Vector3 &v) {
+        return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
+    }
+
+    static std::string lesson_of(const Lesson &lesson) {
+        return R"("lesson": {"title": ")" + lesson.title + R"(", "feel": ")" + lesson.feel + '"' +
+               (lesson.spot ? R"(, "point": )" + list_of(lesson.spot->point_m) + R"(, "normal": )" +
+                                  list_of(lesson.spot->normal)
+                            : "") +
+               "}";
+    }
+
     static std::string extras_of(const SceneDescription &scene) {
         const Tolerance &tolerance = scene.tolerance;
-        return R"("extras": {)" + std::string(scene.in_metres ? R"("units": "m", )" : "") +
+        return R"("extras": {)" + lesson_of(scene.lesson) + ", " +
+               std::string(scene.in_metres ? R"("units": "m", )" : "") +
                (scene.planar ? R"("planar": true, )" : "") + R"("tolerance": {"force_N": )" +
                number(tolerance.force_N) + R"(, "direction_deg": )" +
                number(tolerance.direction_deg) + R"(, "bandwidth_hz": )" +
                number(tolerance.bandwidth_hz) + "}}";
+    }
+
+    static std::string extras_of(const Part &part) {
+        std::string members;
+        const auto add = [&members](const std::string &member) {
+            members += (members.empty() ? "" : ", ") + member;
+        };
+        if (part.eta) {
+            add(R"("eta": )" + number(*part.eta));
+        }
+        if (part.smooth) {
+            add(R"("smooth": true)");
+        }
+        if (!part.caption.empty()) {
+            add(R"("caption": ")" + part.caption + '"');
+        }
+        return members.empty() ? "" : R"(, "extras": {)" + members + "}";
     }
 
     void add_part(const Part &part) {
@@ -106,9 +136,8 @@ private:
         const int mesh =
             meshes_.add(R"({"primitives": [{"attributes": {)" + attributes + R"(}, "indices": )" +
                         number(indices) + R"(, "material": )" + number(material) + "}]}");
-        const std::string extras =
-            part.eta ? R"(, "extras": {"eta": )" + number(*part.eta) + "}" : "";
-        nodes_.add(R"({"name": ")" + part.name + R"(", "mesh": )" + number(mesh) + extras + "}");
+        nodes_.add(R"({"name": ")" + part.name + R"(", "mesh": )" + number(mesh) + extras_of(part) +
+                   "}");
     }
 
     int add_view(std::size_t start, int target) {

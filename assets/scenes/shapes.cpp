@@ -134,6 +134,34 @@ Part box(const Vector3 &lower_m, const Vector3 &upper_m) {
         [](int, int, int) { return true; });
 }
 
+Part sheared(Part part, double rise_x, double rise_z) {
+    for (Vector3 &position : part.positions_m) {
+        position.y() += rise_x * position.x() + rise_z * position.z();
+    }
+    for (Vector3 &normal : part.normals) { // by the inverse transpose
+        normal.x() -= rise_x * normal.y();
+        normal.z() -= rise_z * normal.y();
+        normal /= normal.norm();
+    }
+    return part;
+}
+
+Part faceted(const Part &part) {
+    Part facets;
+    for (const auto &[a, b, c] : part.triangles) {
+        const std::array<Vector3, 3> corners = {part.positions_m[a], part.positions_m[b],
+                                                part.positions_m[c]};
+        const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        const auto first = static_cast<std::uint32_t>(facets.positions_m.size());
+        for (const Vector3 &corner : corners) {
+            facets.positions_m.push_back(corner);
+            facets.normals.emplace_back(across / across.norm());
+        }
+        facets.triangles.push_back({first, first + 1, first + 2});
+    }
+    return facets;
+}
+
 Part geodesic_sphere(int frequency) {
     const std::vector<Vector3> corners = icosahedron_corners();
     Part part;

@@ -25,6 +25,8 @@ struct Part {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::array<double, 3> base_colour{1.0, 1.0, 1.0}; ///< linear
     std::optional<double> eta;                        ///< η of (30), if the node has one
+    bool smooth = false;                              ///< touched as its normals describe it
+    std::string caption;                              ///< shown on it; may be empty
 };
 
 /// A grid of box cells with faces at these coordinates, each list ascending.
@@ -40,6 +42,13 @@ struct CellGrid {
 
 /// A box with flat faces, 12 triangles.
 [[nodiscard]] Part box(const Vector3 &lower_m, const Vector3 &upper_m);
+
+/// Moves each point up by `rise_x` times its x and `rise_z` times its z: what was level slopes.
+/// Faces stay flat.
+[[nodiscard]] Part sheared(Part part, double rise_x, double rise_z);
+
+/// Each triangle with corners of its own, square to it: it is drawn, and smoothed, as a facet.
+[[nodiscard]] Part faceted(const Part &part);
 
 /// A point of a profile, seen along x.
 struct ProfilePoint {
@@ -68,9 +77,23 @@ struct Tolerance {
     double bandwidth_hz;
 };
 
+/// Where a scene is to be touched.
+struct Spot {
+    Vector3 point_m{Vector3::Zero()};
+    Vector3 normal{Vector3::UnitY()}; ///< of any length
+};
+
+/// What a scene is there to let one feel.
+struct Lesson {
+    std::string title;
+    std::string feel; ///< one sentence
+    std::optional<Spot> spot;
+};
+
 /// An included scene file.
 struct SceneDescription {
     std::string name;
+    Lesson lesson;
     bool in_metres = false; ///< otherwise fitted to the device's workspace when loaded
     std::vector<Part> parts;
     Tolerance tolerance;
@@ -82,5 +105,14 @@ struct SceneDescription {
 
 inline constexpr double kSphereRadius_m = 0.045;
 inline constexpr int kSphereFrequency = 32;
+
+/// Of the pair of spheres.
+inline constexpr double kPairRadius_m = 0.027;
+inline constexpr int kPairFrequency = 2;
+
+inline constexpr double kSheetThickness_m = 0.001;
+
+/// Of the pads, from left to right.
+inline constexpr std::array<double, 5> kPadEta{0.0, 0.25, 0.5, 0.75, 0.9};
 
 } // namespace springdrive::scenes

@@ -37,18 +37,31 @@ TEST(InspectCommand, TellsWhatTheNodesAreMadeOf) {
     const json said = inspected(kScenes + "compliance.gltf");
     EXPECT_EQ(said["file_bytes"], std::filesystem::file_size(kScenes + "compliance.gltf"));
     EXPECT_TRUE(said["in_metres"]);
-    ASSERT_EQ(said["nodes"].size(), 3U);
     const std::vector<std::pair<std::string, double>> expected{
-        {"rigid", 0.0}, {"firm", 0.4}, {"soft", 0.75}};
-    for (std::size_t i = 0; i < 3; ++i) {
+        {"rigid", 0.0}, {"firm", 0.25}, {"medium", 0.5}, {"soft", 0.75}, {"softest", 0.9}};
+    ASSERT_EQ(said["nodes"].size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(said["nodes"][i]["name"], expected[i].first);
         EXPECT_EQ(said["nodes"][i]["eta"], expected[i].second);
         EXPECT_EQ(said["nodes"][i]["triangles"], 12);
         EXPECT_EQ(said["nodes"][i]["one_sided_triangles"], 12);
         EXPECT_EQ(said["nodes"][i]["two_sided_triangles"], 0);
     }
-    EXPECT_NEAR(said["lower_m"][0], -0.060, 1e-8); // single precision in the file
+    EXPECT_NEAR(said["lower_m"][0], -0.061, 1e-8); // single precision in the file
     EXPECT_NEAR(said["upper_m"][2], 0.015, 1e-8);
+}
+
+TEST(InspectCommand, TellsWhatThereIsToFeelAndWhere) {
+    const json lesson = inspected(kScenes + "wrong_direction.gltf")["lesson"];
+    EXPECT_EQ(lesson["title"], "The wrong direction");
+    EXPECT_NEAR(lesson["point_m"][2], 0.0358, 1e-12);
+    EXPECT_GT(lesson["normal"][1], 0.9);
+    const testing::Ending text = inspect({kScenes + "wrong_direction.gltf"});
+    for (const std::string said :
+         {"title     The wrong direction", "feel      Press on the orange"}) {
+        EXPECT_NE(text.out.find(said), std::string::npos) << text.out;
+    }
+    EXPECT_FALSE(inspected("sphere:80").contains("lesson"));
 }
 
 TEST(InspectCommand, TellsWhatPreparationFound) {

@@ -190,12 +190,94 @@ TEST(OwnScenes, OrganicLiesOnItsBlobsLevelAndIsStarShaped) {
     }
 }
 
-TEST(OwnScenes, CompliancePadsAreAsSoftAsTheySay) {
+TEST(OwnScenes, CompliancePadsAreAsSoftAsTheirCaptionsSay) {
     const Scene scene = load_own("compliance");
-    ASSERT_EQ(scene.surface.materials.size(), 3U);
-    EXPECT_EQ(scene.surface.materials[0].eta, 0.0);
-    EXPECT_EQ(scene.surface.materials[1].eta, 0.4);
-    EXPECT_EQ(scene.surface.materials[2].eta, 0.75);
+    ASSERT_EQ(scene.surface.materials.size(), scenes::kPadEta.size());
+    ASSERT_EQ(scene.captions.size(), scenes::kPadEta.size());
+    EXPECT_EQ(scene.surface.materials.front().eta, 0.0);
+    EXPECT_EQ(scene.surface.materials.back().eta, 0.9);
+    for (std::size_t i = 0; i < scenes::kPadEta.size(); ++i) {
+        std::ostringstream caption;
+        caption << "η " << scene.surface.materials[i].eta;
+        EXPECT_EQ(scene.captions[i].text, caption.str());
+        const Vector3 &at_m = scene.captions[i].at_m; // on the pad's upper side
+        EXPECT_NEAR(at_m.x(), 0.025 * (static_cast<double>(i) - 2.0), kSinglePrecision);
+        EXPECT_NEAR(at_m.y(), -0.005, kSinglePrecision);
+    }
+}
+
+TEST(OwnScenes, EachSaysInOneSentenceWhatToFeel) {
+    std::set<std::string> titles;
+    for (const scenes::SceneDescription &description : scenes::all_scenes()) {
+        const Lesson lesson = load_own(description.name).lesson;
+        EXPECT_TRUE(titles.insert(lesson.title).second) << lesson.title;
+        EXPECT_EQ(lesson.title, description.lesson.title);
+        EXPECT_EQ(lesson.feel, description.lesson.feel);
+        EXPECT_EQ(std::ranges::count(lesson.feel, '.'), 1) << lesson.feel;
+        EXPECT_TRUE(lesson.feel.ends_with('.')) << lesson.feel;
+    }
+}
+
+TEST(OwnScenes, TheSpotOfTheWrongDirectionLiesOnItsOrangeSquare) {
+    const Scene scene = load_own("wrong_direction");
+    ASSERT_TRUE(scene.lesson.spot);
+    const TouchSpot &spot = *scene.lesson.spot;
+    EXPECT_NEAR(spot.normal.norm(), 1.0, 1e-12);
+    std::size_t orange = 0;
+    for (const VisualVertex &vertex : scene.meshes.front().vertices) {
+        if (vertex.colour[0] > 2.0F * vertex.colour[2]) {
+            const Vector3 off_m =
+                Vector3(vertex.position_m[0], vertex.position_m[1], vertex.position_m[2]) -
+                spot.point_m;
+            EXPECT_NEAR(off_m.dot(spot.normal), 0.0, kSinglePrecision);
+            EXPECT_NEAR(off_m.x() * off_m.x(), 0.006 * 0.006, kSinglePrecision);
+            EXPECT_NEAR(off_m.z() * off_m.z(), 0.006 * 0.006, kSinglePrecision);
+            ++orange;
+        }
+    }
+    EXPECT_EQ(orange, 4U);
+    for (const scenes::SceneDescription &other : scenes::all_scenes()) {
+        EXPECT_EQ(load_own(other.name).lesson.spot.has_value(), other.name == "wrong_direction");
+    }
+}
+
+TEST(OwnScenes, SlopesAreAsSteepAsTheyAreMade) {
+    const auto volume_m3 = [](const std::string &name) {
+        return volume_of(load_own(name).surface);
+    };
+    // Shearing changes no volume.
+    EXPECT_NEAR(volume_m3("slope"), 0.110 * 0.012 * 0.070, 10 * kSinglePrecision * 1e-4);
+    EXPECT_NEAR(volume_m3("wrong_direction"), 0.070 * 0.009 * 0.048, 10 * kSinglePrecision * 1e-4);
+    const Scene slope = load_own("slope");
+    EXPECT_NEAR(slope.upper_m.y() - slope.lower_m.y(), 0.012 + 0.4 * 0.110, kSinglePrecision);
+}
+
+TEST(OwnScenes, TheThinPlateIsAsThinAsItSays) {
+    const Scene scene = load_own("thin_plate");
+    EXPECT_NEAR(scene.upper_m.y() - scene.lower_m.y(), 0.001, kSinglePrecision);
+}
+
+/// Both spheres are of the same triangles; the right one's are bent.
+TEST(OwnScenes, OfThePairOneIsCoarseAndOneIsRound) {
+    const Scene scene = load_own("spheres");
+    const auto roughness = [&](double side) { // largest share of the radius that is missing
+        const Vector3 centre_m(side * 0.033, -0.0315, -0.015);
+        double largest = 0.0;
+        for (const auto &[a, b, c] : corners_of(scene.surface)) {
+            const Vector3 middle_m = (a + b + c) / 3.0;
+            if (side * middle_m.x() > 0.0) {
+                largest = std::max(
+                    largest, std::abs(1.0 - (middle_m - centre_m).norm() / scenes::kPairRadius_m));
+            }
+        }
+        return largest;
+    };
+    // With edges a of the radius, the middle of a facet is 1 − √(1 − a²/3) below the sphere: of 80
+    // triangles a is up to 0.62.
+    EXPECT_NEAR(roughness(-1.0), 1.0 - std::sqrt(1.0 - 0.62 * 0.62 / 3.0), 0.01);
+    EXPECT_LT(roughness(1.0), 0.01);
+    EXPECT_GT(scene.surface.triangles.size(), 2000U);
+    EXPECT_EQ(scene.flat_surface.triangles.size(), 160U);
 }
 
 TEST(OwnScenes, ProfileIsARailInTheLinkagesPlane) {
@@ -222,7 +304,11 @@ TEST(OwnScenes, EachSaysWhatACheaperModelMayBeOff) {
 }
 
 TEST(OwnScenes, TheZeroPoseStartsOutsideWhatIsInMetres) {
-    for (const std::string name : {"plate", "sphere", "stepped_block", "compliance", "profile"}) {
+    for (const scenes::SceneDescription &description : scenes::all_scenes()) {
+        const std::string &name = description.name;
+        if (!description.in_metres) {
+            continue;
+        }
         // The solid angle of a closed surface around the origin is 0 from outside, 4π from inside.
         double solid_angle = 0.0;
         for (const auto &[a, b, c] : corners_of(load_own(name).surface)) {

@@ -58,10 +58,13 @@ int frames_in_contact(const std::filesystem::path &scene) {
 }
 
 TEST(Session, TheScriptedTouchTouchesEverySceneOfTheProject) {
-    for (const char *name : {"plate.gltf", "sphere.gltf", "stepped_block.gltf", "organic.gltf",
-                             "compliance.gltf", "profile.gltf"}) {
+    for (const char *name : {"plate.gltf", "slope.gltf", "wrong_direction.gltf", "compliance.gltf",
+                             "stepped_block.gltf", "profile.gltf", "organic.gltf",
+                             "thin_plate.gltf", "sphere.gltf", "blow.gltf"}) {
         EXPECT_GT(frames_in_contact(testing::assets() / "scenes" / name), 50) << name;
     }
+    // The touch strokes the middle, where the gap between the two is.
+    EXPECT_GT(frames_in_contact(testing::assets() / "scenes/spheres.gltf"), 30);
 }
 
 TEST(Session, TheScriptedTouchTouchesThirdPartyFiles) {

@@ -12,8 +12,9 @@
 namespace springdrive::model_selection {
 namespace {
 
-const std::vector<std::string> kOwnScenes = {"plate",   "sphere",     "stepped_block",
-                                             "organic", "compliance", "profile"};
+const std::vector<std::string> kOwnScenes = {
+    "plate",   "slope",      "wrong_direction", "compliance", "stepped_block", "profile",
+    "organic", "thin_plate", "sphere",          "spheres",    "blow"};
 
 /// The error of a model of the scene against the fullest, measured again.
 class Trial {

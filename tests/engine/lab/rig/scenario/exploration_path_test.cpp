@@ -10,7 +10,9 @@ namespace {
 
 TEST(ExplorationPath, ComesByAllOverAndInReach) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    for (const std::string name : {"plate", "sphere", "stepped_block", "organic", "compliance"}) {
+    for (const std::string name :
+         {"plate", "slope", "wrong_direction", "compliance", "stepped_block", "organic",
+          "thin_plate", "sphere", "spheres", "blow"}) {
         const scene::Scene scene = testing::own_scene(name);
         const model_selection::ModelSetting setting =
             testing::exploring(contact::HapticSurface(scene.surface), testing::box_of(scene));
