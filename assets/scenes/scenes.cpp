@@ -129,7 +129,7 @@ SceneDescription spheres() {
              {}},
             true,
             {std::move(coarse), std::move(smooth)},
-            kToFeelRoundness};
+            kToFeelEdges};
 }
 
 /// Three steps rising to the right. The middle one has a blind pocket, the highest an open groove:
