@@ -222,8 +222,9 @@ void Screen::toggle_pause() {
 
 /// For keys: to the first widget of the next panel, or to the one that was left last.
 void Screen::go_to_next_panel(bool backwards) {
-    constexpr std::array<const char *, 9> kNames{"message", "Tuning", "Servo",  "Scene",    "Plots",
-                                                 "record",  "Start",  "window", "Assistant"};
+    constexpr std::array<const char *, 10> kNames{"message", "Tuning",   "Servo",  "Scene",
+                                                  "Plots",   "record",   "lesson", "Start",
+                                                  "window",  "Assistant"};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
         panel_ = (panel_ + (backwards ? kNames.size() - 1 : 1)) % kNames.size();
         ImGuiWindow *const window = ImGui::FindWindowByName(kNames[panel_]);

@@ -43,7 +43,13 @@ void Screen::draw_over_scene(const Rectangle &view) {
     const bool is_inside = tip_inside_.at(session_.scenes().now().scene, session_.scenes().id(),
                                           session_.latest().tip_m, ImGui::GetTime());
     shown.now.is_inside = is_inside && !assistant_.is_open();
-    obey(draw_scene_overlay(session_, opened_, shown, view, window_.scale()));
+    const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
+    obey(answer.action);
+    if (!opened_.is_shown() && !assistant_.is_open()) {
+        draw_captions(session_, view_control_.camera(), view, window_.scale());
+        draw_scene_plate(session_, desk_, scene_panel_.files, scene_panel_.plate, answer.free,
+                         window_.scale());
+    }
     if (view_control_.holds_hand()) {
         lift_.stop();
     }

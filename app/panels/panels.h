@@ -5,6 +5,7 @@
 #include "app/layout.h"
 #include "app/opened_record.h"
 #include "app/panels/doctor_popup.h"
+#include "app/panels/scene_plate.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
 #include "app/scene_message.h"
@@ -157,6 +158,7 @@ void draw_record_controls(OpenedRecord &opened, const Rectangle &view, float sca
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
+    ScenePlateState plate;
     HandTabState hand;
     PlantTabState plant;
     RecordTabState record;
@@ -181,9 +183,13 @@ struct SceneOverlay {
     bool has_help = true;           ///< how to use the mouse
 };
 
+struct SceneAnswer {
+    SceneAction action = SceneAction::none; ///< what the message's button asks for
+    Rectangle free;                         ///< of the view, between the message and the help
+};
+
 /// Over the scene: one message with its button, the button that stops, how to use the mouse.
-/// @return what the message's button asks for
-[[nodiscard]] SceneAction draw_scene_overlay(session::Session &session, OpenedRecord &opened,
+[[nodiscard]] SceneAnswer draw_scene_overlay(session::Session &session, OpenedRecord &opened,
                                              const SceneOverlay &shown, const Rectangle &view,
                                              float scale);
 
@@ -208,7 +214,8 @@ struct WindowMenuChoice {
 [[nodiscard]] WindowMenuChoice draw_window_menu(const WindowHabits &habits, const Rectangle &view,
                                                 float scale);
 
-/// At the right edge of the scene, below the button that stops. The viewpoint whose button was pressed, if one was.
+/// At the right edge of the scene, below the button that stops.
+/// @return the viewpoint whose button was pressed, if one was
 [[nodiscard]] std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale);
 
 /// The part of the scene over which none of these is drawn, a banner of one line included: for

@@ -52,7 +52,9 @@ ImVec4 colour_of(SceneUrgency urgency) {
 }
 
 /// A plate over the top of the scene.
-SceneAction draw_message(const SceneMessage &message, const Rectangle &view, float scale) {
+/// @param bottom  of it
+SceneAction draw_message(const SceneMessage &message, const Rectangle &view, float scale,
+                         float &bottom) {
     const ui::Scope scope(message.name);
     const float width = std::min(0.95F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
     ImGui::SetNextWindowPos(
@@ -67,6 +69,7 @@ SceneAction draw_message(const SceneMessage &message, const Rectangle &view, flo
         ui::wrapped(kInk, "{}", message.more);
     }
     const bool is_pressed = *message.button != '\0' && ui::button(message.button);
+    bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
     ImGui::End();
     ImGui::PopStyleColor();
     return is_pressed ? message.action : SceneAction::none;
@@ -111,7 +114,8 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
     ImGui::PopStyleVar(2);
 }
 
-void draw_help(const session::Session &session, const Rectangle &view, float scale) {
+/// @return its upper edge
+float draw_help(const session::Session &session, const Rectangle &view, float scale) {
     const char *const help = session.hand().follows_path() ? kPathHelp : kHandHelp;
     const ImVec2 size = help_size(help, view, scale);
     const ImVec2 corner{view.corner.x + margin(scale),
@@ -123,6 +127,7 @@ void draw_help(const session::Session &session, const Rectangle &view, float sca
                  size.x);
     list.PopClipRect();
     ui::enter_at({corner, size}, "help", "text", help);
+    return corner.y;
 }
 
 } // namespace
@@ -149,11 +154,13 @@ SceneSituation situation_of(const session::Session &session, const OpenedRecord 
     return now;
 }
 
-SceneAction draw_scene_overlay(session::Session &session, OpenedRecord &opened,
+SceneAnswer draw_scene_overlay(session::Session &session, OpenedRecord &opened,
                                const SceneOverlay &shown, const Rectangle &view, float scale) {
     SceneAction action = SceneAction::none;
+    float top = view.corner.y + margin(scale) + height_of_stop();
+    float bottom = view.corner.y + view.size.y;
     if (const std::optional<SceneMessage> message = message_for(shown.now)) {
-        action = draw_message(*message, view, scale);
+        action = draw_message(*message, view, scale, top);
     }
     draw_stop_button(session, view, scale);
     if (shown.notice != nullptr) {
@@ -162,9 +169,9 @@ SceneAction draw_scene_overlay(session::Session &session, OpenedRecord &opened,
     if (opened.is_shown()) {
         draw_record_controls(opened, view, scale);
     } else if (shown.has_help) {
-        draw_help(session, view, scale);
+        bottom = draw_help(session, view, scale);
     }
-    return action;
+    return {action, {{view.corner.x, top}, {view.size.x, bottom - top}}};
 }
 
 std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {

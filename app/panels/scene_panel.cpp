@@ -31,6 +31,9 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
     } else if (!session.scenes().error().empty()) {
         ui::wrapped(kDanger, "{}", session.scenes().error());
     }
+    if (state.plate.is_put_away && ui::small_button("what to feel")) {
+        state.plate.is_put_away = false;
+    }
     const Vector3 size_mm = 1000.0 * (shown.scene.upper_m - shown.scene.lower_m);
     ui::text(kInk, "{} triangles, {:.0f} × {:.0f} × {:.0f} mm",
              shown.scene.surface.triangles.size(), size_mm.x(), size_mm.y(), size_mm.z());

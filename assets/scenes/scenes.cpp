@@ -57,7 +57,7 @@ SceneDescription slope() {
     Part slab =
         sheared(box(Vector3(-0.055, -0.034, -0.050), Vector3(0.055, -0.022, 0.020)), -kFall, 0.0);
     return {"slope",
-            {"A slippery slope",
+            {"A slope without friction",
              "Press straight down and let it slide: without friction, the slope "
              "pushes only square to itself.",
              {}},
@@ -118,7 +118,7 @@ SceneDescription spheres() {
     const Part ball = geodesic_sphere(kPairFrequency);
     const auto at = [](double x_m) { return Vector3(x_m, -0.0315, -0.015); };
     Part coarse = named(faceted(moved(ball, kPairRadius_m, at(-0.033))), "coarse", kBrass);
-    coarse.caption = "as its triangles are";
+    coarse.caption = "coarse";
     Part smooth = named(moved(ball, kPairRadius_m, at(0.033)), "smooth", kBrass);
     smooth.smooth = true;
     smooth.caption = "smooth";

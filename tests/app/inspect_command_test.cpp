@@ -61,7 +61,7 @@ TEST(InspectCommand, TellsWhatThereIsToFeelAndWhere) {
          {"title     The wrong direction", "feel      Press on the orange"}) {
         EXPECT_NE(text.out.find(said), std::string::npos) << text.out;
     }
-    EXPECT_FALSE(inspected("sphere:80").contains("lesson"));
+    EXPECT_FALSE(inspected("sphere:1280").contains("lesson"));
 }
 
 TEST(InspectCommand, TellsWhatPreparationFound) {

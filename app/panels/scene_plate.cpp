@@ -1,0 +1,214 @@
+#include "app/panels/scene_plate.h"
+
+#include "app/widgets/widgets.h"
+#include "base/degrees.h"
+#include "engine/session/telemetry_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+const ImVec4 kPlate{0.07F, 0.08F, 0.10F, 0.88F};
+
+/// The file at this distance in the list from the one that is shown; null if there is none.
+const std::filesystem::path *neighbour(std::span<const std::filesystem::path> files,
+                                       const std::filesystem::path &shown, std::ptrdiff_t by) {
+    std::error_code ignored;
+    const auto found = std::ranges::find(files, absolute(shown, ignored).lexically_normal());
+    const std::ptrdiff_t there = found - files.begin() + by;
+    const auto count = static_cast<std::ptrdiff_t>(files.size());
+    return found == files.end() || there < 0 || there >= count
+               ? nullptr
+               : &files[static_cast<std::size_t>(there)];
+}
+
+void draw_neighbour_button(session::Session &session, std::span<const std::filesystem::path> files,
+                           const char *label, std::ptrdiff_t by) {
+    const std::filesystem::path *const file =
+        neighbour(files, session.scenes().now().scene.file, by);
+    const ui::Disabled disabled(file == nullptr || session.scenes().is_loading());
+    if (ui::small_button(label) && file != nullptr) {
+        session.request_scene(*file);
+    }
+    ui::explain(file == nullptr ? "There is no further scene in the list."
+                                : file->filename().string());
+}
+
+/// Title, and the buttons in its row.
+void draw_head(session::Session &session, std::span<const std::filesystem::path> files,
+               ScenePlateState &state) {
+    const scene::Scene &scene = session.scenes().now().scene;
+    const float button = ImGui::CalcTextSize("<").x + 2.0F * ImGui::GetStyle().FramePadding.x;
+    const float gap = 0.5F * ImGui::GetStyle().ItemSpacing.x;
+    const float room = 3.0F * button + 2.0F * gap;
+    const float left = ImGui::GetWindowContentRegionMax().x - room;
+    ImGui::PushTextWrapPos(left - gap);
+    ui::text(kForce, "{}",
+             scene.lesson.title.empty() ? scene.file.filename().string() : scene.lesson.title);
+    ImGui::PopTextWrapPos();
+    ImGui::SameLine(left);
+    draw_neighbour_button(session, files, "<##previous", -1);
+    ImGui::SameLine(0.0F, gap);
+    draw_neighbour_button(session, files, ">##next", 1);
+    ImGui::SameLine(0.0F, gap);
+    if (ui::small_button("×##put away")) {
+        state.is_put_away = true;
+    }
+    ui::explain("Puts this away. The tab Scene brings it back.");
+}
+
+/// Takes the latest measurement into the map's place.
+void measure(const session::Session &session, ScenePlateState &state) {
+    static const std::array<std::optional<std::size_t>, 2> kChannels{
+        session::channel_named("inverse_measured_rad"),
+        session::channel_named("transpose_measured_rad")};
+    const record::ChannelStore &store = session.servo().history().store();
+    for (std::size_t map = 0; map < kChannels.size(); ++map) {
+        if (!store.is_empty() && kChannels[map]) {
+            const double angle_rad = store.value(*kChannels[map], store.end() - 1);
+            if (std::isfinite(angle_rad)) {
+                state.angle_rad[map] = angle_rad;
+            }
+        }
+    }
+}
+
+/// One row a map, the active one large.
+void draw_angles(session::Session &session, TuningDesk &desk, const ScenePlateState &state) {
+    constexpr float kLarge = 1.5F;
+    constexpr std::array<control::MotionMap, 2> kMaps{control::MotionMap::inverse,
+                                                      control::MotionMap::transpose};
+    for (const control::MotionMap map : kMaps) {
+        const bool is_active = desk.now().map == map;
+        const auto &angle_rad = state.angle_rad[static_cast<std::size_t>(map)];
+        const ImVec4 &colour = !is_active                           ? kFaintInk
+                               : map == control::MotionMap::inverse ? kInverseMap
+                                                                    : kTransposeMap;
+        const ui::Scope scope(control::name_of(map));
+        const float row_y = ImGui::GetCursorPosY();
+        ImGui::SetWindowFontScale(is_active ? kLarge : 1.0F);
+        ui::text(colour, "{}",
+                 angle_rad ? ui::formatted("{:.0f}°", *angle_rad * kDegreesPerRadian) : "–");
+        const float baseline = ImGui::GetFontSize();
+        ImGui::SetWindowFontScale(1.0F);
+        ui::explain("Angle between the surface's normal and the push, as measured by the\n"
+                    "currents, below 30 Hz; of the map that is not in use, as it was last.");
+        ImGui::SameLine();
+        ImGui::SetCursorPosY(row_y + 0.8F * (baseline - ImGui::GetFontSize()));
+        ui::text(colour, "{}, {}", angle_rad ? "off" : "not measured yet", control::label_of(map));
+    }
+    if (ui::small_button("the other map  (M)###other map")) {
+        desk.toggle_map(session);
+    }
+}
+
+/// Where text stands on a dark plate over the scene.
+struct CaptionBox {
+    ImVec2 corner;
+    ImVec2 size;
+
+    [[nodiscard]] bool overlaps(const CaptionBox &other) const {
+        return corner.x < other.corner.x + other.size.x && other.corner.x < corner.x + size.x &&
+               corner.y < other.corner.y + other.size.y && other.corner.y < corner.y + size.y;
+    }
+};
+
+/// Draws captions one by one, each above those that it would cover.
+class Captions {
+public:
+    Captions(const Camera &camera, const Rectangle &view, float scale)
+        : camera_(camera), view_(view), scale_(scale), list_(*ImGui::GetBackgroundDrawList()) {
+        list_.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y},
+                           true);
+    }
+    ~Captions() { list_.PopClipRect(); }
+    Captions(const Captions &) = delete;
+    Captions &operator=(const Captions &) = delete;
+
+    void draw(const scene::Caption &caption, const ImVec4 &colour) {
+        const auto pixel = camera_.pixel_of(caption.at_m, PixelSize{view_.size.x, view_.size.y});
+        if (!pixel) {
+            return;
+        }
+        const ImVec2 at{view_.corner.x + static_cast<float>(pixel->x_px),
+                        view_.corner.y + static_cast<float>(pixel->y_px)};
+        const float margin = 4.0F * scale_;
+        const ImVec2 text = ImGui::CalcTextSize(caption.text.c_str());
+        CaptionBox box{{at.x - 0.5F * text.x - margin, at.y - text.y - 12.0F * scale_},
+                       {text.x + 2.0F * margin, text.y + 0.5F * margin}};
+        while (std::ranges::any_of(boxes_, [&](const CaptionBox &b) { return b.overlaps(box); })) {
+            box.corner.y -= 0.5F * box.size.y;
+        }
+        boxes_.push_back(box);
+        const ImVec2 end{box.corner.x + box.size.x, box.corner.y + box.size.y};
+        const ImU32 ink = ImGui::ColorConvertFloat4ToU32(colour);
+        list_.AddLine({at.x, end.y}, at, ink, scale_);
+        list_.AddRectFilled(box.corner, end, ImGui::ColorConvertFloat4ToU32(kPlate), 3.0F * scale_);
+        list_.AddText({box.corner.x + margin, box.corner.y + 0.25F * margin}, ink,
+                      caption.text.c_str());
+        ui::enter_at({box.corner, box.size}, caption.text, "caption", caption.text);
+    }
+
+private:
+    const Camera &camera_;
+    const Rectangle &view_;
+    float scale_;
+    ImDrawList &list_;
+    std::vector<CaptionBox> boxes_;
+};
+
+} // namespace
+
+void draw_scene_plate(session::Session &session, TuningDesk &desk,
+                      std::span<const std::filesystem::path> files, ScenePlateState &state,
+                      const Rectangle &place, float scale) {
+    if (state.scene != session.scenes().id()) {
+        state = {session.scenes().id(), false, {}};
+    }
+    measure(session, state);
+    const scene::Lesson &lesson = session.scenes().now().scene.lesson;
+    const bool is_stopped = session.latest().safety.state == servo::SafetyState::tripped;
+    if (state.is_put_away || lesson.is_empty() || is_stopped) {
+        return; // what stopped it stands there
+    }
+    const ui::Scope scope("lesson");
+    const float margin = 8.0F * scale;
+    const float width = std::min(320.0F * scale, 0.42F * place.size.x);
+    ImGui::SetNextWindowPos({place.corner.x + margin, place.corner.y + margin});
+    ImGui::SetNextWindowSize({width, 0.0F});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, kPlate);
+    ImGui::Begin("lesson", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                     ImGuiWindowFlags_NoBringToFrontOnFocus);
+    draw_head(session, files, state);
+    if (!lesson.feel.empty()) {
+        ui::wrapped(kInk, "{}", lesson.feel);
+    }
+    if (lesson.spot) {
+        draw_angles(session, desk, state);
+    }
+    ImGui::End();
+    ImGui::PopStyleColor();
+}
+
+void draw_captions(const session::Session &session, const Camera &camera, const Rectangle &view,
+                   float scale) {
+    const scene::Scene &scene = session.scenes().now().scene;
+    Captions captions(camera, view, scale);
+    for (const scene::Caption &caption : scene.captions) {
+        captions.draw(caption, kInk);
+    }
+    if (scene.lesson.spot && !session.latest().contact.touching) {
+        captions.draw({"press here", scene.lesson.spot->point_m}, kForce);
+    }
+}
+
+} // namespace springdrive::app

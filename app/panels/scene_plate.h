@@ -1,0 +1,36 @@
+// Over the scene: what it is there to let one feel, and words on its parts.
+#pragma once
+
+#include "app/layout.h"
+#include "app/tuning_desk.h"
+#include "app/view/camera.h"
+#include "engine/session/session.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+
+namespace springdrive::app {
+
+/// State of the plate between frames.
+struct ScenePlateState {
+    std::uint32_t scene = 0;  ///< number of the scene that all of this is about
+    bool is_put_away = false; ///< for this scene
+    /// The angle from normal to push by map, as last measured.
+    std::array<std::optional<double>, 2> angle_rad;
+};
+
+/// A plate with the scene's title and sentence, in the upper left corner of `place`; buttons to the
+/// scenes before and after it in `files`, and one to put it away. Where the scene says where to
+/// touch, also the angles from the normal to the push, as measured with both maps.
+void draw_scene_plate(session::Session &session, TuningDesk &desk,
+                      std::span<const std::filesystem::path> files, ScenePlateState &state,
+                      const Rectangle &place, float scale);
+
+/// The captions of the scene's parts; and where to touch, until it is touched.
+void draw_captions(const session::Session &session, const Camera &camera, const Rectangle &view,
+                   float scale);
+
+} // namespace springdrive::app
