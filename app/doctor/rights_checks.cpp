@@ -104,10 +104,39 @@ std::string install_limits(const Process &process) {
                        process.sudo(), kLimitsFile);
 }
 
+/// Among the controllers of a line of /proc/self/cgroup.
+bool names_cpu(const std::string &controllers) {
+    const std::vector<std::string> names = parts_of(controllers, ',');
+    return std::ranges::find(names, "cpu") != names.end();
+}
+
+/// The file with the share of real-time scheduling of this process's control group, if the kernel
+/// schedules by groups (cgroup v1 with RT_GROUP_SCHED) and the group has none; else empty.
+std::string file_of_missing_share(const Machine &machine) {
+    for (const std::string &line : machine.lines("/proc/self/cgroup")) {
+        const std::vector<std::string> parts = parts_of(line, ':'); // 1:cpu,cpuacct:/group
+        if (parts.size() < 3 || !names_cpu(parts[1])) {
+            continue;
+        }
+        const std::string controller = "/sys/fs/cgroup/" + parts[1];
+        // A container sees its own group as the topmost.
+        for (const std::string &group : {parts[2], std::string()}) {
+            const std::string file = controller + group + "/cpu.rt_runtime_us";
+            if (const auto share_us = machine.number(file)) {
+                return *share_us == 0 ? file : "";
+            }
+        }
+    }
+    return "";
+}
+
 /// One line lifts both limits.
 std::string allow(const Evidence &evidence, const std::string &item) {
     if (evidence.machine.is_container()) {
-        return "start the container with --cap-add SYS_NICE --ulimit rtprio=90 --ulimit memlock=-1";
+        const bool has_share = file_of_missing_share(evidence.machine).empty();
+        return fmt::format(
+            "start the container with --cap-add SYS_NICE{} --ulimit rtprio=90 --ulimit memlock=-1",
+            has_share ? "" : " --cpu-rt-runtime=500000");
     }
     if (evidence.process.is_root()) {
         return "start it with all of root's capabilities: these were taken away";
@@ -136,12 +165,20 @@ std::string limit_text(std::uint64_t limit) {
 std::string why_no_priority(const Evidence &evidence) {
     const Process &process = evidence.process;
     const auto wanted = static_cast<std::uint64_t>(evidence.trials.rights.priority);
-    if (process.priority_limit >= wanted) {
-        // With scheduling by groups, a group without a share of its own gets none.
-        return process.sudo() + "sysctl -w kernel.sched_rt_runtime_us=-1";
-    }
-    if (process.priority_limit_hard >= wanted) {
+    if (process.priority_limit < wanted && process.priority_limit_hard >= wanted) {
         return fmt::format("ulimit -S -r {}", wanted);
+    }
+    if (evidence.machine.is_container()) {
+        return allow(evidence, "rtprio");
+    }
+    const bool has_right = process.is_root() || process.priority_limit >= wanted;
+    if (const std::string file = file_of_missing_share(evidence.machine);
+        has_right && !file.empty()) {
+        return fmt::format("echo 500000 | {}tee {}", process.sudo(), shell_word(file));
+    }
+    if (process.priority_limit >= wanted) {
+        // The kernel schedules by groups and shows no file for it, as with cgroup v2.
+        return process.sudo() + "sysctl -w kernel.sched_rt_runtime_us=-1";
     }
     return allow(evidence, "rtprio");
 }
@@ -166,6 +203,9 @@ Check priority_check(const Evidence &evidence) {
         fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r)", trial.priority,
                     std::generic_category().message(trial.priority_refused),
                     limit_text(evidence.process.priority_limit));
+    if (!file_of_missing_share(evidence.machine).empty()) {
+        check.found += "; its control group has no share of real-time scheduling";
+    }
     check.mend = why_no_priority(evidence);
     return check;
 }

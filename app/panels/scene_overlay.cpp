@@ -26,7 +26,8 @@ ImVec2 help_size(const char *help, const Rectangle &view, float scale) {
 }
 
 float width_of_view_buttons() {
-    return ImGui::CalcTextSize("front").x + 2.0F * ImGui::GetStyle().FramePadding.x;
+    return std::max(ImGui::CalcTextSize("home").x, ImGui::CalcTextSize("front").x) +
+           2.0F * ImGui::GetStyle().FramePadding.x;
 }
 
 float height_of_stop() { return 2.0F * ImGui::GetFontSize(); }

@@ -111,6 +111,35 @@ TEST(DoctorRights, InAContainerTheRightsComeFromItsStart) {
     EXPECT_NE(priority_check(root).mend.find("capabilities"), std::string::npos);
 }
 
+TEST(DoctorRights, AGroupWithoutAShareOfRealTimeIsGivenOne) {
+    LaidOutComputer computer = fresh_installation();
+    const std::string file = "/sys/fs/cgroup/cpu,cpuacct/user/1/cpu.rt_runtime_us";
+    computer.has("/proc/self/cgroup", "9:cpuset:/\n4:cpu,cpuacct:/user/1\n0::/\n");
+    computer.has(file, "0\n");
+    Evidence evidence = refused(computer);
+    evidence.process.priority_limit = 90;
+    expect_wrong(priority_check(evidence), Verdict::warning, "no share of real-time",
+                 "echo 500000 | sudo tee " + file);
+    computer.has(file, "1\n");
+    EXPECT_EQ(priority_check(evidence).found.find("share"), std::string::npos);
+    EXPECT_EQ(priority_check(evidence).mend, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
+    // Without the limit the share does not help yet.
+    computer.has(file, "0\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend.substr(0, 6), "printf");
+}
+
+TEST(DoctorRights, AContainersGroupIsTheTopmostThatItSees) {
+    LaidOutComputer computer = fresh_installation();
+    computer.has("/.dockerenv");
+    computer.has("/proc/self/cgroup", "2:cpuacct:/docker/5f\n1:cpu:/docker/5f\n");
+    computer.has("/sys/fs/cgroup/cpu/cpu.rt_runtime_us", "0\n");
+    expect_wrong(priority_check(refused(computer)), Verdict::warning, "no share of real-time",
+                 "start the container with --cap-add SYS_NICE --cpu-rt-runtime=500000 "
+                 "--ulimit rtprio=90 --ulimit memlock=-1");
+    computer.has("/sys/fs/cgroup/cpu/cpu.rt_runtime_us", "950000\n");
+    EXPECT_EQ(priority_check(refused(computer)).mend.find("runtime"), std::string::npos);
+}
+
 TEST(DoctorRights, AreNeededByABoardAndMerelyGoodForASimulation) {
     Evidence evidence = refused(fresh_installation());
     evidence.purpose.uses_usb = true;
