@@ -3,6 +3,9 @@ layout(location = 0) in vec3 position_m;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 vertex_colour; // linear
 layout(location = 3) in vec2 texture_coordinate;
+#ifdef TANGENTS
+layout(location = 4) in vec4 tangent;
+#endif
 
 uniform mat4 model;
 uniform mat3 normal_matrix;
@@ -15,6 +18,9 @@ out vec3 world_normal;
 out vec3 in_light;
 out vec4 base_colour;
 out vec2 base_coordinate;
+#ifdef TANGENTS
+out vec4 world_tangent; // and the bitangent's sign
+#endif
 
 void main() {
     vec4 world = model * vec4(position_m, 1.0);
@@ -23,5 +29,8 @@ void main() {
     in_light = (light * world).xyz;
     base_colour = colour * vertex_colour;
     base_coordinate = texture_coordinate;
+#ifdef TANGENTS
+    world_tangent = vec4(mat3(model) * tangent.xyz, tangent.w);
+#endif
     gl_Position = view_projection * world;
 }

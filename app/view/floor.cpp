@@ -30,10 +30,17 @@ void Floor::lay(const device::Workspace &workspace, double height_m) {
 void Floor::cast_shadows(const SceneMeshes &scene, const SolidPainter &painter,
                          std::span<const Solid> moving) {
     if (!scene_cast_) {
-        scene_shadow_.cast(shadow_programs_, area_, [&](const Program &cast) {
-            cast.set("model", glm::mat4(1.0F));
-            scene.draw_all();
-        });
+        scene_shadow_.cast(
+            shadow_programs_, area_,
+            [&](const Program &cast) {
+                cast.set("model", glm::mat4(1.0F));
+                scene.draw_solid_casters();
+                scene.draw_translucent_casters();
+            },
+            [&](const Program &cast) {
+                cast.set("model", glm::mat4(1.0F));
+                scene.draw_masked_casters(cast);
+            });
         scene_cast_ = true;
     }
     moving_shadow_.cast(shadow_programs_, area_,

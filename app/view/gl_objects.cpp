@@ -30,11 +30,11 @@ std::string_view error_name(GLenum error) {
 /// One shader of a program, needed until the program is linked.
 class Shader {
 public:
-    Shader(GLenum stage, const std::string &program, std::string_view define,
+    Shader(GLenum stage, const std::string &program, std::span<const std::string_view> defines,
            std::string_view source)
         : name_(glCreateShader(stage)) {
         std::string head = "#version 330 core\n";
-        if (!define.empty()) {
+        for (const std::string_view define : defines) {
             head.append("#define ").append(define).append("\n");
         }
         head.append("#line 1\n"); // line numbers in the log then match the file
@@ -146,10 +146,10 @@ GLuint ProgramKind::create() { return glCreateProgram(); }
 void ProgramKind::destroy(GLuint name) noexcept { glDeleteProgram(name); }
 
 Program::Program(std::string name, std::string_view vertex, std::string_view fragment,
-                 std::string_view define)
+                 std::span<const std::string_view> defines)
     : name_(std::move(name)) {
-    const Shader vertex_shader(GL_VERTEX_SHADER, name_, define, vertex);
-    const Shader fragment_shader(GL_FRAGMENT_SHADER, name_, define, fragment);
+    const Shader vertex_shader(GL_VERTEX_SHADER, name_, defines, vertex);
+    const Shader fragment_shader(GL_FRAGMENT_SHADER, name_, defines, fragment);
     glAttachShader(program_.name(), vertex_shader.name());
     glAttachShader(program_.name(), fragment_shader.name());
     glLinkProgram(program_.name());

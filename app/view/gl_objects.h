@@ -79,10 +79,10 @@ using Renderbuffer = GlName<RenderbufferKind>;
 class Program {
 public:
     /// Sources must not contain #version, which is prepended: GLSL 3.30 core.
-    /// @param define  a macro to define in both shaders, or none
+    /// @param defines  macros to define in both shaders
     /// @throw std::runtime_error with `name` and OpenGL's log if they do not compile or link.
     Program(std::string name, std::string_view vertex, std::string_view fragment,
-            std::string_view define = {});
+            std::span<const std::string_view> defines = {});
 
     void use() const { glUseProgram(program_.name()); }
 

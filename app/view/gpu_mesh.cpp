@@ -7,10 +7,11 @@ namespace springdrive::app {
 namespace {
 
 /// The locations are those of shaders/lit.vert.
-void describe_attribute(GLuint location, GLint components, std::size_t offset) {
+void describe_attribute(GLuint location, GLint components, std::size_t offset,
+                        std::size_t stride = sizeof(scene::VisualVertex)) {
     glEnableVertexAttribArray(location);
     // NOLINTBEGIN(performance-no-int-to-ptr): OpenGL takes the offset into the buffer as a pointer
-    glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, sizeof(scene::VisualVertex),
+    glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
                           reinterpret_cast<const void *>(offset));
     // NOLINTEND(performance-no-int-to-ptr)
 }
@@ -18,7 +19,8 @@ void describe_attribute(GLuint location, GLint components, std::size_t offset) {
 } // namespace
 
 GpuMesh::GpuMesh(std::span<const scene::VisualVertex> vertices,
-                 std::span<const std::uint32_t> indices)
+                 std::span<const std::uint32_t> indices,
+                 std::span<const std::array<float, 4>> tangents)
     : index_count_(static_cast<GLsizei>(indices.size())) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
@@ -31,6 +33,12 @@ GpuMesh::GpuMesh(std::span<const scene::VisualVertex> vertices,
     describe_attribute(1, 3, offsetof(scene::VisualVertex, normal));
     describe_attribute(2, 4, offsetof(scene::VisualVertex, colour));
     describe_attribute(3, 2, offsetof(scene::VisualVertex, texture_coordinate));
+    if (!tangents.empty()) {
+        glBindBuffer(GL_ARRAY_BUFFER, tangents_.name());
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(tangents.size_bytes()),
+                     tangents.data(), GL_STATIC_DRAW);
+        describe_attribute(4, 4, 0, sizeof(std::array<float, 4>));
+    }
     glBindVertexArray(0);
 }
 

@@ -4,6 +4,7 @@
 #include "app/view/gl_objects.h"
 #include "engine/scene/scene.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -11,7 +12,9 @@ namespace springdrive::app {
 
 class GpuMesh {
 public:
-    GpuMesh(std::span<const scene::VisualVertex> vertices, std::span<const std::uint32_t> indices);
+    /// @param tangents  one a vertex, or none
+    GpuMesh(std::span<const scene::VisualVertex> vertices, std::span<const std::uint32_t> indices,
+            std::span<const std::array<float, 4>> tangents = {});
 
     void draw() const; ///< with the program in use
 
@@ -19,6 +22,7 @@ private:
     VertexArray array_;
     Buffer vertices_;
     Buffer indices_;
+    Buffer tangents_;
     GLsizei index_count_;
 };
 

@@ -5,6 +5,8 @@
 #include "app/view/linkage_solids.h"
 #include "app/view/marker_solids.h"
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 namespace springdrive::app {
@@ -12,11 +14,13 @@ namespace springdrive::app {
 namespace {
 
 constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
+constexpr float kSatin = 0.5F;          // roughness of linkage and markers
 constexpr float kMarkerGlow = 0.55F;    // they keep their colour on the unlit side
 
 // The scene's shadows are seen from near; those of the linkage are cast in each frame.
 constexpr int kSceneShadow_px = 1024;
 constexpr int kMovingShadow_px = 512;
+constexpr std::array<std::string_view, 1> kMaskedDepth{"MASK"};
 constexpr double kLightPerWorkspace = 1.4; // radius of what the key light sees; includes the base
 
 } // namespace
@@ -35,11 +39,9 @@ struct Renderer::Frame {
 
 Renderer::Renderer(int samples)
     : background_("background", shaders::fullscreen_vert, shaders::background_frag),
-      lit_("lit", shaders::lit_vert, shaders::lit_frag),
-      lit_emissive_("lit, emissive", shaders::lit_vert, shaders::lit_frag, "EMISSIVE"),
-      lit_translucent_("lit, translucent", shaders::lit_vert, shaders::lit_frag, "TRANSLUCENT"),
-      depth_("depth", shaders::depth_vert, shaders::depth_frag), scene_shadow_(kSceneShadow_px),
-      moving_shadow_(kMovingShadow_px), target_(samples) {
+      depth_("depth", shaders::depth_vert, shaders::depth_frag),
+      depth_masked_("depth, masked", shaders::depth_vert, shaders::depth_frag, kMaskedDepth),
+      scene_shadow_(kSceneShadow_px), moving_shadow_(kMovingShadow_px), target_(samples) {
     check_gl("setting up the renderer");
 }
 
@@ -48,6 +50,11 @@ void Renderer::upload(double duration_s) {
         return;
     }
     const bool done = next_scene_->upload(duration_s);
+    if (done) {
+        for (const LitVariant &variant : next_scene_->variants()) {
+            lit_.with(variant); // compiled here, so that none fails later
+        }
+    }
     check_gl("uploading the scene");
     remarks_ = next_scene_->take_remarks();
     if (done) {
@@ -112,7 +119,11 @@ void Renderer::cast_shadows(const Frame &frame, const ViewState &state) {
     if (light != light_ || !scene_cast_) {
         scene_shadow_.cast(depth_, light, [&](const Program &depth) {
             depth.set("model", glm::mat4(1.0F));
-            scene_.draw_casters();
+            scene_.draw_solid_casters();
+            depth_masked_.use();
+            depth_masked_.set("light", light);
+            depth_masked_.set("model", glm::mat4(1.0F));
+            scene_.draw_masked_casters(depth_masked_);
         });
         light_ = light;
         scene_cast_ = true;
@@ -121,23 +132,22 @@ void Renderer::cast_shadows(const Frame &frame, const ViewState &state) {
                         [&](const Program &depth) { painter_.draw_geometry(depth, casters); });
 }
 
-void Renderer::begin(const Program &lit, const Frame &frame) const {
-    lit.use();
+const Program &Renderer::begin(const LitVariant &variant, const Frame &frame) {
+    const Program &lit = lit_.with(variant);
     lit.set("view_projection", frame.view_projection);
     lit.set("eye_m", to_glm(frame.eye_m));
     lit.set("tip_m", to_glm(frame.tip_m));
     lit.set("floor_height_m", static_cast<float>(frame.floor_height_m));
     lit.set("light", light_);
     lit.set("key_direction", kTowardsKeyLight);
-    lit.set("base_texture", 0);
-    scene_shadow_.bind(2);
-    lit.set("scene_shadow", 2);
-    moving_shadow_.bind(3);
-    lit.set("moving_shadow", 3);
+    scene_shadow_.bind(kSceneShadowUnit);
+    moving_shadow_.bind(kMovingShadowUnit);
     lit.set("model", glm::mat4(1.0F));
     lit.set("normal_matrix", glm::mat3(1.0F));
     lit.set("colour", glm::vec4(1.0F));
     lit.set("glow", 0.0F);
+    lit.set("roughness", kSatin);
+    return lit;
 }
 
 void Renderer::draw_background() const {
@@ -146,19 +156,16 @@ void Renderer::draw_background() const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::draw_scene_and_linkage(const Frame &frame) const {
-    begin(lit_emissive_, frame);
-    lit_emissive_.set("emissive_texture", 1);
-    scene_.draw_opaque_emissive(lit_emissive_);
-    begin(lit_, frame);
-    scene_.draw_opaque();
-    painter_.draw(lit_, frame.linkage);
+void Renderer::draw_scene_and_linkage(const Frame &frame) {
+    scene_.draw_opaque(
+        [&](const LitVariant &variant) -> const Program & { return begin(variant, frame); });
+    painter_.draw(begin({}, frame), frame.linkage);
 }
 
-void Renderer::draw_markers(const Frame &frame) const {
+void Renderer::draw_markers(const Frame &frame) {
     const std::span<const Solid> tip(&frame.tip, 1);
-    begin(lit_, frame);
-    lit_.set("glow", kMarkerGlow);
+    const Program &lit = begin({}, frame);
+    lit.set("glow", kMarkerGlow);
     glEnable(GL_CULL_FACE);
     glCullFace(GL_BACK);
     // First the hidden parts, dimmed. The tip is drawn last, so that it is also visible through the
@@ -166,18 +173,18 @@ void Renderer::draw_markers(const Frame &frame) const {
     for (const std::span<const Solid> solids : {std::span<const Solid>(frame.markers), tip}) {
         glDepthMask(GL_FALSE);
         glDepthFunc(GL_GREATER);
-        painter_.draw(lit_, solids, kHiddenOpacity);
+        painter_.draw(lit, solids, kHiddenOpacity);
         glDepthMask(GL_TRUE);
         glDepthFunc(GL_LESS);
-        painter_.draw(lit_, solids);
+        painter_.draw(lit, solids);
     }
     glDisable(GL_CULL_FACE);
 }
 
-void Renderer::draw_translucent(const Frame &frame) const {
-    begin(lit_translucent_, frame);
-    lit_translucent_.set("emissive_texture", 1);
-    scene_.draw_translucent(lit_translucent_, frame.forward);
+void Renderer::draw_translucent(const Frame &frame) {
+    scene_.draw_translucent(
+        [&](const LitVariant &variant) -> const Program & { return begin(variant, frame); },
+        frame.forward);
 }
 
 } // namespace springdrive::app

@@ -5,6 +5,7 @@
 #include "app/view/camera.h"
 #include "app/view/floor.h"
 #include "app/view/gl_objects.h"
+#include "app/view/lit_programs.h"
 #include "app/view/multisampled_target.h"
 #include "app/view/scene_meshes.h"
 #include "app/view/shadow_map.h"
@@ -56,23 +57,23 @@ private:
     struct Frame;
 
     void cast_shadows(const Frame &frame, const ViewState &state);
-    /// Sets the uniforms of a lit program: camera, lights, and the identity transformation.
-    void begin(const Program &lit, const Frame &frame) const;
+    /// Takes a lit program into use, with its uniforms set: camera, lights, and the identity
+    /// transformation.
+    const Program &begin(const LitVariant &variant, const Frame &frame);
     void draw_background() const;
-    void draw_scene_and_linkage(const Frame &frame) const;
-    void draw_markers(const Frame &frame) const;
-    void draw_translucent(const Frame &frame) const;
+    void draw_scene_and_linkage(const Frame &frame);
+    void draw_markers(const Frame &frame);
+    void draw_translucent(const Frame &frame);
 
     Program background_;
-    Program lit_;
-    Program lit_emissive_;
-    Program lit_translucent_;
+    LitPrograms lit_;
     SolidPainter painter_;
     SceneMeshes scene_;
     std::optional<SceneMeshes> next_scene_; ///< being uploaded
     std::vector<std::string> remarks_;
     Floor floor_;
     Program depth_;
+    Program depth_masked_;
     glm::mat4 light_{0.0F};   ///< of the shadow maps
     ShadowMap scene_shadow_;  ///< the scene is static: cast once
     ShadowMap moving_shadow_; ///< of linkage and tip

@@ -25,7 +25,7 @@ GLint gl_wrap(scene::Texture::Wrap wrap) {
 
 Texture2D uploaded(const scene::Texture &texture) {
     return {texture.width, texture.height,
-            Texture2D::Format{.internal = GL_SRGB8_ALPHA8,
+            Texture2D::Format{.internal = texture.holds_numbers ? GL_RGBA8 : GL_SRGB8_ALPHA8,
                               .wrap_s = gl_wrap(texture.wrap_s),
                               .wrap_t = gl_wrap(texture.wrap_t),
                               .mipmaps = true},
@@ -68,56 +68,94 @@ void SceneMeshes::upload_texture(const scene::Texture &texture) {
 /// Uploads one texture or mesh; neither is large.
 void SceneMeshes::upload_next() {
     const scene::Scene &scene = *uploading_;
-    const int white_texture = static_cast<int>(scene.textures.size());
     if (textures_.size() < scene.textures.size()) {
         upload_texture(scene.textures[textures_.size()]);
     } else if (textures_.size() == scene.textures.size()) {
         textures_.push_back(white());
     } else if (items_.size() < scene.meshes.size()) {
-        const scene::VisualMesh &mesh = scene.meshes[items_.size()];
-        const auto texture_or_white = [&](int texture) {
-            return texture >= 0 ? texture : white_texture;
-        };
-        items_.push_back({GpuMesh(mesh.vertices, mesh.indices), texture_or_white(mesh.texture),
-                          glm::vec3(mesh.emission[0], mesh.emission[1], mesh.emission[2]),
-                          texture_or_white(mesh.emissive_texture), mesh.translucent,
-                          mesh.centre_m});
+        upload_mesh(scene.meshes[items_.size()]);
     } else {
+        std::ranges::stable_sort(items_, {}, &Item::variant);
         uploading_ = nullptr;
     }
 }
 
-void SceneMeshes::draw(const Item &item) const {
-    textures_[static_cast<std::size_t>(item.texture)].bind(0);
+void SceneMeshes::upload_mesh(const scene::VisualMesh &mesh) {
+    const scene::Finish &finish = mesh.finish;
+    const glm::vec3 emission(mesh.emission[0], mesh.emission[1], mesh.emission[2]);
+    const LitVariant variant{.metal = finish.metallic > 0.0F,
+                             .finish_texture = finish.metallic_roughness_texture >= 0,
+                             .normal_texture = finish.normal_texture >= 0,
+                             .tangents = finish.normal_texture >= 0 && !mesh.tangents.empty(),
+                             .occlusion_texture = finish.occlusion_texture >= 0,
+                             .emission = emission != glm::vec3(0.0F),
+                             .mask = mesh.alpha_cutoff.has_value(),
+                             .translucent = mesh.translucent};
+    items_.push_back({GpuMesh(mesh.vertices, mesh.indices, mesh.tangents), finish, mesh.texture,
+                      emission, mesh.emissive_texture, mesh.alpha_cutoff.value_or(0.0F),
+                      mesh.centre_m, variant});
+}
+
+void SceneMeshes::bind(int texture, int unit) const {
+    const std::size_t white = textures_.size() - 1;
+    textures_[texture >= 0 ? static_cast<std::size_t>(texture) : white].bind(unit);
+}
+
+std::set<LitVariant> SceneMeshes::variants() const {
+    std::set<LitVariant> variants;
+    for (const Item &item : items_) {
+        variants.insert(item.variant);
+    }
+    return variants;
+}
+
+void SceneMeshes::draw(const Program &lit, const Item &item) const {
+    const LitVariant &variant = item.variant;
+    lit.set("roughness", item.finish.roughness);
+    if (variant.metal) {
+        lit.set("metallic", item.finish.metallic);
+    }
+    if (variant.finish_texture) {
+        bind(item.finish.metallic_roughness_texture, kFinishUnit);
+    }
+    if (variant.normal_texture) {
+        lit.set("normal_scale", item.finish.normal_scale);
+        bind(item.finish.normal_texture, kNormalUnit);
+    }
+    if (variant.occlusion_texture) {
+        lit.set("occlusion_strength", item.finish.occlusion_strength);
+        bind(item.finish.occlusion_texture, kOcclusionUnit);
+    }
+    if (variant.emission) {
+        lit.set("emission", item.emission);
+        bind(item.emissive_texture, kEmissiveUnit);
+    }
+    if (variant.mask) {
+        lit.set("alpha_cutoff", item.alpha_cutoff);
+    }
+    bind(item.texture, kBaseUnit);
     item.mesh.draw();
 }
 
-void SceneMeshes::draw_emissive(const Program &lit, const Item &item) const {
-    lit.set("emission", item.emission);
-    textures_[static_cast<std::size_t>(item.emissive_texture)].bind(1);
-    draw(item);
-}
-
-void SceneMeshes::draw_opaque() const {
+void SceneMeshes::draw_opaque(const Begin &begin) const {
+    const Program *lit = nullptr;
+    const LitVariant *variant = nullptr;
     for (const Item &item : items_) {
-        if (!item.translucent && !item.is_emissive()) {
-            draw(item);
+        if (item.variant.translucent) {
+            continue;
         }
+        if (variant == nullptr || *variant != item.variant) {
+            variant = &item.variant;
+            lit = &begin(item.variant);
+        }
+        draw(*lit, item);
     }
 }
 
-void SceneMeshes::draw_opaque_emissive(const Program &lit) const {
-    for (const Item &item : items_) {
-        if (!item.translucent && item.is_emissive()) {
-            draw_emissive(lit, item);
-        }
-    }
-}
-
-void SceneMeshes::draw_translucent(const Program &lit, const Vector3 &forward) const {
+void SceneMeshes::draw_translucent(const Begin &begin, const Vector3 &forward) const {
     std::vector<const Item *> sorted;
     for (const Item &item : items_) {
-        if (item.translucent) {
+        if (item.variant.translucent) {
             sorted.push_back(&item);
         }
     }
@@ -126,23 +164,37 @@ void SceneMeshes::draw_translucent(const Program &lit, const Vector3 &forward) c
     });
     glEnable(GL_CULL_FACE);
     for (const Item *item : sorted) {
+        const Program &lit = begin(item->variant);
         for (const GLenum hidden_side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
             glCullFace(hidden_side);
-            draw_emissive(lit, *item);
+            draw(lit, *item);
         }
     }
     glDisable(GL_CULL_FACE);
 }
 
-void SceneMeshes::draw_all() const {
+void SceneMeshes::draw_solid_casters() const {
     for (const Item &item : items_) {
-        item.mesh.draw();
+        if (!item.variant.translucent && !item.variant.mask) {
+            item.mesh.draw();
+        }
     }
 }
 
-void SceneMeshes::draw_casters() const {
+void SceneMeshes::draw_translucent_casters() const {
     for (const Item &item : items_) {
-        if (!item.translucent) {
+        if (item.variant.translucent) {
+            item.mesh.draw();
+        }
+    }
+}
+
+void SceneMeshes::draw_masked_casters(const Program &program) const {
+    program.set("base_texture", kBaseUnit);
+    for (const Item &item : items_) {
+        if (item.variant.mask) {
+            program.set("alpha_cutoff", item.alpha_cutoff);
+            bind(item.texture, kBaseUnit);
             item.mesh.draw();
         }
     }

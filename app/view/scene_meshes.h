@@ -2,11 +2,14 @@
 #pragma once
 
 #include "app/view/gpu_mesh.h"
+#include "app/view/lit_programs.h"
 #include "base/vector.h"
 #include "engine/scene/scene.h"
 
 #include <glm/vec3.hpp>
 
+#include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +18,9 @@ namespace springdrive::app {
 
 class SceneMeshes {
 public:
+    /// Makes the variant of shaders/lit.* ready to draw in the world.
+    using Begin = std::function<const Program &(const LitVariant &variant)>;
+
     SceneMeshes() = default; ///< empty
 
     /// Nothing is uploaded yet. @param scene must exist until everything is uploaded
@@ -26,38 +32,41 @@ public:
     /// Remarks on textures of the scene that are not drawn as they are, each once.
     [[nodiscard]] std::vector<std::string> take_remarks() { return std::exchange(remarks_, {}); }
 
-    // The active program must have base_texture at unit 0. Both sides of a surface are drawn, as
-    // both can be touched.
-    void draw_opaque() const; ///< what has no emission
-    /// What has. @param lit is active, with emissive_texture at unit 1
-    void draw_opaque_emissive(const Program &lit) const;
+    /// The variants of shaders/lit.* that it is drawn with.
+    [[nodiscard]] std::set<LitVariant> variants() const;
+
+    // Both sides of a surface are drawn, as both can be touched.
+    void draw_opaque(const Begin &begin) const;
     /// From the farthest to the nearest, of each the back faces before the front faces.
-    /// @param lit is active, with emissive_texture at unit 1
     /// @param forward unit, from the eye into the scene
-    void draw_translucent(const Program &lit, const Vector3 &forward) const;
-    void draw_all() const;     ///< without textures
-    void draw_casters() const; ///< the same of what is not translucent
+    void draw_translucent(const Begin &begin, const Vector3 &forward) const;
+
+    void draw_solid_casters() const;       ///< what is neither translucent nor masked
+    void draw_translucent_casters() const; ///< without textures
+    /// With an active program that has MASK defined, whose uniforms of the mask it sets.
+    void draw_masked_casters(const Program &program) const;
 
 private:
     struct Item {
         GpuMesh mesh;
+        scene::Finish finish; ///< with textures among textures_, −1 for none
         int texture;
         glm::vec3 emission;
         int emissive_texture;
-        bool translucent;
+        float alpha_cutoff; ///< of variant.mask
         Vector3 centre_m;
-
-        [[nodiscard]] bool is_emissive() const { return emission != glm::vec3(0.0F); }
+        LitVariant variant;
     };
 
-    void draw(const Item &item) const;
-    void draw_emissive(const Program &lit, const Item &item) const;
+    void draw(const Program &lit, const Item &item) const;
+    void bind(int texture, int unit) const;
     void upload_next();
+    void upload_mesh(const scene::VisualMesh &mesh);
     void upload_texture(const scene::Texture &texture);
 
     const scene::Scene *uploading_ = nullptr; ///< until upload is complete
     std::vector<Texture2D> textures_;         ///< the scene's, then a white one
-    std::vector<Item> items_;
+    std::vector<Item> items_;                 ///< once uploaded, of one variant after the other
     std::vector<std::string> remarks_;
 };
 

@@ -3,7 +3,9 @@
 #include "app/view/embedded_shaders.h"
 #include "app/view/shadow_map.h"
 
+#include <array>
 #include <stdexcept>
+#include <string_view>
 
 namespace springdrive::app {
 
@@ -11,11 +13,13 @@ namespace {
 
 constexpr int kSize = 256;
 constexpr int kBlurs = 2; // each nine texels wide
+constexpr std::array<std::string_view, 1> kMaskedShadow{"MASK"};
 
 } // namespace
 
 ShadowPrograms::ShadowPrograms()
     : cast("shadow", shaders::shadow_vert, shaders::shadow_frag),
+      cast_masked("shadow, masked", shaders::shadow_vert, shaders::shadow_frag, kMaskedShadow),
       blur("blur", shaders::fullscreen_vert, shaders::blur_frag) {}
 
 ShadowMask::Target::Target()
@@ -32,7 +36,7 @@ ShadowMask::Target::Target()
 ShadowMask::ShadowMask() = default;
 
 void ShadowMask::cast(const ShadowPrograms &programs, const ShadowArea &area,
-                      const std::function<void(const Program &cast)> &draw_casters) {
+                      const DrawCasters &draw_casters, const DrawCasters &draw_masked) {
     glViewport(0, 0, kSize, kSize);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
@@ -43,12 +47,18 @@ void ShadowMask::cast(const ShadowPrograms &programs, const ShadowArea &area,
     glClear(GL_COLOR_BUFFER_BIT);
     glEnable(GL_BLEND);
     glBlendEquation(GL_MAX);
-    programs.cast.use();
-    programs.cast.set("centre_m", area.centre_m);
-    programs.cast.set("half_size_m", area.half_size_m);
-    programs.cast.set("floor_height_m", area.height_m);
-    programs.cast.set("key_direction", kTowardsKeyLight);
-    draw_casters(programs.cast);
+    const auto draw = [&](const Program &program, const DrawCasters &casters) {
+        program.use();
+        program.set("centre_m", area.centre_m);
+        program.set("half_size_m", area.half_size_m);
+        program.set("floor_height_m", area.height_m);
+        program.set("key_direction", kTowardsKeyLight);
+        casters(program);
+    };
+    draw(programs.cast, draw_casters);
+    if (draw_masked) {
+        draw(programs.cast_masked, draw_masked);
+    }
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);
 

@@ -22,6 +22,7 @@ struct ShadowPrograms {
     ShadowPrograms();
 
     Program cast;
+    Program cast_masked; ///< with MASK defined
     Program blur;
 };
 
@@ -29,10 +30,13 @@ class ShadowMask {
 public:
     ShadowMask();
 
+    using DrawCasters = std::function<void(const Program &cast)>;
+
     /// Redraws the mask with `draw_casters`, which uses programs.cast, with all uniforms set except
-    /// `model`. Leaves its own framebuffer bound, and the viewport and blending changed.
+    /// `model`; then with `draw_masked`, if any, which uses programs.cast_masked in the same way.
+    /// Leaves its own framebuffer bound, and the viewport and blending changed.
     void cast(const ShadowPrograms &programs, const ShadowArea &area,
-              const std::function<void(const Program &cast)> &draw_casters);
+              const DrawCasters &draw_casters, const DrawCasters &draw_masked = {});
 
     /// 0 is lit, 1 is darkest; coordinates from 0 to 1 cover the area along x and along z.
     [[nodiscard]] const Texture2D &texture() const { return mask_.texture; }

@@ -32,7 +32,7 @@ using namespace gltf;
 /// A primitive as its mesh has it, before a node places it.
 struct PrimitiveData {
     std::shared_ptr<const PrimitiveGeometry> geometry;
-    BaseColour colour;
+    DrawnMaterial material;
 };
 
 /// Each mesh's primitives, read when first placed.
@@ -47,10 +47,10 @@ public:
         if (!entry) {
             entry.emplace();
             for (const tinygltf::Primitive &primitive : model_.meshes[index].primitives) {
-                const BaseColour colour = read_base_colour(model_, primitive.material);
+                const DrawnMaterial material = read_material(model_, primitive.material);
                 entry->push_back({std::make_shared<const PrimitiveGeometry>(
-                                      read_primitive(model_, primitive, colour.texture_set)),
-                                  colour});
+                                      read_primitive(model_, primitive, material)),
+                                  material});
             }
         }
         return *entry;
@@ -170,7 +170,7 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
                 allowance.add(geometry.triangles.size(), geometry.position.count());
                 gathered.push_back({&node,
                                     primitive.geometry,
-                                    primitive.colour,
+                                    primitive.material,
                                     used_box(geometry),
                                     world_positions(node, geometry),
                                     {}});

@@ -8,6 +8,7 @@
 #include <stb/stb_image.h>
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -29,13 +30,15 @@ const Item &checked(const std::vector<Item> &items, int index, const std::string
     return items[static_cast<std::size_t>(index)];
 }
 
-/// Colours are drawn in single precision.
+/// Everything is drawn in single precision.
 /// @param what in messages: "material 3: baseColorFactor"
-void require_drawable(std::span<const double> numbers, const std::string &what) {
+/// @param is in messages, what it ought to be
+void require_drawable(std::span<const double> numbers, const std::string &what,
+                      const std::string &is = "a colour is from 0 to 1, and") {
     for (const double number : numbers) {
         if (!(std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-            throw InputError(what + " is " + shortest_text(number) +
-                             "; a colour is from 0 to 1, and must be finite in single precision");
+            throw InputError(what + " is " + shortest_text(number) + "; " + is +
+                             " must be finite in single precision");
         }
     }
 }
@@ -50,21 +53,91 @@ std::array<double, 2> read_pair(const tinygltf::Value &object, const std::string
     return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
 }
 
-void read_texture(const tinygltf::TextureInfo &info, BaseColour &colour) {
-    colour.texture = info.index;
-    colour.texture_set = info.texCoord;
+/// Where a texture is drawn.
+struct TexturePlace {
+    int set = 0; ///< n of TEXCOORD_n
+    TextureTransform transform;
+
+    [[nodiscard]] bool operator==(const TexturePlace &) const = default;
+};
+
+/// @param info of tinygltf, which has a type for each kind of texture
+template <typename Info> TexturePlace place_of(const Info &info) {
+    TexturePlace place;
+    place.set = info.texCoord;
     const auto extension = info.extensions.find("KHR_texture_transform");
     if (extension == info.extensions.end() || !extension->second.IsObject()) {
-        return;
+        return place;
     }
     const tinygltf::Value &transform = extension->second;
-    colour.transform.offset = read_pair(transform, "offset", colour.transform.offset);
-    colour.transform.scale = read_pair(transform, "scale", colour.transform.scale);
+    place.transform.offset = read_pair(transform, "offset", place.transform.offset);
+    place.transform.scale = read_pair(transform, "scale", place.transform.scale);
     if (transform.Get("rotation").IsNumber()) {
-        colour.transform.rotation_rad = transform.Get("rotation").GetNumberAsDouble();
+        place.transform.rotation_rad = transform.Get("rotation").GetNumberAsDouble();
     }
     if (transform.Get("texCoord").IsInt()) {
-        colour.texture_set = transform.Get("texCoord").GetNumberAsInt();
+        place.set = transform.Get("texCoord").GetNumberAsInt();
+    }
+    return place;
+}
+
+bool has_texture(const DrawnMaterial &material) {
+    return material.base_texture >= 0 || material.metallic_roughness_texture >= 0 ||
+           material.normal_texture >= 0 || material.occlusion_texture >= 0;
+}
+
+/// A vertex has one pair of texture coordinates, which the first of a material's textures places.
+/// @return whether a further one is drawn: not where it is placed differently
+template <typename Info> bool add_texture(const Info &info, DrawnMaterial &material, int &texture) {
+    const TexturePlace place = place_of(info);
+    if (!has_texture(material)) {
+        material.texture_set = place.set;
+        material.transform = place.transform;
+    } else if (place != TexturePlace{material.texture_set, material.transform}) {
+        return false;
+    }
+    texture = info.index;
+    return true;
+}
+
+constexpr const char *kElsewhere = ", as it is placed differently from the material's others";
+
+/// @param name in remarks: "metallicFactor"
+double share(double number, const std::string &name, DrawnMaterial &material) {
+    const double drawn = std::clamp(number, 0.0, 1.0);
+    if (drawn != number) {
+        material.remarks.push_back("its material's " + name + " is " + shortest_text(number) +
+                                   ", drawn as " + shortest_text(drawn) + ": it is from 0 to 1");
+    }
+    return drawn;
+}
+
+/// Reads how metallic and how rough the surface is, its normal map and its occlusion.
+void read_finish(const tinygltf::Material &source, const std::string &place,
+                 DrawnMaterial &material) {
+    const tinygltf::PbrMetallicRoughness &finish = source.pbrMetallicRoughness;
+    material.metallic = share(finish.metallicFactor, "metallicFactor", material);
+    material.roughness = share(finish.roughnessFactor, "roughnessFactor", material);
+    if (finish.metallicRoughnessTexture.index >= 0 &&
+        !add_texture(finish.metallicRoughnessTexture, material,
+                     material.metallic_roughness_texture)) {
+        material.remarks.push_back(std::string("its texture of metal and roughness is left out") +
+                                   kElsewhere);
+    }
+    if (source.normalTexture.index >= 0) {
+        material.normal_scale = source.normalTexture.scale;
+        require_drawable(std::array{material.normal_scale}, place + ": the normal texture's scale",
+                         "a number");
+        if (!add_texture(source.normalTexture, material, material.normal_texture)) {
+            material.remarks.push_back(std::string("its normal map is left out") + kElsewhere);
+        }
+    }
+    if (source.occlusionTexture.index >= 0) {
+        material.occlusion_strength =
+            share(source.occlusionTexture.strength, "occlusion strength", material);
+        if (!add_texture(source.occlusionTexture, material, material.occlusion_texture)) {
+            material.remarks.push_back(std::string("its occlusion is left out") + kElsewhere);
+        }
     }
 }
 
@@ -74,36 +147,30 @@ struct EncodedImage {
     std::span<const unsigned char> bytes;
 };
 
-/// Reads emission and its texture. That is drawn at the coordinates of the base colour's, if there
-/// is one.
-void read_emission(const tinygltf::Material &source, const std::string &place, BaseColour &colour) {
-    if (source.emissiveFactor.size() != colour.emission.size()) {
+void read_emission(const tinygltf::Material &source, const std::string &place,
+                   DrawnMaterial &material) {
+    if (source.emissiveFactor.size() != material.emission.size()) {
         throw InputError(place + ": emissiveFactor has " +
                          std::to_string(source.emissiveFactor.size()) + " numbers; it takes 3");
     }
-    std::copy(source.emissiveFactor.begin(), source.emissiveFactor.end(), colour.emission.begin());
+    std::copy(source.emissiveFactor.begin(), source.emissiveFactor.end(),
+              material.emission.begin());
     const auto strength = source.extensions.find("KHR_materials_emissive_strength");
     if (strength != source.extensions.end() && strength->second.IsObject() &&
         strength->second.Get("emissiveStrength").IsNumber()) {
-        for (double &part : colour.emission) {
+        for (double &part : material.emission) {
             part *= strength->second.Get("emissiveStrength").GetNumberAsDouble();
         }
     }
-    require_drawable(colour.emission, place + ": emissiveFactor");
-    if (source.emissiveTexture.index < 0 || colour.emission == std::array{0.0, 0.0, 0.0}) {
+    require_drawable(material.emission, place + ": emissiveFactor");
+    if (source.emissiveTexture.index < 0 || material.emission == std::array{0.0, 0.0, 0.0}) {
         return;
     }
-    BaseColour placed;
-    read_texture(source.emissiveTexture, placed);
-    if (colour.texture < 0) {
-        colour.texture_set = placed.texture_set;
-        colour.transform = placed.transform;
-    } else if (colour.texture_set != placed.texture_set || colour.transform != placed.transform) {
-        colour.emission = {0.0, 0.0, 0.0};
-        colour.emission_left_out = true;
-        return;
+    if (!add_texture(source.emissiveTexture, material, material.emissive_texture)) {
+        material.emission = {0.0, 0.0, 0.0};
+        material.remarks.push_back("its emission is left out, as its texture is placed differently "
+                                   "from the material's others");
     }
-    colour.emissive_texture = placed.texture;
 }
 
 /// "'wood.png'", by its file or else its name; else its number.
@@ -144,14 +211,9 @@ EncodedImage read_image(const tinygltf::Model &model, const tinygltf::Image &ima
     return encoded;
 }
 
-/// Writes the alpha mode into the pixels, so that drawing needs their alpha only.
-void apply_alpha(std::span<std::uint8_t> rgba, AlphaMode mode, double cutoff) {
-    if (mode == AlphaMode::blend) {
-        return;
-    }
+void make_opaque(std::span<std::uint8_t> rgba) {
     for (std::size_t i = 3; i < rgba.size(); i += 4) {
-        const bool solid = mode == AlphaMode::opaque || rgba[i] / 255.0 >= cutoff;
-        rgba[i] = solid ? 255 : 0;
+        rgba[i] = 255;
     }
 }
 
@@ -236,49 +298,45 @@ std::array<double, 2> TextureTransform::operator()(double u, double v) const {
     return {offset[0] + c * scaled_u + s * scaled_v, offset[1] - s * scaled_u + c * scaled_v};
 }
 
-BaseColour read_base_colour(const tinygltf::Model &model, int material) {
-    BaseColour colour;
+DrawnMaterial read_material(const tinygltf::Model &model, int material) {
+    DrawnMaterial drawn;
     if (material < 0) {
-        return colour;
+        return drawn;
     }
     const tinygltf::Material &source = checked(model.materials, material, "material");
+    const std::string place = "material " + std::to_string(material);
     const std::vector<double> &factor = source.pbrMetallicRoughness.baseColorFactor;
-    if (factor.size() != colour.factor.size()) {
-        throw InputError("material " + std::to_string(material) + ": baseColorFactor has " +
-                         std::to_string(factor.size()) + " numbers; it takes 4");
+    if (factor.size() != drawn.base_factor.size()) {
+        throw InputError(place + ": baseColorFactor has " + std::to_string(factor.size()) +
+                         " numbers; it takes 4");
     }
-    require_drawable(factor, "material " + std::to_string(material) + ": baseColorFactor");
-    std::copy(factor.begin(), factor.end(), colour.factor.begin());
+    require_drawable(factor, place + ": baseColorFactor");
+    std::copy(factor.begin(), factor.end(), drawn.base_factor.begin());
     if (source.pbrMetallicRoughness.baseColorTexture.index >= 0) {
-        read_texture(source.pbrMetallicRoughness.baseColorTexture, colour);
+        add_texture(source.pbrMetallicRoughness.baseColorTexture, drawn, drawn.base_texture);
     }
-    read_emission(source, "material " + std::to_string(material), colour);
-    colour.alpha_mode = source.alphaMode == "BLEND"  ? AlphaMode::blend
-                        : source.alphaMode == "MASK" ? AlphaMode::mask
-                                                     : AlphaMode::opaque;
-    colour.alpha_cutoff = source.alphaCutoff;
-    colour.double_sided = source.doubleSided;
-    return colour;
+    read_finish(source, place, drawn);
+    read_emission(source, place, drawn);
+    drawn.alpha_mode = source.alphaMode == "BLEND"  ? AlphaMode::blend
+                       : source.alphaMode == "MASK" ? AlphaMode::mask
+                                                    : AlphaMode::opaque;
+    drawn.alpha_cutoff = source.alphaCutoff;
+    require_drawable(std::array{drawn.alpha_cutoff}, place + ": alphaCutoff", "a number");
+    drawn.double_sided = source.doubleSided;
+    return drawn;
 }
 
-int TextureLibrary::find_or_load_emissive(const BaseColour &colour, RemarkList &remarks) {
-    BaseColour emissive;
-    emissive.texture = colour.emissive_texture;
-    return find_or_load(emissive, remarks);
-}
-
-int TextureLibrary::find_or_load(const BaseColour &colour, RemarkList &remarks) {
-    if (colour.texture < 0) {
+int TextureLibrary::find_or_load(int texture_index, TextureUse use, RemarkList &remarks) {
+    if (texture_index < 0) {
         return -1;
     }
-    const auto key = std::tuple(colour.texture, colour.alpha_mode, colour.alpha_cutoff);
-    const auto [entry, is_new] = loaded_.try_emplace(key, -1);
+    const auto [entry, is_new] = loaded_.try_emplace(std::pair(texture_index, use), -1);
     if (!is_new) {
         return entry->second;
     }
-    const tinygltf::Texture &source = checked(model_.textures, colour.texture, "texture");
+    const tinygltf::Texture &source = checked(model_.textures, texture_index, "texture");
     if (source.source < 0) {
-        remarks.add_of("texture " + std::to_string(colour.texture), nullptr,
+        remarks.add_of("texture " + std::to_string(texture_index), nullptr,
                        "left out, as it names no PNG or JPEG");
         return -1;
     }
@@ -299,7 +357,10 @@ int TextureLibrary::find_or_load(const BaseColour &colour, RemarkList &remarks) 
         texture.wrap_s = wrap_from(sampler.wrapS);
         texture.wrap_t = wrap_from(sampler.wrapT);
     }
-    apply_alpha(texture.rgba, colour.alpha_mode, colour.alpha_cutoff);
+    if (use != TextureUse::colours_with_alpha) {
+        make_opaque(texture.rgba);
+    }
+    texture.holds_numbers = use == TextureUse::numbers;
     texture.has_alpha = any_see_through(texture.rgba);
     pixels_ += texture.rgba.size() / 4;
     entry->second = static_cast<int>(textures_.size());

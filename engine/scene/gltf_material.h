@@ -1,4 +1,4 @@
-// The colours of a glTF's materials, and their textures, decoded when first asked for.
+// How a glTF's materials are drawn, and their textures, decoded when first asked for.
 #pragma once
 
 #include "base/assertions.h"
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace tinygltf {
@@ -30,38 +30,47 @@ struct TextureTransform {
     [[nodiscard]] bool operator==(const TextureTransform &) const = default;
 };
 
-struct BaseColour {
-    std::array<double, 4> factor{1.0, 1.0, 1.0, 1.0}; ///< linear
-    int texture = -1;                                 ///< index into the model's textures
-    int texture_set = 0;                              ///< n of TEXCOORD_n
-    TextureTransform transform;
+/// Textures are indices into the model's textures, −1 for none.
+struct DrawnMaterial {
+    std::array<double, 4> base_factor{1.0, 1.0, 1.0, 1.0}; ///< linear
+    int base_texture = -1;
+    double metallic = 1.0; ///< 0 to 1, as roughness and occlusion_strength
+    double roughness = 1.0;
+    int metallic_roughness_texture = -1;
+    int normal_texture = -1;
+    double normal_scale = 1.0;
+    int occlusion_texture = -1;
+    double occlusion_strength = 1.0;
     std::array<double, 3> emission{0.0, 0.0, 0.0}; ///< linear
-    int emissive_texture = -1;      ///< index into the model's textures; placed as the other one
-    bool emission_left_out = false; ///< its texture is placed differently from the other one
+    int emissive_texture = -1;
+    int texture_set = 0;        ///< n of TEXCOORD_n, of all textures
+    TextureTransform transform; ///< of all textures
     AlphaMode alpha_mode = AlphaMode::opaque;
     double alpha_cutoff = 0.5; ///< of AlphaMode::mask
     bool double_sided = false;
+    std::vector<std::string> remarks; ///< on what of it is drawn differently
 };
 
 /// @param material index into the model's materials; −1 gives glTF's default material
 /// @throw InputError for a material that does not exist, has too few numbers, or numbers that are
 ///        not finite.
-[[nodiscard]] BaseColour read_base_colour(const tinygltf::Model &model, int material);
+[[nodiscard]] DrawnMaterial read_material(const tinygltf::Model &model, int material);
 
-/// The textures of a scene, each decoded once for each way in which its alpha is used.
+/// What a texture's pixels are.
+enum class TextureUse : std::uint8_t { colours, colours_with_alpha, numbers };
+
+/// The textures of a scene, each decoded once for each use.
 class TextureLibrary {
 public:
     /// @param folder of the scene's file, in which its images are looked for
     TextureLibrary(const tinygltf::Model &model, std::filesystem::path folder)
         : model_(model), folder_(std::move(folder)) {}
 
-    /// @return index into the textures, or −1 when the base colour has none or its image cannot
-    ///         be decoded: then `remarks` gains the reason, once for each texture.
+    /// @param texture_index into the model's textures, or −1
+    /// @return index into the textures, or −1 when there is none or its image cannot be decoded:
+    ///         then `remarks` gains the reason, once for each texture.
     /// @throw InputError for references to textures, images or samplers that do not exist.
-    int find_or_load(const BaseColour &colour, RemarkList &remarks);
-
-    /// The same for the texture of its emission, whose alpha is ignored.
-    int find_or_load_emissive(const BaseColour &colour, RemarkList &remarks);
+    int find_or_load(int texture_index, TextureUse use, RemarkList &remarks);
 
     /// Whether any of its pixels is not opaque. @pre `find_or_load` returned it
     [[nodiscard]] bool has_alpha(int texture) const {
@@ -75,7 +84,7 @@ private:
     const tinygltf::Model &model_;
     std::filesystem::path folder_;
     std::vector<Texture> textures_;
-    std::map<std::tuple<int, AlphaMode, double>, int> loaded_;
+    std::map<std::pair<int, TextureUse>, int> loaded_;
     std::size_t pixels_ = 0;
 };
 

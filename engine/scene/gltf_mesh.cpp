@@ -158,6 +158,15 @@ std::array<float, 3> to_floats(const Vector3 &vector) {
             static_cast<float>(vector.z())};
 }
 
+std::array<float, 4> world_tangent(const PlacedPrimitive &primitive, std::size_t vertex) {
+    const std::span<const double> tangent = primitive.geometry->tangent[vertex];
+    const Vector3 along =
+        (primitive.node->to_world.linear() * Vector3(tangent.data())).stableNormalized();
+    const double sign = mirrors(*primitive.node) ? -tangent[3] : tangent[3];
+    const std::array<float, 3> unit = to_floats(along);
+    return {unit[0], unit[1], unit[2], sign < 0.0 ? -1.0F : 1.0F};
+}
+
 std::array<float, 3> unit_or_up(const Vector3 &vector) {
     const double length = vector.stableNorm();
     return length > 0.0 && std::isfinite(length) ? to_floats(vector / length)
@@ -176,19 +185,20 @@ Matrix3 normal_matrix(const PlacedMesh &node) {
 }
 
 VisualVertex visual_vertex(const PlacedPrimitive &primitive, std::size_t i) {
-    const BaseColour &base = primitive.colour;
+    const DrawnMaterial &material = primitive.material;
     VisualVertex vertex{to_floats(primitive.positions[i]), {0.0F, 1.0F, 0.0F}, {}, {}};
     const Attribute &colour = primitive.geometry->colour;
     for (std::size_t c = 0; c < 4; ++c) {
         const bool given = !colour.empty() && c < static_cast<std::size_t>(colour.components);
-        vertex.colour[c] = static_cast<float>(base.factor[c] * (given ? colour[i][c] : 1.0));
+        vertex.colour[c] =
+            static_cast<float>(material.base_factor[c] * (given ? colour[i][c] : 1.0));
     }
-    if (base.alpha_mode == AlphaMode::opaque) {
+    if (material.alpha_mode == AlphaMode::opaque) {
         vertex.colour[3] = 1.0F;
     }
     if (!primitive.geometry->texture_coordinate.empty()) {
         const std::span<const double> uv = primitive.geometry->texture_coordinate[i];
-        const std::array<double, 2> placed = base.transform(uv[0], uv[1]);
+        const std::array<double, 2> placed = material.transform(uv[0], uv[1]);
         vertex.texture_coordinate = {static_cast<float>(placed[0]), static_cast<float>(placed[1])};
     }
     return vertex;
@@ -204,6 +214,9 @@ void add_smooth(const PlacedPrimitive &primitive, VisualMesh &mesh) {
         VisualVertex vertex = visual_vertex(primitive, i);
         vertex.normal = unit_or_up(world_normal(primitive, i));
         mesh.vertices.push_back(vertex);
+        if (!primitive.geometry->tangent.empty() && mesh.finish.normal_texture >= 0) {
+            mesh.tangents.push_back(world_tangent(primitive, i));
+        }
     }
     for (const Triangle &local : primitive.geometry->triangles) {
         const Triangle triangle = wound_outwards(local, mirrored);
@@ -237,29 +250,46 @@ bool has_alpha(const VisualMesh &mesh) {
                                [](const VisualVertex &v) { return v.colour[3] < kOpaque; });
 }
 
-/// Textures and emission of `mesh`.
-void add_textures(const PlacedPrimitive &primitive, TextureLibrary &textures, RemarkList &remarks,
+/// Textures, finish and emission of `mesh`.
+void add_material(const PlacedPrimitive &primitive, TextureLibrary &textures, RemarkList &remarks,
                   VisualMesh &mesh) {
     const PlacedMesh &node = *primitive.node;
-    const BaseColour &colour = primitive.colour;
-    const bool has_emissive_texture = colour.emissive_texture >= 0;
-    mesh.texture = textures.find_or_load(colour, remarks);
-    mesh.emissive_texture = textures.find_or_load_emissive(colour, remarks);
-    if ((mesh.texture >= 0 || mesh.emissive_texture >= 0) &&
-        primitive.geometry->texture_coordinate.empty()) {
-        mesh.texture = -1;
-        mesh.emissive_texture = -1;
+    const DrawnMaterial &material = primitive.material;
+    const bool has_emissive_texture = material.emissive_texture >= 0;
+    Finish &finish = mesh.finish;
+    finish.metallic = static_cast<float>(material.metallic);
+    finish.roughness = static_cast<float>(material.roughness);
+    finish.normal_scale = static_cast<float>(material.normal_scale);
+    finish.occlusion_strength = static_cast<float>(material.occlusion_strength);
+    mesh.texture = textures.find_or_load(material.base_texture,
+                                         material.alpha_mode == AlphaMode::opaque
+                                             ? TextureUse::colours
+                                             : TextureUse::colours_with_alpha,
+                                         remarks);
+    mesh.emissive_texture =
+        textures.find_or_load(material.emissive_texture, TextureUse::colours, remarks);
+    const auto load_numbers = [&](int texture) {
+        return textures.find_or_load(texture, TextureUse::numbers, remarks);
+    };
+    finish.metallic_roughness_texture = load_numbers(material.metallic_roughness_texture);
+    finish.normal_texture = load_numbers(material.normal_texture);
+    finish.occlusion_texture = load_numbers(material.occlusion_texture);
+    const std::array all{&mesh.texture, &mesh.emissive_texture, &finish.metallic_roughness_texture,
+                         &finish.normal_texture, &finish.occlusion_texture};
+    if (primitive.geometry->texture_coordinate.empty() &&
+        std::ranges::any_of(all, [](const int *texture) { return *texture >= 0; })) {
+        for (int *const texture : all) {
+            *texture = -1;
+        }
         remarks.add_of(node.label, &node,
-                       "it has a texture but no TEXCOORD_" + std::to_string(colour.texture_set) +
+                       "it has a texture but no TEXCOORD_" + std::to_string(material.texture_set) +
                            "; it is drawn without the texture");
     }
-    if (colour.emission_left_out) {
-        remarks.add_of(node.label, &node,
-                       "its emission is left out, as its texture is placed differently from that "
-                       "of the base colour");
+    for (const std::string &remark : material.remarks) {
+        remarks.add_of(node.label, &node, remark);
     }
     if (!has_emissive_texture || mesh.emissive_texture >= 0) {
-        std::ranges::transform(colour.emission, mesh.emission.begin(),
+        std::ranges::transform(material.emission, mesh.emission.begin(),
                                [](double part) { return static_cast<float>(part); });
     }
 }
@@ -298,7 +328,7 @@ std::vector<Triangle> assemble_triangles(int mode, const std::vector<std::uint32
 }
 
 PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
-                                 int texture_set) {
+                                 const DrawnMaterial &material) {
     PrimitiveGeometry geometry;
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
         throw InputError("primitive mode " + std::to_string(primitive.mode) +
@@ -324,13 +354,18 @@ PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::P
     check_in_range(geometry.triangles, count);
 
     stop_if_given_up();
-    const std::string set = "TEXCOORD_" + std::to_string(texture_set);
+    const std::string set = "TEXCOORD_" + std::to_string(material.texture_set);
     geometry.normal = source.read("NORMAL", Scaling::unit_range);
+    if (material.normal_texture >= 0 && !geometry.normal.empty()) { // else they count for nothing
+        geometry.tangent = source.read("TANGENT", Scaling::unit_range);
+    }
     geometry.colour = source.read("COLOR_0", Scaling::unit_range);
     geometry.texture_coordinate = source.read(set, Scaling::as_declared);
     check_shape(geometry.normal, "NORMAL", 3, 3, count);
+    check_shape(geometry.tangent, "TANGENT", 4, 4, count);
     check_shape(geometry.colour, "COLOR_0", 3, 4, count);
     check_shape(geometry.texture_coordinate, set, 2, 2, count);
+    check_finite(geometry.tangent, "TANGENT");
     check_finite(geometry.colour, "COLOR_0");
     check_finite(geometry.texture_coordinate, set);
     geometry.has_morph_targets = !primitive.targets.empty();
@@ -372,8 +407,8 @@ std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureL
                                       RemarkList &remarks) {
     VisualMesh mesh;
     mesh.name = primitive.node->name;
-    mesh.double_sided = primitive.colour.double_sided;
-    add_textures(primitive, textures, remarks, mesh);
+    mesh.double_sided = primitive.material.double_sided;
+    add_material(primitive, textures, remarks, mesh);
     if (primitive.geometry->normal.empty() && primitive.normals.empty()) {
         add_flat(primitive, mesh);
     } else {
@@ -381,8 +416,13 @@ std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureL
     }
     std::vector<VisualMesh> pieces = in_pieces(std::move(mesh));
     for (VisualMesh &piece : pieces) {
-        piece.translucent =
+        const bool shows_through =
             (piece.texture >= 0 && textures.has_alpha(piece.texture)) || has_alpha(piece);
+        piece.translucent = shows_through && primitive.material.alpha_mode == AlphaMode::blend;
+        if (primitive.material.alpha_mode == AlphaMode::mask &&
+            (shows_through || primitive.material.alpha_cutoff > 1.0)) {
+            piece.alpha_cutoff = static_cast<float>(primitive.material.alpha_cutoff);
+        }
         piece.centre_m = centre_of(piece);
     }
     return pieces;

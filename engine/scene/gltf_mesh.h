@@ -27,6 +27,7 @@ namespace springdrive::scene::gltf {
 struct PrimitiveGeometry {
     Attribute position;           ///< three numbers a vertex, all finite
     Attribute normal;             ///< as the file has them, not necessarily unit; may be empty
+    Attribute tangent;            ///< four numbers a vertex; empty also where no texture needs it
     Attribute colour;             ///< three or four numbers a vertex, linear; may be empty
     Attribute texture_coordinate; ///< of the set asked for; may be empty
     std::vector<Triangle> triangles;
@@ -36,11 +37,11 @@ struct PrimitiveGeometry {
     bool has_morph_targets = false;
 };
 
-/// @param texture_set n of TEXCOORD_n
 /// @throw InputError naming the accessor or attribute, for what is missing, does not fit together,
 ///        is not finite or lies outside its buffer, and for indices out of range.
-[[nodiscard]] PrimitiveGeometry
-read_primitive(const tinygltf::Model &model, const tinygltf::Primitive &primitive, int texture_set);
+[[nodiscard]] PrimitiveGeometry read_primitive(const tinygltf::Model &model,
+                                               const tinygltf::Primitive &primitive,
+                                               const DrawnMaterial &material);
 
 /// The triangles of `corners`, read as a list, strip or fan (glTF modes 4, 5 and 6). All keep the
 /// winding of the first.
@@ -52,7 +53,7 @@ read_primitive(const tinygltf::Model &model, const tinygltf::Primitive &primitiv
 struct PlacedPrimitive {
     const PlacedMesh *node = nullptr;
     std::shared_ptr<const PrimitiveGeometry> geometry; ///< nodes that place one mesh share it
-    BaseColour colour;
+    DrawnMaterial material;
     BoundingBox box; ///< of what the file's triangles use, in the mesh's own coordinates
     std::vector<Vector3> positions;
     std::vector<Vector3> normals; ///< in the world; empty while those of `geometry` are valid

@@ -31,6 +31,7 @@ Texture scaled_down(const Texture &texture, int max_side) {
     result.height = std::min(texture.height, max_side);
     result.wrap_s = texture.wrap_s;
     result.wrap_t = texture.wrap_t;
+    result.holds_numbers = texture.holds_numbers;
     result.has_alpha = texture.has_alpha;
     const auto from_width = static_cast<std::size_t>(texture.width);
     const auto from_height = static_cast<std::size_t>(texture.height);

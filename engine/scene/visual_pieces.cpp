@@ -44,6 +44,7 @@ private:
         piece.texture = mesh_.texture;
         piece.emission = mesh_.emission;
         piece.emissive_texture = mesh_.emissive_texture;
+        piece.finish = mesh_.finish;
         piece.double_sided = mesh_.double_sided;
     }
 
@@ -52,6 +53,9 @@ private:
             index_in_piece_[vertex] = static_cast<std::uint32_t>(in_piece_.size());
             in_piece_.push_back(vertex);
             pieces_.back().vertices.push_back(mesh_.vertices[vertex]);
+            if (!mesh_.tangents.empty()) {
+                pieces_.back().tangents.push_back(mesh_.tangents[vertex]);
+            }
         }
         return index_in_piece_[vertex];
     }

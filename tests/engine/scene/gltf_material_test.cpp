@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 namespace springdrive::scene {
 namespace {
@@ -73,12 +74,152 @@ TEST(GltfMaterial, ImagesBesideTheFileAreDecoded) {
     expect_pixels(load_gltf(file, small_workspace()), kPixels);
 }
 
-TEST(GltfMaterial, AlphaIsBakedAsTheMaterialUsesIt) {
-    expect_pixels(load(textured(embedded_image())), {255, 128, 0, 255, 10, 20, 250, 255});
-    expect_pixels(load(textured(embedded_image(), R"(, "alphaMode": "MASK")")),
-                  {255, 128, 0, 255, 10, 20, 250, 0});
-    expect_pixels(load(textured(embedded_image(), R"(, "alphaMode": "MASK", "alphaCutoff": 0.7)")),
-                  {255, 128, 0, 0, 10, 20, 250, 0});
+TEST(GltfMaterial, AlphaCountsAsTheMaterialUsesIt) {
+    const auto expect = [](const std::string &members, const std::vector<std::uint8_t> &rgba,
+                           bool translucent, std::optional<float> cutoff) {
+        const Scene scene = load(textured(embedded_image(), members));
+        expect_pixels(scene, rgba);
+        EXPECT_EQ(scene.meshes.front().translucent, translucent) << members;
+        EXPECT_EQ(scene.meshes.front().alpha_cutoff, cutoff) << members;
+    };
+    expect("", {255, 128, 0, 255, 10, 20, 250, 255}, false, {});
+    expect(kBlend, kPixels, true, {});
+    expect(R"(, "alphaMode": "MASK")", kPixels, false, 0.5F);
+    expect(R"(, "alphaMode": "MASK", "alphaCutoff": 0.75)", kPixels, false, 0.75F);
+}
+
+TEST(GltfMaterial, AMaskIsOneOnlyWhereSomethingShowsThrough) {
+    const auto cutoff = [](const std::string &members) {
+        GltfBuilder builder = one_triangle();
+        builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]})"};
+        builder.materials = {R"({"alphaMode": "MASK")" + members + "}"};
+        return load(builder).meshes.front().alpha_cutoff;
+    };
+    EXPECT_FALSE(cutoff("").has_value());
+    EXPECT_FALSE(cutoff(R"(, "alphaCutoff": 1)").has_value());
+    EXPECT_EQ(cutoff(R"(, "alphaCutoff": 1.5)"), 1.5F); // glTF: then there is nothing
+    EXPECT_EQ(cutoff(R"(, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]})"), 0.5F);
+}
+
+/// The triangle with a material of these members, and the embedded image as texture 0.
+GltfBuilder with_material(const std::string &members) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.materials = {"{" + members + "}"};
+    return builder;
+}
+
+Finish finish_of(const std::string &material_members) {
+    return load(with_material(material_members)).meshes.front().finish;
+}
+
+TEST(GltfMaterial, MetalAndRoughnessComeThroughAndAreOneByDefault) {
+    for (const Finish &finish : {load(one_triangle()).meshes.front().finish, finish_of(""),
+                                 finish_of(R"("pbrMetallicRoughness": {})")}) {
+        EXPECT_EQ(finish.metallic, 1.0F);
+        EXPECT_EQ(finish.roughness, 1.0F);
+        EXPECT_EQ(finish.metallic_roughness_texture, -1);
+        EXPECT_EQ(finish.normal_texture, -1);
+        EXPECT_EQ(finish.occlusion_texture, -1);
+    }
+    const Finish finish = finish_of(
+        R"("pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 0.5,
+                                    "metallicRoughnessTexture": {"index": 0}})");
+    EXPECT_EQ(finish.metallic, 0.25F);
+    EXPECT_EQ(finish.roughness, 0.5F);
+    EXPECT_EQ(finish.metallic_roughness_texture, 0);
+}
+
+TEST(GltfMaterial, NumbersBeyondTheirRangeAreDrawnAtItsEndAndRemarkedOn) {
+    const Scene scene = load(with_material(
+        R"("pbrMetallicRoughness": {"metallicFactor": 1.5, "roughnessFactor": -0.5})"));
+    EXPECT_EQ(scene.meshes.front().finish.metallic, 1.0F);
+    EXPECT_EQ(scene.meshes.front().finish.roughness, 0.0F);
+    EXPECT_TRUE(has_remark(scene, "node 'picture': its material's metallicFactor is 1.5, drawn as "
+                                  "1: it is from 0 to 1"));
+    EXPECT_TRUE(has_remark(scene, "roughnessFactor is -0.5, drawn as 0"));
+    for (const double edge : {0.0, 1.0}) {
+        EXPECT_FALSE(
+            has_remark(load(with_material(R"("pbrMetallicRoughness": {"metallicFactor": )" +
+                                          std::to_string(edge) + "}")),
+                       "metallicFactor"));
+    }
+    EXPECT_EQ(
+        line_of_failure(with_material(R"("normalTexture": {"index": 0, "scale": 1e39})").gltf()),
+        "node 'picture': material 0: the normal texture's scale is 1e+39; a number must be "
+        "finite in single precision");
+}
+
+TEST(GltfMaterial, TexturesOfNumbersAreNoColoursAndHaveNoAlpha) {
+    const Scene scene = load(with_material(
+        R"("normalTexture": {"index": 0, "scale": 0.75},
+           "occlusionTexture": {"index": 0, "strength": 0.5},
+           "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+                                    "metallicRoughnessTexture": {"index": 0}})"));
+    const VisualMesh &mesh = scene.meshes.front();
+    EXPECT_EQ(mesh.finish.normal_scale, 0.75F);
+    EXPECT_EQ(mesh.finish.occlusion_strength, 0.5F);
+    // Decoded once for each use.
+    ASSERT_EQ(scene.textures.size(), 2U);
+    EXPECT_EQ(mesh.finish.occlusion_texture, mesh.finish.normal_texture);
+    EXPECT_EQ(mesh.finish.metallic_roughness_texture, mesh.finish.normal_texture);
+    EXPECT_NE(mesh.texture, mesh.finish.normal_texture);
+    for (const int texture : {mesh.texture, mesh.finish.normal_texture}) {
+        EXPECT_EQ(scene.textures.at(static_cast<std::size_t>(texture)).holds_numbers,
+                  texture != mesh.texture);
+        EXPECT_EQ(scene.textures.at(static_cast<std::size_t>(texture)).rgba,
+                  (std::vector<std::uint8_t>{255, 128, 0, 255, 10, 20, 250, 255}));
+    }
+}
+
+TEST(GltfMaterial, TexturesOfNumbersThatCannotBeDrawnAreRemarkedOn) {
+    const std::string finish = R"("pbrMetallicRoughness": {"metallicFactor": 0.5,
+                                   "metallicRoughnessTexture": {"index": 0}})";
+    GltfBuilder missing = with_material(finish);
+    missing.images = {R"({"uri": "none.png"})"};
+    EXPECT_TRUE(has_remark(load(missing), "image 'none.png': left out, as it cannot be read"));
+    EXPECT_EQ(load(missing).meshes.front().finish.metallic_roughness_texture, -1);
+    EXPECT_EQ(load(missing).meshes.front().finish.metallic, 0.5F);
+    const std::string elsewhere = R"("normalTexture": {"index": 0, "texCoord": 1},
+                                     "occlusionTexture": {"index": 0, "texCoord": 1}, )";
+    const Scene placed = load(with_material(elsewhere + finish));
+    EXPECT_TRUE(has_remark(placed, "node 'picture': its normal map is left out, as it is placed "
+                                   "differently from the material's others"));
+    EXPECT_TRUE(has_remark(placed, "its occlusion is left out, as it is placed differently"));
+    EXPECT_EQ(placed.meshes.front().finish.normal_texture, -1);
+    EXPECT_EQ(placed.meshes.front().finish.occlusion_texture, -1);
+    EXPECT_EQ(placed.meshes.front().finish.metallic_roughness_texture, 0);
+    // Alone, it is drawn at its own place.
+    const Scene unplaced = load(with_material(R"("normalTexture": {"index": 0, "texCoord": 1})"));
+    EXPECT_TRUE(has_remark(unplaced, "node 'picture': it has a texture but no TEXCOORD_1"));
+    EXPECT_EQ(unplaced.meshes.front().finish.normal_texture, -1);
+}
+
+/// The triangle with normals towards z, tangents along x, and a normal map.
+GltfBuilder with_tangents(const std::string &node_members, const std::string &material) {
+    GltfBuilder builder = with_material(material);
+    builder.add_accessor(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}, kFloat, "VEC3"); // 3
+    builder.add_accessor(std::vector<float>{1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1}, kFloat, "VEC4");
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1,
+                                          "NORMAL": 3, "TANGENT": 4}, "material": 0}]})"};
+    builder.nodes = {R"({"name": "picture", "mesh": 0)" + node_members + "}"};
+    return builder;
+}
+
+TEST(GltfMaterial, TangentsComeThroughWhereANormalMapNeedsThem) {
+    const std::string map = R"("normalTexture": {"index": 0})";
+    using Tangents = std::vector<std::array<float, 4>>;
+    EXPECT_EQ(load(with_tangents("", map)).meshes.front().tangents,
+              (Tangents{{1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, -1}}));
+    EXPECT_TRUE(load(with_tangents("", "")).meshes.front().tangents.empty());
+    EXPECT_TRUE(load(with_material(map)).meshes.front().tangents.empty());
+    // Along the surface as the node turns and stretches it, and unit; a mirrored bitangent.
+    EXPECT_EQ(load(with_tangents(R"(, "scale": [-2, 1, 3])", map)).meshes.front().tangents,
+              (Tangents{{-1, 0, 0, -1}, {-1, 0, 0, -1}, {-1, 0, 0, 1}}));
+    GltfBuilder short_of_one = with_tangents("", map);
+    short_of_one.add_accessor(std::vector<float>{1, 0, 0, 1, 0, 0}, kFloat, "VEC3"); // 5
+    short_of_one.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1,
+                               "NORMAL": 3, "TANGENT": 5}, "material": 0}]})"};
+    expect_failure(short_of_one, "TANGENT has 3 numbers a vertex; it takes 4");
 }
 
 TEST(GltfMaterial, OneTextureUsedTwiceIsDecodedOnce) {
@@ -253,7 +394,7 @@ TEST(GltfMaterial, EmissionWhoseTextureCannotBeDrawnIsLeftOut) {
                                               {"scale": [2, 2]}})"));
     EXPECT_EQ(elsewhere.meshes.front().emission, kDark);
     EXPECT_TRUE(has_remark(elsewhere, "node 'picture': its emission is left out, as its texture is "
-                                      "placed differently from that of the base colour"));
+                                      "placed differently from the material's others"));
     GltfBuilder missing = emissive("");
     missing.images = {R"({"uri": "none.png"})"};
     EXPECT_EQ(load(missing).meshes.front().emission, kDark);

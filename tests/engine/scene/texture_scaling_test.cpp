@@ -27,10 +27,12 @@ TEST(TextureScaling, EachPixelIsTheMeanOfThoseThatItCovers) {
     Texture texture = grey(4, {10, 20, 30, 50, 30, 40, 50, 70});
     texture.wrap_s = Texture::Wrap::mirror;
     texture.has_alpha = true;
+    texture.holds_numbers = true;
     const Texture half = scaled_down(texture, 2);
     EXPECT_EQ(half.rgba, grey(2, {15, 40, 35, 60}).rgba);
     EXPECT_EQ(half.wrap_s, Texture::Wrap::mirror);
     EXPECT_TRUE(half.has_alpha);
+    EXPECT_TRUE(half.holds_numbers);
     EXPECT_EQ(scaled_down(texture, 1).rgba, grey(1, {38}).rgba); // 37.5
 }
 

@@ -16,8 +16,10 @@ VisualMesh random_mesh(std::size_t vertices, std::size_t triangles) {
     mesh.name = "mesh";
     mesh.texture = 3;
     mesh.double_sided = true;
+    mesh.finish.normal_texture = 5;
     for (std::size_t i = 0; i < vertices; ++i) {
         mesh.vertices.push_back({{static_cast<float>(i), 0.0F, 0.0F}, {}, {}, {}});
+        mesh.tangents.push_back({0.0F, static_cast<float>(i), 0.0F, 1.0F});
     }
     for (std::size_t i = 0; i < 3 * triangles; ++i) {
         mesh.indices.push_back(any(dice));
@@ -49,6 +51,11 @@ TEST(VisualPieces, HoldTheSameTrianglesInTheSameOrder) {
             EXPECT_FALSE(piece.indices.empty());
             EXPECT_EQ(piece.name, "mesh");
             EXPECT_EQ(piece.texture, 3);
+            EXPECT_EQ(piece.finish.normal_texture, 5);
+            ASSERT_EQ(piece.tangents.size(), piece.vertices.size());
+            for (std::size_t i = 0; i < piece.vertices.size(); ++i) {
+                ASSERT_EQ(piece.tangents[i][1], piece.vertices[i].position_m[0]);
+            }
             EXPECT_TRUE(piece.double_sided);
         }
     }
