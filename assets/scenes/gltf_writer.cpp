@@ -132,7 +132,8 @@ private:
         const auto &[red, green, blue] = part.base_colour;
         const int material = materials_.add(R"({"pbrMetallicRoughness": {"baseColorFactor": [)" +
                                             number(red) + ", " + number(green) + ", " +
-                                            number(blue) + R"(, 1], "metallicFactor": 0}})");
+                                            number(blue) + R"(, 1], "metallicFactor": 0, )" +
+                                            R"("roughnessFactor": 0.5}})"); // satin
         const int mesh =
             meshes_.add(R"({"primitives": [{"attributes": {)" + attributes + R"(}, "indices": )" +
                         number(indices) + R"(, "material": )" + number(material) + "}]}");
