@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -435,6 +436,36 @@ TEST_F(Materials, OcclusionTakesTheLightFromAllAroundByItsStrength) {
     constexpr double kQuantum = 0.01; // relative, of the light of a channel above 60
     EXPECT_NEAR(light_of(shown(0, 0.5F).green) / light_of(open.green), 0.5, 2.0 * kQuantum);
     EXPECT_NEAR(light_of(shown(51, 1.0F).green) / light_of(open.green), 0.2, 2.0 * kQuantum);
+}
+
+TEST_F(Materials, EveryPairOfFeaturesCompilesAndTakesItsNumbers) {
+    LitPrograms programs;
+    constexpr std::array kFeatures{
+        &LitVariant::metal,    &LitVariant::finish_texture,    &LitVariant::normal_texture,
+        &LitVariant::tangents, &LitVariant::occlusion_texture, &LitVariant::emission,
+        &LitVariant::mask,     &LitVariant::translucent};
+    for (const auto first : kFeatures) {
+        for (const auto second : kFeatures) {
+            LitVariant variant;
+            variant.*first = true;
+            variant.*second = true;
+            variant.normal_texture = variant.normal_texture || variant.tangents;
+            const Program &lit = programs.with(variant);
+            EXPECT_NO_THROW(lit.set("roughness", 0.5F));
+            if (variant.metal) {
+                EXPECT_NO_THROW(lit.set("metallic", 0.5F));
+            } else {
+                EXPECT_THROW(lit.set("metallic", 0.5F), std::logic_error);
+            }
+            if (variant.normal_texture) {
+                EXPECT_NO_THROW(lit.set("normal_scale", 0.5F));
+            }
+            if (variant.mask) {
+                EXPECT_NO_THROW(lit.set("alpha_cutoff", 0.5F));
+            }
+        }
+    }
+    check_gl("compiling variants");
 }
 
 TEST_F(Materials, WhiteKeepsItsShading) {
