@@ -26,6 +26,11 @@ struct Rectangle {
         return point.x >= corner.x && point.y >= corner.y && point.x < corner.x + size.x &&
                point.y < corner.y + size.y;
     }
+
+    [[nodiscard]] friend bool operator==(const Rectangle &a, const Rectangle &b) {
+        return a.corner.x == b.corner.x && a.corner.y == b.corner.y && a.size.x == b.size.x &&
+               a.size.y == b.size.y;
+    }
 };
 
 struct Layout {

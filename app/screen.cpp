@@ -339,8 +339,7 @@ void Screen::draw_contents() {
     const Layout places = current_layout();
     opened_.update(ImGui::GetIO().DeltaTime, desk_.now());
     const ViewState state = view_state();
-    view_control_.update(session_, state, places.scene_view,
-                         free_of_overlays(places.scene_view, opened_.is_shown(), window_.scale()),
+    view_control_.update(session_, state, places.scene_view, free_part(places.scene_view),
                          !opened_.is_shown());
     view_control_.report(session_, state, places.scene_view);
     window_.clear();

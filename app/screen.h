@@ -56,6 +56,9 @@ private:
     [[nodiscard]] bool shows_start() const;
     void draw_panels(const Layout &places);
     void draw_over_scene(const Rectangle &view);
+    [[nodiscard]] bool shows_lesson() const;
+    /// Of the scene's view: where device and scene are shown whole.
+    [[nodiscard]] Rectangle free_part(const Rectangle &view) const;
     void draw_start(const Rectangle &place);
     [[nodiscard]] std::string report_line() const;
     void take_orders();

@@ -38,6 +38,15 @@ void Screen::obey(SceneAction action) {
     }
 }
 
+bool Screen::shows_lesson() const { return !opened_.is_shown() && !assistant_.is_open(); }
+
+Rectangle Screen::free_part(const Rectangle &view) const {
+    const float plate =
+        shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view, window_.scale())
+                       : 0.0F;
+    return free_of_overlays(view, plate, opened_.is_shown(), window_.scale());
+}
+
 void Screen::draw_over_scene(const Rectangle &view) {
     SceneOverlay shown{situation_of(session_, opened_), habits_.notice(), !shows_start()};
     const bool is_inside = tip_inside_.at(session_.scenes().now().scene, session_.scenes().id(),
@@ -45,7 +54,7 @@ void Screen::draw_over_scene(const Rectangle &view) {
     shown.now.is_inside = is_inside && !assistant_.is_open();
     const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
     obey(answer.action);
-    if (!opened_.is_shown() && !assistant_.is_open()) {
+    if (shows_lesson()) {
         draw_captions(session_, view_control_.camera(), view, window_.scale());
         draw_scene_plate(session_, desk_, scene_panel_.files, scene_panel_.plate, answer.free,
                          window_.scale());

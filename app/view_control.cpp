@@ -104,12 +104,14 @@ void ViewControl::update(session::Session &session, const ViewState &state, cons
     if (camera_ != before) {
         kept_.reset();
     }
-    is_framed_ = is_framed_ && framed_size_ == size && framed_base_m_ == state.linkage.base_m;
+    is_framed_ = is_framed_ && framed_size_ == size && framed_free_ == free &&
+                 framed_base_m_ == state.linkage.base_m;
     if (kept_ && !is_framed_ && free.size.x > 0.0F && free.size.y > 0.0F) {
         camera_.look_from(*kept_);
         camera_ = framed(camera_, framed_points(session, state), size, within(free, view));
         is_framed_ = true;
         framed_size_ = size;
+        framed_free_ = free;
         framed_base_m_ = state.linkage.base_m;
     }
 }

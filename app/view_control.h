@@ -43,6 +43,7 @@ private:
     std::optional<Viewpoint> kept_ = Viewpoint::home; ///< until the camera is moved
     bool is_framed_ = false;
     PixelSize framed_size_;                  ///< of the view, then
+    Rectangle framed_free_{};                ///< its free part, then
     Vector3 framed_base_m_{Vector3::Zero()}; ///< of the device, then
 };
 

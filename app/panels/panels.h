@@ -220,6 +220,8 @@ struct WindowMenuChoice {
 
 /// The part of the scene over which none of these is drawn, a banner of one line included: for
 /// what must be seen whole. All of the scene where it is too small for both.
-[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale);
+/// @param plate  width of what stands at its left edge
+[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, float plate, bool is_record,
+                                         float scale);
 
 } // namespace springdrive::app

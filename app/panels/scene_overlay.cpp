@@ -204,8 +204,9 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
     return chosen;
 }
 
-Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale) {
-    const float left = 2.0F * margin(scale);
+Rectangle free_of_overlays(const Rectangle &view, float plate, bool is_record, float scale) {
+    constexpr float kLeast = 0.4F; // of the view's width and height
+    const float left = plate + 2.0F * margin(scale);
     const float right = width_of_view_buttons() + 2.0F * margin(scale);
     const float top = margin(scale) + ImGui::GetTextLineHeight() +
                       2.0F * ImGui::GetStyle().WindowPadding.y + margin(scale);
@@ -215,7 +216,7 @@ Rectangle free_of_overlays(const Rectangle &view, bool is_record, float scale) {
                    : help_size(kHandHelp, view, scale).y);
     const Rectangle free{{view.corner.x + left, view.corner.y + top},
                          {view.size.x - left - right, view.size.y - top - bottom}};
-    const bool has_room = free.size.x > 0.5F * view.size.x && free.size.y > 0.5F * view.size.y;
+    const bool has_room = free.size.x > kLeast * view.size.x && free.size.y > kLeast * view.size.y;
     return has_room ? free : view;
 }
 

@@ -17,6 +17,12 @@ namespace {
 
 const ImVec4 kPlate{0.07F, 0.08F, 0.10F, 0.88F};
 
+float plate_margin(float scale) { return 8.0F * scale; }
+
+float plate_width(const Rectangle &view, float scale) {
+    return std::min(320.0F * scale, 0.42F * view.size.x);
+}
+
 /// The file at this distance in the list from the one that is shown; null if there is none.
 const std::filesystem::path *neighbour(std::span<const std::filesystem::path> files,
                                        const std::filesystem::path &shown, std::ptrdiff_t by) {
@@ -166,6 +172,14 @@ private:
 
 } // namespace
 
+float width_of_scene_plate(const session::Session &session, const ScenePlateState &state,
+                           const Rectangle &view, float scale) {
+    const bool is_new = state.scene != session.scenes().id();
+    const bool is_shown =
+        (is_new || !state.is_put_away) && !session.scenes().now().scene.lesson.is_empty();
+    return is_shown ? plate_margin(scale) + plate_width(view, scale) : 0.0F;
+}
+
 void draw_scene_plate(session::Session &session, TuningDesk &desk,
                       std::span<const std::filesystem::path> files, ScenePlateState &state,
                       const Rectangle &place, float scale) {
@@ -174,13 +188,12 @@ void draw_scene_plate(session::Session &session, TuningDesk &desk,
     }
     measure(session, state);
     const scene::Lesson &lesson = session.scenes().now().scene.lesson;
-    const bool is_stopped = session.latest().safety.state == servo::SafetyState::tripped;
-    if (state.is_put_away || lesson.is_empty() || is_stopped) {
-        return; // what stopped it stands there
+    if (state.is_put_away || lesson.is_empty()) {
+        return;
     }
     const ui::Scope scope("lesson");
-    const float margin = 8.0F * scale;
-    const float width = std::min(320.0F * scale, 0.42F * place.size.x);
+    const float margin = plate_margin(scale);
+    const float width = plate_width(place, scale);
     ImGui::SetNextWindowPos({place.corner.x + margin, place.corner.y + margin});
     ImGui::SetNextWindowSize({width, 0.0F});
     ImGui::PushStyleColor(ImGuiCol_WindowBg, kPlate);

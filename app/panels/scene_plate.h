@@ -22,6 +22,11 @@ struct ScenePlateState {
     std::array<std::optional<double>, 2> angle_rad;
 };
 
+/// Of the plate, with its distance to what is beside it; 0 while it is not shown.
+[[nodiscard]] float width_of_scene_plate(const session::Session &session,
+                                         const ScenePlateState &state, const Rectangle &view,
+                                         float scale);
+
 /// A plate with the scene's title and sentence, in the upper left corner of `place`; buttons to the
 /// scenes before and after it in `files`, and one to put it away. Where the scene says where to
 /// touch, also the angles from the normal to the push, as measured with both maps.
