@@ -27,6 +27,14 @@ Vector3 true_joints_rad(session::Session &session) {
     return q_rad;
 }
 
+constexpr double kAbove_m = 0.02; ///< the scene, before and after a press
+
+Vector3 above_the_middle(const session::Session &session, double above_m) {
+    const scene::Scene &scene = session.scenes().now().scene;
+    const Vector3 middle_m = 0.5 * (scene.lower_m + scene.upper_m);
+    return {middle_m.x(), scene.upper_m.y() + above_m, middle_m.z()};
+}
+
 } // namespace
 
 void move_joint(session::Session &session, std::size_t joint, double angle_rad) {
@@ -48,19 +56,17 @@ void hold_zero_pose(session::Session &session) {
     session.follow_path(HandPath({{0.0, Vector3::Zero()}}));
 }
 
+void hold_above(session::Session &session) {
+    const Vector3 there_m = above_the_middle(session, kAbove_m);
+    session.follow_path(HandPath({{0.0, there_m}, {0.5, there_m}}));
+}
+
 void press_and_lift(session::Session &session) {
-    const scene::Scene &scene = session.scenes().now().scene;
-    const Vector3 middle_m = 0.5 * (scene.lower_m + scene.upper_m);
-    const auto at = [&](double above_m) {
-        return Vector3(middle_m.x(), scene.upper_m.y() + above_m, middle_m.z());
-    };
-    constexpr double kAbove_m = 0.02;
     constexpr double kDepth_m = 0.004;
-    session.follow_path(HandPath({{0.0, at(kAbove_m)},
-                                  {1.5, at(kAbove_m)},
-                                  {2.5, at(-kDepth_m)},
-                                  {4.0, at(-kDepth_m)},
-                                  {5.0, at(kAbove_m)}}));
+    session.follow_path(HandPath({{0.0, above_the_middle(session, kAbove_m)},
+                                  {1.0, above_the_middle(session, -kDepth_m)},
+                                  {2.5, above_the_middle(session, -kDepth_m)},
+                                  {3.5, above_the_middle(session, kAbove_m)}}));
 }
 
 } // namespace springdrive::app::assistant

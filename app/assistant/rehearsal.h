@@ -14,6 +14,9 @@ void move_joint(session::Session &session, std::size_t joint, double angle_rad);
 /// Holds the device in its zero pose. @throw the same
 void hold_zero_pose(session::Session &session);
 
+/// Holds the tip above the scene. @throw the same
+void hold_above(session::Session &session);
+
 /// Presses the tip into the scene where it is, some millimetres deep, and lifts it again.
 /// @throw the same
 void press_and_lift(session::Session &session);

@@ -24,6 +24,7 @@ class TouchStep final : public Step {
 public:
     void begin(session::Session &session) override {
         end(session);
+        presses_next_ = false;
         felt_s_ = 0.0;
         peak_N_ = 0.0;
         last_s_ = session.latest().time_s;
@@ -46,6 +47,11 @@ public:
 
     void update(session::Session &session) override {
         const servo::ServoSample &now = session.latest();
+        if (presses_next_ && now.safety.state == servo::SafetyState::running &&
+            !session.hand().follows_path()) {
+            presses_next_ = false; // before, it would press on a device that only brakes
+            complaint_ = complaint_of([&] { press_and_lift(session); });
+        }
         const double passed_s = std::max(0.0, now.time_s - last_s_);
         last_s_ = now.time_s;
         if (now.safety.state != servo::SafetyState::running || session.scenes().is_loading()) {
@@ -94,9 +100,13 @@ public:
         if (session.device().emulated() == nullptr) {
             return {};
         }
-        return {{"let the simulated hand do it", "an emulated device: its hand presses and lifts",
-                 [this, &session] { complaint_ = complaint_of([&] { press_and_lift(session); }); },
-                 !session.hand().follows_path() && !session.scenes().is_loading()}};
+        return {
+            {"let the simulated hand do it", "an emulated device: its hand presses and lifts",
+             [this, &session] {
+                 presses_next_ = true;
+                 complaint_ = complaint_of([&] { hold_above(session); });
+             },
+             !presses_next_ && !session.hand().follows_path() && !session.scenes().is_loading()}};
     }
 
 private:
@@ -126,6 +136,7 @@ private:
     }
 
     std::optional<Before> before_;
+    bool presses_next_ = false; ///< the simulated hand, once the motors run
     double felt_s_ = 0.0;
     double peak_N_ = 0.0;
     double last_s_ = 0.0;
