@@ -4,6 +4,7 @@
 #include "app/assistant/assistant_panel.h"
 #include "app/commands/output_files.h"
 #include "app/frame_pace.h"
+#include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
 #include "base/new_file.h"
@@ -465,6 +466,8 @@ ViewState Screen::view_state() const {
     state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;
     state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
+    state.below = place_below(session_.scenes().now().surface,
+                              state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
     return state;
 }
 

@@ -86,4 +86,27 @@ std::optional<double> floor_hit_m(const Ray &ray, double floor_height_m) {
     return t > 0.0 && t < std::numeric_limits<double>::infinity() ? std::optional(t) : std::nullopt;
 }
 
+std::optional<SurfacePlace> first_touchable(const contact::HapticSurface &surface,
+                                            const Vector3 &from_m, const Vector3 &to_m,
+                                            double reach_m) {
+    // A thousand times what a search takes: 10 ms at most, for surfaces made to be hard.
+    contact::SearchBudget budget{1'000'000};
+    const auto found = surface.first_stop(from_m, to_m, reach_m, budget);
+    if (!found || !found->is_known) {
+        return std::nullopt;
+    }
+    const Vector3 stopped_m = from_m + found->stop.fraction * (to_m - from_m);
+    return SurfacePlace{stopped_m - reach_m * found->stop.normal, found->stop.normal};
+}
+
+std::optional<SurfacePlace> place_below(const contact::HapticSurface &surface,
+                                        const Vector3 &point_m, double floor_height_m) {
+    if (!point_m.allFinite() || point_m.y() <= floor_height_m) {
+        return std::nullopt;
+    }
+    const Vector3 on_floor_m(point_m.x(), floor_height_m, point_m.z());
+    const auto found = first_touchable(surface, point_m, on_floor_m);
+    return found ? found : SurfacePlace{on_floor_m, Vector3::UnitY()};
+}
+
 } // namespace springdrive::app

@@ -4,6 +4,7 @@
 #include "app/view/gl_vector.h"
 #include "app/view/linkage_solids.h"
 #include "app/view/marker_solids.h"
+#include "app/view/touch_marks.h"
 
 #include <array>
 #include <string_view>
@@ -35,6 +36,7 @@ struct Renderer::Frame {
     std::vector<Solid> linkage;
     std::vector<Solid> markers;
     Solid tip;
+    Solid tip_ghost;
 };
 
 Renderer::Renderer(int samples)
@@ -72,14 +74,17 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
     }
     const double aspect = static_cast<double>(viewport.width) / viewport.height;
     const MarkerScale scale{camera, static_cast<double>(viewport.height), pixel_scale};
-    const Frame frame{camera.projection(aspect) * camera.view(),
-                      camera.eye_m(),
-                      camera.forward(),
-                      state.tip_m,
-                      state.floor_height_m,
-                      linkage_solids(state.linkage, state.floor_height_m, state.tripped),
-                      marker_solids(state, scale),
-                      tip_solid(state, scale)};
+    Frame frame{camera.projection(aspect) * camera.view(),
+                camera.eye_m(),
+                camera.forward(),
+                state.tip_m,
+                state.floor_height_m,
+                linkage_solids(state.linkage, state.floor_height_m, state.tripped),
+                marker_solids(state, scale),
+                tip_solid(state, scale),
+                tip_ghost(state, scale)};
+    const std::vector<Solid> height = height_line(state, scale);
+    frame.markers.insert(frame.markers.end(), height.begin(), height.end());
 
     GLint target = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
@@ -159,7 +164,20 @@ void Renderer::draw_background() const {
 void Renderer::draw_scene_and_linkage(const Frame &frame) {
     scene_.draw_opaque(
         [&](const LitVariant &variant) -> const Program & { return begin(variant, frame); });
-    painter_.draw(begin({}, frame), frame.linkage);
+    const Program &lit = begin({}, frame);
+    draw_ghost(lit, frame);
+    painter_.draw(lit, frame.linkage);
+}
+
+/// Where the scene hides the tip; the linkage, which is not there yet, does not count.
+void Renderer::draw_ghost(const Program &lit, const Frame &frame) const {
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GREATER);
+    lit.set("glow", 1.0F);
+    painter_.draw(lit, {&frame.tip_ghost, 1});
+    lit.set("glow", 0.0F);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
 }
 
 void Renderer::draw_markers(const Frame &frame) {

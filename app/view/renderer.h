@@ -62,6 +62,7 @@ private:
     const Program &begin(const LitVariant &variant, const Frame &frame);
     void draw_background() const;
     void draw_scene_and_linkage(const Frame &frame);
+    void draw_ghost(const Program &lit, const Frame &frame) const;
     void draw_markers(const Frame &frame);
     void draw_translucent(const Frame &frame);
 

@@ -6,7 +6,15 @@
 #include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 
+#include <optional>
+
 namespace springdrive::app {
+
+/// A point of a surface.
+struct SurfacePlace {
+    Vector3 point_m{Vector3::Zero()};
+    Vector3 normal{Vector3::UnitY()}; ///< unit, towards the side from which it is met
+};
 
 /// World coordinates are those of the device frame.
 struct ViewState {
@@ -21,6 +29,7 @@ struct ViewState {
     bool tripped = false;   ///< the safety monitor stopped the device: the linkage turns red
     device::Workspace workspace;
     double floor_height_m = 0.0;
+    std::optional<SurfacePlace> below; ///< straight below the tip, or the proxy: surface or floor
 };
 
 inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm

@@ -1,0 +1,17 @@
+// Marks that tell where the tip is in depth; without OpenGL.
+#pragma once
+
+#include "app/view/marker_solids.h"
+
+#include <vector>
+
+namespace springdrive::app {
+
+/// A thin line from the tip, or during contact from the proxy, straight down to what is below it,
+/// and a ring that lies there. Nothing where it is as good as there.
+[[nodiscard]] std::vector<Solid> height_line(const ViewState &state, const MarkerScale &scale);
+
+/// A ring about the tip that faces the camera, to be drawn where the scene hides it.
+[[nodiscard]] Solid tip_ghost(const ViewState &state, const MarkerScale &scale);
+
+} // namespace springdrive::app
