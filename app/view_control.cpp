@@ -68,6 +68,16 @@ Vector3 point_under(const Camera &camera, const PixelPoint &pixel, const PixelSi
                : camera.point_at(pixel, viewport, camera.target_m());
 }
 
+/// What can be touched under a pixel, also behind the device, which is in the way of most clicks.
+std::optional<SurfacePlace> touchable_under(const Camera &camera, const PixelPoint &pixel,
+                                            const PixelSize &viewport,
+                                            const contact::HapticSurface &surface) {
+    constexpr double kFarthest = 4.0; // times the target's distance
+    const Ray ray = line_of_sight(camera, pixel, viewport);
+    return first_touchable(surface, ray.origin_m,
+                           ray.origin_m + kFarthest * camera.distance_m() * ray.direction);
+}
+
 } // namespace
 
 bool ViewControl::obey(std::string_view key) {
@@ -98,9 +108,13 @@ void ViewControl::update(session::Session &session, const ViewState &state, cons
                          const Rectangle &free, bool may_move_hand) {
     const PixelSize size = size_of(view);
     const Camera before = camera_;
-    mouse_.apply(session, camera_, view, may_move_hand, [&](const PixelPoint &pixel) {
+    const auto point = [&](const PixelPoint &pixel) {
         return point_under(camera_, pixel, size, session.scenes().now().scene, state);
-    });
+    };
+    const auto touchable = [&](const PixelPoint &pixel) {
+        return touchable_under(camera_, pixel, size, session.scenes().now().surface);
+    };
+    mouse_.apply(session, camera_, view, may_move_hand, {point, touchable});
     if (camera_ != before) {
         kept_.reset();
     }

@@ -13,7 +13,7 @@ struct KeyHelp {
 };
 
 /// All keys of the window; those without Ctrl act while no text is typed, F12 always.
-constexpr std::array<KeyHelp, 28> kKeys{{
+constexpr std::array<KeyHelp, 29> kKeys{{
     {"F12", "emergency stop, at any time; the space bar while no text is typed"},
     {"Ctrl+Z", "take the last change of the tuning back"},
     {"Ctrl+Y", "do it again; also Ctrl+Shift+Z"},
@@ -40,7 +40,8 @@ constexpr std::array<KeyHelp, 28> kKeys{{
     {"wheel on a plot", "zoom in time; with Ctrl, in value"},
     {"drag on a plot", "move; with the right button, zoom to the range"},
     {"double click on a plot", "live again, with its own ranges"},
-    {"left drag on the scene", "move the hand; with the wheel, in depth"},
+    {"left press on the scene", "touch there; a drag slides on it, the wheel presses deeper"},
+    {"left drag beside it", "move the hand, also with Shift; with the wheel, in depth"},
     {"right or middle drag", "turn or shift the view; the wheel zooms to the cursor"},
 }};
 

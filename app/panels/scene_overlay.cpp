@@ -10,8 +10,8 @@ namespace springdrive::app {
 namespace {
 
 constexpr const char *kHandHelp =
-    "left drag: move the hand, with the wheel: depth · right drag: orbit · middle drag: pan · "
-    "wheel: zoom to the cursor · F1: keys";
+    "left press on the scene: touch there, drag: slide · beside it, or with Shift: move the hand · "
+    "meanwhile the wheel: depth · right drag: orbit · middle drag: pan · wheel: zoom · F1: keys";
 constexpr const char *kPathHelp =
     "the hand follows a path · right drag: orbit · middle drag: pan · wheel: zoom to the cursor · "
     "F1: keys";

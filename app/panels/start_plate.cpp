@@ -15,7 +15,7 @@ struct StartLine {
 /// Short enough for one line each in the smallest window; true of every scene.
 constexpr std::array<StartLine, 3> kStartLines{{
     {"Simulated", "a PHANTOM with its motors, and a hand. No device is attached."},
-    {"Move the hand", "drag with the left button, with the wheel in depth. Or W A S D Q E."},
+    {"Move the hand", "press where it is to touch, drag to slide. Beside the scene: a free drag."},
     {"Try first", "press on the surface: the arrow is the force. M: the other map tilts it."},
 }};
 

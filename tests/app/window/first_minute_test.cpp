@@ -39,7 +39,7 @@ TEST(FirstMinute, StandsBelowTheSceneUntilItIsDismissedForGood) {
         window.wait_until_running();
         const Report report = window.look();
         EXPECT_TRUE(report.shows("No device is attached"));
-        EXPECT_TRUE(report.shows("drag with the left button"));
+        EXPECT_TRUE(report.shows("press where it is to touch"));
         EXPECT_TRUE(report.shows("press on the surface"));
         // Between the scene and the plots: it hides neither.
         const double top = report.item("Start").at("y");
@@ -50,7 +50,7 @@ TEST(FirstMinute, StandsBelowTheSceneUntilItIsDismissedForGood) {
         window.person().key("Escape");
         window.click("Start/got it");
         EXPECT_FALSE(window.look().find("Start"));
-        EXPECT_TRUE(window.look().shows("left drag: move the hand"));
+        EXPECT_TRUE(window.look().shows("left press on the scene: touch there"));
     }
     EXPECT_NE(testing::contents_of(folder / "settings").find("start dismissed"), std::string::npos);
     ShownWindow again({"--settings", folder / "settings"});

@@ -82,9 +82,12 @@ TEST(StoppingInTheWindow, AResetInContactSaysWhatIsMissing) {
         },
         "the window says that the tip must be lifted");
     // The path is over: the hand moves again, and lifts the tip.
-    window.wait_until([](const Report &report) { return report.shows("left drag: move the hand"); },
-                      "the path has ended");
+    window.wait_until(
+        [](const Report &report) { return report.shows("left press on the scene: touch there"); },
+        "the path has ended");
+    window.person().press_key("Shift_L"); // in the view plane, wherever the drag begins
     window.person().drag({400.0F, 400.0F}, {400.0F, 200.0F}, 0.4);
+    window.person().release_key("Shift_L");
     window.wait_until_running();
 }
 
