@@ -223,9 +223,9 @@ void Screen::toggle_pause() {
 
 /// For keys: to the first widget of the next panel, or to the one that was left last.
 void Screen::go_to_next_panel(bool backwards) {
-    constexpr std::array<const char *, 10> kNames{"message", "Tuning",   "Servo",  "Scene",
-                                                  "Plots",   "record",   "lesson", "Start",
-                                                  "window",  "Assistant"};
+    constexpr std::array<const char *, 11> kNames{"message", "Tuning",    "Servo",  "Scene",
+                                                  "Plots",   "record",    "lesson", "Start",
+                                                  "window",  "Assistant", "legend"};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
         panel_ = (panel_ + (backwards ? kNames.size() - 1 : 1)) % kNames.size();
         ImGuiWindow *const window = ImGui::FindWindowByName(kNames[panel_]);
@@ -345,6 +345,8 @@ void Screen::draw_contents() {
     view_control_.report(session_, state, places.scene_view);
     window_.clear();
     draw_scene(places.scene_view, state);
+    ui::enter_at({places.scene_view.corner, {0.0F, 0.0F}}, "marks", "drawing",
+                 renderer_.marks_text());
     desk_.update(session_);
     if (std::exchange(opens_assistant_, false)) {
         assistant_.open(session_);
@@ -442,7 +444,7 @@ void Screen::draw_scene(const Rectangle &view, const ViewState &state) {
     }
 }
 
-ViewState Screen::view_state() const {
+ViewState Screen::view_state() {
     const bool is_record = opened_.is_shown();
     const servo::ServoSample now = is_record ? opened_.playback().sample() : session_.latest();
     const device::DeviceDescription &device =
@@ -468,6 +470,8 @@ ViewState Screen::view_state() const {
     state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
     state.below = place_below(session_.scenes().now().surface,
                               state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
+    state.shown = habits_.settings().shown;
+    state.touch = shown_values_.at(state.shown, device, now, opened_.subject(session_));
     return state;
 }
 

@@ -11,6 +11,7 @@
 #include "app/plots/plot_panel.h"
 #include "app/report_requests.h"
 #include "app/session_keeper.h"
+#include "app/shown_values.h"
 #include "app/tip_inside.h"
 #include "app/tuning_desk.h"
 #include "app/view/renderer.h"
@@ -74,7 +75,7 @@ private:
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
     void print(const std::vector<std::string> &remarks) const; ///< on the scene
     void draw_scene(const Rectangle &view, const ViewState &state);
-    [[nodiscard]] ViewState view_state() const;
+    [[nodiscard]] ViewState view_state();
     void open(const std::filesystem::path &file);
     void note_opened();
     void obey_on_record(const std::string &key);
@@ -95,6 +96,7 @@ private:
     DoctorPopup assistants_doctor_;
     TipInside tip_inside_;
     HandLift lift_;
+    ShownValues shown_values_;
     float start_height_ = 0.0F; ///< of the first minute's plate, as measured; 0: not yet
     SessionKeeper keeper_{own_folder()};
     EventLog log_;

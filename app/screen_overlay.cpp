@@ -2,6 +2,7 @@
 // minute.
 #include "app/screen.h"
 
+#include "app/panels/legend.h"
 #include "base/complaint.h"
 
 namespace springdrive::app {
@@ -71,6 +72,9 @@ void Screen::draw_over_scene(const Rectangle &view) {
     if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
         view_control_.look_from(*viewpoint);
     }
+    draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(), view,
+                bottom_of_view_buttons(view, window_.scale()), width_of_view_buttons(),
+                window_.scale());
     const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
     obey(choice.order);
     if (!choice.opened.empty()) {

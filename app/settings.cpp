@@ -60,6 +60,37 @@ bool read_recent(std::string_view text, Settings &settings) {
     return settings.recent.back().is_absolute() && settings.recent.size() <= Settings::kMostRecent;
 }
 
+/// The words of things that are drawn, or "nothing".
+bool read_drawn(std::string_view text, Settings &settings) {
+    for (const ThingLook &look : kThings) {
+        settings.shown.show(look.thing, false);
+    }
+    if (text == "nothing") {
+        return true;
+    }
+    for (std::size_t from = 0; from <= text.size();) {
+        const std::size_t gap = std::min(text.find(' ', from), text.size());
+        const auto *const look =
+            std::ranges::find(kThings, text.substr(from, gap - from), &ThingLook::word);
+        if (look == kThings.end() || settings.shown.shows(look->thing)) {
+            return false;
+        }
+        settings.shown.show(look->thing, true);
+        from = gap + 1;
+    }
+    return true;
+}
+
+std::string drawn_words(const ShownThings &shown) {
+    std::string words;
+    for (const ThingLook &look : kThings) {
+        if (shown.shows(look.thing)) {
+            words.append(words.empty() ? "" : " ").append(look.word);
+        }
+    }
+    return words.empty() ? "nothing" : words;
+}
+
 /// A line: its first word, what may follow, and how that is read.
 struct SettingsLine {
     std::string_view word;
@@ -67,7 +98,7 @@ struct SettingsLine {
     bool (*read)(std::string_view, Settings &);
 };
 
-constexpr std::array<SettingsLine, 5> kSettingsLines{{
+constexpr std::array<SettingsLine, 7> kSettingsLines{{
     {"text_size", "a number from 0.5 to 3",
      [](std::string_view text, Settings &settings) {
          return read_number(text, kLeastTextSize, kGreatestTextSize, settings.text_size);
@@ -81,6 +112,11 @@ constexpr std::array<SettingsLine, 5> kSettingsLines{{
      [](std::string_view text, Settings &settings) {
          return read_word(text, "dismissed", settings.dismissed_start);
      }},
+    {"legend", "open",
+     [](std::string_view text, Settings &settings) {
+         return read_word(text, "open", settings.opens_legend);
+     }},
+    {"drawn", "names of what is drawn, each once, or nothing", read_drawn},
     {"recent", "an absolute path, in at most 8 lines", read_recent},
 }};
 
@@ -150,7 +186,11 @@ void write_settings(const fs::path &file, const Settings &settings) {
                 out << "window " << settings.width << ' ' << settings.height << '\n';
             }
             out << (settings.hides_panels ? "panels hidden\n" : "")
-                << (settings.dismissed_start ? "start dismissed\n" : "");
+                << (settings.dismissed_start ? "start dismissed\n" : "")
+                << (settings.opens_legend ? "legend open\n" : "");
+            if (settings.shown != ShownThings()) {
+                out << "drawn " << drawn_words(settings.shown) << '\n';
+            }
             for (const fs::path &recent : settings.recent) {
                 out << "recent " << recent.string() << '\n';
             }

@@ -5,8 +5,12 @@
 //   window 1600 900
 //   panels hidden
 //   start dismissed
+//   legend open
+//   drawn tip proxy force trace
 //   recent /home/ann/bone.glb
 #pragma once
+
+#include "app/view/shown_things.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -23,6 +27,8 @@ struct Settings {
     int height = 0;
     bool hides_panels = false;                 ///< scene and read-outs only
     bool dismissed_start = false;              ///< the plate of the first minute
+    bool opens_legend = false;                 ///< what is drawn in the scene, by name
+    ShownThings shown;                         ///< what is
     std::vector<std::filesystem::path> recent; ///< scenes, records, sessions; the newest first
 
     friend bool operator==(const Settings &, const Settings &) = default;

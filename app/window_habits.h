@@ -52,6 +52,10 @@ public:
     [[nodiscard]] bool wants_start() const { return remembers() && !settings().dismissed_start; }
     void dismiss_start() { keeper_.now.dismissed_start = true; }
 
+    /// What is drawn in the scene, and whether its legend is open; to be changed there.
+    [[nodiscard]] ShownThings &shown() { return keeper_.now.shown; }
+    [[nodiscard]] bool &opens_legend() { return keeper_.now.opens_legend; }
+
     /// A scene, record or session that was opened by its name.
     void note_opened(const std::filesystem::path &file) { note_recent(keeper_.now, file); }
 

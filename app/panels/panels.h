@@ -218,6 +218,10 @@ struct WindowMenuChoice {
 /// @return the viewpoint whose button was pressed, if one was
 [[nodiscard]] std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale);
 
+/// Their width, and where the last one ends: the legend's button stands below.
+[[nodiscard]] float width_of_view_buttons();
+[[nodiscard]] float bottom_of_view_buttons(const Rectangle &view, float scale);
+
 /// The part of the scene over which none of these is drawn, a banner of one line included: for
 /// what must be seen whole. All of the scene where it is too small for both.
 /// @param plate  width of what stands at its left edge

@@ -25,11 +25,6 @@ ImVec2 help_size(const char *help, const Rectangle &view, float scale) {
     return {wrap, ImGui::CalcTextSize(help, nullptr, false, wrap).y};
 }
 
-float width_of_view_buttons() {
-    return std::max(ImGui::CalcTextSize("home").x, ImGui::CalcTextSize("front").x) +
-           2.0F * ImGui::GetStyle().FramePadding.x;
-}
-
 float height_of_stop() { return 2.0F * ImGui::GetFontSize(); }
 
 constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
@@ -173,6 +168,17 @@ SceneAnswer draw_scene_overlay(session::Session &session, OpenedRecord &opened,
         bottom = draw_help(session, view, scale);
     }
     return {action, {{view.corner.x, top}, {view.size.x, bottom - top}}};
+}
+
+/// That of the legend's button, the widest.
+float width_of_view_buttons() {
+    return ImGui::CalcTextSize("legend").x + 2.0F * ImGui::GetStyle().FramePadding.x;
+}
+
+float bottom_of_view_buttons(const Rectangle &view, float scale) {
+    constexpr float kCount = 3.0F;
+    return view.corner.y + 2.0F * margin(scale) + height_of_stop() +
+           kCount * (ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.y);
 }
 
 std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {

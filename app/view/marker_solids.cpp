@@ -79,16 +79,20 @@ std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scal
     const bool has_force = state.tip_force_N.allFinite() && state.tip_force_N.norm() > kMinForce_N;
     const Vector3 arrow_m =
         has_force ? Vector3(kArrowMetresPerNewton * state.tip_force_N) : Vector3::Zero();
-    if (state.touching) {
+    if (state.touching && state.shown.shows(Thing::proxy)) {
         const double min_m = scale.length_m(kProxyRadius_px, state.proxy_m);
         solids.push_back(ball(state.proxy_m, std::max(kProxyRadius_m, min_m), kProxyColour));
         append_line(solids, state.proxy_m, state.tip_m, kTipColour, scale);
+    }
+    if (state.touching && state.shown.shows(Thing::normal)) {
         append_normal(solids, state, arrow_m.norm(), scale);
     }
-    if (has_force) {
+    if (has_force && state.shown.shows(Thing::force)) {
         append_arrow(solids, state.touching ? state.proxy_m : state.tip_m, arrow_m, scale);
     }
-    append_hand_target(solids, state, scale);
+    if (state.shown.shows(Thing::hand)) {
+        append_hand_target(solids, state, scale);
+    }
     return solids;
 }
 

@@ -1,6 +1,7 @@
 #include "app/view/renderer.h"
 
 #include "app/view/embedded_shaders.h"
+#include "app/view/flat_marks.h"
 #include "app/view/gl_vector.h"
 #include "app/view/linkage_solids.h"
 #include "app/view/marker_solids.h"
@@ -15,8 +16,9 @@ namespace springdrive::app {
 namespace {
 
 constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
-constexpr float kSatin = 0.5F;          // roughness of linkage and markers
-constexpr float kMarkerGlow = 0.55F;    // they keep their colour on the unlit side
+constexpr float kHiddenFlatOpacity = 0.25F;
+constexpr float kSatin = 0.5F;       // roughness of linkage and markers
+constexpr float kMarkerGlow = 0.55F; // they keep their colour on the unlit side
 
 // The scene's shadows are seen from near; those of the linkage are cast in each frame.
 constexpr int kSceneShadow_px = 1024;
@@ -35,8 +37,8 @@ struct Renderer::Frame {
     double floor_height_m;
     std::vector<Solid> linkage;
     std::vector<Solid> markers;
-    Solid tip;
-    Solid tip_ghost;
+    TipMarks tip;
+    std::vector<Solid> bodies; ///< see-through
 };
 
 Renderer::Renderer(int samples)
@@ -81,10 +83,15 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
                 state.floor_height_m,
                 linkage_solids(state.linkage, state.floor_height_m, state.tripped),
                 marker_solids(state, scale),
-                tip_solid(state, scale),
-                tip_ghost(state, scale)};
+                tip_marks(state, scale),
+                stiffness_bodies(state)};
     const std::vector<Solid> height = height_line(state, scale);
     frame.markers.insert(frame.markers.end(), height.begin(), height.end());
+    flat_.set(flat_marks(state, scale));
+    // Markers are drawn twice, where they are seen and where they are hidden.
+    mark_calls_ = 2 * static_cast<int>(frame.markers.size() + frame.tip.tip.size()) +
+                  static_cast<int>(frame.tip.ghost.size() + frame.bodies.size()) +
+                  2 * flat_.calls();
 
     GLint target = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
@@ -114,7 +121,7 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
 
 void Renderer::cast_shadows(const Frame &frame, const ViewState &state) {
     std::vector<Solid> casters = frame.linkage;
-    casters.push_back(frame.tip);
+    casters.insert(casters.end(), frame.tip.tip.begin(), frame.tip.tip.end());
     floor_.lay(state.workspace, state.floor_height_m);
     floor_.cast_shadows(scene_, painter_, casters);
 
@@ -174,14 +181,15 @@ void Renderer::draw_ghost(const Program &lit, const Frame &frame) const {
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_GREATER);
     lit.set("glow", 1.0F);
-    painter_.draw(lit, {&frame.tip_ghost, 1});
+    painter_.draw(lit, frame.tip.ghost);
     lit.set("glow", 0.0F);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
 }
 
 void Renderer::draw_markers(const Frame &frame) {
-    const std::span<const Solid> tip(&frame.tip, 1);
+    const std::span<const Solid> tip(frame.tip.tip);
+    draw_flat(frame);
     const Program &lit = begin({}, frame);
     lit.set("glow", kMarkerGlow);
     glEnable(GL_CULL_FACE);
@@ -196,7 +204,19 @@ void Renderer::draw_markers(const Frame &frame) {
         glDepthFunc(GL_LESS);
         painter_.draw(lit, solids);
     }
+    glDepthMask(GL_FALSE);
+    painter_.draw(lit, frame.bodies);
+    glDepthMask(GL_TRUE);
     glDisable(GL_CULL_FACE);
+}
+
+/// Before the solids, which stand in them.
+void Renderer::draw_flat(const Frame &frame) const {
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GREATER);
+    flat_.draw(frame.view_projection, kHiddenFlatOpacity);
+    glDepthFunc(GL_LESS);
+    flat_.draw(frame.view_projection, 1.0F);
 }
 
 void Renderer::draw_translucent(const Frame &frame) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "app/view/camera.h"
+#include "app/view/flat_painter.h"
 #include "app/view/floor.h"
 #include "app/view/gl_objects.h"
 #include "app/view/lit_programs.h"
@@ -53,6 +54,12 @@ public:
     void draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,
               double pixel_scale);
 
+    /// What the marks of the last frame took: "60 draw calls, 120 flat triangles".
+    [[nodiscard]] std::string marks_text() const {
+        return std::to_string(mark_calls_) + " draw calls, " + std::to_string(flat_.triangles()) +
+               " flat triangles";
+    }
+
 private:
     struct Frame;
 
@@ -63,12 +70,15 @@ private:
     void draw_background() const;
     void draw_scene_and_linkage(const Frame &frame);
     void draw_ghost(const Program &lit, const Frame &frame) const;
+    void draw_flat(const Frame &frame) const;
     void draw_markers(const Frame &frame);
     void draw_translucent(const Frame &frame);
 
     Program background_;
     LitPrograms lit_;
     SolidPainter painter_;
+    FlatPainter flat_;
+    int mark_calls_ = 0;
     SceneMeshes scene_;
     std::optional<SceneMeshes> next_scene_; ///< being uploaded
     std::vector<std::string> remarks_;

@@ -19,7 +19,8 @@ constexpr double kGhost_px = 6.5;
 
 std::vector<Solid> height_line(const ViewState &state, const MarkerScale &scale) {
     const Vector3 &top_m = state.touching ? state.proxy_m : state.tip_m;
-    if (!state.below || !((top_m - state.below->point_m).norm() > kLeastHeight_m)) {
+    if (!state.shown.shows(Thing::height) || !state.below ||
+        !((top_m - state.below->point_m).norm() > kLeastHeight_m)) {
         return {};
     }
     const auto &[foot_m, normal] = *state.below;
@@ -29,10 +30,14 @@ std::vector<Solid> height_line(const ViewState &state, const MarkerScale &scale)
         ring(foot_m + kOffTheGround_m * normal, normal, foot_radius_m, kTipColour)};
 }
 
-Solid tip_ghost(const ViewState &state, const MarkerScale &scale) {
+TipMarks tip_marks(const ViewState &state, const MarkerScale &scale) {
+    if (!state.shown.shows(Thing::tip)) {
+        return {};
+    }
     const double min_m = scale.length_m(kGhost_px, state.tip_m);
-    return ring(state.tip_m, scale.camera.forward(), std::max(kGhostPerTip * kTipRadius_m, min_m),
-                kTipColour);
+    return {{tip_solid(state, scale)},
+            {ring(state.tip_m, scale.camera.forward(), std::max(kGhostPerTip * kTipRadius_m, min_m),
+                  kTipColour)}};
 }
 
 } // namespace springdrive::app

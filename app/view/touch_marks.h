@@ -8,10 +8,16 @@
 namespace springdrive::app {
 
 /// A thin line from the tip, or during contact from the proxy, straight down to what is below it,
-/// and a ring that lies there. Nothing where it is as good as there.
+/// and a ring that lies there. Nothing where it is as good as there, or
+/// switched off.
 [[nodiscard]] std::vector<Solid> height_line(const ViewState &state, const MarkerScale &scale);
 
-/// A ring about the tip that faces the camera, to be drawn where the scene hides it.
-[[nodiscard]] Solid tip_ghost(const ViewState &state, const MarkerScale &scale);
+/// The tip, and a ring about it that faces the camera, to be drawn where the scene hides it.
+/// Nothing where the tip is switched off.
+struct TipMarks {
+    std::vector<Solid> tip;
+    std::vector<Solid> ghost;
+};
+[[nodiscard]] TipMarks tip_marks(const ViewState &state, const MarkerScale &scale);
 
 } // namespace springdrive::app

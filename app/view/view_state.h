@@ -1,8 +1,9 @@
-// The state that the 3-D view shows, and the colours and scales that it shares with panels and
-// legends.
+// The state that the 3-D view shows, and the scales that it shares with panels and legends.
 #pragma once
 
+#include "app/view/shown_things.h"
 #include "app/view/solids.h"
+#include "app/view/touch_values.h"
 #include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 
@@ -30,17 +31,12 @@ struct ViewState {
     device::Workspace workspace;
     double floor_height_m = 0.0;
     std::optional<SurfacePlace> below; ///< straight below the tip, or the proxy: surface or floor
+    ShownThings shown;                 ///< what of all this is drawn
+    TouchValues touch;
 };
 
 inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
 inline constexpr double kTipRadius_m = 2.0e-3;
 inline constexpr double kProxyRadius_m = 2.5e-3;
-
-// Distinguishable with any colour vision deficiency (after Okabe and Ito), also on dark panels.
-inline constexpr Colour kTipColour{0.92F, 0.38F, 0.05F};
-inline constexpr Colour kProxyColour{0.34F, 0.71F, 0.91F};
-inline constexpr Colour kForceColour{1.0F, 0.86F, 0.16F};
-inline constexpr Colour kNormalColour{0.20F, 0.86F, 0.62F};
-inline constexpr Colour kHandColour{1.0F, 0.50F, 0.80F};
 
 } // namespace springdrive::app

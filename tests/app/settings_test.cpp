@@ -35,6 +35,9 @@ Settings all_changed() {
     settings.height = 900;
     settings.hides_panels = true;
     settings.dismissed_start = true;
+    settings.opens_legend = true;
+    settings.shown.show(Thing::trace, true);
+    settings.shown.show(Thing::normal, false);
     settings.recent = {"/a b/bone ü.glb", "/tmp/\xff.rec"}; // no path need be UTF-8
     return settings;
 }
@@ -44,6 +47,12 @@ TEST_F(WindowSettings, AreReadAsTheyWereWritten) {
     EXPECT_EQ(read_settings(folder / "new" / "settings"), all_changed());
     write_settings(file, {});
     EXPECT_EQ(read_settings(file), Settings());
+    Settings bare;
+    for (const ThingLook &look : kThings) {
+        bare.shown.show(look.thing, false);
+    }
+    write_settings(file, bare);
+    EXPECT_EQ(read_settings(file), bare);
 }
 
 TEST_F(WindowSettings, AreTheDefaultsWithoutAFile) {
@@ -59,7 +68,7 @@ TEST_F(WindowSettings, AreTheDefaultsWithoutAFile) {
 
 TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
     const std::string heading = "springdrive settings 1\n";
-    const std::array<std::pair<std::string, std::string>, 13> damaged{{
+    const std::array<std::pair<std::string, std::string>, 17> damaged{{
         {"", ":1: must be 'springdrive settings 1'"},
         {"springdrive settings 2\n", ":1: must be"},
         {std::string("\0\xff\n", 3), ":1: must be"},
@@ -73,6 +82,10 @@ TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
         {heading + "panels shown\n", ":2: panels must be followed by hidden"},
         {heading + "recent bone.glb\n", ":2: recent must be followed by an absolute path"},
         {heading + "start dismissed \n", ":2: start must be followed by dismissed"},
+        {heading + "legend closed\n", ":2: legend must be followed by open"},
+        {heading + "drawn tip tail\n", ":2: drawn must be followed by names of what is drawn"},
+        {heading + "drawn tip tip\n", ":2: drawn must"},
+        {heading + "drawn tip  force\n", ":2: drawn must"},
     }};
     for (const auto &[text, complaint] : damaged) {
         write(text);

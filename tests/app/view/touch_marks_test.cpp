@@ -67,12 +67,15 @@ TEST(TipGhost, IsWiderThanTheTipFromNearAndFar) {
         camera.zoom(steps, camera.target_m());
         const MarkerScale scale{camera, kMarkedViewport.height_px, 1.0};
         const ViewState state;
-        const Solid tip = tip_solid(state, scale);
-        const Solid ghost = tip_ghost(state, scale);
+        const TipMarks marks = tip_marks(state, scale);
+        ASSERT_EQ(marks.tip.size(), 1U);
+        ASSERT_EQ(marks.ghost.size(), 1U);
+        const Solid &tip = marks.tip.front();
+        const Solid &ghost = marks.ghost.front();
         const auto radius_m = [](const Solid &solid) {
             return (marked_point(solid, 1, 0, 0) - marked_point(solid, 0, 0, 0)).norm();
         };
-        EXPECT_GT((1.0 - 0.5 * kRingThickness) * radius_m(ghost), 1.5 * radius_m(tip));
+        EXPECT_GT((1.0 - 0.5 * kRingThickness) * radius_m(ghost), 1.4 * radius_m(tip));
         // It faces the camera.
         EXPECT_NEAR((marked_point(ghost, 0, 0, 1) - marked_point(ghost, 0, 0, 0))
                         .normalized()

@@ -1,0 +1,141 @@
+#include "app/view/flat_marks.h"
+
+#include "app/view/gl_vector.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace springdrive::app {
+
+namespace {
+
+constexpr double kArrow_px = 9.0; // wider than the measured force, which lies in it
+constexpr double kPlane_m = 0.016;
+constexpr double kOffThePlane_m = 3.0e-4;
+constexpr double kSetPoint_m = 4.0e-3;
+constexpr double kSetPoint_px = 9.0;
+constexpr double kTrace_px = 2.5;
+constexpr double kPlace_m = 1.5e-3;
+constexpr double kPlace_px = 2.1;
+constexpr float kBodyOpacity = 0.20F;
+
+void append_forces(FlatShapes &shapes, const ViewState &state) {
+    constexpr double kLeast_N = 0.02;
+    const auto append = [&](const std::optional<Vector3> &force_N, const Colour &colour) {
+        if (force_N && force_N->allFinite() && force_N->norm() > kLeast_N) {
+            shapes.arrow(state.proxy_m, kArrowMetresPerNewton * *force_N, kArrow_px, colour);
+        }
+    };
+    append(state.touch.inverse_force_N, kInverseColour);
+    append(state.touch.transpose_force_N, kTransposeColour);
+}
+
+void append_contact_plane(FlatShapes &shapes, const ViewState &state) {
+    const Vector3 centre_m = state.proxy_m + kOffThePlane_m * state.normal;
+    const Vector3 a_m = kPlane_m * state.normal.unitOrthogonal();
+    const Vector3 b_m = state.normal.cross(a_m);
+    shapes.disc(centre_m, a_m, b_m, kNormalColour, 0.20F);
+    shapes.ellipse(centre_m, a_m, b_m, 1.6, kNormalColour, 0.9F);
+    for (const Vector3 &arm_m : {a_m, b_m}) {
+        shapes.line(centre_m - arm_m, centre_m + arm_m, 1.0, kNormalColour, 0.6F);
+    }
+}
+
+void append_set_point(FlatShapes &shapes, const Vector3 &at_m, const MarkerScale &scale) {
+    const double radius_m = std::max(kSetPoint_m, scale.length_m(kSetPoint_px, at_m));
+    const Vector3 right_m = radius_m * scale.camera.right();
+    const Vector3 up_m = radius_m * scale.camera.up();
+    shapes.ellipse(at_m, right_m, up_m, 2.2, kSetPointColour);
+    shapes.dot(at_m, 0.35 * radius_m, kSetPointColour);
+}
+
+void append_stiffness(FlatShapes &shapes, const ViewState &state) {
+    const Matrix3 &K = *state.touch.inverse_stiffness_N_per_m;
+    const double scale = stiffness_scale(K);
+    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(K);
+    const double radius_m = scale * *state.touch.transpose_stiffness_N_per_m;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        const Vector3 u = axes.eigenvectors().col(i);
+        const Vector3 v = axes.eigenvectors().col(j);
+        shapes.ellipse(state.tip_m, scale * axes.eigenvalues()[i] * u,
+                       scale * axes.eigenvalues()[j] * v, 1.3, kInverseColour, 0.85F);
+        shapes.ellipse(state.tip_m, radius_m * u, radius_m * v, 1.3, kTransposeColour, 0.85F);
+    }
+}
+
+void append_trace(FlatShapes &shapes, const std::vector<PlacedValue> &trace_N) {
+    for (std::size_t i = 1; i < trace_N.size(); ++i) {
+        shapes.line(trace_N[i - 1].at_m, trace_N[i].at_m, kTrace_px,
+                    scale_colour(trace_N[i - 1].value / kTraceEnd_N),
+                    scale_colour(trace_N[i].value / kTraceEnd_N));
+    }
+}
+
+void append_workspace(FlatShapes &shapes, const WorkspaceField &field, const MarkerScale &scale) {
+    for (const PlacedValue &place : field.places) {
+        shapes.dot(place.at_m, std::max(kPlace_m, scale.length_m(kPlace_px, place.at_m)),
+                   scale_colour(place.value / field.largest), 0.85F);
+    }
+}
+
+/// The unit ball by a linear map about a point.
+Solid body(const Matrix3 &map, const Vector3 &centre_m, const Colour &colour) {
+    Solid solid{Shape::ball, glm::mat4(1.0F), linear(colour)};
+    for (int column = 0; column < 3; ++column) {
+        solid.model[column] = glm::vec4(to_glm(map.col(column)), 0.0F);
+    }
+    solid.model[3] = glm::vec4(to_glm(centre_m), 1.0F);
+    solid.colour.a = kBodyOpacity;
+    return solid;
+}
+
+bool has_stiffness(const ViewState &state) {
+    return state.touch.inverse_stiffness_N_per_m && state.touch.transpose_stiffness_N_per_m &&
+           *state.touch.transpose_stiffness_N_per_m > 0.0;
+}
+
+} // namespace
+
+double stiffness_scale(const Matrix3 &inverse_N_per_m) {
+    constexpr double kMetres_per_N_per_m = 1e-5;
+    constexpr double kLongest_m = 0.060;
+    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(inverse_N_per_m, Eigen::EigenvaluesOnly);
+    const double longest_m = kMetres_per_N_per_m * axes.eigenvalues()[2];
+    return longest_m > kLongest_m ? kMetres_per_N_per_m * kLongest_m / longest_m
+                                  : kMetres_per_N_per_m;
+}
+
+std::vector<FlatVertex> flat_marks(const ViewState &state, const MarkerScale &scale) {
+    FlatShapes shapes(scale);
+    if (state.touch.workspace) {
+        append_workspace(shapes, *state.touch.workspace, scale);
+    }
+    append_trace(shapes, state.touch.trace_N);
+    if (has_stiffness(state)) {
+        append_stiffness(shapes, state);
+    }
+    if (state.touching && state.shown.shows(Thing::contact_plane)) {
+        append_contact_plane(shapes, state);
+    }
+    append_forces(shapes, state);
+    if (state.touch.set_point_m) {
+        append_set_point(shapes, *state.touch.set_point_m, scale);
+    }
+    return shapes.take();
+}
+
+std::vector<Solid> stiffness_bodies(const ViewState &state) {
+    if (!has_stiffness(state)) {
+        return {};
+    }
+    const Matrix3 &K = *state.touch.inverse_stiffness_N_per_m;
+    const double scale = stiffness_scale(K);
+    const double radius_m = scale * *state.touch.transpose_stiffness_N_per_m;
+    return {body(radius_m * Matrix3::Identity(), state.tip_m, kTransposeColour),
+            body(scale * K, state.tip_m, kInverseColour)};
+}
+
+} // namespace springdrive::app
