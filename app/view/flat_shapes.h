@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include <span>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -45,7 +45,6 @@ public:
     /// A square on its corner.
     void dot(const Vector3 &centre_m, double radius_m, const Colour &colour, float alpha = 1.0F);
 
-    [[nodiscard]] const std::vector<FlatVertex> &vertices() const { return vertices_; }
     [[nodiscard]] std::vector<FlatVertex> take() { return std::move(vertices_); }
 
 private:

@@ -50,7 +50,7 @@ struct ThingLook {
 
 /// Violet over teal to yellow: told apart by brightness alone, too.
 inline constexpr std::array<Colour, 4> kScaleColours{
-    {{0.28F, 0.20F, 0.55F}, {0.15F, 0.48F, 0.60F}, {0.30F, 0.74F, 0.48F}, {0.99F, 0.90F, 0.20F}}};
+    {{0.42F, 0.32F, 0.78F}, {0.18F, 0.56F, 0.68F}, {0.34F, 0.80F, 0.52F}, {0.99F, 0.90F, 0.20F}}};
 
 /// The colour at a share from 0 to 1 of a scale.
 [[nodiscard]] constexpr Colour scale_colour(double share) {
@@ -106,10 +106,6 @@ inline constexpr std::array<ThingLook, 13> kThings{{
      "Over the workspace: the stiffness with J^T control, with \u03b1 at its bound (29).",
      kScaleColours.front(), kScaleColours.back(), true},
 }};
-
-[[nodiscard]] constexpr const ThingLook &look_of(Thing thing) {
-    return kThings[static_cast<std::size_t>(thing)];
-}
 
 /// Which of them are drawn.
 class ShownThings {

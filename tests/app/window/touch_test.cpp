@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <string>
 #include <thread>
 
@@ -85,6 +86,35 @@ TEST(TouchInTheWindow, BesideTheSceneAndWithShiftADragMovesTheHandInThePicture) 
     dragged_m(spot);
     window.person().release_key("Shift_L");
     EXPECT_EQ(window.look().column("trip_cause"), 0.0);
+}
+
+TEST(TouchInTheWindow, NoPressAndNoSlideOnACurvedSurfaceStopsTheDevice) {
+    ShownWindow window({"--scene", testing::assets() / "scenes/organic.gltf"});
+    window.wait_until_running();
+    const Report first = window.look();
+    const auto &drawing = first.item("device and scene");
+    const double bottom = drawing.at("y").get<double>() + drawing.at("height").get<double>();
+    const double middle = drawing.at("x").get<double>() + 0.5 * drawing.at("width").get<double>();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> share(-1.0F, 1.0F);
+    int touched = 0;
+    for (int press = 0; press < 8; ++press) {
+        // Where the scene is, its edges, and the floor beside it.
+        const testing::Point from{static_cast<float>(middle) + 120.0F * share(random),
+                                  static_cast<float>(bottom) - 60.0F + 50.0F * share(random)};
+        window.person().move_to(from.x, from.y);
+        window.person().press();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+        touched += is_touching(window.look()) ? 1 : 0;
+        for (int step = 1; step <= 6; ++step) {
+            window.person().move_to(from.x + 10.0F * static_cast<float>(step) * share(random),
+                                    from.y + 8.0F * static_cast<float>(step) * share(random));
+        }
+        window.person().release();
+    }
+    const Report last = window.look();
+    EXPECT_EQ(last.column("trip_cause"), 0.0);
+    EXPECT_GE(touched, 3);
 }
 
 } // namespace
