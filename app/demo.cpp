@@ -2,6 +2,8 @@
 
 #include "app/commands/output_files.h"
 #include "app/ending_signal.h"
+#include "app/exhibit/lost_display.h"
+#include "app/exhibit/supervisor.h"
 #include "app/frame_pace.h"
 #include "app/open_session.h"
 #include "app/screen.h"
@@ -27,6 +29,9 @@ void play(const DemoOptions &options, session::Session &session, Screen &screen)
         session.advance(kFrame_s);
         print_new_remarks(session);
         screen.draw_frame();
+        if (screen.kiosk() != nullptr && screen.kiosk()->ending() != exhibit::KioskEnding::none) {
+            return;
+        }
         if (!lockstep) {
             pace.wait();
         }
@@ -39,16 +44,42 @@ void print_frames(const servo::DurationHistogram &frames) {
           1e3 * frames.longest_s());
 }
 
+/// Whether it is to be started again.
+bool finish_kiosk(Screen &screen) {
+    exhibit::Kiosk *const kiosk = screen.kiosk();
+    if (kiosk == nullptr) {
+        return false;
+    }
+    const bool starts_again = kiosk->ending() == exhibit::KioskEnding::start_again;
+    if (starts_again) {
+        std::cerr << "springdrive: the kiosk was stopped by a failed assertion, which only a new "
+                     "start clears; start it again\n";
+    }
+    kiosk->finish(starts_again                                     ? "only a new start helps"
+                  : kiosk->ending() == exhibit::KioskEnding::asked ? "by Ctrl+Alt+Q"
+                  : asked_to_end()                                 ? "by a signal"
+                                                                   : "its time is over");
+    return starts_again;
+}
+
 } // namespace
 
-bool run_demo(const DemoOptions &options) {
+int run_demo(const DemoOptions &options) {
     session::Session session = open_session(options.session);
     Screen screen(options, session);
     note_ending_signals();
+    exhibit::end_well_without_display([&] {
+        session.stop();
+        if (screen.kiosk() != nullptr) {
+            screen.kiosk()->finish("the display is lost");
+        }
+    });
     session.start();
     print_new_remarks(session);
     play(options, session, screen);
+    exhibit::end_well_without_display({});
     session.stop();
+    const bool starts_again = finish_kiosk(screen);
     const std::string unkept = screen.finish();
     if (!unkept.empty()) {
         std::cerr << "springdrive: the session was not kept completely: " << unkept << '\n';
@@ -67,7 +98,8 @@ bool run_demo(const DemoOptions &options) {
     }
     // An attended run shows the stop in its window.
     const bool stopped = options.unattended() && session::was_stopped(session, std::cerr);
-    return session::record_is_whole(session, std::cerr) && !stopped && unkept.empty();
+    const bool is_well = session::record_is_whole(session, std::cerr) && !stopped && unkept.empty();
+    return starts_again ? exhibit::kStartAgain : is_well ? 0 : 1;
 }
 
 } // namespace springdrive::app

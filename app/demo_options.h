@@ -20,6 +20,9 @@ struct DemoOptions {
     double scale = 0.0;             ///< of text and panels; 0: the display's own
     bool assistant = false;         ///< opens it, whatever the device has come through
     std::filesystem::path settings; ///< of the window, to be remembered; empty: they are not
+    bool kiosk = false;             ///< an exhibit, see app/exhibit/kiosk.h
+    bool unsupervised = false;      ///< a kiosk that nobody starts again
+    std::filesystem::path day_log;  ///< of a kiosk; empty: none
     bool reports = false;           ///< answers requests on standard input, see ReportRequests
 
     /// A run that ends by itself follows a path, so that it touches something.

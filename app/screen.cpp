@@ -66,7 +66,8 @@ Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
     return {{options.width, options.height},
             {settings.width, settings.height},
             options.scale,
-            options.scale > 0.0 ? 1.0 : settings.text_size};
+            options.scale > 0.0 ? 1.0 : settings.text_size,
+            options.kiosk};
 }
 
 } // namespace
@@ -78,7 +79,11 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
     habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
     scene_panel_.plant.assistant = &assistant_;
-    assistant_.opens_itself = !options.unattended();
+    if (options.kiosk) {
+        kiosk_.emplace(session, options.day_log);
+        window_.set_room(Window::kRoomForScene);
+    }
+    assistant_.opens_itself = !options.unattended() && !kiosk_;
     opens_assistant_ = options.assistant;
     // Until the first frame, in which the assistant decides.
     session.keep_released(session.device_choice().kind != factory::DeviceKind::simulated);
@@ -97,10 +102,12 @@ void Screen::take_orders() {
         session_.servo().emergency_stop();
     }
     for (const KeyPress &key : window_.take_keys()) {
-        obey(key);
+        kiosk_ ? kiosk_->obey(key) : obey(key);
     }
     for (const std::filesystem::path &file : window_.take_dropped_files()) {
-        open(file);
+        if (!kiosk_) { // which has its own scenes
+            open(file);
+        }
     }
 }
 
@@ -197,6 +204,10 @@ void Screen::obey_plain(const std::string &key) {
 void Screen::obey(WindowOrder order) {
     if (order == WindowOrder::toggle_keys) {
         shows_keys_ = !shows_keys_;
+    } else if (order == WindowOrder::tour) {
+        opened_.view = RecordView::present;
+        guide_.begin({session_, desk_, lift_});
+        habits_.say("the tour begins: all scenes, by a scripted hand; Esc ends it");
     } else {
         habits_.obey(order, window_);
     }
@@ -249,6 +260,8 @@ void Screen::escape() {
         shows_keys_ = false;
     } else if (had_popup_) {
         ImGui::ClosePopupsOverWindow(nullptr, false); // if ImGui did not
+    } else if (guide_.is_on()) {
+        guide_.end({session_, desk_, lift_});
     } else if (plot_panel_.is_large) {
         plot_panel_.is_large = false;
     } else if (window_.is_full_screen()) {
@@ -364,7 +377,9 @@ void Screen::draw_contents() {
 }
 
 /// The assistant needs its place also where panels are hidden.
-bool Screen::has_panels() const { return assistant_.is_open() || !habits_.settings().hides_panels; }
+bool Screen::has_panels() const {
+    return !kiosk_ && (assistant_.is_open() || !habits_.settings().hides_panels);
+}
 
 void Screen::draw_panels(const Layout &places) {
     if (has_panels() && !assistant_.is_open()) {

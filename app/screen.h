@@ -3,6 +3,8 @@
 
 #include "app/assistant/assistant.h"
 #include "app/demo_options.h"
+#include "app/exhibit/guide.h"
+#include "app/exhibit/kiosk.h"
 #include "app/hand_lift.h"
 #include "app/layout.h"
 #include "app/opened_record.h"
@@ -22,6 +24,7 @@
 #include "engine/session/session.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +43,9 @@ public:
     std::string finish();
 
     [[nodiscard]] const Window &window() const { return window_; }
+
+    /// Null unless this is a kiosk.
+    [[nodiscard]] exhibit::Kiosk *kiosk() { return kiosk_ ? &*kiosk_ : nullptr; }
 
     /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
     /// wait.
@@ -60,6 +66,7 @@ private:
     [[nodiscard]] bool shows_lesson() const;
     /// Of the scene's view: where device and scene are shown whole.
     [[nodiscard]] Rectangle free_part(const Rectangle &view) const;
+    void draw_over_kiosk(const Rectangle &view, bool is_inside);
     void draw_start(const Rectangle &place);
     [[nodiscard]] std::string report_line() const;
     void take_orders();
@@ -98,6 +105,8 @@ private:
     HandLift lift_;
     ShownValues shown_values_;
     float start_height_ = 0.0F; ///< of the first minute's plate, as measured; 0: not yet
+    std::optional<exhibit::Kiosk> kiosk_;
+    exhibit::Guide guide_;
     SessionKeeper keeper_{own_folder()};
     EventLog log_;
     double speed_before_pause_ = 1.0;

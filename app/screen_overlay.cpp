@@ -5,6 +5,8 @@
 #include "app/panels/legend.h"
 #include "base/complaint.h"
 
+#include <iostream>
+
 namespace springdrive::app {
 
 bool Screen::shows_start() const {
@@ -39,19 +41,42 @@ void Screen::obey(SceneAction action) {
     }
 }
 
-bool Screen::shows_lesson() const { return !opened_.is_shown() && !assistant_.is_open(); }
+bool Screen::shows_lesson() const {
+    return !kiosk_ && !opened_.is_shown() && !assistant_.is_open();
+}
 
 Rectangle Screen::free_part(const Rectangle &view) const {
+    if (kiosk_) {
+        return exhibit::free_in_kiosk(view);
+    }
     const float plate =
         shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view, window_.scale())
                        : 0.0F;
     return free_of_overlays(view, plate, opened_.is_shown(), window_.scale());
 }
 
+/// Nothing else stands over it: no menu, no views, no files.
+void Screen::draw_over_kiosk(const Rectangle &view, bool is_inside) {
+    draw_captions(session_, view_control_.camera(), view, window_.scale());
+    kiosk_->update({{session_, desk_, lift_}, view_control_}, {ImGui::GetIO().DeltaTime, is_inside},
+                   view, window_.large_text());
+    if (const std::string complaint = kiosk_->take_complaint(); !complaint.empty()) {
+        std::cerr << "springdrive: " << complaint << '\n';
+    }
+    if (view_control_.holds_hand()) {
+        lift_.stop();
+    }
+    lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
+}
+
 void Screen::draw_over_scene(const Rectangle &view) {
-    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(), !shows_start()};
     const bool is_inside = tip_inside_.at(session_.scenes().now().scene, session_.scenes().id(),
                                           session_.latest().tip_m, ImGui::GetTime());
+    if (kiosk_) {
+        draw_over_kiosk(view, is_inside);
+        return;
+    }
+    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(), !shows_start()};
     shown.now.is_inside = is_inside && !assistant_.is_open();
     const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
     obey(answer.action);
@@ -64,6 +89,7 @@ void Screen::draw_over_scene(const Rectangle &view) {
         lift_.stop();
     }
     lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
+    guide_.update({session_, desk_, lift_}, ImGui::GetTime());
     if (!has_panels()) {
         const servo::ServoSample now =
             opened_.is_shown() ? opened_.playback().sample() : session_.latest();

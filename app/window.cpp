@@ -29,6 +29,8 @@ constexpr float kFontPixels = 15.0F;
 
 constexpr Window::Size kDefaultSize{1280, 720};
 
+constexpr float kKioskScale = 1.6F; ///< of a picture of the default size
+
 /// The last error of GLFW.
 std::string &glfw_complaint() {
     static std::string complaint;
@@ -63,7 +65,7 @@ bool names(int key, int scancode, std::string_view letter) {
 } // namespace
 
 Window::Window(const std::string &title, const Wish &wish)
-    : text_size_(static_cast<float>(wish.text_size)) {
+    : is_kiosk_(wish.is_kiosk), text_size_(static_cast<float>(wish.text_size)) {
     glfwSetErrorCallback(on_glfw_error);
     if (glfwInit() == GLFW_FALSE) {
         throw InputError(
@@ -76,6 +78,7 @@ Window::Window(const std::string &title, const Wish &wish)
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_SAMPLES, 0); // the scene has its own, see MultisampledTarget
+    glfwWindowHint(GLFW_AUTO_ICONIFY, is_kiosk_ ? GLFW_FALSE : GLFW_TRUE);
     const bool chooses_size = wish.size.width <= 0 || wish.size.height <= 0;
     const Size size = chooses_size ? kDefaultSize : wish.size;
     window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
@@ -108,8 +111,12 @@ Window::Window(const std::string &title, const Wish &wish)
     glfwSetKeyCallback(window_, on_key);
     glfwSetDropCallback(window_, on_drop);
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
-    use_keyboard();
     ImGui_ImplOpenGL3_Init("#version 330 core");
+    if (is_kiosk_) {
+        keep_as_kiosk();
+    } else {
+        use_keyboard();
+    }
 }
 
 Window::~Window() {
@@ -158,6 +165,22 @@ void Window::renew_text() {
     usable_scale_ = 0.0F;
 }
 
+/// On the screen that is there now: one may be switched off, or replaced.
+void Window::keep_as_kiosk() {
+    constexpr double kPause_s = 1.0;
+    if (!is_full_screen() && glfwGetTime() >= next_fill_s_) {
+        next_fill_s_ = glfwGetTime() + kPause_s;
+        toggle_full_screen();
+    }
+    const Size now = size();
+    if (now.width > 0 && now.height > 0) { // not of a window without a screen
+        start_scale_ =
+            kKioskScale *
+            std::min(static_cast<float>(now.width) / static_cast<float>(kDefaultSize.width),
+                     static_cast<float>(now.height) / static_cast<float>(kDefaultSize.height));
+    }
+}
+
 /// Reduces the text size if panels would be clipped otherwise.
 void Window::fit_scale_to_window() {
     const Size now = size();
@@ -181,13 +204,24 @@ void Window::choose_font() {
     if (std::filesystem::exists(SPRINGDRIVE_FONT, ignored)) {
         io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT, std::round(kFontPixels * scale_), nullptr,
                                      kLetters.data());
+        if (is_kiosk_) {
+            static constexpr std::array<ImWchar, 7> kWords{0x0020, 0x00FF, 0x0370, 0x03FF,
+                                                           0x2010, 0x2027, 0};
+            const auto add = [&](float lines) {
+                return io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT,
+                                                    std::round(lines / kKioskScale * scale_),
+                                                    nullptr, kWords.data());
+            };
+            large_text_ = {add(40.0F), add(78.0F)};
+        }
         return;
     }
     font_remark_ = "no font with Greek letters at " SPRINGDRIVE_FONT
                    "; install fonts-dejavu-core to show the symbols";
     ImFontConfig plain;
     plain.SizePixels = std::round(kFontPixels * scale_);
-    io.Fonts->AddFontDefault(&plain);
+    ImFont *const only = io.Fonts->AddFontDefault(&plain);
+    large_text_ = {only, only};
 }
 
 bool Window::draws_in_software() {
@@ -195,10 +229,15 @@ bool Window::draws_in_software() {
     return renderer != nullptr && is_software_renderer(renderer);
 }
 
-bool Window::is_closing() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }
+bool Window::is_closing() const {
+    return !is_kiosk_ && glfwWindowShouldClose(window_) != GLFW_FALSE;
+}
 
 void Window::begin_frame() {
     glfwPollEvents();
+    if (is_kiosk_) {
+        keep_as_kiosk();
+    }
     renew_text();
     fit_scale_to_window();
     show_short_key_presses();
@@ -289,7 +328,7 @@ void Window::on_key(GLFWwindow *window, int key, int scancode, int action, int m
 void Window::note_key(int key, int scancode, int action, int mods) {
     const auto note = [&](const char *name) {
         keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0,
-                         action == GLFW_REPEAT});
+                         (mods & GLFW_MOD_ALT) != 0, action == GLFW_REPEAT});
     };
     switch (key) {
     case GLFW_KEY_ESCAPE:

@@ -10,6 +10,7 @@
 #include <vector>
 
 struct GLFWwindow;
+struct ImFont;
 
 namespace springdrive::app {
 
@@ -19,6 +20,7 @@ struct KeyPress {
                       ///< "F9", "F10", "F11", "PageUp", "PageDown"
     bool with_ctrl = false;
     bool with_shift = false;
+    bool with_alt = false;
     bool is_repeated = false; ///< held down
 };
 
@@ -35,6 +37,14 @@ public:
         Size remembered;        ///< the same, of an earlier run; used without `size`, if not 0 × 0
         double scale = 0.0;     ///< of text and panels; 0 for the display's scale
         double text_size = 1.0; ///< see `set_text_size`
+        /// Fills the screen for good, cannot be closed, and has text by the screen's size.
+        bool is_kiosk = false;
+    };
+
+    /// Fonts of a kiosk beside the usual one; null in any other window.
+    struct LargeText {
+        ImFont *medium = nullptr; ///< 40 of the 720 lines of the picture
+        ImFont *large = nullptr;  ///< 78 of them
     };
 
     /// @throw InputError if no window or no OpenGL 3.3 is available, with the remedy.
@@ -43,7 +53,7 @@ public:
     Window(const Window &) = delete;
     Window &operator=(const Window &) = delete;
 
-    [[nodiscard]] bool is_closing() const;
+    [[nodiscard]] bool is_closing() const; ///< never of a kiosk
 
     /// Whether the processor does what a graphics card would do.
     [[nodiscard]] static bool draws_in_software();
@@ -78,6 +88,7 @@ public:
     [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
     /// Of text and panels; smaller than requested if the window is too small for that.
     [[nodiscard]] float scale() const { return usable_scale_; }
+    [[nodiscard]] const LargeText &large_text() const { return large_text_; }
 
     /// True once for every press of F12, however short, wherever the focus is; and of the space
     /// bar, unless a text is being typed.
@@ -104,11 +115,15 @@ private:
     static void use_keyboard();
     void note_key(int key, int scancode, int action, int mods);
     void renew_text();
+    void keep_as_kiosk();
     void resize_within_screen(int width, int height);
     void fit_scale_to_window();
     void show_short_key_presses();
 
     GLFWwindow *window_ = nullptr;
+    bool is_kiosk_ = false;
+    double next_fill_s_ = 0.0; ///< when a kiosk may try to fill the screen again
+    LargeText large_text_;
     float start_scale_ = 1.0F; ///< as typed, or the display's
     float text_size_ = 1.0F;   ///< times that
     float scale_ = 1.0F;       ///< of the font: their product

@@ -70,6 +70,7 @@ void WindowHabits::obey(WindowOrder order, Window &window) {
         say("the settings are as in a first run");
         return;
     case WindowOrder::toggle_keys:
+    case WindowOrder::tour:
     case WindowOrder::none:
         return;
     }

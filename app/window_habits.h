@@ -25,6 +25,7 @@ enum class WindowOrder : std::uint8_t {
     take_picture,
     reset,
     toggle_keys, ///< the overlay that lists them, which is the screen's
+    tour,        ///< through all scenes, which is the screen's, too
 };
 
 /// What a key asks for; `none` for all keys that concern something else.

@@ -3,12 +3,18 @@
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/demo.h"
+#include "app/exhibit/day_log.h"
+#include "app/exhibit/supervisor.h"
+#include "app/exhibit/tour.h"
 #include "app/settings.h"
 #include "base/input_error.h"
 
 #include <CLI/CLI.hpp>
 
+#include <cstddef>
+#include <fstream>
 #include <memory>
+#include <string>
 #include <system_error>
 
 namespace springdrive::app {
@@ -54,6 +60,15 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     demo.add_flag("--assistant", options.assistant,
                   "open the assistant: step by step from the connection to the first touch");
     demo.add_flag(
+        "--kiosk", options.kiosk,
+        "an exhibit: a tour of the scenes for visitors, in full screen and without panels; "
+        "ended by Ctrl+Alt+Q or SIGTERM");
+    demo.add_option("--log", options.day_log,
+                    "of a kiosk's day [~/.local/state/springdrive/kiosk/DATE.log]")
+        ->type_name("FILE");
+    demo.add_flag("--unsupervised", options.unsupervised,
+                  "a kiosk that is not started again when it dies, for systemd and the like");
+    demo.add_flag(
         "--report", options.reports,
         "for each line \"report\" on standard input, write what the window shows as a line "
         "of JSON");
@@ -89,9 +104,63 @@ void choose_settings(DemoOptions &options, bool resets) {
             throw InputError(complaint);
         }
     }
-    if (options.settings.empty() && !is_script) {
+    if (options.settings.empty() && !is_script && !options.kiosk) {
         options.settings = usual;
     }
+}
+
+/// Nothing of what the options make remains to a kiosk's visitors.
+void check_kiosk(const TypedDemo &typed, const CLI::App &demo) {
+    const auto refuse = [&](const char *option, const char *why) {
+        if (demo.count(option) > 0) {
+            throw InputError(std::string(option) + ": not with --kiosk, " + why);
+        }
+    };
+    if (!typed.options.kiosk) {
+        if (demo.count("--log") > 0 || typed.options.unsupervised) {
+            throw InputError("--log and --unsupervised: are for a kiosk; add --kiosk");
+        }
+        return;
+    }
+    for (const char *option : {"--scene", "file", "--open"}) {
+        refuse(option, "which shows its own tour");
+    }
+    refuse("--assistant", "whose visitors commission no device");
+    refuse("--path", "whose hand is scripted by its tour");
+    refuse("--settings", "whose window is as it is");
+    refuse("--reset-settings", "whose window is as it is");
+    if (typed.session.options.model.automatic || typed.session.model.use == "auto") {
+        throw InputError("--model auto: not with --kiosk, whose gains stay as they are at the "
+                         "start; give them with --tuning-file");
+    }
+    if (demo.count("--record") > 0 && !typed.options.unsupervised) {
+        throw InputError("--record: with --kiosk it needs --unsupervised, as a second start would "
+                         "find the file of the first");
+    }
+}
+
+/// A log that is named must be possible; the usual one may fail, which is said.
+void choose_day_log(DemoOptions &options) {
+    if (options.day_log.empty()) {
+        options.day_log = exhibit::usual_day_log();
+        return;
+    }
+    const bool is_device = !std::filesystem::is_regular_file(options.day_log) &&
+                           std::filesystem::exists(options.day_log);
+    if (is_device || !std::ofstream(options.day_log, std::ios::app)) {
+        throw InputError("--log " + options.day_log.string() +
+                         ": cannot be written; is its folder there, and yours?");
+    }
+}
+
+void make_kiosk(DemoOptions &options) {
+    options.session.scene = exhibit::file_of(exhibit::kTour.front());
+    options.session.plays_script = false;
+    // Nobody is there to say so: an emulated board is always opened in its zero pose.
+    const bool is_emulated = options.session.device.kind == factory::DeviceKind::emulated;
+    options.session.starts_at_zero = options.session.starts_at_zero || is_emulated;
+    options.session.history_bytes = std::size_t{32} << 20; // no plot shows more than the moment
+    choose_day_log(options);
 }
 
 /// By its kind, as a file that is dropped on the window.
@@ -104,12 +173,16 @@ void place_shown(TypedDemo &typed) {
     }
 }
 
-void run(TypedDemo typed) {
+void run(TypedDemo typed, const CLI::App &demo) {
+    check_kiosk(typed, demo);
     place_shown(typed);
     DemoOptions options = typed.options;
     options.session = typed.session.session();
     options.session.plays_script = options.unattended();
     options.session.existing_record = options.existing;
+    if (options.kiosk) {
+        make_kiosk(options);
+    }
     check(options);
     std::error_code ignored;
     if (!options.opened.empty() && !std::filesystem::exists(options.opened, ignored)) {
@@ -118,8 +191,10 @@ void run(TypedDemo typed) {
     }
     check_outputs(typed.session.files({options.screenshot}), options.existing);
     choose_settings(options, typed.resets_settings);
-    if (!run_demo(options)) {
-        throw CLI::RuntimeError(1);
+    const bool has_child = options.kiosk && !options.unsupervised && !options.unattended();
+    const int status = has_child ? exhibit::supervise(options.day_log) : run_demo(options);
+    if (status != 0) {
+        throw CLI::RuntimeError(status);
     }
 }
 
@@ -130,7 +205,7 @@ void add_demo_command(CLI::App &app) {
     const auto typed = std::make_shared<TypedDemo>();
     typed->session.add_to(demo);
     add_run_options(demo, *typed);
-    demo.callback([typed] { run(*typed); });
+    demo.callback([typed, &demo] { run(*typed, demo); });
 }
 
 } // namespace springdrive::app

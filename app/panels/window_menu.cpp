@@ -15,7 +15,8 @@ struct MenuEntry {
     const char *key;
 };
 
-constexpr std::array<MenuEntry, 8> kMenuEntries{{
+constexpr std::array<MenuEntry, 9> kMenuEntries{{
+    {WindowOrder::tour, "tour of the scenes", ""},
     {WindowOrder::toggle_panels, "hide or show the panels", "F10"},
     {WindowOrder::toggle_full_screen, "fill the screen", "F11"},
     {WindowOrder::larger_text, "larger text", "Ctrl +"},

@@ -6,6 +6,7 @@
 #include "engine/servo/servo_statistics.h"
 #include "engine/session/telemetry_history.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,6 +21,7 @@ struct ServoWay {
     double servo_hz = 1000.0;
     bool lockstep = false;  ///< timed by `ServoRun::advance`, not by a clock
     std::optional<int> cpu; ///< the processor of its thread
+    std::size_t history_bytes = TelemetryHistory::kMaxBytes;
 };
 
 /// How long a simulated device, which waits for its servo, was paused because the host did not run

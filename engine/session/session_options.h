@@ -6,7 +6,9 @@
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 #include "engine/session/model_options.h"
+#include "engine/session/telemetry_history.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -34,8 +36,10 @@ struct SessionOptions {
     ModelOptions model;
     std::filesystem::path path; ///< of the hand; empty: see `plays_script`
     bool plays_script = false; ///< without a path: the scripted touch, not `SimulatedHand::move_to`
-    bool lockstep = false;     ///< the servo is timed by `Session::advance`, not by a clock
-    std::optional<int> cpu;    ///< the processor of the servo's thread
+    /// Bound on the telemetry that is kept for plots and past records.
+    std::size_t history_bytes = TelemetryHistory::kMaxBytes;
+    bool lockstep = false;  ///< the servo is timed by `Session::advance`, not by a clock
+    std::optional<int> cpu; ///< the processor of the servo's thread
     std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
     std::filesystem::path record;       ///< empty: nothing is recorded until requested
     Existing existing_record = Existing::keep;

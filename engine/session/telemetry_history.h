@@ -15,8 +15,9 @@ public:
     /// Some eight minutes at 1 kHz.
     static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
-    TelemetryHistory(const device::PhantomGeometry &geometry, double servo_hz)
-        : row_(geometry, servo_hz), store_(channels().size(), kMaxBytes) {}
+    TelemetryHistory(const device::PhantomGeometry &geometry, double servo_hz,
+                     std::size_t max_bytes = kMaxBytes)
+        : row_(geometry, servo_hz), store_(channels().size(), max_bytes) {}
 
     /// From the next sample on: another rate, or another device, whose time starts anew.
     void set_rate(double servo_hz) { row_.set_rate(servo_hz); }

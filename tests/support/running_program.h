@@ -40,6 +40,7 @@ public:
     [[nodiscard]] std::optional<std::string> read_line(std::chrono::duration<double> timeout);
 
     [[nodiscard]] bool is_running();
+    [[nodiscard]] pid_t process() const { return process_; }
 
     /// What it wrote to standard error so far.
     [[nodiscard]] std::string error() const;

@@ -1,0 +1,83 @@
+#include "app/exhibit/day_log.h"
+
+#include "app/user_folder.h"
+#include "base/one_line.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+namespace springdrive::app::exhibit {
+
+namespace {
+
+/// By the local time, which the demonstrator's watch shows.
+std::string local_time(std::chrono::system_clock::time_point when, const char *format) {
+    const std::time_t seconds = std::chrono::system_clock::to_time_t(when);
+    std::tm parts{};
+    localtime_r(&seconds, &parts);
+    std::array<char, 32> text{};
+    const std::size_t size = std::strftime(text.data(), text.size(), format, &parts);
+    return {text.data(), size};
+}
+
+} // namespace
+
+std::string summary_of(const DayFigures &figures) {
+    std::string text = fmt::format("{} visitors, {} scenes; {} stops, {} of them healed",
+                                   figures.visitors, figures.scenes, figures.trips, figures.healed);
+    if (figures.healed > 0) {
+        text += fmt::format(", the longest after {:.0f} s", figures.longest_healing_s);
+    }
+    return text + fmt::format("; the device was lost {} times; peak force {:.2f} N, peak voltage "
+                              "{:.2f} V; longest frame {:.0f} ms",
+                              figures.losses, figures.peak_force_N, figures.peak_voltage_V,
+                              1e3 * figures.longest_frame_s);
+}
+
+std::filesystem::path usual_day_log() {
+    const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+    return state.empty()
+               ? state
+               : state / "kiosk" / (local_time(std::chrono::system_clock::now(), "%F") + ".log");
+}
+
+void DayLog::note(std::string_view event, std::chrono::system_clock::time_point when) {
+    if (file_.empty()) {
+        return;
+    }
+    const std::string time = local_time(when, "%F %T") + "  ";
+    std::string text;
+    if (missing_ > 0) {
+        text = time + fmt::format("{} lines before this one could not be written\n", missing_);
+    }
+    text += time + one_line(event) + '\n';
+    if (append(text)) {
+        missing_ = 0;
+        return;
+    }
+    ++missing_;
+    if (!std::exchange(has_complained_, true)) {
+        complaint_ = file_.string() + ": the log cannot be written; is the disk full, or the "
+                                      "folder read-only? The exhibit goes on without it";
+    }
+}
+
+/// Opened anew each time, so that a file that was moved away is begun again.
+bool DayLog::append(const std::string &text) const {
+    std::error_code ignored; // without its folder it cannot be opened
+    if (file_.has_parent_path()) {
+        std::filesystem::create_directories(file_.parent_path(), ignored);
+    }
+    std::ofstream out(file_, std::ios::app);
+    out << text << std::flush;
+    return static_cast<bool>(out);
+}
+
+std::string DayLog::take_complaint() { return std::exchange(complaint_, {}); }
+
+} // namespace springdrive::app::exhibit

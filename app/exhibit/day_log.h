@@ -1,0 +1,59 @@
+// The log of a day at an exhibit, for its demonstrator: one line an event, and a summary.
+//
+//   2026-11-25 10:03:21  visitor 7 begins
+//   2026-11-25 10:03:58  stopped: tip speed 1.24 m/s, limit 1.20 m/s
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace springdrive::app::exhibit {
+
+/// What is summed up at the end of a run.
+struct DayFigures {
+    std::uint64_t visitors = 0;
+    std::uint64_t scenes = 0; ///< shown to visitors
+    std::uint64_t trips = 0;
+    std::uint64_t healed = 0; ///< trips after which the motors ran again
+    std::uint64_t losses = 0; ///< of the device
+    double longest_healing_s = 0.0;
+    double peak_force_N = 0.0;   ///< while the motors were driven
+    double peak_voltage_V = 0.0; ///< of e_W, of any motor
+    double longest_frame_s = 0.0;
+};
+
+/// "40 visitors, 112 scenes; 3 stops, 3 of them healed, the longest after 11 s; …"
+[[nodiscard]] std::string summary_of(const DayFigures &figures);
+
+/// `springdrive/kiosk/DATE.log` in the user's folder of state; empty where that is not known.
+[[nodiscard]] std::filesystem::path usual_day_log();
+
+/// Appends to its file. What cannot be written, for example on a full disk, is counted and never
+/// ends the run; the next line that can be written says how many are missing.
+class DayLog {
+public:
+    /// @param file  empty: nothing is written
+    explicit DayLog(std::filesystem::path file) : file_(std::move(file)) {}
+
+    /// @param event  in one line
+    void note(std::string_view event,
+              std::chrono::system_clock::time_point when = std::chrono::system_clock::now());
+
+    /// Why a line is missing, once; else empty.
+    [[nodiscard]] std::string take_complaint();
+
+    [[nodiscard]] const std::filesystem::path &file() const { return file_; }
+
+private:
+    [[nodiscard]] bool append(const std::string &text) const;
+
+    std::filesystem::path file_;
+    std::uint64_t missing_ = 0;
+    bool has_complained_ = false;
+    std::string complaint_;
+};
+
+} // namespace springdrive::app::exhibit

@@ -1,0 +1,47 @@
+#include "app/exhibit/guide.h"
+
+namespace springdrive::app::exhibit {
+
+void Guide::begin(const Stagecraft &stage) {
+    performer_.emplace(stage.session);
+    course_.emplace(kTour.size());
+    performer_->show(stage, kTour.front());
+}
+
+void Guide::end(const Stagecraft &stage) {
+    if (is_on()) {
+        performer_->leave(stage);
+        performer_->restore_gains(stage);
+        course_.reset();
+    }
+}
+
+void Guide::update(const Stagecraft &stage, double time_s) {
+    if (!is_on()) {
+        return;
+    }
+    CourseNow now;
+    now.time_s = time_s;
+    now.is_ready = performer_->is_ready(stage.session);
+    now.is_shown = performer_->is_shown(stage.session, time_s);
+    const std::size_t before = course_->scene();
+    const CourseOrders orders = course_->update(now);
+    if (orders.leaves) {
+        performer_->leave(stage);
+    }
+    if (orders.scene && before + 1 == kTour.size()) {
+        end(stage); // all were shown
+        return;
+    }
+    if (orders.scene) {
+        performer_->show(stage, kTour[*orders.scene]);
+    }
+    if (orders.performs) {
+        performer_->perform(stage, kTour[course_->scene()], time_s);
+    }
+    if (course_->is_performing()) {
+        performer_->update(stage);
+    }
+}
+
+} // namespace springdrive::app::exhibit

@@ -1,0 +1,75 @@
+// How an exhibit goes on by itself after a stop of the safety monitor, as pure logic: when to reset
+// it, and when to say that somebody of the staff is needed.
+//
+//   stopped ──device there, hand let go, tip free──► a pause ──► reset ──► lift the tip ──► running
+#pragma once
+
+#include "engine/servo/safety_status.h"
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace springdrive::app::exhibit {
+
+/// What the healing depends on, of one frame.
+struct HealingNow {
+    double time_s = 0.0;
+    servo::SafetyState state = servo::SafetyState::waiting;
+    servo::TripCause cause = servo::TripCause::none;
+    bool is_lost = false;      ///< the device does not answer
+    bool is_zeroed = true;     ///< its angles are known
+    bool is_held_back = false; ///< the device only brakes, since it failed its commissioning
+    bool is_touching = false;  ///< a surface
+    bool is_inside = false;    ///< the tip lies in a solid
+    bool hand_is_held = false; ///< by the visitor
+    bool is_real = false;      ///< the device: somebody can be hurt
+};
+
+/// What the visitor is told.
+enum class Condition : std::uint8_t {
+    well,
+    lost,          ///< it is connected again by itself
+    let_go,        ///< the hand is to be let go, or the tip lifted, first
+    pause,         ///< it goes on in `goes_on_in_s`
+    asks_go_on,    ///< a person has to say that it may go on
+    lift,          ///< the motors wait for the tip to be lifted off
+    needs_staff,   ///< and goes on trying, unless the cause is final
+    needs_zeroing, ///< by the staff
+};
+
+[[nodiscard]] std::string_view name_of(Condition condition);
+
+enum class Remedy : std::uint8_t { none, reset, lift_hand };
+
+class Healing {
+public:
+    static constexpr double kPause_s = 3.0;           ///< from being free to the reset
+    static constexpr double kPauseAfterStop_s = 10.0; ///< the same after an emergency stop
+    static constexpr double kStubbornPause_s = 60.0;  ///< the same once staff is needed
+    static constexpr double kLift_s = 1.5;    ///< the motors wait in contact, until the hand
+                                              ///< is lifted
+    static constexpr int kStubborn = 5;       ///< resets in vain, then staff is needed
+    static constexpr double kProven_s = 20.0; ///< of running, and no reset was in vain
+
+    Remedy update(const HealingNow &now);
+
+    [[nodiscard]] Condition condition() const { return condition_; }
+    [[nodiscard]] double goes_on_in_s() const { return goes_on_in_s_; } ///< of `pause`
+
+    /// A person has reset it.
+    void note_reset() { calm_since_s_.reset(); }
+
+private:
+    Remedy heal(const HealingNow &now);
+    Remedy watch(const HealingNow &now);
+
+    Condition condition_ = Condition::well;
+    double goes_on_in_s_ = 0.0;
+    std::optional<double> calm_since_s_;   ///< while stopped, and all is free
+    std::optional<double> caught_since_s_; ///< while the motors wait in contact
+    std::optional<double> running_since_s_;
+    int resets_ = 0; ///< since it was proven
+};
+
+} // namespace springdrive::app::exhibit

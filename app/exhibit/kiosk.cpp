@@ -1,0 +1,287 @@
+#include "app/exhibit/kiosk.h"
+
+#include "app/exhibit/kiosk_limits.h"
+#include "app/view/view_state.h"
+#include "base/complaint.h"
+#include "engine/session/telemetry_channels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+namespace springdrive::app::exhibit {
+
+namespace {
+
+constexpr double kTouched_m = 5e-3; ///< a tip that moved so far was moved by somebody
+constexpr double kReadOut_s = 0.2;  ///< digits that change more often cannot be read
+constexpr double kFinal_s = 10.0;   ///< from a final stop of a simulated device to a new start
+constexpr double kNoFrame_s = 5.0;  ///< so long is no frame: the computer slept
+
+/// It goes on while the computer sleeps.
+double boot_time_s() {
+    std::timespec now{};
+    clock_gettime(CLOCK_BOOTTIME, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+bool is_real(const session::Session &session) {
+    return session.device_choice().kind == factory::DeviceKind::usb;
+}
+
+bool is_lost(const session::Session &session) {
+    return session.latest().health == device::DeviceHealth::lost;
+}
+
+bool is_stopped(const session::Session &session) {
+    return session.latest().safety.state == servo::SafetyState::tripped;
+}
+
+std::string start_text(const session::Session &session) {
+    const servo::SafetyLimits limits =
+        servo::lowered(servo::limits_of(session.description()), session.servo().inputs().limits);
+    return fmt::format(
+        "start: springdrive {}, {}, {}; at most {:g} N, {:g} V, {:g} m/s",
+        session.program_version(), session.description().name,
+        factory::kDeviceKindNames[static_cast<std::size_t>(session.device_choice().kind)],
+        limits.tip_force_N, limits.voltage_V, limits.tip_speed_m_per_s);
+}
+
+} // namespace
+
+Kiosk::Kiosk(session::Session &session, std::filesystem::path log)
+    : performer_(session), log_(std::move(log)) {
+    session.servo().lower_limits(servo::lowered(session.servo().inputs().limits, kiosk_limits()));
+    log_.note(start_text(session));
+}
+
+void Kiosk::obey(const KeyPress &key) {
+    const bool is_chord = key.with_ctrl && key.with_alt;
+    if (is_chord && key.name == "q") {
+        ending_ = KioskEnding::asked;
+    }
+    keys_.push_back(key);
+}
+
+void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
+                   const Window::LargeText &text) {
+    session::Session &session = parts.stage.session;
+    now_ = {};
+    now_.time_s = boot_time_s();
+    renew_read_out(parts);
+    const KioskAnswer answer = draw_kiosk(shown(parts), parts.view.camera(), view, text);
+    if (answer.stop) {
+        session.servo().emergency_stop();
+    }
+    if (answer.go_on) {
+        go_on(parts);
+    }
+    note_visitor(parts, answer);
+    for (const std::string &event : watch_.update(session, figures_)) {
+        log_.note(event);
+    }
+    if (frame.frame_s < kNoFrame_s) {
+        figures_.longest_frame_s = std::max(figures_.longest_frame_s, frame.frame_s);
+    }
+    if (const std::string &error = session.scenes().error(); error != error_) {
+        error_ = error;
+        log_.note(error);
+    }
+    heal(parts, frame);
+    now_.is_ready = performer_.is_ready(session);
+    now_.is_shown = performer_.is_shown(session, now_.time_s);
+    carry_out(course_.update(now_), parts);
+    if (course_.is_performing()) {
+        performer_.update(parts.stage);
+    }
+    if (const std::string complaint = performer_.take_complaint(); !complaint.empty()) {
+        log_.note(complaint);
+    }
+}
+
+/// What the visitor did since the last frame.
+void Kiosk::note_visitor(const KioskParts &parts, const KioskAnswer &answer) {
+    const ImGuiIO &io = ImGui::GetIO();
+    const bool presses = std::ranges::any_of(io.MouseDown, [](bool is_down) { return is_down; }) ||
+                         std::ranges::any_of(io.MouseClicked, [](bool is_new) { return is_new; });
+    bool switches = answer.other_map;
+    for (const KeyPress &key : keys_) {
+        switches = switches || (key.name == "m" && !key.with_ctrl && !key.is_repeated);
+        if (key.with_ctrl && key.with_alt && key.name == "z") {
+            zero(parts.stage.session);
+        }
+    }
+    now_.is_touched = presses || io.MouseWheel != 0.0F || !keys_.empty() || answer.stop ||
+                      tip_was_moved(parts.stage.session);
+    keys_.clear();
+    // A press that began the visit does not yet take the hand.
+    now_.takes_hand = answer.my_turn || (course_.stage() == Stage::showing && io.MouseClicked[0] &&
+                                         parts.view.holds_hand());
+    now_.next_scene = answer.next_scene;
+    now_.next_visitor = answer.next_visitor;
+    if (switches && course_.stage() == Stage::your_turn) {
+        parts.stage.desk.toggle_map(parts.stage.session);
+    }
+}
+
+/// Of a real device, whose motors do not move it by themselves.
+bool Kiosk::tip_was_moved(const session::Session &session) {
+    if (session.hand().is_simulated() || is_lost(session) || !session.is_zeroed()) {
+        rest_m_.reset();
+        return false;
+    }
+    const Vector3 &tip_m = session.latest().tip_m;
+    const bool has_moved = rest_m_ && (tip_m - *rest_m_).norm() > kTouched_m;
+    if (!rest_m_ || has_moved) {
+        rest_m_ = tip_m;
+    }
+    return has_moved;
+}
+
+void Kiosk::heal(const KioskParts &parts, const KioskFrame &frame) {
+    session::Session &session = parts.stage.session;
+    const servo::ServoSample &latest = session.latest();
+    HealingNow now;
+    now.time_s = now_.time_s;
+    now.state = latest.safety.state;
+    now.cause = latest.safety.cause;
+    now.is_lost = is_lost(session);
+    now.is_zeroed = session.is_zeroed() || now.is_lost;
+    now.is_held_back = session.is_kept_released();
+    now.is_touching = latest.contact.touching;
+    // The scripted hand finds its own way.
+    now.is_inside = frame.is_inside && !latest.contact.touching && !course_.is_performing();
+    now.hand_is_held = parts.view.holds_hand();
+    now.is_real = is_real(session);
+    switch (healing_.update(now)) {
+    case Remedy::none:
+        break;
+    case Remedy::reset:
+        go_on(parts);
+        break;
+    case Remedy::lift_hand:
+        if (session.hand().follows_path()) {
+            session.leave_path();
+        } else if (session.hand().is_simulated() && !parts.stage.lift.is_on()) {
+            parts.stage.lift.start();
+        }
+        break;
+    }
+    if (session.servo().speed() < 1.0) {
+        session.servo().set_speed(1.0);
+    }
+    if (is_stopped(session) && servo::is_final(now.cause) && !now.is_real) {
+        final_since_s_ = final_since_s_.value_or(now.time_s);
+        if (now.time_s - *final_since_s_ >= kFinal_s) {
+            ending_ = KioskEnding::start_again;
+        }
+    }
+}
+
+void Kiosk::go_on(const KioskParts &parts) {
+    const servo::SafetyStatus &safety = parts.stage.session.latest().safety;
+    if (!is_stopped(parts.stage.session) || servo::is_final(safety.cause)) {
+        return;
+    }
+    parts.stage.session.servo().reset_safety();
+    healing_.note_reset();
+}
+
+void Kiosk::zero(session::Session &session) {
+    if (session.is_zeroed()) {
+        return;
+    }
+    const std::string complaint = complaint_of([&] { session.zero_device(Vector3::Zero()); });
+    log_.note(complaint.empty() ? "zeroed by hand" : complaint);
+}
+
+void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
+    if (orders.gap_s > 0.0) {
+        log_.note(fmt::format("no frame for {:.0f} s: the computer slept", orders.gap_s));
+    }
+    if (orders.visit_begins) {
+        figures_.visitors = course_.visitors();
+        log_.note(fmt::format("visitor {} begins", course_.visitors()));
+    } else if (orders.resets) {
+        log_.note("nobody is there");
+    }
+    if (orders.leaves) {
+        performer_.leave(parts.stage);
+    }
+    if (orders.resets_trip) {
+        go_on(parts);
+    }
+    if (orders.resets) {
+        parts.stage.lift.stop();
+        parts.view.look_from(Viewpoint::home);
+    }
+    if (orders.scene) {
+        show_scene(parts, *orders.scene);
+    }
+    if (orders.performs) {
+        performer_.perform(parts.stage, kTour[course_.scene()], now_.time_s);
+    }
+}
+
+void Kiosk::show_scene(const KioskParts &parts, std::size_t scene) {
+    const TourStop &stop = kTour[scene];
+    if (course_.stage() != Stage::attract) {
+        ++figures_.scenes;
+        log_.note("scene " + std::string(stop.scene));
+    }
+    performer_.show(parts.stage, stop);
+}
+
+void Kiosk::renew_read_out(const KioskParts &parts) {
+    const servo::ServoSample &now = parts.stage.session.latest();
+    const record::ChannelStore &store = parts.stage.session.servo().history().store();
+    if (!now.contact.touching || store.is_empty()) {
+        read_out_.reset();
+        return;
+    }
+    const bool is_due = !read_out_ || now_.time_s >= next_read_out_s_;
+    KioskReadOut fresh = read_out_.value_or(KioskReadOut{});
+    fresh.arrow_m = now.tip_m + kArrowMetresPerNewton * now.tip_force_N;
+    if (is_due) {
+        next_read_out_s_ = now_.time_s + kReadOut_s;
+        fresh.force_N = now.tip_force_N.norm();
+        const bool transposes = now.tuning.map == control::MotionMap::transpose;
+        static const std::size_t kTransposed =
+            session::channel_named("transpose_measured_rad").value();
+        static const std::size_t kInverted = session::channel_named("inverse_measured_rad").value();
+        const double angle_rad = store.value(transposes ? kTransposed : kInverted, store.end() - 1);
+        fresh.angle_rad = std::isfinite(angle_rad) ? std::optional(angle_rad) : std::nullopt;
+    }
+    read_out_ = fresh;
+}
+
+KioskShown Kiosk::shown(const KioskParts &parts) const {
+    const session::Session &session = parts.stage.session;
+    const scene::Scene &scene = session.scenes().now().scene;
+    KioskShown all;
+    all.stage = course_.stage();
+    all.has_script = session.hand().is_simulated();
+    all.is_real = is_real(session);
+    if (performer_.has_scene(session)) { // not yet while it is loaded
+        all.title = scene.lesson.title;
+        all.sentence = sentence_of(kTour[course_.scene()], scene);
+    }
+    all.condition = healing_.condition();
+    all.goes_on_in_s = healing_.goes_on_in_s();
+    all.stop = is_stopped(session) ? servo::description(session.latest().safety) : std::string();
+    all.leaves_in_s = course_.leaves_in_s();
+    all.map = parts.stage.desk.now().map;
+    all.read_out = read_out_;
+    return all;
+}
+
+void Kiosk::finish(const std::string &why) {
+    if (!std::exchange(is_finished_, true)) {
+        log_.note("end, " + why + ": " + summary_of(figures_));
+    }
+}
+
+} // namespace springdrive::app::exhibit

@@ -1,0 +1,86 @@
+// An exhibit: what runs unattended among visitors, in place of the window's panels.
+//
+//   mouse, keys, tip ──► Course ──► scene, scripted hand, gains, view ──► session
+//   session's safety ──► Healing ──► reset, lift of the hand ──► session
+//                    └─► DayWatch ──► DayLog
+#pragma once
+
+#include "app/exhibit/course.h"
+#include "app/exhibit/day_log.h"
+#include "app/exhibit/day_watch.h"
+#include "app/exhibit/healing.h"
+#include "app/exhibit/kiosk_screen.h"
+#include "app/exhibit/performer.h"
+#include "app/view_control.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::exhibit {
+
+/// What the kiosk acts on; of the screen.
+struct KioskParts {
+    Stagecraft stage;
+    ViewControl &view;
+};
+
+/// Of a frame.
+struct KioskFrame {
+    double frame_s = 0.0;   ///< since the last one
+    bool is_inside = false; ///< the tip lies in a solid
+};
+
+enum class KioskEnding : std::uint8_t { none, asked, start_again };
+
+class Kiosk {
+public:
+    /// Lowers the servo's limits, which must not have been started.
+    /// @param log  of the day; empty: none
+    Kiosk(session::Session &session, std::filesystem::path log);
+
+    /// A key that was pressed; the emergency stop is the window's.
+    void obey(const KeyPress &key);
+
+    /// Once a frame: draws, and does what is to be done.
+    void update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
+                const Window::LargeText &text);
+
+    /// At the end of the run.
+    /// @param why  in a few words
+    void finish(const std::string &why);
+
+    [[nodiscard]] KioskEnding ending() const { return ending_; }
+    [[nodiscard]] std::string take_complaint() { return log_.take_complaint(); } ///< of the log
+
+private:
+    [[nodiscard]] KioskShown shown(const KioskParts &parts) const;
+    void note_visitor(const KioskParts &parts, const KioskAnswer &answer);
+    void heal(const KioskParts &parts, const KioskFrame &frame);
+    void go_on(const KioskParts &parts);
+    void carry_out(const CourseOrders &orders, const KioskParts &parts);
+    void show_scene(const KioskParts &parts, std::size_t scene);
+    [[nodiscard]] bool tip_was_moved(const session::Session &session);
+    void renew_read_out(const KioskParts &parts);
+    void zero(session::Session &session);
+
+    Performer performer_;
+    Course course_{kTour.size()};
+    Healing healing_;
+    DayLog log_;
+    DayWatch watch_;
+    DayFigures figures_;
+    KioskEnding ending_ = KioskEnding::none;
+    CourseNow now_; ///< of the present frame
+    std::vector<KeyPress> keys_;
+    std::string error_;             ///< of loading it, as logged
+    std::optional<Vector3> rest_m_; ///< of the tip of a real device
+    std::optional<double> final_since_s_;
+    std::optional<KioskReadOut> read_out_;
+    double next_read_out_s_ = 0.0;
+    bool is_finished_ = false;
+};
+
+} // namespace springdrive::app::exhibit

@@ -1,0 +1,84 @@
+#include "app/exhibit/performer.h"
+
+#include "base/complaint.h"
+
+#include <utility>
+
+namespace springdrive::app::exhibit {
+
+namespace {
+
+constexpr double kWords_s = 8.0;      ///< for a scene that no hand shows
+constexpr double kPathBegins_s = 0.2; ///< see Session::follow_path: from here to its first point
+
+} // namespace
+
+void Performer::show(const Stagecraft &stage, const TourStop &stop) {
+    restore_gains(stage);
+    wanted_ = file_of(stop);
+    if (stage.session.scenes().is_loading() || !has_scene(stage.session)) {
+        stage.session.request_scene(wanted_);
+    }
+}
+
+/// The lock is for changes by hand: back to the start one may always go.
+void Performer::restore_gains(const Stagecraft &stage) const {
+    if (stage.desk.now() == tuning_) {
+        return;
+    }
+    const bool was_unlocked = std::exchange(stage.desk.is_unlocked, true);
+    stage.desk.replace(stage.session, tuning_, "of the start");
+    stage.desk.is_unlocked = was_unlocked;
+}
+
+bool Performer::is_ready(const session::Session &session) const {
+    const session::Scenes &scenes = session.scenes();
+    return !scenes.is_loading() && has_scene(session) && session.latest().scene_id == scenes.id() &&
+           !session.is_exchanging() && session.latest().safety.state == servo::SafetyState::running;
+}
+
+void Performer::perform(const Stagecraft &stage, const TourStop &stop, double time_s) {
+    session::Session &session = stage.session;
+    stage.lift.stop();
+    showing_.reset();
+    switched_ = 0;
+    words_until_s_ = time_s + kWords_s;
+    if (!session.hand().is_simulated()) {
+        return;
+    }
+    const session::LoadedScene &scene = session.scenes().now();
+    std::optional<Showing> showing = showing_of(session.description(), scene.scene, scene.surface,
+                                                stop.gesture, session.hand().target_m());
+    if (!showing) {
+        complaint_ = std::string(stop.scene) + ": the scripted hand does not reach it";
+        return;
+    }
+    complaint_ = complaint_of([&] {
+        session.follow_path(showing->path);
+        began_s_ = session.latest().time_s + kPathBegins_s;
+        showing_ = std::move(showing);
+    });
+}
+
+void Performer::update(const Stagecraft &stage) {
+    if (!showing_ || switched_ >= showing_->switches_s.size()) {
+        return;
+    }
+    if (stage.session.latest().time_s - began_s_ >= showing_->switches_s[switched_]) {
+        ++switched_;
+        stage.desk.toggle_map(stage.session);
+    }
+}
+
+bool Performer::is_shown(const session::Session &session, double time_s) const {
+    return showing_ ? !session.hand().follows_path() : time_s >= words_until_s_;
+}
+
+void Performer::leave(const Stagecraft &stage) {
+    showing_.reset();
+    if (stage.session.hand().follows_path()) {
+        stage.session.leave_path();
+    }
+}
+
+} // namespace springdrive::app::exhibit

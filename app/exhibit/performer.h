@@ -1,0 +1,64 @@
+// Shows the tour's scenes one at a time, each by its scripted hand.
+//
+//   show ──► scene loaded, gains of the start ──► is_ready ──► perform ──► is_shown
+#pragma once
+
+#include "app/exhibit/tour.h"
+#include "app/hand_lift.h"
+#include "app/tuning_desk.h"
+#include "engine/session/session.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace springdrive::app::exhibit {
+
+/// What it acts on; of the screen.
+struct Stagecraft {
+    session::Session &session;
+    TuningDesk &desk;
+    HandLift &lift;
+};
+
+class Performer {
+public:
+    /// The present scene and gains are those of the start.
+    explicit Performer(const session::Session &session)
+        : tuning_(session.servo().inputs().tuning), wanted_(session.scenes().now().scene.file) {}
+
+    /// Requests the scene, with the gains of the start.
+    void show(const Stagecraft &stage, const TourStop &stop);
+
+    /// Whether the scene is there, and the motors run.
+    [[nodiscard]] bool is_ready(const session::Session &session) const;
+    [[nodiscard]] bool has_scene(const session::Session &session) const {
+        return session.scenes().now().scene.file == wanted_;
+    }
+
+    /// Begins with the scripted hand; with a real one nothing moves for some seconds.
+    void perform(const Stagecraft &stage, const TourStop &stop, double time_s);
+    /// Once a frame, while it performs: switches the map when its time has come.
+    void update(const Stagecraft &stage);
+    [[nodiscard]] bool is_shown(const session::Session &session, double time_s) const;
+    /// The scripted hand stops where it is.
+    void leave(const Stagecraft &stage);
+
+    void restore_gains(const Stagecraft &stage) const;
+
+    /// Why the hand did not act; else empty.
+    [[nodiscard]] std::string take_complaint() { return std::exchange(complaint_, {}); }
+
+private:
+    control::Tuning tuning_; ///< of the start
+    std::filesystem::path wanted_;
+    std::optional<Showing> showing_;
+    double began_s_ = 0.0;       ///< by the session's time
+    double words_until_s_ = 0.0; ///< without a scripted hand
+    std::size_t switched_ = 0;   ///< maps, in this showing
+    std::string complaint_;
+};
+
+} // namespace springdrive::app::exhibit

@@ -1,0 +1,148 @@
+// Covers app/exhibit/tour.cpp: the scripted hand in every scene, on the simulated device.
+#include "app/exhibit/kiosk_limits.h"
+#include "app/exhibit/tour.h"
+#include "base/degrees.h"
+#include "engine/session/session.h"
+#include "engine/session/telemetry_channels.h"
+#include "tests/engine/session/session_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+namespace springdrive::app::exhibit {
+namespace {
+
+session::SessionOptions at_an_exhibit(const std::string &scene) {
+    session::SessionOptions options = testing::scripted(scene);
+    options.plays_script = false;
+    return options;
+}
+
+std::optional<Showing> showing_in(session::Session &session, const TourStop &stop) {
+    const session::LoadedScene &scene = session.scenes().now();
+    return showing_of(session.description(), scene.scene, scene.surface, stop.gesture,
+                      session.hand().target_m());
+}
+
+double largest(const session::Session &session, const std::string &channel) {
+    const record::ChannelStore &store = session.servo().history().store();
+    return store.extremes(*session::channel_named(channel), store.begin(), store.end()).maximum;
+}
+
+TEST(ExhibitTour, HasEveryIncludedSceneOnceWithItsWords) {
+    std::set<std::string> included;
+    for (const auto &file : std::filesystem::directory_iterator(testing::assets() / "scenes")) {
+        if (file.path().extension() == ".gltf") {
+            included.insert(file.path().stem().string());
+        }
+    }
+    std::set<std::string> shown;
+    for (const TourStop &stop : kTour) {
+        EXPECT_TRUE(shown.emplace(stop.scene).second) << stop.scene;
+        EXPECT_TRUE(std::filesystem::exists(file_of(stop))) << stop.scene;
+    }
+    EXPECT_EQ(shown, included);
+}
+
+class ExhibitTourIn : public ::testing::TestWithParam<TourStop> {};
+
+TEST_P(ExhibitTourIn, IsTouchedByTheScriptedHandWithoutAStop) {
+    const TourStop &stop = GetParam();
+    session::Session session(at_an_exhibit(std::string(stop.scene)));
+    session.servo().lower_limits(kiosk_limits());
+    session.start();
+    testing::run(session, 1.5);
+    ASSERT_EQ(session.latest().safety.state, servo::SafetyState::running);
+    const scene::Scene &scene = session.scenes().now().scene;
+    EXPECT_FALSE(sentence_of(stop, scene).empty());
+    const std::optional<Showing> showing = showing_in(session, stop);
+    ASSERT_TRUE(showing);
+    const auto &points = showing->path.points();
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        const double way_m = (points[i].position_m - points[i - 1].position_m).norm();
+        EXPECT_LE(way_m / (points[i].time_s - points[i - 1].time_s), kStrike_m_per_s + 1e-9);
+    }
+    EXPECT_LT(showing->path.end_s(), 30.0);
+    session.follow_path(showing->path);
+    double touched_s = 0.0;
+    while (session.hand().follows_path()) {
+        session.advance(testing::kFrame_s);
+        touched_s += session.latest().contact.touching ? testing::kFrame_s : 0.0;
+        ASSERT_EQ(session.latest().safety.state, servo::SafetyState::running)
+            << servo::description(session.latest().safety);
+    }
+    EXPECT_GT(touched_s, 1.0);
+    EXPECT_GT(largest(session, "force_N"), 0.7);
+    EXPECT_LT(largest(session, "force_N"), kiosk_limits().tip_force_N);
+    EXPECT_FALSE(session.latest().contact.touching); // for the visitor
+    std::printf("%s: %.1f s, %.1f s of them in contact, force %.2f N, e_W %.1f V, %.2f m/s\n",
+                std::string(stop.scene).c_str(), showing->path.end_s(), touched_s,
+                largest(session, "force_N"),
+                std::max({largest(session, "e_W1_V"), largest(session, "e_W2_V"),
+                          largest(session, "e_W3_V")}),
+                largest(session, "tip_speed_m_per_s"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ExhibitTourIn, ::testing::ValuesIn(kTour),
+                         [](const auto &each) { return std::string(each.param.scene); });
+
+TEST(ExhibitTour, ShowsBothMapsWhereTheyDiffer) {
+    const TourStop &stop = kTour[1];
+    session::Session session(at_an_exhibit(std::string(stop.scene)));
+    session.servo().lower_limits(kiosk_limits());
+    session.start();
+    testing::run(session, 1.5);
+    const std::optional<Showing> showing = showing_in(session, stop);
+    ASSERT_TRUE(showing);
+    ASSERT_EQ(showing->switches_s.size(), 2U);
+    session.follow_path(showing->path);
+    std::vector<double> angle_deg;
+    const double begin_s = session.latest().time_s;
+    for (const double switch_s : showing->switches_s) {
+        while (session.latest().time_s - begin_s < switch_s) {
+            session.advance(testing::kFrame_s);
+        }
+        angle_deg.push_back(kDegreesPerRadian * session.latest().rendered_error_rad);
+        control::Tuning tuning = session.latest().tuning;
+        tuning.map = tuning.map == control::MotionMap::inverse ? control::MotionMap::transpose
+                                                               : control::MotionMap::inverse;
+        session.servo().tune(tuning);
+    }
+    EXPECT_LT(angle_deg[0], 5.0);  // transpose
+    EXPECT_GT(angle_deg[1], 25.0); // inverse: the limit of perception
+}
+
+/// Out from below the plate of a millimetre, where straight up is no way.
+TEST(ExhibitTour, FindsTheWayOutFromBelow) {
+    session::Session session(at_an_exhibit("thin_plate"));
+    session.start();
+    const scene::Scene &scene = session.scenes().now().scene;
+    const Vector3 below_m(0.5 * (scene.lower_m.x() + scene.upper_m.x()), scene.lower_m.y() - 0.01,
+                          scene.upper_m.z() - 0.01);
+    ASSERT_TRUE(device::can_reach(session.description(), below_m));
+    // Round its edge to there.
+    const Vector3 beside_m(below_m.x(), below_m.y(), scene.upper_m.z() + 0.015);
+    testing::run(session, 1.5);
+    session.hand().move_to({beside_m.x(), session.hand().target_m().y(), beside_m.z()});
+    testing::run(session, 1.0);
+    session.hand().move_to(beside_m);
+    testing::run(session, 1.0);
+    session.hand().move_to(below_m);
+    testing::run(session, 1.0);
+    ASSERT_LT(session.latest().tip_m.y(), scene.lower_m.y());
+    const auto way = way_above(session.description(), scene, session.scenes().now().surface,
+                               session.hand().target_m());
+    ASSERT_TRUE(way);
+    session.follow_path(*way);
+    while (session.hand().follows_path()) {
+        session.advance(testing::kFrame_s);
+        EXPECT_FALSE(session.latest().contact.touching);
+    }
+    EXPECT_GT(session.latest().tip_m.y(), scene.upper_m.y());
+}
+
+} // namespace
+} // namespace springdrive::app::exhibit
