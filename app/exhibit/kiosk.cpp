@@ -163,9 +163,9 @@ void Kiosk::heal(const KioskParts &parts, const KioskFrame &frame) {
         go_on(parts);
         break;
     case Remedy::lift_hand:
-        if (session.hand().follows_path()) {
-            session.leave_path();
-        } else if (session.hand().is_simulated() && !parts.stage.lift.is_on()) {
+        // A path that the scripted hand was on is left by the course, and then soon at its end.
+        if (session.hand().is_simulated() && !session.hand().follows_path() &&
+            !parts.stage.lift.is_on()) {
             parts.stage.lift.start();
         }
         break;

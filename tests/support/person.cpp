@@ -203,6 +203,13 @@ private:
                     !(event.type == UnmapNotify && event.xunmap.window == window_);
     }
 
+    /// As GLFW does it where there is no window manager.
+    [[nodiscard]] bool fills_screen(const XWindowAttributes &window) const {
+        const int screen = DefaultScreen(display_);
+        return window.width == DisplayWidth(display_, screen) &&
+               window.height == DisplayHeight(display_, screen);
+    }
+
     /// The topmost visible window; None if there is none.
     [[nodiscard]] Window top_window() const {
         Window of_root = None;
@@ -215,7 +222,7 @@ private:
             XWindowAttributes attributes;
             if (XGetWindowAttributes(display_, children[i], &attributes) != 0 &&
                 attributes.map_state == IsViewable && attributes.c_class == InputOutput &&
-                attributes.override_redirect == False) {
+                (attributes.override_redirect == False || fills_screen(attributes))) {
                 found = children[i];
             }
         }
