@@ -11,6 +11,9 @@ std::string_view name_of(Stage stage) {
 
 CourseOrders Course::update(const CourseNow &now) {
     CourseOrders orders;
+    if (!before_s_) {
+        since_s_ = now.time_s;
+    }
     const double before_s = before_s_.value_or(now.time_s);
     before_s_ = now.time_s;
     leaves_in_s_.reset();
@@ -75,8 +78,15 @@ void Course::end_visit(CourseOrders &orders, double time_s) {
     orders.resets = true;
 }
 
+bool Course::never_begins(const CourseNow &now) const {
+    return !is_performing_ && now.time_s - since_s_ >= kPatience_s;
+}
+
 /// Begins once the scene is ready, and anew after a stop.
 void Course::perform(const CourseNow &now, CourseOrders &orders) {
+    if (is_performing_) {
+        since_s_ = now.time_s; // the patience begins anew with a stop
+    }
     if (is_performing_ && !now.is_ready) {
         stop_performing(orders);
     } else if (!is_performing_ && now.is_ready) {
@@ -101,6 +111,10 @@ void Course::attract(const CourseNow &now, CourseOrders &orders) {
         shown_s_ = now.time_s;
         return;
     }
+    if (never_begins(now)) { // its file may be damaged
+        show((scene_ + 1) % scenes_, orders, now.time_s);
+        return;
+    }
     perform(now, orders);
 }
 
@@ -110,16 +124,12 @@ void Course::show_scene(const CourseNow &now, CourseOrders &orders) {
         return;
     }
     const bool is_over = is_performing_ && now.is_shown;
-    const bool never_begins = !is_performing_ && now.time_s - since_s_ >= kPatience_s;
-    if (is_over || never_begins || now.takes_hand) {
+    if (is_over || never_begins(now) || now.takes_hand) {
         is_performing_ = is_performing_ && !is_over;
         stop_performing(orders);
         enter(Stage::your_turn, now.time_s);
         touched_s_ = now.time_s; // nothing was to be done until now
         return;
-    }
-    if (is_performing_) {
-        since_s_ = now.time_s; // the patience begins anew with a stop
     }
     perform(now, orders);
 }

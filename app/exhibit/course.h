@@ -72,6 +72,7 @@ private:
     void show_scene(const CourseNow &now, CourseOrders &orders);
     void let_visitor(const CourseNow &now, CourseOrders &orders);
     void perform(const CourseNow &now, CourseOrders &orders);
+    [[nodiscard]] bool never_begins(const CourseNow &now) const;
 
     std::size_t scenes_;
     std::size_t scene_ = 0;

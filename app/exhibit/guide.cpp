@@ -6,6 +6,7 @@ void Guide::begin(const Stagecraft &stage) {
     performer_.emplace(stage.session);
     course_.emplace(kTour.size());
     performer_->show(stage, kTour.front());
+    had_scene_ = false;
 }
 
 void Guide::end(const Stagecraft &stage) {
@@ -20,6 +21,12 @@ void Guide::update(const Stagecraft &stage, double time_s) {
     if (!is_on()) {
         return;
     }
+    const bool has_scene = performer_->has_scene(stage.session);
+    if (had_scene_ && !has_scene && !stage.session.scenes().is_loading()) {
+        end(stage); // somebody wanted another one
+        return;
+    }
+    had_scene_ = had_scene_ || has_scene;
     CourseNow now;
     now.time_s = time_s;
     now.is_ready = performer_->is_ready(stage.session);
@@ -35,6 +42,7 @@ void Guide::update(const Stagecraft &stage, double time_s) {
     }
     if (orders.scene) {
         performer_->show(stage, kTour[*orders.scene]);
+        had_scene_ = false;
     }
     if (orders.performs) {
         performer_->perform(stage, kTour[course_->scene()], time_s);

@@ -20,6 +20,7 @@ public:
 private:
     std::optional<Course> course_;
     std::optional<Performer> performer_;
+    bool had_scene_ = false; ///< that it shows
 };
 
 } // namespace springdrive::app::exhibit

@@ -128,6 +128,25 @@ TEST(ExhibitCourse, ASceneThatDoesNotGetReadyIsNotWaitedForForever) {
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
 }
 
+TEST(ExhibitCourse, BeginsWithTheFirstSceneHoweverLongTheComputerHasRun) {
+    Course course(3);
+    CourseNow now;
+    now.time_s = 1e6;
+    const CourseOrders orders = course.update(now);
+    EXPECT_EQ(orders.gap_s, 0.0);
+    EXPECT_FALSE(orders.scene);
+    EXPECT_EQ(course.scene(), 0U);
+}
+
+TEST(ExhibitCourse, AttractsPastASceneThatDoesNotGetReady) {
+    Walk walk;
+    walk.wait(Course::kPatience_s - 2.0 * kFrame_s, false);
+    EXPECT_EQ(walk.course.scene(), 0U);
+    walk.wait(3.0 * kFrame_s, false);
+    EXPECT_EQ(walk.course.scene(), 1U);
+    EXPECT_TRUE(walk.wait(kFrame_s).performs);
+}
+
 TEST(ExhibitCourse, AStopEndsTheShowAndItBeginsAnew) {
     Walk walk;
     walk.touch();
