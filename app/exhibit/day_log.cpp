@@ -28,7 +28,7 @@ std::string local_time(std::chrono::system_clock::time_point when, const char *f
 } // namespace
 
 std::string summary_of(const DayFigures &figures) {
-    std::string text = fmt::format("{} visitors, {} scenes; {} stops, {} of them healed",
+    std::string text = fmt::format("{} visitors, {} scenes; {} stops, healed {} times",
                                    figures.visitors, figures.scenes, figures.trips, figures.healed);
     if (figures.healed > 0) {
         text += fmt::format(", the longest after {:.0f} s", figures.longest_healing_s);

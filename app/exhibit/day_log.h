@@ -17,7 +17,7 @@ struct DayFigures {
     std::uint64_t visitors = 0;
     std::uint64_t scenes = 0; ///< shown to visitors
     std::uint64_t trips = 0;
-    std::uint64_t healed = 0; ///< trips after which the motors ran again
+    std::uint64_t healed = 0; ///< times that the motors ran again after one trip or several
     std::uint64_t losses = 0; ///< of the device
     double longest_healing_s = 0.0;
     double peak_force_N = 0.0;   ///< while the motors were driven
@@ -25,7 +25,7 @@ struct DayFigures {
     double longest_frame_s = 0.0;
 };
 
-/// "40 visitors, 112 scenes; 3 stops, 3 of them healed, the longest after 11 s; …"
+/// "40 visitors, 112 scenes; 3 stops, healed 3 times, the longest after 11 s; …"
 [[nodiscard]] std::string summary_of(const DayFigures &figures);
 
 /// `springdrive/kiosk/DATE.log` in the user's folder of state; empty where that is not known.

@@ -161,8 +161,11 @@ private:
         } else if (what < 65) {
             person.drag(place, anywhere(), std::uniform_real_distribution(0.05, 0.8)(random_),
                         upto(3) == 0 ? 1 + upto(2) : 1);
-        } else if (what < 80) {
+        } else if (what < 72) {
             person.click(place.x, place.y, 1 + upto(2));
+        } else if (what < 80) { // the row of the exhibit's own buttons
+            constexpr float kRow = 668.0F;
+            person.click(static_cast<float>(600 + upto(650)), kRow);
         } else if (what < 88) {
             person.wheel(place.x, place.y, upto(10) - 5);
         } else if (what < 92) {

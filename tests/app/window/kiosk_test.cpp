@@ -166,7 +166,7 @@ TEST_F(KioskInTheWindow, StopsByTheButtonAndGoesOnByItself) {
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
     const std::string log_text = testing::contents_of(log());
     EXPECT_NE(log_text.find("stopped: emergency stop"), std::string::npos) << log_text;
-    EXPECT_NE(log_text.find("2 stops, 1 of them healed"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("2 stops, healed 1 times"), std::string::npos) << log_text;
 }
 
 TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
