@@ -145,7 +145,7 @@ private:
         if (shown_.stage == Stage::showing) {
             return shown_.has_script ? "what the hand does" : "what there is to feel";
         }
-        return shown_.is_real ? "take the pen and touch" : "drag the hand over the scene";
+        return shown_.is_real ? "take the pen and touch" : "press on the scene, drag to slide";
     }
 
     void draw_banner() {
