@@ -132,7 +132,7 @@ SceneSituation situation_of(const session::Session &session, const OpenedRecord 
     SceneSituation now;
     now.safety = session.latest().safety;
     now.is_lost = session.latest().health == device::DeviceHealth::lost;
-    now.reconnects = session.device_choice().kind == factory::DeviceKind::usb;
+    now.reconnects = session.device_choice().kind != factory::DeviceKind::simulated;
     now.is_lent = session.is_lent();
     now.is_released = session.is_kept_released();
     now.is_zeroed = session.is_zeroed();

@@ -22,7 +22,7 @@ TEST(TourInTheWindow, TouchesTheFirstSceneAndEndsWithEscape) {
                       "the scripted hand touches it");
     EXPECT_TRUE(window.look().shows("the hand follows a path"));
     window.person().key("Escape");
-    window.wait_until([](const Report &report) { return report.shows("left drag: move the hand"); },
+    window.wait_until([](const Report &report) { return report.shows("left press on the scene"); },
                       "the hand is its user's");
     const Report after = window.look();
     EXPECT_EQ(after.column("K_P_V_per_rad"), K_P);

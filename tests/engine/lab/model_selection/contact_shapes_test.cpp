@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 namespace springdrive::model_selection {
 namespace {
@@ -36,12 +37,13 @@ TEST(ContactShapes, OfASphereRunFromThePrimitiveToWhatIsGiven) {
 TEST(ContactShapes, EveryNodeThatIsAPrimitiveBecomesOneWithItsMaterial) {
     const scene::Scene scene = testing::own_scene("compliance");
     const contact::HapticSurface surface = haptic_surface_of(scene, {Kind::primitives, 1});
-    ASSERT_EQ(surface.shapes().size(), 3U);
-    for (std::uint16_t i = 0; i < 3; ++i) {
+    constexpr std::array kEta{0.0, 0.25, 0.5, 0.75, 0.9}; // as the scene's captions say
+    ASSERT_EQ(surface.shapes().size(), kEta.size());
+    for (std::uint16_t i = 0; i < kEta.size(); ++i) {
         EXPECT_EQ(surface.shapes()[i].material(), i);
         EXPECT_TRUE(std::holds_alternative<contact::Box>(surface.shapes()[i].size()));
+        EXPECT_EQ(surface.materials()[i].eta, kEta[i]);
     }
-    EXPECT_EQ(surface.materials()[1].eta, 0.4);
 }
 
 TEST(ContactShapes, ShapesThatASceneLacksAreNeitherOfferedNorMade) {
