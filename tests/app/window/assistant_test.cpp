@@ -221,9 +221,9 @@ TEST_F(AssistantInTheWindow, ADeviceIsCalibratedAndItsBoardKeepsIt) {
     EXPECT_TRUE(stopped.shows("nothing was kept")) << stopped.texts();
     EXPECT_FALSE(is_enabled(stopped, "Assistant/Next"));
     press("calibration/calibrate again");
-    const Report done = window().wait_until(
-        [](const Report &report) { return report.shows("kept by the board"); }, "it is calibrated",
-        240.0);
+    const Report done =
+        window().wait_until([](const Report &report) { return report.shows("kept by the board"); },
+                            "it is calibrated", 240.0);
     EXPECT_TRUE(done.shows("motor 3: R 2.1")) << done.texts(); // 2.18 Ω of the file's motors
     press("Assistant/Again");
     EXPECT_TRUE(window().look().shows("kept by the board"));
