@@ -38,12 +38,12 @@ inline constexpr Colour kTransposeColour{0.36F, 0.73F, 0.95F};
 inline constexpr Colour kInverseColour{1.0F, 0.52F, 0.32F};
 
 struct ThingLook {
-    Thing thing;
-    const char *word;  ///< in the file of settings
-    const char *label; ///< in the legend
-    const char *help;
-    Colour colour;
-    Colour second; ///< of its other part, or the end of its scale; else the same
+    Thing thing{};
+    const char *word = "";  ///< in the file of settings
+    const char *label = ""; ///< in the legend
+    const char *help = "";
+    Colour colour{};
+    Colour second{}; ///< of its other part, or the end of its scale; else the same
     bool is_scale = false;
     bool is_on_at_first = false;
 };
