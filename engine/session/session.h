@@ -117,9 +117,8 @@ public:
     /// Makes a board's calibration part of its description, and starts on it as if it had been
     /// opened with it: what was observed of the windings before is forgotten. A record continues in
     /// a new file. The device must be released, as after a loan.
-    /// @throw InputError while a motor is driven, or the device is stopped, exchanged or lent; for
-    /// a
-    ///        calibration of another device, or an impossible one; nothing is then changed
+    /// @throw InputError while a motor is driven, or the device is stopped, exchanged or lent; if
+    ///        the calibration is another device's, or impossible; nothing is then changed
     void use_calibration(const device::Calibration &calibration);
 
     // The device for somebody else, such as its self-test or calibration:
