@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <unistd.h>
 #include <utility>
 
 namespace springdrive::app::exhibit {
@@ -20,6 +21,7 @@ constexpr double kTouched_m = 5e-3; ///< a tip that moved so far was moved by so
 constexpr double kReadOut_s = 0.2;  ///< digits that change more often cannot be read
 constexpr double kFinal_s = 10.0;   ///< from a final stop of a simulated device to a new start
 constexpr double kNoFrame_s = 5.0;  ///< so long is no frame: the computer slept
+constexpr unsigned kHung_s = 20;    ///< without a frame, while the computer is awake
 
 /// It goes on while the computer sleeps.
 double boot_time_s() {
@@ -68,6 +70,9 @@ void Kiosk::obey(const KeyPress &key) {
 
 void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
                    const Window::LargeText &text) {
+    // Unless the next frame comes in time, SIGALRM ends the process, whatever it waits for; who
+    // started it then starts it again.
+    alarm(kHung_s);
     session::Session &session = parts.stage.session;
     now_ = {};
     now_.time_s = boot_time_s();

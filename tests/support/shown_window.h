@@ -73,6 +73,7 @@ public:
 
     [[nodiscard]] Person &person() { return person_; }
     [[nodiscard]] RunningProgram &program() { return program_; }
+    [[nodiscard]] const VirtualDisplay &display() const { return display_; }
 
 private:
     VirtualDisplay display_;

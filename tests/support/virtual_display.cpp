@@ -131,4 +131,8 @@ VirtualDisplay::VirtualDisplay(int width, int height) {
 
 VirtualDisplay::~VirtualDisplay() { end_server(server_); }
 
+void VirtualDisplay::freeze() const { kill(server_, SIGSTOP); }
+
+void VirtualDisplay::go_on() const { kill(server_, SIGCONT); }
+
 } // namespace springdrive::testing

@@ -20,6 +20,10 @@ public:
     /// For the variable DISPLAY, such as ":7".
     [[nodiscard]] const std::string &name() const { return name_; }
 
+    /// Its programs wait for answers until it goes on.
+    void freeze() const;
+    void go_on() const;
+
 private:
     pid_t server_ = -1;
     std::string name_;

@@ -273,6 +273,28 @@ TEST(KioskSupervisor, StartsACrashedExhibitAgainAndEndsWithIt) {
     EXPECT_NE(text.find("end, by a signal"), std::string::npos) << text;
 }
 
+TEST(KioskSupervisor, StartsAHangingExhibitAgain) {
+    const fs::path log = testing::fresh_folder("kiosk_hanging") / "day.log";
+    ShownWindow window({"--kiosk", "--log", log}, kExhibit);
+    EXPECT_TRUE(window.look().shows("Touch to begin"));
+    const pid_t first = child_with(log);
+    ASSERT_GT(first, 0);
+    window.display().freeze(); // whatever is drawn now waits for it
+    const auto begin = std::chrono::steady_clock::now();
+    while (child_with(log) == first &&
+           std::chrono::steady_clock::now() - begin < std::chrono::seconds(120)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    window.display().go_on();
+    ASSERT_NE(child_with(log), first);
+    window.person().wait_for_window();
+    EXPECT_TRUE(window.look().shows("Touch to begin"));
+    EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
+    const std::string text = testing::contents_of(log);
+    EXPECT_NE(text.find("ended with status " + std::to_string(128 + SIGALRM)), std::string::npos)
+        << text;
+}
+
 TEST(KioskDisplay, ALostOneEndsTheProgramInOneLineAndInTheLog) {
     const fs::path log = testing::fresh_folder("kiosk_display") / "day.log";
     auto display = std::make_unique<testing::VirtualDisplay>(1280, 720);
