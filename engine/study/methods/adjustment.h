@@ -1,0 +1,25 @@
+// The method of adjustment: a trial starts at a drawn level, which the participant changes; its
+// result is the setting.
+#pragma once
+
+#include "engine/study/methods/scale.h"
+
+#include <string>
+
+namespace springdrive::study {
+
+struct Adjustment {
+    Scale scale = Scale::linear; ///< on which starts are drawn and settings are averaged
+    double minimum_start = 0.0;  ///< starts are uniform on the scale between both
+    double maximum_start = 1.0;
+    double minimum_level = 0.0; ///< reach of the settings
+    double maximum_level = 1.0;
+    int settings = 10;
+
+    friend bool operator==(const Adjustment &, const Adjustment &) = default;
+};
+
+/// Empty if the method can be used; else the first bad key, with value and range.
+[[nodiscard]] std::string what_is_wrong_with(const Adjustment &method);
+
+} // namespace springdrive::study

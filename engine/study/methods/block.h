@@ -1,0 +1,123 @@
+// A block of trials without a break: practice first, then series of trials, one per condition and
+// each by its own method, interleaved by chance, with catch trials between them. The whole
+// sequence is a function of the specification, a random key and the trials so far.
+//
+// - Practice trials take series in turn and their levels by chance; no method learns of them.
+// - The next series is drawn from those that are not done and are less than `kLargestLead` trials
+//   ahead of the one that is furthest behind (tracks of staircases likewise).
+// - Of each `one_in` trials after practice, one is a catch trial, at a drawn place: an obvious
+//   stimulus, or none. No method learns of it.
+// - The interval or place of the stimulus is drawn anew for each trial.
+// - A marked trial did not happen: it takes part in no count, nothing learns of its answer, and its
+//   level is presented again later in the block, as `Outcome::marked` says. A marked practice or
+//   catch trial is presented again at once, with another draw of interval or place.
+#pragma once
+
+#include "engine/study/methods/method.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace springdrive::study {
+
+/// Trials ahead of the series or track that is furthest behind, at the most.
+inline constexpr int kLargestLead = 3;
+
+/// Ends after `fewest_trials` once the last `correct_in_a_row` were correct, or after
+/// `most_trials`.
+struct Practice {
+    std::vector<double> levels; ///< drawn from; may be empty without practice
+    int fewest_trials = 0;
+    int correct_in_a_row = 0; ///< 0: does not matter
+    int most_trials = 0;      ///< 0: no practice
+
+    friend bool operator==(const Practice &, const Practice &) = default;
+};
+
+struct CatchTrials {
+    std::vector<double> levels; ///< drawn from; may be empty without catch trials
+    int one_in = 0;             ///< 0: none
+
+    friend bool operator==(const CatchTrials &, const CatchTrials &) = default;
+};
+
+struct Block {
+    Task task;
+    std::vector<Method> series; ///< one per condition of the block
+    Practice practice;
+    CatchTrials catch_trials;
+    int most_marked = 20; ///< the block ends, unfinished, with the next marked trial after these
+
+    friend bool operator==(const Block &, const Block &) = default;
+};
+
+/// Empty if the block can be run; else the first bad key, with value and range.
+[[nodiscard]] std::string what_is_wrong_with(const Block &block);
+
+/// An upper bound of its trials, not counting marked ones.
+[[nodiscard]] int most_trials(const Block &block);
+
+enum class TrialKind : std::uint8_t { practice, catch_trial, measured };
+
+/// By the number of the kind, as in stores and exports.
+inline constexpr std::array<std::string_view, 3> kTrialKindNames{"practice", "catch", "measured"};
+
+/// What is to be presented.
+struct BlockTrial {
+    TrialKind kind = TrialKind::measured;
+    int series = 0;     ///< index into Block::series
+    int track = 0;      ///< of staircases, else 0
+    double level = 0.0; ///< of an adjustment: where it starts
+    int target = 0;     ///< forced choice: the interval or place of the stimulus, from 0
+
+    friend bool operator==(const BlockTrial &, const BlockTrial &) = default;
+};
+
+/// A trial that was run.
+struct PastBlockTrial {
+    BlockTrial presented;
+    Outcome outcome;
+
+    friend bool operator==(const PastBlockTrial &, const PastBlockTrial &) = default;
+};
+
+enum class BlockState : std::uint8_t { running, complete, too_many_marked };
+
+/// The trial after `past`; nothing when the block is complete or had too many marked trials.
+/// @pre what_is_wrong_with(block) is empty; `past` is what this function asked for
+[[nodiscard]] std::optional<BlockTrial> next_trial(const Block &block, RandomKey key,
+                                                   std::span<const PastBlockTrial> past);
+
+/// The same, trial by trial.
+class BlockRun {
+public:
+    /// @pre what_is_wrong_with(block) is empty
+    BlockRun(const Block &block, RandomKey key);
+
+    /// The same however often it is asked; nothing unless the state is `running`.
+    [[nodiscard]] std::optional<BlockTrial> next() const;
+
+    /// @pre the state is `running`: the outcome of `next()`
+    void add(const Outcome &outcome);
+
+    [[nodiscard]] BlockState state() const;
+
+private:
+    [[nodiscard]] std::optional<BlockTrial> practice_trial() const;
+    [[nodiscard]] BlockTrial catch_trial() const;
+
+    Block block_;
+    RandomKey key_;
+    std::vector<MethodRun> runs_;
+    std::vector<int> trials_of_series_; ///< that were not marked
+    int practised_ = 0;                 ///< of the counts below, none has marked trials
+    int correct_in_a_row_ = 0;          ///< in practice
+    int after_practice_ = 0;            ///< catch trials too
+    int marked_ = 0;
+    int all_ = 0; ///< trials so far, marked ones too
+};
+
+} // namespace springdrive::study

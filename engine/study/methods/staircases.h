@@ -1,0 +1,52 @@
+// Up-down staircases: n correct answers in a row (or "yes") lower the level, one wrong answer
+// raises it. Transformed (n > 1, Levitt 1971), weighted (steps up and down of different size,
+// Kaernbach 1991), or both; one track or several interleaved ones.
+//
+// A step down ends a run of n correct answers, a step up any other run. At a level where an answer
+// is correct with probability p a run ends downwards with probability pⁿ, and the steps cancel on
+// average where pⁿ Δ₋ = (1 − pⁿ) Δ₊, so a track converges to the level at which
+//
+//   p = (Δ₊/(Δ₊ + Δ₋))^(1/n):
+//
+// 0.5^(1/n) with equal steps (Levitt 1971, J. Acoust. Soc. Am. 49, 467, table I), Δ₊/(Δ₊ + Δ₋) with
+// n = 1 (Kaernbach 1991, Perception & Psychophysics 49, 227, eq. (1)). It holds in the limit of
+// small steps; how far the mean of a track's levels is off with steps of a given size is computed
+// exactly in tests/engine/study/staircases_test.cpp.
+#pragma once
+
+#include "engine/study/methods/scale.h"
+
+#include <string>
+#include <vector>
+
+namespace springdrive::study {
+
+/// A size of the step down, in force from a number of reversals on.
+struct StepSize {
+    int from_reversal = 0;
+    double size = 1.0; ///< linear: in units of the level; logarithmic: the ratio of levels, above 1
+
+    friend bool operator==(const StepSize &, const StepSize &) = default;
+};
+
+struct Staircases {
+    Scale scale = Scale::linear;
+    std::vector<double> start_levels; ///< one per track
+    double minimum_level = 0.0;       ///< a step beyond ends here
+    double maximum_level = 1.0;       ///< and here
+    int correct_for_down = 2;         ///< n
+    double up_to_down = 1.0;          ///< Δ₊/Δ₋, on the scale
+    std::vector<StepSize> steps;      ///< rising in `from_reversal`, from 0
+    int reversals = 10;               ///< a track ends after so many; 0: by `trials` alone
+    int trials = 60;                  ///< a track ends after so many at the latest
+
+    friend bool operator==(const Staircases &, const Staircases &) = default;
+};
+
+/// Empty if the method can be used; else the first bad key, with value and range.
+[[nodiscard]] std::string what_is_wrong_with(const Staircases &method);
+
+/// The proportion of correct answers (or of "yes") to which the tracks converge, see above.
+[[nodiscard]] double convergence_proportion(const Staircases &method);
+
+} // namespace springdrive::study

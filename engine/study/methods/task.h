@@ -1,0 +1,46 @@
+// What a participant is asked to do in each trial.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace springdrive::study {
+
+enum class TaskKind : std::uint8_t {
+    forced_choice_by_interval, ///< in which of m intervals of time was the stimulus
+    forced_choice_by_place,    ///< at which of m places, or in which of m directions, was it
+    yes_no,                    ///< was it there, was it stronger than the standard
+    adjustment,                ///< set the level yourself
+};
+
+/// By the number of the kind, as in protocol files.
+inline constexpr std::array<std::string_view, 4> kTaskKindNames{
+    "forced_choice_by_interval", "forced_choice_by_place", "yes_no", "adjustment"};
+
+struct Task {
+    TaskKind kind = TaskKind::forced_choice_by_interval;
+    int alternatives = 2; ///< m of forced choice, 2 to 8; 2 for the other kinds
+    /// Of yes/no: the share of "yes" without a stimulus is not known; it is taken to lie between 0
+    /// and this, all values being equally likely before the study. 0: no false alarms.
+    double largest_false_alarm_rate = 0.5;
+
+    friend bool operator==(const Task &, const Task &) = default;
+};
+
+/// Empty if the task can be used; else the first bad key, with value and range.
+[[nodiscard]] std::string what_is_wrong_with(const Task &task);
+
+[[nodiscard]] constexpr bool is_forced_choice(TaskKind kind) {
+    return kind == TaskKind::forced_choice_by_interval || kind == TaskKind::forced_choice_by_place;
+}
+
+/// Known bounds of the guess rate γ: 1/m of forced choice, 0 to the largest rate of yes/no.
+struct GuessRange {
+    double minimum = 0.0;
+    double maximum = 0.0;
+};
+[[nodiscard]] GuessRange guess_range(const Task &task);
+
+} // namespace springdrive::study

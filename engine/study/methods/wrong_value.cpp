@@ -1,0 +1,59 @@
+#include "engine/study/methods/wrong_value.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace springdrive::study {
+
+// Written so that a NaN lies in no range.
+std::string unless_from_to(std::string_view key, double value, double minimum, double maximum) {
+    return value >= minimum && value <= maximum
+               ? std::string()
+               : fmt::format("{} is {:g}; it must be from {:g} to {:g}", key, value, minimum,
+                             maximum);
+}
+
+std::string unless_above(std::string_view key, double value, double minimum) {
+    return value > minimum && std::isfinite(value)
+               ? std::string()
+               : fmt::format("{} is {:g}; it must be above {:g}", key, value, minimum);
+}
+
+std::string unless_finite(std::string_view key, std::span<const double> values) {
+    for (const double value : values) {
+        if (!std::isfinite(value)) {
+            return fmt::format("{} has {:g}; each must be a number", key, value);
+        }
+    }
+    return {};
+}
+
+std::string unless_rising(std::string_view key, std::span<const double> levels,
+                          std::size_t fewest) {
+    if (levels.size() < fewest) {
+        return fmt::format("{} has {} levels; it must have at least {}", key, levels.size(),
+                           fewest);
+    }
+    if (std::string complaint = unless_finite(key, levels); !complaint.empty()) {
+        return complaint;
+    }
+    for (std::size_t i = 1; i < levels.size(); ++i) {
+        if (levels[i] <= levels[i - 1]) {
+            return fmt::format("{} has {:g} after {:g}; each must be above the one before", key,
+                               levels[i], levels[i - 1]);
+        }
+    }
+    return {};
+}
+
+std::string first_of(std::initializer_list<std::string> complaints) {
+    for (const std::string &complaint : complaints) {
+        if (!complaint.empty()) {
+            return complaint;
+        }
+    }
+    return {};
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,29 @@
+// The lines in which a specification is refused: key, value and range.
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace springdrive::study {
+
+/// "KEY is VALUE; it must be from MINIMUM to MAXIMUM" if it is not, also for a NaN; else empty.
+[[nodiscard]] std::string unless_from_to(std::string_view key, double value, double minimum,
+                                         double maximum);
+
+/// "KEY is VALUE; it must be above MINIMUM" if it is not, or not finite; else empty.
+[[nodiscard]] std::string unless_above(std::string_view key, double value, double minimum);
+
+/// Refuses levels that are fewer than `fewest`, not finite or not rising; else empty.
+[[nodiscard]] std::string unless_rising(std::string_view key, std::span<const double> levels,
+                                        std::size_t fewest);
+
+/// Refuses values that are not finite; else empty.
+[[nodiscard]] std::string unless_finite(std::string_view key, std::span<const double> values);
+
+/// The first that is not empty.
+[[nodiscard]] std::string first_of(std::initializer_list<std::string> complaints);
+
+} // namespace springdrive::study
