@@ -1,6 +1,7 @@
 // The converter that digitises a motor's current for the servo.
 #pragma once
 
+#include "base/split_mix.h"
 #include "device/simulated/drawn_device.h"
 
 #include <cmath>
@@ -25,13 +26,10 @@ public:
     }
 
 private:
-    /// Uniform in [0, 1) (SplitMix64, Steele, Lea and Flood 2014).
+    /// Uniform in [0, 1).
     [[nodiscard]] double uniform() noexcept {
-        state_ += 0x9e3779b97f4a7c15U;
-        std::uint64_t mixed = state_;
-        mixed = (mixed ^ (mixed >> 30U)) * 0xbf58476d1ce4e5b9U;
-        mixed = (mixed ^ (mixed >> 27U)) * 0x94d049bb133111ebU;
-        return static_cast<double>((mixed ^ (mixed >> 31U)) >> 11U) * 0x1p-53;
+        state_ += split_mix::kStep;
+        return split_mix::unit_share(split_mix::scattered(state_));
     }
 
     /// Mean 0, variance 1, to within 6: the sum of twelve uniform values (Irwin-Hall).

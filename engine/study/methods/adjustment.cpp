@@ -2,6 +2,7 @@
 
 #include "engine/study/methods/wrong_value.h"
 
+#include <cstdint>
 #include <limits>
 
 namespace springdrive::study {
@@ -17,6 +18,16 @@ std::string what_is_wrong_with(const Adjustment &method) {
                      unless_from_to("maximum_start", method.maximum_start, method.minimum_start,
                                     method.maximum_level),
                      unless_from_to("settings", method.settings, 1, 1000)});
+}
+
+std::optional<MethodTrial> AdjustmentRun::next() const {
+    if (is_done()) {
+        return std::nullopt;
+    }
+    const double first = on_scale(method_.scale, method_.minimum_start);
+    const double last = on_scale(method_.scale, method_.maximum_start);
+    const double share = uniform(child(key_, static_cast<std::uint64_t>(settings_)));
+    return MethodTrial{level_from(method_.scale, first + share * (last - first)), 0};
 }
 
 } // namespace springdrive::study

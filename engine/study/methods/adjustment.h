@@ -2,8 +2,11 @@
 // result is the setting.
 #pragma once
 
+#include "engine/study/methods/random_key.h"
 #include "engine/study/methods/scale.h"
+#include "engine/study/methods/trial.h"
 
+#include <optional>
 #include <string>
 
 namespace springdrive::study {
@@ -21,5 +24,22 @@ struct Adjustment {
 
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const Adjustment &method);
+
+[[nodiscard]] inline int most_trials(const Adjustment &method) { return method.settings; }
+
+/// The method while it runs; see MethodRun.
+class AdjustmentRun {
+public:
+    AdjustmentRun(const Adjustment &method, RandomKey key) : method_(method), key_(key) {}
+
+    [[nodiscard]] bool is_done() const { return settings_ >= method_.settings; }
+    [[nodiscard]] std::optional<MethodTrial> next() const;
+    void add(const PastMethodTrial &trial) { settings_ += trial.outcome.marked ? 0 : 1; }
+
+private:
+    Adjustment method_;
+    RandomKey key_;
+    int settings_ = 0;
+};
 
 } // namespace springdrive::study

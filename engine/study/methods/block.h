@@ -14,7 +14,9 @@
 #pragma once
 
 #include "engine/study/methods/method.h"
+#include "engine/study/methods/turns.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,9 +24,6 @@
 #include <vector>
 
 namespace springdrive::study {
-
-/// Trials ahead of the series or track that is furthest behind, at the most.
-inline constexpr int kLargestLead = 3;
 
 /// Ends after `fewest_trials` once the last `correct_in_a_row` were correct, or after
 /// `most_trials`.
@@ -100,24 +99,34 @@ public:
     /// The same however often it is asked; nothing unless the state is `running`.
     [[nodiscard]] std::optional<BlockTrial> next() const;
 
-    /// @pre the state is `running`: the outcome of `next()`
-    void add(const Outcome &outcome);
+    /// @pre the state is `running`; the trial is `next()`
+    void add(const PastBlockTrial &trial);
 
     [[nodiscard]] BlockState state() const;
 
 private:
-    [[nodiscard]] std::optional<BlockTrial> practice_trial() const;
+    [[nodiscard]] bool is_practising() const;
+    [[nodiscard]] bool is_catch_due() const;
+    [[nodiscard]] BlockTrial practice_trial() const;
     [[nodiscard]] BlockTrial catch_trial() const;
+    [[nodiscard]] BlockTrial measured_trial() const;
 
     Block block_;
     RandomKey key_;
     std::vector<MethodRun> runs_;
-    std::vector<int> trials_of_series_; ///< that were not marked
-    int practised_ = 0;                 ///< of the counts below, none has marked trials
-    int correct_in_a_row_ = 0;          ///< in practice
-    int after_practice_ = 0;            ///< catch trials too
+    // Trials that were not marked:
+    std::vector<int> trials_of_series_; ///< measured ones
+    int practised_ = 0;
+    int correct_in_a_row_ = 0; ///< in practice
+    int after_practice_ = 0;   ///< measured and catch trials
+    // Others:
     int marked_ = 0;
-    int all_ = 0; ///< trials so far, marked ones too
+    int all_ = 0; ///< marked ones too
 };
+
+/// The first trial of `past` that is not what the sequence says, so that the specification, the
+/// key or the version is not the one that it was run with; nothing if all agree.
+[[nodiscard]] std::optional<std::size_t> first_difference(const Block &block, RandomKey key,
+                                                          std::span<const PastBlockTrial> past);
 
 } // namespace springdrive::study

@@ -1,6 +1,11 @@
 // The method of constant stimuli: every level as often as every other, in an order by chance.
 #pragma once
 
+#include "engine/study/methods/random_key.h"
+#include "engine/study/methods/trial.h"
+
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,5 +23,26 @@ struct ConstantStimuli {
 
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const ConstantStimuli &method);
+
+[[nodiscard]] int most_trials(const ConstantStimuli &method);
+
+/// The method while it runs; see MethodRun.
+class ConstantStimuliRun {
+public:
+    ConstantStimuliRun(const ConstantStimuli &method, RandomKey key);
+
+    [[nodiscard]] bool is_done() const { return left_.empty(); }
+    [[nodiscard]] std::optional<MethodTrial> next() const;
+    void add(const PastMethodTrial &trial);
+
+private:
+    void start_block();
+
+    ConstantStimuli method_;
+    RandomKey key_;
+    std::vector<double> left_; ///< in the present block, the next one first
+    int blocks_started_ = 0;
+    std::uint64_t trials_ = 0; ///< marked ones too
+};
 
 } // namespace springdrive::study

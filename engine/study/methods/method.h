@@ -8,9 +8,9 @@
 #include "engine/study/methods/random_key.h"
 #include "engine/study/methods/staircases.h"
 #include "engine/study/methods/task.h"
+#include "engine/study/methods/trial.h"
 
 #include <array>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,33 +31,6 @@ inline constexpr std::array<std::string_view, 4> kMethodNames{"constant_stimuli"
 /// An upper bound of its trials, not counting marked ones.
 [[nodiscard]] int most_trials(const Method &method);
 
-/// What is to be presented.
-struct MethodTrial {
-    double level = 0.0; ///< of an adjustment: where it starts
-    int track = 0;      ///< of staircases, else 0
-
-    friend bool operator==(const MethodTrial &, const MethodTrial &) = default;
-};
-
-/// What came of a trial.
-struct Outcome {
-    bool positive = false; ///< correct, or "yes"
-    double setting = 0.0;  ///< of an adjustment
-    /// The trial did not happen: it tells the method nothing, and is presented again. Constant
-    /// stimuli put its level back at a drawn place among those that are left in its block; an
-    /// adaptive method asks for the same level when the track has its next turn; an adjustment
-    /// starts from the same level again.
-    bool marked = false;
-
-    friend bool operator==(const Outcome &, const Outcome &) = default;
-};
-
-/// A trial that was run.
-struct PastMethodTrial {
-    MethodTrial presented;
-    Outcome outcome;
-};
-
 /// The trial after `past`; nothing when the method is done.
 /// @pre what_is_wrong_with(method, task) is empty; `past` is what this function asked for
 [[nodiscard]] std::optional<MethodTrial> next_trial(const Method &method, RandomKey key,
@@ -68,19 +41,25 @@ class MethodRun {
 public:
     /// @pre what_is_wrong_with(method, task) is empty
     MethodRun(const Method &method, RandomKey key);
-    ~MethodRun();
-    MethodRun(MethodRun &&) noexcept;
-    MethodRun &operator=(MethodRun &&) noexcept;
 
-    /// The same however often it is asked.
+    [[nodiscard]] bool is_done() const;
+
+    /// The same however often it is asked; nothing when the method is done.
     [[nodiscard]] std::optional<MethodTrial> next() const;
 
-    /// @pre `next()` is a trial: this one's outcome
-    void add(const Outcome &outcome);
+    /// @pre not done; `trial.presented` is `next()`
+    void add(const PastMethodTrial &trial);
+
+    /// The run itself, for what only one method knows; null for another method.
+    [[nodiscard]] const StaircasesRun *staircases() const {
+        return std::get_if<StaircasesRun>(&run_);
+    }
+    [[nodiscard]] const QuestPlusRun *quest_plus() const {
+        return std::get_if<QuestPlusRun>(&run_);
+    }
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    std::variant<ConstantStimuliRun, StaircasesRun, QuestPlusRun, AdjustmentRun> run_;
 };
 
 } // namespace springdrive::study

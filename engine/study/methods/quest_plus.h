@@ -4,7 +4,11 @@
 
 #include "engine/study/methods/prior.h"
 #include "engine/study/methods/psychometric_function.h"
+#include "engine/study/methods/trial.h"
 
+#include <Eigen/Core>
+
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,9 +39,54 @@ struct QuestPlus {
 };
 
 /// Levels times nodes of all four grids: above it, the next level would take too long.
-inline constexpr double kLargestQuestTable = 20e6;
+inline constexpr double kLargestQuestTable = 5e6;
 
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const QuestPlus &method);
+
+[[nodiscard]] inline int most_trials(const QuestPlus &method) { return method.most_trials; }
+
+/// The method while it runs; see MethodRun.
+///
+/// The expected entropy after a trial at level x is that of the present posterior less the mutual
+/// information I(x) of answer and parameters θ, so the level with the most information is
+/// presented, the lowest of several:
+///
+///   I(x) = h(Σ_θ p(θ) ψ(x; θ)) − Σ_θ p(θ) h(ψ(x; θ)),   h(ψ) = −ψ ln ψ − (1 − ψ) ln(1 − ψ).
+///
+/// With ψ and h(ψ) tabulated this is two products of a table and a vector.
+class QuestPlusRun {
+public:
+    explicit QuestPlusRun(const QuestPlus &method);
+
+    [[nodiscard]] bool is_done() const;
+    [[nodiscard]] std::optional<MethodTrial> next() const;
+    void add(const PastMethodTrial &trial);
+
+    /// A function of the posterior, with the mean of each parameter (threshold and slope on the
+    /// scale of their priors).
+    [[nodiscard]] PsychometricFunction mean() const;
+
+    /// Standard deviation of the threshold on the scale of its prior.
+    [[nodiscard]] double threshold_deviation() const;
+
+    /// Entropy of the posterior [nat].
+    [[nodiscard]] double entropy() const;
+
+    /// Entropy to be expected after a trial at each level [nat].
+    [[nodiscard]] Eigen::VectorXd expected_entropy() const;
+
+private:
+    using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+    [[nodiscard]] Eigen::VectorXd information() const;
+
+    QuestPlus method_;
+    std::vector<PsychometricFunction> functions_; ///< one per node of the grid
+    Table proportions_;                           ///< ψ: a row per level, a column per function
+    Table answer_entropies_;                      ///< h(ψ), likewise
+    Eigen::VectorXd posterior_;                   ///< weights of the functions, sum 1
+    int trials_ = 0;                              ///< that were not marked
+};
 
 } // namespace springdrive::study

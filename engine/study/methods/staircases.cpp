@@ -1,10 +1,14 @@
 #include "engine/study/methods/staircases.h"
 
+#include "base/assertions.h"
+#include "engine/study/methods/turns.h"
 #include "engine/study/methods/wrong_value.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace springdrive::study {
@@ -61,6 +65,64 @@ std::string what_is_wrong_with(const Staircases &method) {
 
 double convergence_proportion(const Staircases &method) {
     return std::pow(method.up_to_down / (1.0 + method.up_to_down), 1.0 / method.correct_for_down);
+}
+
+StaircasesRun::StaircasesRun(const Staircases &method, RandomKey key) : method_(method), key_(key) {
+    for (const double level : method.start_levels) {
+        tracks_.emplace_back().level = level;
+    }
+}
+
+bool StaircasesRun::is_done(const StaircaseTrack &track) const {
+    return track.trials >= method_.trials ||
+           (method_.reversals > 0 && std::ssize(track.reversal_levels) >= method_.reversals);
+}
+
+bool StaircasesRun::is_done() const {
+    return std::ranges::all_of(tracks_, [this](const StaircaseTrack &t) { return is_done(t); });
+}
+
+std::optional<MethodTrial> StaircasesRun::next() const {
+    std::vector<Interleaved> all;
+    for (const StaircaseTrack &track : tracks_) {
+        all.push_back({track.trials, is_done(track)});
+    }
+    const std::optional<std::size_t> turn = next_turn(all, child(key_, trials_));
+    return turn ? std::optional(MethodTrial{tracks_[*turn].level, static_cast<int>(*turn)})
+                : std::nullopt;
+}
+
+void StaircasesRun::add(const PastMethodTrial &trial) {
+    ++trials_;
+    if (trial.outcome.marked) {
+        return;
+    }
+    const auto number = static_cast<std::size_t>(trial.presented.track);
+    SPRINGDRIVE_ASSERT(number < tracks_.size());
+    StaircaseTrack &track = tracks_[number];
+    ++track.trials;
+    track.correct_in_a_row = trial.outcome.positive ? track.correct_in_a_row + 1 : 0;
+    if (trial.outcome.positive && track.correct_in_a_row < method_.correct_for_down) {
+        return;
+    }
+    const int direction = trial.outcome.positive ? -1 : 1;
+    if (direction == -track.last_step) {
+        track.reversal_levels.push_back(trial.presented.level);
+        track.reversal_directions.push_back(direction);
+    }
+    track.correct_in_a_row = 0;
+    track.last_step = direction;
+    track.level =
+        stepped(trial.presented.level, direction, static_cast<int>(track.reversal_levels.size()));
+}
+
+double StaircasesRun::stepped(double level, int direction, int reversals) const {
+    const auto beyond =
+        std::ranges::upper_bound(method_.steps, reversals, {}, &StepSize::from_reversal);
+    const double size = on_scale(method_.scale, std::prev(beyond)->size);
+    const double step = direction > 0 ? method_.up_to_down * size : -size;
+    return std::clamp(level_from(method_.scale, on_scale(method_.scale, level) + step),
+                      method_.minimum_level, method_.maximum_level);
 }
 
 } // namespace springdrive::study

@@ -10,12 +10,17 @@
 //
 // 0.5^(1/n) with equal steps (Levitt 1971, J. Acoust. Soc. Am. 49, 467, table I), Δ₊/(Δ₊ + Δ₋) with
 // n = 1 (Kaernbach 1991, Perception & Psychophysics 49, 227, eq. (1)). It holds in the limit of
-// small steps; how far the mean of a track's levels is off with steps of a given size is computed
-// exactly in tests/engine/study/staircases_test.cpp.
+// small steps; the mean level of a track is off by up to a quarter of its larger step, as the
+// stationary distribution of its Markov chain says (tests/engine/study/staircases_test.cpp).
 #pragma once
 
+#include "engine/study/methods/random_key.h"
 #include "engine/study/methods/scale.h"
+#include "engine/study/methods/trial.h"
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,5 +53,42 @@ struct Staircases {
 
 /// The proportion of correct answers (or of "yes") to which the tracks converge, see above.
 [[nodiscard]] double convergence_proportion(const Staircases &method);
+
+[[nodiscard]] inline int most_trials(const Staircases &method) {
+    return static_cast<int>(method.start_levels.size()) * method.trials;
+}
+
+/// One track so far. A reversal is a trial that steps against the step before, also where an end
+/// of the levels left no room for a step.
+struct StaircaseTrack {
+    double level = 0.0; ///< of its next trial
+    int trials = 0;
+    int correct_in_a_row = 0;            ///< since the last step
+    int last_step = 0;                   ///< +1 up, −1 down, 0 none yet
+    std::vector<double> reversal_levels; ///< the levels at which it turned
+    std::vector<int>
+        reversal_directions; ///< of the steps there: +1 up (a valley), −1 down (a peak)
+};
+
+/// The method while it runs; see MethodRun.
+class StaircasesRun {
+public:
+    StaircasesRun(const Staircases &method, RandomKey key);
+
+    [[nodiscard]] bool is_done() const;
+    [[nodiscard]] std::optional<MethodTrial> next() const;
+    void add(const PastMethodTrial &trial);
+
+    [[nodiscard]] std::span<const StaircaseTrack> tracks() const { return tracks_; }
+
+private:
+    [[nodiscard]] bool is_done(const StaircaseTrack &track) const;
+    [[nodiscard]] double stepped(double level, int direction, int reversals) const;
+
+    Staircases method_;
+    RandomKey key_;
+    std::vector<StaircaseTrack> tracks_;
+    std::uint64_t trials_ = 0; ///< of all tracks, marked ones too
+};
 
 } // namespace springdrive::study

@@ -1,0 +1,199 @@
+#include "engine/study/methods/block.h"
+
+#include "base/assertions.h"
+#include "engine/study/methods/wrong_value.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace springdrive::study {
+
+namespace {
+
+/// What is drawn from the key of a block: each has a child of its own.
+enum class Drawn : std::uint8_t {
+    series_sequence, ///< of the series' methods
+    turn,
+    target,
+    practice_level,
+    catch_place,
+    catch_series,
+    catch_level,
+};
+
+RandomKey key_for(RandomKey block, Drawn what, int number) {
+    return child(child(block, static_cast<std::uint64_t>(what)),
+                 static_cast<std::uint64_t>(number));
+}
+
+std::string what_is_wrong_with(const Practice &practice) {
+    return first_of(
+        {unless_finite("practice.levels", practice.levels),
+         unless_from_to("practice.most_trials", practice.most_trials, 0, 1000),
+         unless_from_to("practice.fewest_trials", practice.fewest_trials, 0, practice.most_trials),
+         unless_from_to("practice.correct_in_a_row", practice.correct_in_a_row, 0,
+                        practice.most_trials),
+         practice.most_trials > 0 && practice.levels.empty()
+             ? std::string("practice.levels is empty; it must have at least one")
+             : std::string()});
+}
+
+std::string what_is_wrong_with(const CatchTrials &catch_trials) {
+    return first_of({unless_finite("catch_trials.levels", catch_trials.levels),
+                     catch_trials.one_in == 0
+                         ? std::string()
+                         : unless_from_to("catch_trials.one_in", catch_trials.one_in, 2, 1000),
+                     catch_trials.one_in > 0 && catch_trials.levels.empty()
+                         ? std::string("catch_trials.levels is empty; it must have at least one")
+                         : std::string()});
+}
+
+} // namespace
+
+std::string what_is_wrong_with(const Block &block) {
+    constexpr int kMostSeries = 100;
+    std::string complaint =
+        first_of({what_is_wrong_with(block.task),
+                  unless_from_to("series (how many)", static_cast<double>(block.series.size()), 1,
+                                 kMostSeries),
+                  what_is_wrong_with(block.practice), what_is_wrong_with(block.catch_trials),
+                  unless_from_to("most_marked", block.most_marked, 0, 10000)});
+    for (std::size_t i = 0; i < block.series.size() && complaint.empty(); ++i) {
+        complaint = what_is_wrong_with(block.series[i], block.task);
+        if (!complaint.empty()) {
+            complaint = fmt::format("series[{}]: {}", i, complaint);
+        }
+    }
+    return complaint;
+}
+
+int most_trials(const Block &block) {
+    int measured = 0;
+    for (const Method &method : block.series) {
+        measured += most_trials(method);
+    }
+    const int others_per_catch = block.catch_trials.one_in - 1;
+    const int caught = others_per_catch > 0 ? measured / others_per_catch + 1 : 0;
+    return block.practice.most_trials + measured + caught;
+}
+
+std::optional<BlockTrial> next_trial(const Block &block, RandomKey key,
+                                     std::span<const PastBlockTrial> past) {
+    BlockRun run(block, key);
+    for (const PastBlockTrial &trial : past) {
+        run.add(trial);
+    }
+    return run.next();
+}
+
+std::optional<std::size_t> first_difference(const Block &block, RandomKey key,
+                                            std::span<const PastBlockTrial> past) {
+    BlockRun run(block, key);
+    for (std::size_t i = 0; i < past.size(); ++i) {
+        if (run.next() != past[i].presented) {
+            return i;
+        }
+        run.add(past[i]);
+    }
+    return std::nullopt;
+}
+
+BlockRun::BlockRun(const Block &block, RandomKey key)
+    : block_(block), key_(key), trials_of_series_(block.series.size(), 0) {
+    for (std::size_t i = 0; i < block.series.size(); ++i) {
+        runs_.emplace_back(block.series[i],
+                           key_for(key, Drawn::series_sequence, static_cast<int>(i)));
+    }
+}
+
+BlockState BlockRun::state() const {
+    if (marked_ > block_.most_marked) {
+        return BlockState::too_many_marked;
+    }
+    const bool all_done =
+        std::ranges::all_of(runs_, [](const MethodRun &run) { return run.is_done(); });
+    return all_done && !is_practising() ? BlockState::complete : BlockState::running;
+}
+
+std::optional<BlockTrial> BlockRun::next() const {
+    if (state() != BlockState::running) {
+        return std::nullopt;
+    }
+    BlockTrial trial = is_practising()  ? practice_trial()
+                       : is_catch_due() ? catch_trial()
+                                        : measured_trial();
+    if (is_forced_choice(block_.task.kind)) {
+        trial.target = static_cast<int>(below(key_for(key_, Drawn::target, all_),
+                                              static_cast<std::size_t>(block_.task.alternatives)));
+    }
+    return trial;
+}
+
+void BlockRun::add(const PastBlockTrial &trial) {
+    SPRINGDRIVE_ASSERT(state() == BlockState::running);
+    ++all_;
+    marked_ += trial.outcome.marked ? 1 : 0;
+    if (trial.presented.kind == TrialKind::measured) {
+        const auto series = static_cast<std::size_t>(trial.presented.series);
+        SPRINGDRIVE_ASSERT(series < runs_.size());
+        runs_[series].add({{trial.presented.level, trial.presented.track}, trial.outcome});
+        trials_of_series_[series] += trial.outcome.marked ? 0 : 1;
+    }
+    if (trial.outcome.marked) {
+        return;
+    }
+    if (trial.presented.kind == TrialKind::practice) {
+        ++practised_;
+        correct_in_a_row_ = trial.outcome.positive ? correct_in_a_row_ + 1 : 0;
+    } else {
+        ++after_practice_;
+    }
+}
+
+bool BlockRun::is_practising() const {
+    const Practice &practice = block_.practice;
+    return practised_ < practice.most_trials &&
+           (practised_ < practice.fewest_trials || correct_in_a_row_ < practice.correct_in_a_row);
+}
+
+bool BlockRun::is_catch_due() const {
+    const int one_in = block_.catch_trials.one_in;
+    if (one_in == 0) {
+        return false;
+    }
+    const RandomKey key = key_for(key_, Drawn::catch_place, after_practice_ / one_in);
+    return static_cast<std::size_t>(after_practice_ % one_in) ==
+           below(key, static_cast<std::size_t>(one_in));
+}
+
+BlockTrial BlockRun::practice_trial() const {
+    const std::vector<double> &levels = block_.practice.levels;
+    const std::size_t level =
+        below(key_for(key_, Drawn::practice_level, practised_), levels.size());
+    return {TrialKind::practice, practised_ % static_cast<int>(block_.series.size()), 0,
+            levels[level], 0};
+}
+
+BlockTrial BlockRun::catch_trial() const {
+    const std::vector<double> &levels = block_.catch_trials.levels;
+    const std::size_t series =
+        below(key_for(key_, Drawn::catch_series, after_practice_), block_.series.size());
+    const std::size_t level =
+        below(key_for(key_, Drawn::catch_level, after_practice_), levels.size());
+    return {TrialKind::catch_trial, static_cast<int>(series), 0, levels[level], 0};
+}
+
+BlockTrial BlockRun::measured_trial() const {
+    std::vector<Interleaved> all;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+        all.push_back({trials_of_series_[i], runs_[i].is_done()});
+    }
+    const std::optional<std::size_t> turn = next_turn(all, key_for(key_, Drawn::turn, all_));
+    SPRINGDRIVE_ASSERT(turn.has_value());
+    const std::optional<MethodTrial> wanted = runs_[*turn].next();
+    SPRINGDRIVE_ASSERT(wanted.has_value());
+    return {TrialKind::measured, static_cast<int>(*turn), wanted->track, wanted->level, 0};
+}
+
+} // namespace springdrive::study
