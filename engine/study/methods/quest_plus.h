@@ -2,6 +2,7 @@
 // leaves the least entropy to be expected of the posterior over threshold, slope, guess and lapse.
 #pragma once
 
+#include "engine/study/methods/function_priors.h"
 #include "engine/study/methods/prior.h"
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/methods/trial.h"
@@ -37,6 +38,8 @@ struct QuestPlus {
 
     friend bool operator==(const QuestPlus &, const QuestPlus &) = default;
 };
+
+[[nodiscard]] FunctionPriors priors_of(const QuestPlus &method);
 
 /// Levels times nodes of all four grids: above it, the next level would take too long.
 inline constexpr double kLargestQuestTable = 5e6;
