@@ -194,8 +194,8 @@ struct Note {
     UtcTime at{};
     std::string kind; ///< "note", "pause", "safety", ...
     std::string text;
-    std::string participant;          ///< empty: about the study
-    std::optional<SessionId> session; ///< only with its participant
+    std::optional<std::string> participant; ///< nobody: about the study
+    std::optional<SessionId> session;       ///< of that participant
 
     friend bool operator==(const Note &, const Note &) = default;
 };

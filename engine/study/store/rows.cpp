@@ -1,0 +1,248 @@
+#include "engine/study/store/rows.h"
+
+#include "engine/study/store/columns.h"
+#include "engine/study/store/row_digest.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace springdrive::study {
+
+namespace {
+
+template <typename Row> constexpr std::string_view kTable;
+template <> constexpr std::string_view kTable<StudyRow> = "study";
+template <> constexpr std::string_view kTable<ParticipantRow> = "participant";
+template <> constexpr std::string_view kTable<Session> = "session";
+template <> constexpr std::string_view kTable<TrialRow> = "trial";
+template <> constexpr std::string_view kTable<Note> = "note";
+
+/// "code, number, added_utc, "
+template <typename Row> std::string columns_of(const Row &row) {
+    std::string columns;
+    for_each_field(row, [&](std::string_view names, const auto &) {
+        columns += names;
+        columns += ", ";
+    });
+    return columns;
+}
+
+/// "?, ?, ?" for that many columns, which are separated by commas.
+std::string places_for(std::string_view columns) {
+    std::string places = "?";
+    for (auto i = std::ranges::count(columns, ','); i > 0; --i) {
+        places += ", ?";
+    }
+    return places;
+}
+
+template <typename Row> void store_fields(Statement &statement, const Row &row) {
+    for_each_field(row, [&](std::string_view, const auto &value) { store(statement, value); });
+}
+
+template <typename Row> void load_fields(Statement &statement, Row &row) {
+    for_each_field(row, [&](std::string_view, auto &value) { load(statement, value); });
+}
+
+template <typename Row>
+void insert_lists(const Database &database, std::int64_t id, const Row &row) {
+    for_each_list(row, [&]<typename Child>(std::string_view table, const std::vector<Child> &list) {
+        const std::string columns = columns_of(Child{}) + std::string(kTable<Row>) + ", number";
+        Statement insertion = database.prepare(
+            fmt::format("INSERT INTO {} ({}) VALUES ({})", table, columns, places_for(columns)));
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            store_fields(insertion, list[i]);
+            insertion.bind(id).bind(i + 1).run();
+        }
+    });
+}
+
+template <typename Row> void load_lists(const Database &database, std::vector<Numbered<Row>> &of) {
+    std::vector<Statement> selections; // one a list
+    const Row any{};
+    for_each_list(any, [&]<typename Child>(std::string_view table, const std::vector<Child> &) {
+        selections.push_back(
+            database.prepare(fmt::format("SELECT {}number FROM {} WHERE {} = ? ORDER BY number",
+                                         columns_of(Child{}), table, kTable<Row>)));
+    });
+    for (auto &[id, row] : of) {
+        auto selection = selections.begin();
+        for_each_list(row, [&](std::string_view, auto &list) {
+            selection->bind(id);
+            while (selection->next()) {
+                load_fields(*selection, list.emplace_back());
+            }
+            ++selection;
+        });
+    }
+}
+
+} // namespace
+
+template <typename Row> std::string digest_of(std::int64_t id, const Row &row) {
+    return RowDigest(kTable<Row>, id, row).hex();
+}
+
+template <typename Row> std::int64_t insert(const Database &database, const Row &row) {
+    const std::string_view table = kTable<Row>;
+    const std::int64_t id =
+        database.number(fmt::format("SELECT coalesce(max(id), 0) + 1 FROM {}", table));
+    const std::string columns = columns_of(row) + "id, sha256";
+    Statement insertion = database.prepare(
+        fmt::format("INSERT INTO {} ({}) VALUES ({})", table, columns, places_for(columns)));
+    store_fields(insertion, row);
+    insertion.bind(id).bind(digest_of(id, row)).run();
+    insert_lists(database, id, row);
+    return id;
+}
+
+template <typename Row> void update(const Database &database, const Numbered<Row> &numbered) {
+    const auto &[id, row] = numbered;
+    const std::string_view table = kTable<Row>;
+    const std::string columns = columns_of(row) + "sha256";
+    Statement change = database.prepare(
+        fmt::format("UPDATE {} SET ({}) = ({}) WHERE id = ?", table, columns, places_for(columns)));
+    store_fields(change, row);
+    change.bind(digest_of(id, row)).bind(id).run();
+    for_each_list(row, [&](std::string_view child_table, const auto &) {
+        database.run(fmt::format("DELETE FROM {} WHERE {} = {}", child_table, table, id));
+    });
+    insert_lists(database, id, row);
+}
+
+template <typename Row>
+std::vector<Numbered<Row>> rows(const Database &database, std::optional<std::int64_t> id) {
+    const std::string_view table = kTable<Row>;
+    std::vector<Numbered<Row>> found;
+    std::vector<std::string> digests;
+    Statement selection = database.prepare(
+        fmt::format("SELECT {}id, sha256 FROM {} {} ORDER BY id", columns_of(Row{}), table,
+                    id ? fmt::format("WHERE id = {}", *id) : ""));
+    while (selection.next()) {
+        Numbered<Row> &numbered = found.emplace_back();
+        load_fields(selection, numbered.row);
+        numbered.id = selection.integer();
+        digests.push_back(selection.text());
+    }
+    load_lists(database, found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (digests[i] != digest_of(found[i].id, found[i].row)) {
+            database.refuse_damage(
+                fmt::format("row {} of table {} has changed", found[i].id, table));
+        }
+    }
+    return found;
+}
+
+template std::int64_t insert(const Database &, const StudyRow &);
+template std::int64_t insert(const Database &, const ParticipantRow &);
+template std::int64_t insert(const Database &, const Session &);
+template std::int64_t insert(const Database &, const TrialRow &);
+template std::int64_t insert(const Database &, const Note &);
+template std::string digest_of(std::int64_t, const TrialRow &);
+template void update(const Database &, const Numbered<StudyRow> &);
+template void update(const Database &, const Numbered<ParticipantRow> &);
+template void update(const Database &, const Numbered<Session> &);
+template void update(const Database &, const Numbered<TrialRow> &);
+template std::vector<Numbered<StudyRow>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<ParticipantRow>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<Session>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<TrialRow>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<Note>> rows(const Database &, std::optional<std::int64_t>);
+
+Numbered<StudyRow> study_row(const Database &database) {
+    const auto found = rows<StudyRow>(database);
+    if (found.empty()) {
+        database.refuse_damage("the study's own row is missing");
+    }
+    return found.front();
+}
+
+std::optional<Numbered<ParticipantRow>> participant_row(const Database &database,
+                                                        const std::string &code) {
+    Statement selection = database.prepare("SELECT id FROM participant WHERE code = ?");
+    if (!selection.bind(code).next()) {
+        return std::nullopt;
+    }
+    const auto found = rows<ParticipantRow>(database, selection.integer());
+    return found.front().row.is_being_removed ? std::nullopt : std::optional(found.front());
+}
+
+std::optional<Numbered<TrialRow>>
+trial_row(const Database &database, const std::string &participant, const TrialPlace &place) {
+    Statement selection = database.prepare("SELECT id FROM trial WHERE participant = ? AND "
+                                           "block = ? AND position = ? AND attempt = ?");
+    store(selection.bind(participant), place);
+    if (!selection.next()) {
+        return std::nullopt;
+    }
+    return rows<TrialRow>(database, selection.integer()).front();
+}
+
+StudyContents read_contents(const Database &database) {
+    StudyContents contents;
+    contents.facts = study_row(database).row.facts;
+    std::set<std::string, std::less<>> shown;
+    for (auto &[id, row] : rows<ParticipantRow>(database)) {
+        if (!row.is_being_removed) {
+            shown.insert(row.participant.code);
+            contents.participants.push_back(row.participant);
+        }
+    }
+    for (auto &[id, session] : rows<Session>(database)) {
+        if (shown.contains(session.participant)) {
+            session.id = id;
+            contents.sessions.push_back(std::move(session));
+        }
+    }
+    std::map<std::pair<std::string, TrialPlace>, std::size_t> places;
+    for (auto &[id, row] : rows<TrialRow>(database)) {
+        Trial &trial = row.trial;
+        if (!row.sort_in_stimulus_values()) {
+            database.refuse_damage(fmt::format("row {} of table trial has changed", id));
+        }
+        if (shown.contains(trial.participant)) {
+            places.emplace(std::pair(trial.participant, trial.place), contents.trials.size());
+            contents.trials.push_back(std::move(trial));
+        }
+    }
+    for (const Trial &trial : std::vector(contents.trials)) {
+        if (trial.repetition_of) {
+            const auto repeated = places.find({trial.participant, *trial.repetition_of});
+            contents.trials[repeated->second].repeated_by = trial.place;
+        }
+    }
+    for (auto &[id, note] : rows<Note>(database)) {
+        if (!note.participant || shown.contains(*note.participant)) {
+            contents.notes.push_back(std::move(note));
+        }
+    }
+    return contents;
+}
+
+TrialRow::TrialRow(Trial of) : trial(std::move(of)) {
+    int presentation = 0;
+    for (const Presentation &one : trial.presentations) {
+        ++presentation;
+        for (const StimulusValue &value : one.values) {
+            stimulus_values.push_back({presentation, value});
+        }
+    }
+}
+
+bool TrialRow::sort_in_stimulus_values() {
+    for (const StimulusRow &row : stimulus_values) {
+        const auto number = static_cast<std::size_t>(row.presentation);
+        if (row.presentation < 1 || number > trial.presentations.size()) {
+            return false;
+        }
+        trial.presentations[number - 1].values.push_back(row.value);
+    }
+    return true;
+}
+
+} // namespace springdrive::study

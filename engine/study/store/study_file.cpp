@@ -1,0 +1,104 @@
+#include "engine/study/store/study_file.h"
+
+#include "engine/study/store/durable_files.h"
+#include "engine/study/store/rows.h"
+#include "engine/study/store/study_store.h"
+
+#include "base/input_error.h"
+#include "base/input_file.h"
+#include "base/new_file.h"
+#include "base/sha256.h"
+
+namespace springdrive::study {
+
+namespace {
+
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 36U; ///< 64 GiB
+
+std::string sha256_of(std::string_view text) {
+    Sha256 sha256;
+    sha256.add(text.data(), text.size()); // the bytes alone, as sha256sum
+    return sha256.hex();
+}
+
+/// A journal of an earlier file would be played back into a new one of its name.
+void check_name_of_new(const std::filesystem::path &file) {
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) {
+        throw InputError(file.string() +
+                         ": exists already; a study is never replaced: give another name");
+    }
+    for (const char *const ending : {"-journal", "-wal"}) {
+        const std::string left = file.string() + ending;
+        if (std::filesystem::exists(left, ignored)) {
+            throw InputError(left + ": belongs to a study that was here; move it to that study, or "
+                                    "give another name");
+        }
+    }
+}
+
+} // namespace
+
+std::filesystem::path name_of_existing(const std::filesystem::path &file) {
+    check_input_file(file, "a study file", kMaxBytes);
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+        throw InputError(file.string() + ": does not exist; name a study file");
+    }
+    return resolved_name(file);
+}
+
+Database open_to_write(const std::filesystem::path &file, const std::filesystem::path &shown,
+                       const DatabaseSettings &settings, Steps steps) {
+    Database database(file, shown, Access::write, settings);
+    {
+        const Transaction transaction(database, Transaction::Kind::read);
+        check_identity(database, steps);
+        check_structure(database, steps);
+    }
+    migrate(database, steps);
+    const Transaction transaction(database, Transaction::Kind::read);
+    static_cast<void>(read_contents(database)); // checks each row
+    return database;
+}
+
+StudyContents read_file(const std::filesystem::path &file, const std::filesystem::path &shown,
+                        Steps steps) {
+    const Database database(file, shown, Access::read, {});
+    const Transaction transaction(database, Transaction::Kind::read);
+    check_identity(database, steps);
+    check_structure(database, steps);
+    if (version_of(database) == std::ssize(steps)) {
+        return read_contents(database);
+    }
+    const Database present = database.copy_in_memory();
+    migrate(present, steps);
+    return read_contents(present);
+}
+
+void create_study(const std::filesystem::path &file, const NewStudy &study, UtcTime now) {
+    check_name_of_new(file);
+    NewFile created(file);
+    {
+        const Database database(created.temporary(), file, Access::create, {});
+        migrate(database, schema_steps());
+        StudyRow row;
+        row.facts.title = study.title;
+        row.facts.protocol = study.protocol;
+        row.facts.protocol_sha256 = sha256_of(study.protocol);
+        row.facts.created = now;
+        row.facts.software = study.software;
+        row.facts.records_folder = file.stem().string() + ".records";
+        Transaction transaction(database, Transaction::Kind::write);
+        insert(database, row);
+        transaction.commit();
+    }
+    created.publish(Existing::keep);
+    sync(resolved_name(file).parent_path());
+}
+
+StudyContents read_study(const std::filesystem::path &file) {
+    return read_file(name_of_existing(file), file, schema_steps());
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,26 @@
+// Opening study files, with all checks.
+#pragma once
+
+#include "engine/study/store/database.h"
+#include "engine/study/store/schema.h"
+#include "engine/study/store/study_contents.h"
+
+#include <filesystem>
+
+namespace springdrive::study {
+
+/// The file's name with all links followed, so that it has one lock and one journal.
+/// @throw InputError if there is no ordinary file of that name
+[[nodiscard]] std::filesystem::path name_of_existing(const std::filesystem::path &file);
+
+/// Opens a file for writing, checks all that is in it, and brings it to the present version.
+/// @throw InputError, see StudyStore
+[[nodiscard]] Database open_to_write(const std::filesystem::path &file,
+                                     const std::filesystem::path &shown,
+                                     const DatabaseSettings &settings, Steps steps);
+
+/// Reads a file of this version or an earlier one. @throw InputError, see read_study
+[[nodiscard]] StudyContents read_file(const std::filesystem::path &file,
+                                      const std::filesystem::path &shown, Steps steps);
+
+} // namespace springdrive::study

@@ -1,0 +1,246 @@
+#include "engine/study/store/study_store.h"
+
+#include "engine/study/store/durable_files.h"
+#include "engine/study/store/removal.h"
+#include "engine/study/store/rows.h"
+#include "engine/study/store/study_file.h"
+#include "engine/study/store/study_lock.h"
+#include "engine/study/store/trial_checks.h"
+
+#include "base/input_error.h"
+#include "base/one_line.h"
+#include "base/sha256.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace springdrive::study {
+
+struct StudyStore::Parts {
+    Parts(const std::filesystem::path &file, const DatabaseSettings &settings)
+        : shown(file), resolved(name_of_existing(file)), lock(resolved, shown),
+          database(open_to_write(resolved, shown, settings, schema_steps())) {}
+
+    [[nodiscard]] std::filesystem::path top() const { return resolved.parent_path(); }
+
+    /// @throw InputError "FILE: problem", unless that is empty
+    void check(const std::string &problem) const {
+        if (!problem.empty()) {
+            database.refuse(problem);
+        }
+    }
+    void check_participant(const std::string &code) const {
+        if (!participant_row(database, code)) {
+            database.refuse("has no participant " + in_quotes(code));
+        }
+    }
+    void check_session(SessionId id, const std::string &participant) const {
+        const auto found = rows<Session>(database, id);
+        if (found.empty() || found.front().row.participant != participant) {
+            database.refuse(
+                fmt::format("has no session {} of participant {}", id, in_quotes(participant)));
+        }
+    }
+
+    std::filesystem::path shown;
+    std::filesystem::path resolved;
+    StudyLock lock;
+    Database database; ///< closed before the lock is given back
+};
+
+namespace {
+
+/// Sessions of a program that ended without a word.
+void end_interrupted(const Database &database) {
+    Transaction transaction(database, Transaction::Kind::write);
+    for (auto &session : rows<Session>(database)) {
+        if (!session.row.ending) {
+            session.row.ending = SessionEnding::interrupted;
+            update(database, session);
+        }
+    }
+    transaction.commit();
+}
+
+/// Whether `stored` is `trial`, apart from marks that were added since.
+bool is_the_same(const TrialRow &stored, const TrialRow &trial) {
+    TrialRow unmarked = stored;
+    if (unmarked.trial.marks.size() > trial.trial.marks.size()) {
+        unmarked.trial.marks.resize(trial.trial.marks.size());
+    }
+    return digest_of(0, unmarked) == digest_of(0, trial);
+}
+
+} // namespace
+
+StudyStore::StudyStore(const std::filesystem::path &file) : StudyStore(file, DatabaseSettings{}) {}
+
+StudyStore::StudyStore(const std::filesystem::path &file, const DatabaseSettings &settings)
+    : parts_(std::make_unique<Parts>(file, settings)) {
+    end_interrupted(parts_->database);
+    complete_removals(parts_->database, parts_->top());
+}
+
+StudyStore::~StudyStore() = default;
+StudyStore::StudyStore(StudyStore &&) noexcept = default;
+StudyStore &StudyStore::operator=(StudyStore &&) noexcept = default;
+
+const std::filesystem::path &StudyStore::file() const { return parts_->shown; }
+
+StudyContents StudyStore::contents() const {
+    const Transaction transaction(parts_->database, Transaction::Kind::read);
+    return read_contents(parts_->database);
+}
+
+void StudyStore::add(const Participant &participant) {
+    const Database &database = parts_->database;
+    parts_->check(what_is_wrong_with(participant));
+    Transaction transaction(database, Transaction::Kind::write);
+    for (const auto &[id, row] : rows<ParticipantRow>(database)) {
+        if (row.participant.code == participant.code) {
+            database.refuse("has a participant " + participant.code + " already");
+        }
+        if (row.participant.number == participant.number) {
+            database.refuse(fmt::format("has a participant of number {} already: {}",
+                                        participant.number, row.participant.code));
+        }
+    }
+    insert(database, ParticipantRow{participant, false});
+    transaction.commit();
+}
+
+SessionId StudyStore::begin(const Session &session) {
+    const Database &database = parts_->database;
+    parts_->check(what_is_wrong_with(session));
+    Transaction transaction(database, Transaction::Kind::write);
+    parts_->check_participant(session.participant);
+    Session begun = session;
+    begun.ended.reset();
+    begun.ending.reset();
+    const SessionId id = insert(database, begun);
+    transaction.commit();
+    return id;
+}
+
+void StudyStore::end(SessionId session, SessionEnding ending, UtcTime at) {
+    const Database &database = parts_->database;
+    Transaction transaction(database, Transaction::Kind::write);
+    auto found = rows<Session>(database, session);
+    if (found.empty() || found.front().row.ending) {
+        database.refuse(fmt::format("has no session {} that runs", session));
+    }
+    found.front().row.ending = ending;
+    found.front().row.ended = at;
+    update(database, found.front());
+    transaction.commit();
+}
+
+Appended StudyStore::append(const Trial &trial) {
+    const Database &database = parts_->database;
+    const TrialRow row(trial);
+    Transaction transaction(database, Transaction::Kind::write);
+    parts_->check(what_is_wrong_with(trial, study_row(database).row.facts.records_folder));
+    if (const auto stored = trial_row(database, trial.participant, trial.place)) {
+        if (!is_the_same(stored->row, row)) {
+            database.refuse(fmt::format("has another trial of {} already: {}", trial.participant,
+                                        text_of(trial.place)));
+        }
+        return Appended::before;
+    }
+    parts_->check_participant(trial.participant);
+    parts_->check_session(trial.session, trial.participant);
+    if (trial.repetition_of && !trial_row(database, trial.participant, *trial.repetition_of)) {
+        database.refuse(fmt::format("has no trial of {} to be repeated: {}", trial.participant,
+                                    text_of(*trial.repetition_of)));
+    }
+    insert(database, row);
+    transaction.commit();
+    return Appended::now;
+}
+
+void StudyStore::mark(std::string_view participant, const TrialPlace &place,
+                      std::string_view reason) {
+    const Database &database = parts_->database;
+    parts_->check(reason.empty() ? "a mark has no reason" : "");
+    Transaction transaction(database, Transaction::Kind::write);
+    auto trial = trial_row(database, std::string(participant), place);
+    if (!trial) {
+        database.refuse(
+            fmt::format("has no trial of {}: {}", in_quotes(participant), text_of(place)));
+    }
+    trial->row.trial.marks.emplace_back(reason);
+    update(database, *trial);
+    transaction.commit();
+}
+
+void StudyStore::append(const Note &note) {
+    const Database &database = parts_->database;
+    parts_->check(what_is_wrong_with(note));
+    Transaction transaction(database, Transaction::Kind::write);
+    if (note.participant) {
+        parts_->check_participant(*note.participant);
+    }
+    if (note.session) {
+        parts_->check_session(*note.session, *note.participant);
+    }
+    insert(database, note);
+    transaction.commit();
+}
+
+void StudyStore::remove_participant(std::string_view code) {
+    mark_as_being_removed(parts_->database, std::string(code));
+    complete_removals(parts_->database, parts_->top());
+}
+
+std::filesystem::path StudyStore::new_record_file(std::string_view participant,
+                                                  const TrialPlace &place) const {
+    parts_->check_participant(std::string(participant));
+    const std::string records = study_row(parts_->database).row.facts.records_folder;
+    const std::filesystem::path folder = parts_->top() / records / participant;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw InputError(folder.string() + ": cannot be made: " + error.message() +
+                         "; check the study's folder and permissions");
+    }
+    return folder / fmt::format("block{}-position{:03}-attempt{}.rec", place.block, place.position,
+                                place.attempt);
+}
+
+RecordLink StudyStore::link_to(const std::filesystem::path &record) const {
+    const std::filesystem::path resolved = resolved_name(record);
+    const std::filesystem::path path = resolved.lexically_relative(parts_->top());
+    const std::string records = study_row(parts_->database).row.facts.records_folder;
+    if (path.empty() || *path.begin() != records) {
+        throw InputError(record.string() + ": is not in the study's folder of records, " + records);
+    }
+    RecordLink link{path, sha256_of_file(resolved)};
+    sync(resolved);
+    sync_folders(resolved, parts_->top());
+    return link;
+}
+
+std::vector<std::string> what_is_wrong_with_records(const std::filesystem::path &file,
+                                                    const StudyContents &contents) {
+    std::vector<std::string> problems;
+    const std::filesystem::path top = resolved_name(file).parent_path();
+    for (const Trial &trial : contents.trials) {
+        if (!trial.record) {
+            continue;
+        }
+        const std::string where = fmt::format("{}: record of {}, {}", trial.record->path.string(),
+                                              trial.participant, text_of(trial.place));
+        std::error_code ignored;
+        const std::filesystem::path record = top / trial.record->path;
+        if (!std::filesystem::is_regular_file(record, ignored)) {
+            problems.push_back(where + ": is missing");
+        } else if (sha256_of_file(record) != trial.record->sha256) {
+            problems.push_back(where + ": is another file than the one that was linked");
+        }
+    }
+    return problems;
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,117 @@
+#include "engine/study/store/trial_checks.h"
+
+#include "base/one_line.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springdrive::study {
+
+namespace {
+
+/// Names become columns of tables.
+bool is_name(std::string_view name) {
+    const auto fits = [](char c) {
+        return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+               c == '_';
+    };
+    return !name.empty() && std::ranges::all_of(name, fits);
+}
+
+/// Of settings or stimulus values.
+template <typename Named> std::string what_is_wrong_with_names(const std::vector<Named> &values) {
+    for (auto value = values.begin(); value != values.end(); ++value) {
+        if (!is_name(value->name)) {
+            return in_quotes(value->name) + " is no name: letters, digits and _";
+        }
+        if (std::find_if(values.begin(), value, [&](const Named &earlier) {
+                return earlier.name == value->name;
+            }) != value) {
+            return in_quotes(value->name) + " is there twice";
+        }
+    }
+    return {};
+}
+
+std::string what_is_wrong_with_settings(const std::vector<Setting> &settings) {
+    for (const Setting &setting : settings) {
+        const auto *const number = std::get_if<double>(&setting.value);
+        if (number != nullptr && std::isnan(*number)) {
+            return in_quotes(setting.name) + " is not a number; leave it out if it is not known";
+        }
+    }
+    return what_is_wrong_with_names(settings);
+}
+
+std::string what_is_wrong_with_place(const TrialPlace &place) {
+    return std::min({place.block, place.position, place.attempt}) >= 1
+               ? std::string()
+               : text_of(place) + ": block, position and attempt are counted from 1";
+}
+
+std::string what_is_wrong_with_response(const Response &response) {
+    if (const auto *const chosen = std::get_if<Chosen>(&response)) {
+        return chosen->alternative >= 1 ? "" : "alternatives are counted from 1";
+    }
+    const auto *const adjusted = std::get_if<Adjusted>(&response);
+    return adjusted != nullptr && std::isnan(adjusted->level) ? "the level adjusted is not a number"
+                                                              : "";
+}
+
+bool is_sha256(std::string_view text) {
+    return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+std::string what_is_wrong_with_record(const Trial &trial, std::string_view records_folder) {
+    const std::filesystem::path folder = std::filesystem::path(records_folder) / trial.participant;
+    const std::filesystem::path &path = trial.record->path;
+    const auto [in_folder, rest] =
+        std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+    if (in_folder != folder.end() || rest == path.end() || path != path.lexically_normal()) {
+        return in_quotes(path.string()) + " is not in the participant's folder of records, " +
+               folder.string();
+    }
+    return is_sha256(trial.record->sha256) ? "" : "the record's SHA-256 is not one";
+}
+
+std::string first_of(std::initializer_list<std::string> problems) {
+    const auto first = std::ranges::find_if_not(problems, &std::string::empty);
+    return first == problems.end() ? std::string() : *first;
+}
+
+} // namespace
+
+std::string what_is_wrong_with(const Participant &participant) {
+    return first_of({what_is_wrong_with_code(participant.code),
+                     participant.number >= 1 ? "" : "participants are numbered from 1"});
+}
+
+std::string what_is_wrong_with(const Session &session) {
+    return what_is_wrong_with_settings(session.facts);
+}
+
+std::string what_is_wrong_with(const Trial &trial, std::string_view records_folder) {
+    std::string problem =
+        first_of({what_is_wrong_with_place(trial.place), what_is_wrong_with_settings(trial.tuning),
+                  what_is_wrong_with_response(trial.response),
+                  trial.record ? what_is_wrong_with_record(trial, records_folder) : std::string(),
+                  std::ranges::find(trial.marks, std::string()) == trial.marks.end()
+                      ? ""
+                      : "a mark has no reason"});
+    for (const Presentation &presentation : trial.presentations) {
+        problem = first_of({problem, what_is_wrong_with_names(presentation.values)});
+    }
+    return problem.empty() ? problem
+                           : fmt::format("trial of {}, {}: {}", in_quotes(trial.participant),
+                                         text_of(trial.place), problem);
+}
+
+std::string what_is_wrong_with(const Note &note) {
+    return first_of(
+        {note.kind.empty() ? "a note has no kind" : "",
+         note.session && !note.participant ? "a note of a session needs its participant" : ""});
+}
+
+} // namespace springdrive::study
