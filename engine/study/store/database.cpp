@@ -21,6 +21,22 @@ std::string damage_text(std::string_view what) {
     return fmt::format("is damaged ({}); nothing was changed; continue with a copy of it", what);
 }
 
+/// In which an error of input or output occurred.
+std::string_view activity_of(int code) {
+    switch (code) {
+    case SQLITE_IOERR_READ:
+    case SQLITE_IOERR_SHORT_READ:
+        return "reading";
+    case SQLITE_IOERR_FSYNC:
+    case SQLITE_IOERR_DIR_FSYNC:
+        return "waiting for the data to be on it";
+    case SQLITE_IOERR_DELETE:
+        return "deleting the journal";
+    default:
+        return "writing";
+    }
+}
+
 /// What the codes of SQLite mean for the file, and what to do.
 std::string meaning_of(int code, const std::string &system, const std::string &said) {
     if (code == SQLITE_READONLY_ROLLBACK || code == SQLITE_READONLY_RECOVERY) {
@@ -44,8 +60,8 @@ std::string meaning_of(int code, const std::string &system, const std::string &s
         return "cannot be opened" + (system.empty() ? std::string() : ": " + system) +
                "; check it, its folder and permissions";
     case SQLITE_IOERR:
-        return "the disk failed" + (system.empty() ? std::string() : ": " + system) +
-               "; check the disk, and repeat it";
+        return fmt::format("the disk failed in {}; check it and its free space, and repeat",
+                           activity_of(code));
     default:
         return said;
     }

@@ -183,6 +183,15 @@ trial_row(const Database &database, const std::string &participant, const TrialP
     return rows<TrialRow>(database, selection.integer()).front();
 }
 
+bool has_repetition(const Database &database, const std::string &participant,
+                    const TrialPlace &place) {
+    Statement selection =
+        database.prepare("SELECT 1 FROM trial WHERE participant = ? AND repeats_block = ? AND "
+                         "repeats_position = ? AND repeats_attempt = ?");
+    store(selection.bind(participant), place);
+    return selection.next();
+}
+
 StudyContents read_contents(const Database &database) {
     StudyContents contents;
     contents.facts = study_row(database).row.facts;

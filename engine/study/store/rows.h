@@ -43,6 +43,9 @@ template <typename Row> [[nodiscard]] std::string digest_of(std::int64_t id, con
 [[nodiscard]] std::optional<Numbered<TrialRow>>
 trial_row(const Database &database, const std::string &participant, const TrialPlace &place);
 
+[[nodiscard]] bool has_repetition(const Database &database, const std::string &participant,
+                                  const TrialPlace &place);
+
 /// Everything but what belongs to a participant who is being removed.
 [[nodiscard]] StudyContents read_contents(const Database &database);
 

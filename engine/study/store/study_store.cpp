@@ -155,6 +155,9 @@ Appended StudyStore::append(const Trial &trial) {
         database.refuse(fmt::format("has no trial of {} to be repeated: {}", trial.participant,
                                     text_of(*trial.repetition_of)));
     }
+    if (trial.repetition_of && has_repetition(database, trial.participant, *trial.repetition_of)) {
+        database.refuse("has a repetition already of " + text_of(*trial.repetition_of));
+    }
     insert(database, row);
     transaction.commit();
     return Appended::now;

@@ -69,7 +69,8 @@ std::string what_is_wrong_with_record(const Trial &trial, std::string_view recor
     const std::filesystem::path &path = trial.record->path;
     const auto [in_folder, rest] =
         std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
-    if (in_folder != folder.end() || rest == path.end() || path != path.lexically_normal()) {
+    if (in_folder != folder.end() || rest == path.end() || !path.has_filename() ||
+        path != path.lexically_normal()) {
         return in_quotes(path.string()) + " is not in the participant's folder of records, " +
                folder.string();
     }

@@ -5,6 +5,7 @@
 #include "engine/record/record_reader.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/record/samples.h"
+#include "tests/support/child_process.h"
 #include "tests/support/complaint.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -33,31 +34,7 @@ namespace {
 using testing::complaint_of;
 using testing::contents_of;
 using testing::fresh_folder;
-
-/// What `step` says in a process that is prepared for it.
-std::string said_in_child(const std::function<void()> &prepare,
-                          const std::function<std::string()> &step) {
-    std::array<int, 2> ends{};
-    EXPECT_EQ(pipe(ends.data()), 0);
-    const pid_t child = fork();
-    if (child == 0) {
-        prepare();
-        const std::string said = step();
-        const bool sent = write(ends[1], said.data(), said.size()) == std::ssize(said);
-        _exit(sent ? 0 : 1);
-    }
-    close(ends[1]);
-    std::string said;
-    std::array<char, 4096> part{};
-    for (ssize_t got = 0; (got = read(ends[0], part.data(), part.size())) > 0;) {
-        said.append(part.data(), static_cast<std::size_t>(got));
-    }
-    close(ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    return said;
-}
+using testing::said_in_child;
 
 /// The same with files that cannot grow beyond `bytes`, as on a full disk.
 std::string said_with_files_up_to(std::uint64_t bytes, const std::function<std::string()> &step) {

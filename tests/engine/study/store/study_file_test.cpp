@@ -1,0 +1,279 @@
+// Covers engine/study/store/study_file.cpp and database.cpp: files that are no studies, or damaged.
+#include "engine/study/store/study_file.h"
+
+#include "engine/study/store/rows.h"
+#include "engine/study/store/study_store.h"
+#include "tests/engine/study/store/sample_study.h"
+#include "tests/support/cases.h"
+#include "tests/support/child_process.h"
+#include "tests/support/complaint.h"
+#include "tests/support/files.h"
+#include "tests/support/full_disk.h"
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <fstream>
+#include <functional>
+
+namespace springdrive::study {
+namespace {
+
+using testing::complaint_of;
+using testing::contents_of;
+using testing::fresh_folder;
+using testing::said_in_child;
+using testing::said_on_opening;
+using testing::said_on_reading;
+using testing::sample_study;
+using testing::sample_trial;
+using testing::sample_trials;
+
+void put(const std::filesystem::path &file, const std::string &bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+/// Refused alike for reading and writing, in one line that ends so; and not a byte is changed.
+void expect_refused(const std::filesystem::path &file, const std::string &why) {
+    const std::string bytes = contents_of(file);
+    EXPECT_EQ(said_on_reading(file), file.string() + ": " + why);
+    EXPECT_EQ(said_on_opening(file), file.string() + ": " + why);
+    EXPECT_EQ(contents_of(file), bytes);
+    EXPECT_FALSE(std::filesystem::exists(file.string() + "-journal"));
+    EXPECT_FALSE(std::filesystem::exists(file.string() + "-lock"));
+}
+
+TEST(StudyFile, ThatIsNoneIsRefused) {
+    const auto folder = fresh_folder("file_none");
+    const std::string no_study =
+        "is no study of springdrive, but another SQLite database; name a study file";
+    const std::string no_database = "is no study: it is not an SQLite database; name a study file";
+    expect_refused(folder / "missing", "does not exist; name a study file");
+    EXPECT_EQ(said_on_reading(folder), folder.string() + ": is a folder; name a study file");
+    put(folder / "text", "[study]\ntitle = \"direction\"\n" + std::string(2000, '#'));
+    expect_refused(folder / "text", no_database);
+    put(folder / "empty", "");
+    expect_refused(folder / "empty", no_study);
+    {
+        const Database other(folder / "other", folder / "other", Access::create, {});
+        other.run("CREATE TABLE trial (id INTEGER)");
+    }
+    expect_refused(folder / "other", no_study);
+    {
+        const Database other(folder / "other", folder / "other", Access::write, {});
+        other.run("PRAGMA application_id = 1196444487"); // GeoPackage
+        other.run("PRAGMA user_version = 1");
+    }
+    expect_refused(folder / "other", no_study);
+}
+
+/// A study with trials, closed.
+std::filesystem::path study_with_trials(const std::filesystem::path &folder, int trials) {
+    const auto file = sample_study(folder, 2);
+    StudyStore store(file);
+    for (int number = 1; number <= trials; ++number) {
+        store.append(sample_trial(1, 1, number));
+    }
+    return file;
+}
+
+TEST(StudyFile, ThatAnotherProgramChangedIsRefused) {
+    const auto file = study_with_trials(fresh_folder("file_changed"), 3);
+    const auto change = [&](const std::string &sql) {
+        Database(file, file, Access::write, {}).run(sql);
+    };
+    const std::string end = "; nothing was changed; continue with a copy of it";
+    change("UPDATE trial SET level = 7.0 WHERE id = 2");
+    expect_refused(file, "is damaged (row 2 of table trial has changed)" + end);
+    change("DELETE FROM trial");
+    EXPECT_EQ(said_on_reading(file), "");
+    change("ALTER TABLE note ADD COLUMN colour TEXT");
+    expect_refused(file, "is damaged (its tables are not as springdrive made them)" + end);
+}
+
+TEST(StudyFile, ThatIsCutIsRefused) {
+    const auto file = study_with_trials(fresh_folder("file_cut"), 10);
+    const StudyContents contents = read_study(file);
+    const std::string bytes = contents_of(file);
+    for (std::size_t length : {std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{99},
+                               std::size_t{100}, std::size_t{512}, std::size_t{4096},
+                               bytes.size() / 2, bytes.size() - 4096, bytes.size() - 1}) {
+        put(file, bytes.substr(0, length));
+        const std::string said = said_on_reading(file);
+        if (said.empty()) { // the last bytes of a page can be unused
+            EXPECT_EQ(length, bytes.size() - 1);
+            EXPECT_EQ(read_study(file), contents);
+        }
+        EXPECT_EQ(said_on_opening(file), said) << length;
+        EXPECT_EQ(said.find('\n'), std::string::npos);
+    }
+    put(file, bytes);
+    EXPECT_EQ(said_on_opening(file), "");
+}
+
+/// Changes bytes, or puts random ones in their place.
+std::string mutated(std::string bytes, std::uint64_t seed) {
+    testing::Draws draws(seed);
+    if (draws.below(40) == 0) { // noise after a good beginning
+        bytes.resize(draws.below(bytes.size()));
+        for (std::size_t i = bytes.size() + draws.below(3000); bytes.size() < i;) {
+            bytes.push_back(static_cast<char>(draws.below(256)));
+        }
+        return bytes;
+    }
+    const std::size_t page =
+        draws.below(2) == 0 ? 4096 : bytes.size(); // the first page rules the others
+    for (std::size_t i = 1 + draws.below(4); i > 0; --i) {
+        const std::size_t at = draws.below(page);
+        switch (draws.below(3)) {
+        case 0:
+            bytes[at] = static_cast<char>(bytes[at] ^ (1 << draws.below(8)));
+            break;
+        case 1:
+            bytes[at] = static_cast<char>(draws.below(256));
+            break;
+        default: { // a sector that was not written, or that is another one's
+            const std::size_t sector = at / 512 * 512;
+            bytes.replace(sector, 512,
+                          draws.below(2) == 0
+                              ? std::string(512, '\0')
+                              : bytes.substr(draws.below(bytes.size() / 512) * 512, 512));
+        }
+        }
+    }
+    return bytes;
+}
+
+TEST(StudyStoreProof, DamagedFilesAreReadWholeOrRefused) {
+    const auto folder = fresh_folder("file_fuzz");
+    const auto original = study_with_trials(folder, 12);
+    const StudyContents contents = read_study(original);
+    const std::string bytes = contents_of(original);
+    int whole = 0;
+    int refused = 0;
+    const int cases = testing::cases(300, 20'000);
+    for (int i = 0; i < cases; ++i) {
+        const auto file = folder / "damaged.study";
+        put(file, mutated(bytes, static_cast<std::uint64_t>(i)));
+        const auto expect_one_line = [&](const std::string &said) {
+            EXPECT_TRUE(said.starts_with(file.string() + ": ")) << i << said;
+            EXPECT_EQ(said.find('\n'), std::string::npos) << i << said;
+        };
+        try {
+            const StudyContents read = read_study(file);
+            EXPECT_EQ(read, contents) << i;
+            EXPECT_TRUE(testing::are_identical(read.trials, contents.trials)) << i;
+            ++whole;
+        } catch (const InputError &error) {
+            expect_one_line(error.what());
+            ++refused;
+        }
+        // Opening for writing may also mend what reading cannot see: never the contents.
+        try {
+            EXPECT_EQ(StudyStore(file).contents(), contents) << i;
+        } catch (const InputError &error) {
+            expect_one_line(error.what());
+        }
+        std::filesystem::remove(file.string() + "-journal");
+        std::filesystem::remove(file.string() + "-wal");
+        std::filesystem::remove(file.string() + "-shm");
+    }
+    std::printf("counts of %d damaged files: %d read whole, %d refused\n", cases, whole, refused);
+    EXPECT_GT(whole, cases / 5); // much of a page is unused
+    EXPECT_GT(refused, cases / 5);
+}
+
+TEST(StudyFile, IsReadFromAWriteProtectedFolder) {
+    const auto folder = fresh_folder("file_protected");
+    const auto file = study_with_trials(folder, 3);
+    const auto protect = [&](int mode) {
+        std::filesystem::permissions(file, std::filesystem::perms(mode & 0666));
+        std::filesystem::permissions(folder, std::filesystem::perms(mode));
+        std::filesystem::permissions(folder.parent_path(), std::filesystem::perms(0755));
+    };
+    const auto in_child = [&](const std::function<std::string()> &step) {
+        return said_in_child(testing::drop_rights, step);
+    };
+    protect(0555);
+    EXPECT_EQ(in_child([&] { return std::to_string(read_study(file).trials.size()); }), "3");
+    const std::string refusal = in_child([&] { return said_on_opening(file); });
+    EXPECT_EQ(refusal, file.string() + ": cannot be locked for writing: Permission denied; its "
+                                       "folder must be writable");
+    EXPECT_EQ(in_child([&] {
+                  return complaint_of([&] {
+                      create_study(folder / "b.study", testing::sample_new_study(),
+                                   testing::kStart);
+                  });
+              }),
+              (folder / "b.study").string() +
+                  ": cannot be written: Permission denied; check its folder and permissions");
+    // The file alone.
+    std::filesystem::permissions(folder, std::filesystem::perms(0777));
+    EXPECT_EQ(in_child([&] { return said_on_opening(file); }),
+              file.string() +
+                  ": is write-protected, or its folder is; change that or copy it elsewhere");
+    std::filesystem::permissions(file, std::filesystem::perms(0));
+    EXPECT_EQ(in_child([&] { return said_on_reading(file); }),
+              file.string() + ": cannot be opened: Permission denied; check it, its folder and "
+                              "permissions");
+    protect(0777);
+    EXPECT_EQ(said_on_opening(file), "");
+}
+
+TEST(StudyFile, InTheMidstOfAWriteIsMendedWhereItCanBe) {
+    const auto folder = fresh_folder("file_hot");
+    const auto file = study_with_trials(folder, 5);
+    const std::string before = contents_of(file);
+    const pid_t child = fork();
+    if (child == 0) { // killed after it wrote to the file and before it committed
+        const Database database(file, file, Access::write, {});
+        database.run("PRAGMA cache_size = 2; BEGIN; DELETE FROM trial; SELECT 1");
+        database.run("PRAGMA cache_spill = ON; UPDATE participant SET number = number + 10");
+        std::raise(SIGKILL);
+    }
+    waitpid(child, nullptr, 0);
+    const std::string torn = contents_of(file);
+    const std::string journal = contents_of(file.string() + "-journal");
+    ASSERT_NE(torn, before);
+    ASSERT_FALSE(journal.empty());
+    std::filesystem::permissions(folder, std::filesystem::perms(0555));
+    std::filesystem::permissions(file, std::filesystem::perms(0444));
+    EXPECT_EQ(said_in_child(testing::drop_rights, [&] { return said_on_reading(file); }),
+              file.string() + ": was left in the midst of a write, which cannot be undone while it "
+                              "is write-protected; copy it to another folder, with its journal");
+    std::filesystem::permissions(folder, std::filesystem::perms(0777));
+    std::filesystem::permissions(file, std::filesystem::perms(0666));
+    EXPECT_EQ(read_study(file).trials.size(), 5U);
+    EXPECT_EQ(contents_of(file), before);
+    EXPECT_FALSE(std::filesystem::exists(file.string() + "-journal"));
+}
+
+TEST(StudyFile, OnAFullDiskKeepsWhatItHas) {
+    const auto file = study_with_trials(fresh_folder("file_full"), 3);
+    StudyStore store(file);
+    const std::string bytes = contents_of(file);
+    Trial trial = sample_trial(1, 1, 4);
+    trial.condition = std::string(20'000, 'x');
+    {
+        const testing::FullDisk full(bytes.size() + 4096);
+        EXPECT_EQ(complaint_of([&] { store.append(trial); }),
+                  file.string() +
+                      ": the disk failed in writing; check it and its free space, and repeat");
+    }
+    EXPECT_EQ(contents_of(file), bytes);
+    EXPECT_EQ(store.append(trial), Appended::now);
+    EXPECT_EQ(read_study(file).trials.size(), 4U);
+}
+
+TEST(StudyFile, IsNotCreatedOnAFullDisk) {
+    const auto folder = fresh_folder("file_full_new");
+    const auto file = folder / "a.study";
+    const testing::FullDisk full(10'000);
+    EXPECT_EQ(
+        complaint_of([&] { create_study(file, testing::sample_new_study(), testing::kStart); }),
+        file.string() + ": the disk failed in writing; check it and its free space, and repeat");
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+} // namespace
+} // namespace springdrive::study

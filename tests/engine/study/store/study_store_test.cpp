@@ -1,0 +1,374 @@
+// Covers engine/study/store/study_store.cpp, rows.cpp and trial_checks.cpp.
+#include "engine/study/store/study_store.h"
+
+#include "tests/engine/study/store/sample_study.h"
+#include "tests/support/complaint.h"
+#include "tests/support/files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::study {
+namespace {
+
+using testing::are_identical;
+using testing::complaint_of;
+using testing::fresh_folder;
+using testing::kStart;
+using testing::sample_session;
+using testing::sample_study;
+using testing::sample_trial;
+using testing::sample_trials;
+
+TEST(StudyStore, HoldsANewStudy) {
+    const auto file = fresh_folder("study_new") / "direction.study";
+    create_study(file, testing::sample_new_study(), kStart);
+    const StudyContents contents = read_study(file);
+    EXPECT_EQ(contents.facts.title, "direction of a force");
+    EXPECT_EQ(contents.facts.protocol, testing::sample_new_study().protocol);
+    EXPECT_EQ(contents.facts.software, "0.1.0");
+    EXPECT_EQ(contents.facts.created, kStart);
+    EXPECT_EQ(contents.facts.records_folder, "direction.records");
+    // As `printf '[study]\ntitle = "direction of a force"\n' | sha256sum` prints it.
+    EXPECT_EQ(contents.facts.protocol_sha256,
+              "39823eb9b30ab4af5d41e8bdf7ded81aec44dbf5ec5a83bd552ad21d5d842b12");
+    EXPECT_TRUE(contents.participants.empty() && contents.sessions.empty() &&
+                contents.trials.empty() && contents.notes.empty());
+    EXPECT_EQ(next_participant_number(contents), 1);
+}
+
+TEST(StudyStore, IsNeverReplaced) {
+    const auto folder = fresh_folder("study_again");
+    const auto file = sample_study(folder);
+    const StudyContents before = read_study(file);
+    EXPECT_EQ(complaint_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
+              file.string() + ": exists already; a study is never replaced: give another name");
+    EXPECT_EQ(read_study(file), before);
+    std::filesystem::remove(file);
+    std::ofstream(file.string() + "-journal") << "of another study";
+    EXPECT_EQ(complaint_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
+              file.string() + "-journal: belongs to a study that was here; move it to that study, "
+                              "or give another name");
+}
+
+TEST(StudyStore, LeavesOneFileWhenClosed) {
+    const auto folder = fresh_folder("study_one_file");
+    const auto file = sample_study(folder);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(StudyStore, ReadsTrialsBackBitForBit) {
+    constexpr int kTrials = 100;
+    const auto file = sample_study(fresh_folder("study_bits"), 2);
+    StudyStore store(file);
+    for (int number = 1; number <= kTrials; ++number) {
+        EXPECT_EQ(store.append(sample_trial(1, 1, number)), Appended::now);
+    }
+    const auto expected = sample_trials(1, 1, kTrials);
+    EXPECT_TRUE(are_identical(store.contents().trials, expected));
+    EXPECT_TRUE(are_identical(read_study(file).trials, expected));
+}
+
+TEST(StudyStore, ComparisonOfTrialsSeesEachNumber) {
+    const auto trials = sample_trials(1, 1, 200);
+    const auto expect_seen = [&](const std::function<bool(Trial &)> &change) {
+        auto changed = trials;
+        const auto one = std::ranges::find_if(changed, change);
+        ASSERT_NE(one, changed.end());
+        EXPECT_FALSE(are_identical(trials, changed));
+    };
+    EXPECT_TRUE(are_identical(trials, sample_trials(1, 1, 200)));
+    EXPECT_FALSE(are_identical(trials, sample_trials(1, 1, 199)));
+    const auto negate_zero = [](std::optional<double> &number) {
+        if (!number || *number != 0.0) {
+            return false;
+        }
+        number = -*number;
+        return true;
+    };
+    expect_seen([&](Trial &trial) { return negate_zero(trial.level); });
+    expect_seen([&](Trial &trial) { return negate_zero(trial.response_time_s); });
+    expect_seen([&](Trial &trial) { return negate_zero(trial.windings_degC[1]); });
+    expect_seen([&](Trial &trial) {
+        for (Presentation &one : trial.presentations) {
+            if (std::ranges::any_of(one.values, [&](StimulusValue &value) {
+                    return negate_zero(value.delivered);
+                })) {
+                return true;
+            }
+        }
+        return false;
+    });
+}
+
+TEST(StudyStore, StoresNotANumberAsNotKnown) {
+    const auto file = sample_study(fresh_folder("study_nan"));
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    StudyStore store(file);
+    Trial trial = sample_trial(1, 1, 1);
+    trial.level = kNaN;
+    trial.presentations = {{kNaN, 1.0, {{"stiffness_N_per_m", 500.0, kNaN}}}};
+    EXPECT_EQ(store.append(trial), Appended::now);
+    EXPECT_EQ(store.append(trial), Appended::before);
+    trial.level.reset();
+    trial.presentations = {{std::nullopt, 1.0, {{"stiffness_N_per_m", 500.0, std::nullopt}}}};
+    EXPECT_TRUE(are_identical(read_study(file).trials, {trial}));
+}
+
+TEST(StudyStore, DoesNotStoreATrialTwice) {
+    const auto file = sample_study(fresh_folder("study_twice"), 2);
+    StudyStore store(file);
+    const Trial trial = sample_trial(1, 1, 3);
+    EXPECT_EQ(store.append(trial), Appended::now);
+    EXPECT_EQ(store.append(trial), Appended::before);
+    Trial other = trial;
+    other.level = 17.0;
+    EXPECT_EQ(complaint_of([&] { store.append(other); }),
+              file.string() + ": has another trial of P01 already: block 1, position 3, attempt 1");
+    EXPECT_TRUE(are_identical(store.contents().trials, {trial}));
+    // The same place of another participant, and a mark that came later.
+    EXPECT_EQ(store.append(sample_trial(1, 2, 3)), Appended::now);
+    store.mark("P01", trial.place, "participant sneezed");
+    EXPECT_EQ(store.append(trial), Appended::before);
+    EXPECT_EQ(store.contents().trials.size(), 2U);
+}
+
+TEST(StudyStore, MarksTrialsThatDoNotCount) {
+    const auto file = sample_study(fresh_folder("study_marks"));
+    StudyStore store(file);
+    Trial trial = sample_trial(1, 1, 1);
+    trial.marks.clear();
+    trial.is_practice = trial.is_catch = false;
+    store.append(trial);
+    EXPECT_TRUE(counts(read_study(file).trials[0]));
+    store.mark("P01", trial.place, "participant sneezed");
+    store.mark("P01", trial.place, "and again");
+    trial.marks = {"participant sneezed", "and again"};
+    EXPECT_TRUE(are_identical(read_study(file).trials, {trial}));
+    EXPECT_FALSE(counts(trial));
+    EXPECT_EQ(complaint_of([&] {
+                  store.mark("P01", {1, 1, 2}, "late");
+              }),
+              file.string() + ": has no trial of 'P01': block 1, position 1, attempt 2");
+    EXPECT_EQ(complaint_of([&] { store.mark("P01", trial.place, ""); }),
+              file.string() + ": a mark has no reason");
+}
+
+TEST(StudyStore, HoldsSessionsAndNotes) {
+    const auto file = fresh_folder("study_sessions") / "a.study";
+    create_study(file, testing::sample_new_study(), kStart);
+    std::vector<Session> expected;
+    const std::vector<Note> notes{{kStart, "note", "the room is warm", std::nullopt, std::nullopt},
+                                  {kStart, "pause", "drank water", "P01", std::nullopt},
+                                  {kStart, "safety", "force 9.1 N", "P01", 1}};
+    {
+        StudyStore store(file);
+        store.add({"P01", 1, kStart});
+        for (std::size_t i = 0; i < kSessionEndingNames.size(); ++i) {
+            expected.push_back(sample_session(1));
+            expected.back().id = store.begin(expected.back());
+            expected.back().ended = kStart + std::chrono::minutes(i);
+            expected.back().ending = static_cast<SessionEnding>(i);
+            store.end(expected.back().id, *expected.back().ending, *expected.back().ended);
+        }
+        EXPECT_EQ(complaint_of([&] { store.end(1, SessionEnding::stopped, kStart); }),
+                  file.string() + ": has no session 1 that runs");
+        EXPECT_EQ(complaint_of([&] { static_cast<void>(store.begin(sample_session(2))); }),
+                  file.string() + ": has no participant 'P02'");
+        expected.push_back(sample_session(1));
+        expected.back().id = store.begin(expected.back());
+        for (const Note &note : notes) {
+            store.append(note);
+        }
+        EXPECT_EQ(read_study(file).sessions, expected);
+    }
+    // The last one was not ended.
+    expected.back().ending = SessionEnding::interrupted;
+    EXPECT_EQ(StudyStore(file).contents().sessions, expected);
+    EXPECT_EQ(read_study(file).notes, notes);
+}
+
+TEST(StudyStore, TellsTheDevicesApart) {
+    const auto file = sample_study(fresh_folder("study_devices"), 3);
+    StudyStore store(file);
+    for (int participant = 1; participant <= 3; ++participant) {
+        for (int number = 1; number <= participant; ++number) {
+            store.append(sample_trial(1, participant, number));
+        }
+    }
+    const StudyContents contents = store.contents();
+    EXPECT_EQ(trials_on(contents, DeviceKind::emulated).size(), 1U);
+    EXPECT_EQ(trials_on(contents, DeviceKind::usb).size(), 2U);
+    EXPECT_EQ(trials_on(contents, DeviceKind::simulated).size(), 3U);
+    EXPECT_EQ(participant_of(contents, "P02").number, 2);
+    EXPECT_EQ(next_participant_number(contents), 4);
+    EXPECT_EQ(complaint_of([&] { static_cast<void>(participant_of(contents, "P04")); }),
+              "the study has no participant 'P04'");
+    EXPECT_EQ(complaint_of([&] { static_cast<void>(session_of(contents, 4)); }),
+              "the study has no session 4");
+}
+
+TEST(StudyStore, TakesCodesOnly) {
+    for (const char *const code : {"P1", "P01", "VP1234", "ABC0001"}) {
+        EXPECT_EQ(what_is_wrong_with_code(code), "") << code;
+    }
+    for (const char *const name : {"", "P", "01", "Anna", "ANNA01", "P01 ", " P01", "p01", "P01A",
+                                   "P12345", "P-01", "P01\n", "../P01", "ÄP01", "Anna Müller"}) {
+        EXPECT_NE(what_is_wrong_with_code(name), "") << name;
+    }
+    const auto file = sample_study(fresh_folder("study_codes"));
+    StudyStore store(file);
+    EXPECT_EQ(complaint_of([&] {
+                  store.add({"Anna", 2, kStart});
+              }),
+              file.string() +
+                  ": 'Anna' is no participant's code: one to three capital letters and one to "
+                  "four digits, as P01; names are not stored");
+    EXPECT_EQ(complaint_of([&] {
+                  store.add({"P01", 2, kStart});
+              }),
+              file.string() + ": has a participant P01 already");
+    EXPECT_EQ(complaint_of([&] {
+                  store.add({"P02", 1, kStart});
+              }),
+              file.string() + ": has a participant of number 1 already: P01");
+    EXPECT_EQ(complaint_of([&] {
+                  store.add({"P02", 0, kStart});
+              }),
+              file.string() + ": participants are numbered from 1");
+    EXPECT_EQ(read_study(file).participants.size(), 1U);
+}
+
+TEST(StudyStore, RefusesTrialsThatCannotBe) {
+    const auto file = sample_study(fresh_folder("study_refused"), 2);
+    StudyStore store(file);
+    const auto refusal = [&](const std::function<void(Trial &)> &change) {
+        Trial trial = sample_trial(1, 1, 1);
+        change(trial);
+        std::string said = complaint_of([&] { store.append(trial); });
+        const std::string start = file.string() + ": ";
+        EXPECT_TRUE(said.starts_with(start)) << said;
+        return said.substr(std::min(start.size(), said.size()));
+    };
+    const std::string where = "trial of 'P01', block 1, position 1, attempt 1: ";
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(refusal([](Trial &trial) {
+                  trial.participant = "P03";
+                  trial.record.reset();
+              }),
+              "has no participant 'P03'");
+    EXPECT_EQ(refusal([](Trial &trial) { trial.session = 2; }),
+              "has no session 2 of participant 'P01'");
+    EXPECT_EQ(refusal([](Trial &trial) { trial.session = 9; }),
+              "has no session 9 of participant 'P01'");
+    EXPECT_EQ(refusal([](Trial &trial) {
+                  trial.repetition_of = {1, 7, 1};
+              }),
+              "has no trial of P01 to be repeated: block 1, position 7, attempt 1");
+    EXPECT_EQ(refusal([](Trial &trial) { trial.place.attempt = 0; }),
+              "trial of 'P01', block 1, position 1, attempt 0: block 1, position 1, attempt 0: "
+              "block, position and attempt are counted from 1");
+    EXPECT_EQ(refusal([](Trial &trial) { trial.response = Chosen{0}; }),
+              where + "alternatives are counted from 1");
+    EXPECT_EQ(refusal([&](Trial &trial) { trial.response = Adjusted{kNaN}; }),
+              where + "the level adjusted is not a number");
+    EXPECT_EQ(refusal([&](Trial &trial) {
+                  trial.tuning = {{"dR_Ohm", kNaN}};
+              }),
+              where + "'dR_Ohm' is not a number; leave it out if it is not known");
+    EXPECT_EQ(refusal([](Trial &trial) {
+                  trial.tuning = {{"dR", 1.0}, {"dR", 2.0}};
+              }),
+              where + "'dR' is there twice");
+    EXPECT_EQ(refusal([](Trial &trial) {
+                  trial.presentations = {{0.0, 1.0, {{"a,b", {}, {}}}}};
+              }),
+              where + "'a,b' is no name: letters, digits and _");
+    EXPECT_EQ(refusal([](Trial &trial) { trial.marks = {""}; }), where + "a mark has no reason");
+    for (const char *const path : {"/etc/passwd", "a.rec", "direction.records/P02/a.rec",
+                                   "direction.records/P01/../P02/a.rec", "direction.records/P01",
+                                   "direction.records/P01/", "other/P01/a.rec", ""}) {
+        EXPECT_EQ(refusal([&](Trial &trial) {
+                      trial.record = {path, std::string(64, 'a')};
+                  }),
+                  where + "'" + path +
+                      "' is not in the participant's folder of records, direction.records/P01");
+    }
+    EXPECT_EQ(refusal([](Trial &trial) {
+                  trial.record = {"direction.records/P01/a.rec", "a"};
+              }),
+              where + "the record's SHA-256 is not one");
+    EXPECT_TRUE(store.contents().trials.empty());
+    // And what is no error: the same trial without a change.
+    EXPECT_EQ(store.append(sample_trial(1, 1, 1)), Appended::now);
+}
+
+TEST(StudyStore, RepeatsATrialOnce) {
+    const auto file = sample_study(fresh_folder("study_repeats"));
+    StudyStore store(file);
+    store.append(sample_trial(1, 1, 1));
+    Trial repetition = sample_trial(1, 1, 2);
+    repetition.repetition_of = TrialPlace{1, 1, 1};
+    store.append(repetition);
+    const auto trials = store.contents().trials;
+    EXPECT_EQ(trials[0].repeated_by, repetition.place);
+    EXPECT_EQ(trials[1].repeated_by, std::nullopt);
+    Trial again = sample_trial(1, 1, 3);
+    again.repetition_of = TrialPlace{1, 1, 1};
+    EXPECT_EQ(complaint_of([&] { store.append(again); }),
+              file.string() + ": has a repetition already of block 1, position 1, attempt 1");
+    EXPECT_EQ(store.contents().trials.size(), 2U);
+}
+
+TEST(StudyStore, LinksServoRecords) {
+    const auto folder = fresh_folder("study_records");
+    const auto file = sample_study(folder);
+    StudyStore store(file);
+    const auto record = store.new_record_file("P01", {2, 17, 1});
+    EXPECT_EQ(record, folder / "direction.records/P01/block2-position017-attempt1.rec");
+    EXPECT_EQ(complaint_of([&] { static_cast<void>(store.new_record_file("P09", {})); }),
+              file.string() + ": has no participant 'P09'");
+    std::ofstream(record) << "abc";
+    Trial trial = sample_trial(1, 1, 1);
+    trial.record = store.link_to(record);
+    EXPECT_EQ(trial.record->path, "direction.records/P01/block2-position017-attempt1.rec");
+    // FIPS 180-2, appendix B.1: SHA-256 of "abc"
+    EXPECT_EQ(trial.record->sha256,
+              "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    EXPECT_EQ(store.append(trial), Appended::now);
+    const auto problems = [&] { return what_is_wrong_with_records(file, read_study(file)); };
+    EXPECT_EQ(problems(), std::vector<std::string>{});
+    const std::string where =
+        trial.record->path.string() + ": record of P01, block 1, position 1, attempt 1: ";
+    std::ofstream(record) << "abd";
+    EXPECT_EQ(problems(), std::vector{where + "is another file than the one that was linked"});
+    std::filesystem::remove(record);
+    EXPECT_EQ(problems(), std::vector{where + "is missing"});
+    EXPECT_NE(complaint_of([&] { static_cast<void>(store.link_to(record)); }), "");
+    EXPECT_EQ(complaint_of([&] { static_cast<void>(store.link_to(file)); }),
+              file.string() + ": is not in the study's folder of records, direction.records");
+}
+
+TEST(UtcTime, IsTextToTheMillisecond) {
+    // date -u -d @1717155296 gives Fri May 31 11:34:56 AM UTC 2024
+    EXPECT_EQ(utc_text(kStart), "2024-05-31T11:34:56.789Z");
+    EXPECT_EQ(utc_text(UtcTime{}), "1970-01-01T00:00:00.000Z");
+    EXPECT_EQ(utc_time_of("2024-05-31T11:34:56.789Z"), kStart);
+    for (const char *const text :
+         {"", "2024-05-31", "2024-05-31T11:34:56Z", "2024-02-30T11:34:56.789Z",
+          "2024-05-31T24:00:00.000Z", "2024-05-31T11:60:00.000Z", "2024-05-31T11:34:60.000Z",
+          "2024-05-31 11:34:56.789Z", "2024-05-31T11:34:56.7890", "+024-05-31T11:34:56.789Z"}) {
+        EXPECT_EQ(utc_time_of(text), std::nullopt) << text;
+    }
+    const UtcTime now = utc_now();
+    EXPECT_EQ(utc_time_of(utc_text(now)), now);
+}
+
+} // namespace
+} // namespace springdrive::study
