@@ -47,19 +47,19 @@ protected:
             testing::plan_failure(folder, planned, at_call);
         };
         renew(DiskFailure::none, 0);
-        run(1, [](int) {});
+        run([](int) {});
         const std::uint64_t calls = testing::calls_of_disk(); // of an undisturbed study
         const std::uint64_t at_call = hashed(seed, 0) % calls;
         renew(failure, at_call);
         return at_call;
     }
 
-    /// Opens the study and stores trials from `first` on; calls `stored` after each. @return the
-    /// complaint that ended it, empty at the end
-    std::string run(int first, const std::function<void(int)> &stored) {
+    /// Opens the study and stores its trials; calls `stored` after each. @return the complaint that
+    /// ended it, empty at the end
+    std::string run(const std::function<void(int)> &stored) {
         return complaint_of([&] {
             StudyStore store(file, settings);
-            for (int number = first; number <= kTrialsOfStudy; ++number) {
+            for (int number = 1; number <= kTrialsOfStudy; ++number) {
                 store.append(sample_trial(seed, 1, number));
                 stored(number);
             }
@@ -79,7 +79,8 @@ protected:
     /// Goes on after the last trial that was acknowledged, on a sound disk; then the study is as if
     /// nothing had happened.
     void expect_resumed(int acknowledged) {
-        StudyStore store(file);
+        testing::plan_failure(folder, DiskFailure::none);
+        StudyStore store(file, settings);
         for (int number = acknowledged + 1; number <= kTrialsOfStudy; ++number) {
             store.append(sample_trial(seed, 1, number));
         }
@@ -92,7 +93,7 @@ protected:
         for (int i = 0; i < cases; ++i) {
             int acknowledged = 0;
             begin(DiskFailure::power_loss, static_cast<std::uint64_t>(i));
-            run(1, [&](int number) { acknowledged = number; });
+            run([&](int number) { acknowledged = number; });
             testing::lose_power(seed);
             lost += holds_all(acknowledged) ? 0 : 1;
         }
@@ -112,12 +113,12 @@ protected:
 using StudyFailures = RunningStudy;
 
 TEST_F(StudyFailures, OfPowerLoseNoTrial) {
-    const int cases = testing::cases(40, 400);
+    const int cases = testing::cases(24, 400);
     int with_next = 0;
     for (int i = 0; i < cases; ++i) {
         int acknowledged = 0;
         const std::uint64_t at_call = begin(DiskFailure::power_loss, static_cast<std::uint64_t>(i));
-        const std::string said = run(1, [&](int number) { acknowledged = number; });
+        const std::string said = run([&](int number) { acknowledged = number; });
         EXPECT_TRUE(testing::has_failed());
         EXPECT_NE(said, "") << "at call " << at_call;
         EXPECT_EQ(said.find('\n'), std::string::npos);
@@ -134,7 +135,7 @@ TEST_F(StudyFailures, OfPowerLoseNoTrial) {
 
 /// The other side: settings that are faster lose trials, and this proof sees it.
 TEST_F(StudyFailures, OfPowerLoseTrialsWithOtherSettings) {
-    const int cases = testing::cases(60, 400);
+    const int cases = testing::cases(24, 400);
     settings.synchronous = "FULL"; // the journal's deletion is not synced
     const int full = losses(cases);
     settings.synchronous = "NORMAL";
@@ -153,7 +154,7 @@ TEST_F(StudyFailures, OfPowerLoseTrialsWithOtherSettings) {
 }
 
 TEST_F(StudyFailures, OfTheProgramLoseNoTrial) {
-    const int cases = testing::cases(40, 300);
+    const int cases = testing::cases(24, 300);
     void *const memory = mmap(nullptr, sizeof(Acknowledged), PROT_READ | PROT_WRITE,
                               MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     Acknowledged &acknowledged = *new (memory) Acknowledged(0);
@@ -162,7 +163,7 @@ TEST_F(StudyFailures, OfTheProgramLoseNoTrial) {
         acknowledged = 0;
         const pid_t child = fork();
         if (child == 0) {
-            run(1, [&](int number) { acknowledged = number; });
+            run([&](int number) { acknowledged = number; });
             _exit(0);
         }
         int status = 0;
@@ -177,7 +178,7 @@ TEST_F(StudyFailures, OfTheProgramLoseNoTrial) {
 }
 
 TEST_F(StudyFailures, OfAFullDiskLoseNoTrial) {
-    const int cases = testing::cases(40, 300);
+    const int cases = testing::cases(24, 300);
     int while_open = 0;
     for (int i = 0; i < cases; ++i) {
         const std::uint64_t at_call = begin(DiskFailure::full, static_cast<std::uint64_t>(i));

@@ -144,7 +144,7 @@ std::string mutated(std::string bytes, std::uint64_t seed) {
     return bytes;
 }
 
-TEST(StudyStoreProof, DamagedFilesAreReadWholeOrRefused) {
+TEST(DamagedStudies, AreReadWholeOrRefused) {
     const auto folder = fresh_folder("file_fuzz");
     const auto original = study_with_trials(folder, 12);
     const StudyContents contents = read_study(original);

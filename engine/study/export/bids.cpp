@@ -1,0 +1,245 @@
+#include "engine/study/export/bids.h"
+
+#include "engine/study/export/trial_table.h"
+
+#include "base/input_error.h"
+#include "base/new_file.h"
+#include "base/one_line.h"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <map>
+#include <ostream>
+#include <system_error>
+#include <unistd.h>
+
+namespace springdrive::study {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char *kBidsVersion = "1.9.0";
+
+/// Of a TSV file: on one line, in quotes if it has some itself.
+std::string tsv_cell(const std::string &text) {
+    constexpr std::size_t kLongest = 100'000;
+    std::string line = one_line(text, kLongest);
+    if (line.empty()) {
+        return "n/a";
+    }
+    if (line.find('"') == std::string::npos) {
+        return line;
+    }
+    std::string quoted = "\"";
+    for (const char c : line) {
+        quoted += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return quoted + '"';
+}
+
+double seconds(UtcTime::duration time) { return std::chrono::duration<double>(time).count(); }
+
+/// From the start of the first presentation to the end of the last, by the servo's clock.
+std::optional<double> presented_s(const Trial &trial) {
+    if (trial.presentations.empty() || !trial.presentations.front().start_s ||
+        !trial.presentations.back().end_s) {
+        return std::nullopt;
+    }
+    return std::max(0.0, *trial.presentations.back().end_s - *trial.presentations.front().start_s);
+}
+
+/// The columns that BIDS defines.
+std::vector<TrialColumn> bids_columns() {
+    const auto text = [](std::optional<double> number) {
+        return number ? shortest_text(*number) : std::string();
+    };
+    return {
+        {"onset",
+         "from the start of the session to that of the first presentation, by the wall clock: the "
+         "end of the trial less response time and presentations; exact times by the servo's clock "
+         "are in presentation1_start_s and its like",
+         "s",
+         {},
+         [](const TrialInStudy &row) {
+             const double end_s = seconds(row.trial.at - row.session.started);
+             const double onset_s = end_s - row.trial.response_time_s.value_or(0.0) -
+                                    presented_s(row.trial).value_or(0.0);
+             constexpr double kPerSecond = 1000.0; // of the wall clock
+             return shortest_text(std::round(onset_s * kPerSecond) / kPerSecond);
+         }},
+        {"duration",
+         "from the start of the first presentation to the end of the last",
+         "s",
+         {},
+         [text](const TrialInStudy &row) { return text(presented_s(row.trial)); }},
+        {"trial_type",
+         "name of the condition in the protocol",
+         "",
+         {},
+         [](const TrialInStudy &row) { return row.trial.condition; }},
+        {"response_time",
+         "from the end of the last presentation to the response",
+         "s",
+         {},
+         [text](const TrialInStudy &row) { return text(row.trial.response_time_s); }},
+    };
+}
+
+Json description_of(const TrialColumn &column) {
+    Json json{{"Description", column.description}};
+    if (!column.unit.empty()) {
+        json["Units"] = column.unit;
+    }
+    for (const auto &[value, meaning] : column.levels) {
+        json["Levels"][value] = meaning;
+    }
+    return json;
+}
+
+/// A new folder, removed unless it is published.
+class NewFolder {
+public:
+    explicit NewFolder(const std::filesystem::path &name)
+        : name_(name), temporary_(resolved_name(name).parent_path() /
+                                  fmt::format(".springdrive_bids_{}", getpid())) {
+        std::error_code error;
+        if (std::filesystem::exists(std::filesystem::symlink_status(name_, error))) {
+            throw InputError(name_.string() + ": exists; give another name");
+        }
+        std::filesystem::create_directory(temporary_, error);
+        check(error);
+    }
+    ~NewFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(temporary_, ignored);
+    }
+    NewFolder(const NewFolder &) = delete;
+    NewFolder &operator=(const NewFolder &) = delete;
+
+    void write(const std::filesystem::path &file, const std::string &text) const {
+        std::error_code error;
+        std::filesystem::create_directories((temporary_ / file).parent_path(), error);
+        check(error);
+        write_file(
+            temporary_ / file, [&](std::ostream &out) { out << text; }, Existing::keep);
+    }
+    void write(const std::filesystem::path &file, const Json &json) const {
+        constexpr int kIndent = 2;
+        write(file, json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + '\n');
+    }
+    void publish() const {
+        std::error_code error;
+        std::filesystem::rename(temporary_, name_, error);
+        check(error);
+    }
+
+private:
+    void check(const std::error_code &error) const {
+        if (error) {
+            throw InputError(name_.string() + ": cannot be written: " + error.message() +
+                             "; give another name");
+        }
+    }
+
+    std::filesystem::path name_;
+    std::filesystem::path temporary_;
+};
+
+Json dataset_description(const StudyContents &contents, const BidsOptions &options) {
+    return {
+        {"Name", contents.facts.title},
+        {"BIDSVersion", kBidsVersion},
+        {"DatasetType", "raw"},
+        {"GeneratedBy", Json::array({{{"Name", "springdrive"}, {"Version", options.software}}})}};
+}
+
+std::string readme(const StudyContents &contents, const BidsOptions &options) {
+    std::string devices;
+    for (const DeviceKind device : options.devices) {
+        devices += std::string(devices.empty() ? "" : ", ") + std::string(name_of(device));
+    }
+    return fmt::format("{}\n\nExported by springdrive {} from a study created on {}.\nDevices: {}. "
+                       "Data of simulated and emulated devices are no person's.\nProtocol: SHA-256 "
+                       "{}\n\n{}",
+                       contents.facts.title, options.software, utc_text(contents.facts.created),
+                       devices, contents.facts.protocol_sha256, contents.facts.protocol);
+}
+
+/// The columns of BIDS, then all others.
+std::vector<TrialColumn> all_columns(const StudyContents &contents) {
+    std::vector<TrialColumn> columns = bids_columns();
+    std::ranges::move(trial_columns(contents), std::back_inserter(columns));
+    return columns;
+}
+
+std::string events_text(const std::vector<TrialColumn> &columns,
+                        const std::vector<TrialInStudy> &trials) {
+    std::string text;
+    for (const TrialColumn &column : columns) {
+        text += column.name + '\t';
+    }
+    text.back() = '\n';
+    for (const TrialInStudy &trial : trials) {
+        for (const TrialColumn &column : columns) {
+            text += tsv_cell(column.cell(trial)) + '\t';
+        }
+        text.back() = '\n';
+    }
+    return text;
+}
+
+} // namespace
+
+std::string bids_task_label(std::string_view title) {
+    std::string label;
+    std::ranges::copy_if(title, std::back_inserter(label), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    });
+    return label.empty() ? "study" : label;
+}
+
+void write_bids(const StudyContents &contents, const std::filesystem::path &folder,
+                const BidsOptions &options) {
+    const std::string task = "task-" + bids_task_label(contents.facts.title);
+    const std::vector<TrialColumn> columns = all_columns(contents);
+    // By participant, then by session, as BIDS numbers them.
+    std::map<std::string, std::map<SessionId, std::vector<TrialInStudy>>> trials;
+    for (const TrialInStudy &trial : trials_in_study(contents, options.devices)) {
+        trials[trial.trial.participant][trial.session.id].push_back(trial);
+    }
+    const NewFolder created(folder);
+    created.write("dataset_description.json", dataset_description(contents, options));
+    created.write("README", readme(contents, options));
+    Json sidecar{{"TaskName", contents.facts.title}};
+    for (const TrialColumn &column : columns) {
+        sidecar[column.name] = description_of(column);
+    }
+    sidecar["StimulusPresentation"] = {{"SoftwareName", "springdrive"},
+                                       {"SoftwareVersion", contents.facts.software}};
+    created.write(task + "_events.json", sidecar);
+    std::string participants = "participant_id\tnumber\tsessions\ttrials\n";
+    for (const auto &[code, sessions] : trials) {
+        std::size_t count = 0;
+        int number = 0;
+        for (const auto &[id, of_session] : sessions) {
+            const std::string stem = fmt::format("sub-{}_ses-{:02}", code, ++number);
+            created.write(
+                fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
+                events_text(columns, of_session));
+            count += of_session.size();
+        }
+        participants += fmt::format("sub-{}\t{}\t{}\t{}\n", code,
+                                    participant_of(contents, code).number, number, count);
+    }
+    created.write("participants.tsv", participants);
+    created.write("participants.json",
+                  Json{{"number", {{"Description", "number for counterbalancing"}}},
+                       {"sessions", {{"Description", "sessions with trials"}}},
+                       {"trials", {{"Description", "trials, of all kinds"}}}});
+    created.publish();
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,228 @@
+// Covers engine/study/export/.
+#include "engine/study/export/bids.h"
+#include "engine/study/export/trial_table.h"
+
+#include "engine/study/store/study_store.h"
+#include "tests/engine/study/store/sample_study.h"
+#include "tests/support/complaint.h"
+#include "tests/support/files.h"
+#include "tests/support/full_disk.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <set>
+#include <sstream>
+
+namespace springdrive::study {
+namespace {
+
+using testing::complaint_of;
+using testing::contents_of;
+using testing::fresh_folder;
+using testing::kStart;
+
+const std::vector<DeviceKind> kAll{DeviceKind::simulated, DeviceKind::emulated, DeviceKind::usb};
+
+/// Cells of a CSV by RFC 4180.
+std::vector<std::vector<std::string>> parsed_csv(const std::string &text) {
+    std::vector<std::vector<std::string>> lines(1, {""});
+    bool is_quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        std::string &cell = lines.back().back();
+        if (text[i] == '"' && is_quoted && i + 1 < text.size() && text[i + 1] == '"') {
+            cell += text[++i];
+        } else if (text[i] == '"') {
+            is_quoted = !is_quoted;
+        } else if (text[i] == ',' && !is_quoted) {
+            lines.back().emplace_back();
+        } else if (text[i] == '\n' && !is_quoted) {
+            lines.push_back({""});
+        } else {
+            cell += text[i];
+        }
+    }
+    lines.pop_back();
+    return lines;
+}
+
+/// A study of two participants, of which the second is a person.
+StudyContents sample_contents() {
+    const auto file = testing::sample_study(fresh_folder("export"), 2);
+    StudyStore store(file);
+    for (int participant = 1; participant <= 2; ++participant) {
+        for (int number = 1; number <= 20; ++number) {
+            store.append(testing::sample_trial(1, participant, number));
+        }
+    }
+    return store.contents();
+}
+
+TEST(TrialTable, HoldsEachTrial) {
+    const StudyContents contents = sample_contents();
+    std::ostringstream out;
+    write_trials_csv(contents, kAll, out);
+    const auto lines = parsed_csv(out.str());
+    ASSERT_EQ(lines.size(), 41U);
+    const auto &names = lines[0];
+    EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+    const auto cell = [&](std::size_t trial, const std::string &name) {
+        const auto column = std::ranges::find(names, name);
+        EXPECT_NE(column, names.end()) << name;
+        return lines[trial + 1].at(static_cast<std::size_t>(column - names.begin()));
+    };
+    const auto expect_number = [&](std::size_t trial, const std::string &name,
+                                   const std::optional<double> &number) {
+        const std::string text = cell(trial, name);
+        double read = 0.0;
+        if (!number) {
+            EXPECT_EQ(text, "") << name;
+        } else {
+            EXPECT_EQ(std::from_chars(text.data(), text.data() + text.size(), read).ec, std::errc())
+                << name << text;
+            EXPECT_EQ(read, *number) << name;
+        }
+    };
+    std::size_t values = 0;
+    for (std::size_t i = 0; i < contents.trials.size(); ++i) {
+        const Trial &trial = contents.trials[i];
+        ASSERT_EQ(lines[i + 1].size(), names.size());
+        EXPECT_EQ(cell(i, "participant"), trial.participant);
+        EXPECT_EQ(cell(i, "participant_number"), trial.participant == "P01" ? "1" : "2");
+        EXPECT_EQ(cell(i, "device_kind"), trial.participant == "P01" ? "emulated" : "usb");
+        EXPECT_EQ(cell(i, "position"), std::to_string(trial.place.position));
+        EXPECT_EQ(cell(i, "condition"), trial.condition);
+        EXPECT_EQ(cell(i, "seed"), std::to_string(trial.seed));
+        EXPECT_EQ(cell(i, "counts"), counts(trial) ? "1" : "0");
+        EXPECT_EQ(cell(i, "record"), trial.record ? trial.record->path.string() : "");
+        expect_number(i, "level", trial.level);
+        expect_number(i, "response_time_s", trial.response_time_s);
+        expect_number(i, "winding2_degC", trial.windings_degC[1]);
+        for (std::size_t p = 0; p < trial.presentations.size(); ++p) {
+            const std::string prefix = "presentation" + std::to_string(p + 1) + "_";
+            expect_number(i, prefix + "start_s", trial.presentations[p].start_s);
+            for (const StimulusValue &value : trial.presentations[p].values) {
+                expect_number(i, prefix + value.name + "_intended", value.intended);
+                expect_number(i, prefix + value.name + "_delivered", value.delivered);
+                ++values;
+            }
+        }
+    }
+    EXPECT_GT(values, 20U);
+    EXPECT_EQ(cell(9, "repetition_of"), "1-9-1");
+    EXPECT_EQ(cell(8, "repeated_by"), "1-9-2");
+}
+
+TEST(TrialTable, LeavesOutOtherDevices) {
+    const StudyContents contents = sample_contents();
+    EXPECT_EQ(trials_in_study(contents, {DeviceKind::usb}).size(), 20U);
+    EXPECT_EQ(trials_in_study(contents, {DeviceKind::simulated}).size(), 0U);
+    for (const TrialInStudy &trial : trials_in_study(contents, {DeviceKind::usb})) {
+        EXPECT_EQ(trial.participant.code, "P02");
+    }
+}
+
+/// A study with a single trial of a person: 1.5 s and 1.0 s long, a pause of 0.5 s, a response
+/// after 0.75 s, 100 s after the session's start.
+StudyContents plain_contents() {
+    StudyContents contents;
+    contents.facts = {"Direction of a blow", "[study]", std::string(64, '0'), kStart, "0.1.0",
+                      "direction.records",   0};
+    contents.participants = {{"P01", 1, kStart}};
+    Session session = testing::sample_session(2);
+    session.id = 1;
+    session.participant = "P01";
+    session.started = kStart;
+    contents.sessions = {session};
+    Trial trial;
+    trial.participant = "P01";
+    trial.session = 1;
+    trial.condition = "a\t\"tab\"";
+    trial.at = kStart + std::chrono::seconds(100);
+    trial.presentations = {{20.0, 21.5, {{"direction_deg", 0.0, 0.25}}}, {22.0, 23.0, {}}};
+    trial.response = Chosen{2};
+    trial.response_time_s = 0.75;
+    contents.trials = {trial};
+    return contents;
+}
+
+TEST(Bids, IsADataset) {
+    const auto folder = fresh_folder("bids") / "out";
+    write_bids(plain_contents(), folder, {.software = "0.2.0"});
+    std::set<std::string> files;
+    for (const auto &entry : std::filesystem::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file()) {
+            files.insert(std::filesystem::relative(entry.path(), folder).string());
+        }
+    }
+    const std::string events = "sub-P01/ses-01/beh/sub-P01_ses-01_task-Directionofablow_events.tsv";
+    EXPECT_EQ(files, (std::set<std::string>{"README", "dataset_description.json",
+                                            "participants.json", "participants.tsv", events,
+                                            "task-Directionofablow_events.json"}));
+    EXPECT_EQ(contents_of(folder / "participants.tsv"),
+              "participant_id\tnumber\tsessions\ttrials\nsub-P01\t1\t1\t1\n");
+    const auto json = [&](const char *name) {
+        return nlohmann::json::parse(contents_of(folder / name));
+    };
+    const auto description = json("dataset_description.json");
+    EXPECT_EQ(description["Name"], "Direction of a blow");
+    EXPECT_EQ(description["BIDSVersion"], "1.9.0");
+    EXPECT_EQ(description["DatasetType"], "raw");
+    EXPECT_EQ(description["GeneratedBy"][0]["Name"], "springdrive");
+
+    const std::string text = contents_of(folder / events);
+    // 100 - 0.75 - (23 - 20) s
+    EXPECT_TRUE(text.starts_with("onset\tduration\ttrial_type\tresponse_time\tparticipant\t"));
+    EXPECT_NE(text.find("\n96.25\t3\t\"a \"\"tab\"\"\"\t0.75\tP01\t1\t1\tusb\t0417\t1\t1\t1\t"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(text.find("\t\t"), std::string::npos); // no empty cell
+    // Each column is described, and each description is of a column.
+    const auto sidecar = json("task-Directionofablow_events.json");
+    std::set<std::string> columns{"TaskName", "StimulusPresentation"};
+    std::istringstream header(text.substr(0, text.find('\n')));
+    for (std::string name; std::getline(header, name, '\t');) {
+        columns.insert(name);
+        EXPECT_NE(sidecar[name].value("Description", ""), "") << name;
+    }
+    EXPECT_EQ(sidecar.size(), columns.size());
+    EXPECT_EQ(sidecar["onset"]["Units"], "s");
+    EXPECT_EQ(sidecar["device_kind"]["Levels"].size(), 3U);
+}
+
+TEST(Bids, TakesOnlyTheDevicesAskedFor) {
+    const StudyContents contents = sample_contents();
+    const auto parent = fresh_folder("bids_devices");
+    write_bids(contents, parent / "usb", {});
+    EXPECT_FALSE(std::filesystem::exists(parent / "usb/sub-P01"));
+    EXPECT_TRUE(std::filesystem::exists(parent / "usb/sub-P02/ses-01/beh"));
+    write_bids(contents, parent / "emulated", {.devices = {DeviceKind::emulated}});
+    EXPECT_TRUE(std::filesystem::exists(parent / "emulated/sub-P01"));
+    EXPECT_FALSE(std::filesystem::exists(parent / "emulated/sub-P02"));
+}
+
+TEST(Bids, IsWrittenWholeOrNotAtAll) {
+    const auto parent = fresh_folder("bids_whole");
+    std::filesystem::create_directory(parent / "out");
+    EXPECT_EQ(complaint_of([&] { write_bids(plain_contents(), parent / "out", {}); }),
+              (parent / "out").string() + ": exists; give another name");
+    EXPECT_EQ(complaint_of([&] { write_bids(plain_contents(), parent / "none/out", {}); }),
+              (parent / "none/out").string() +
+                  ": cannot be written: No such file or directory; give another name");
+    std::filesystem::remove(parent / "out");
+    {
+        const testing::FullDisk full(300);
+        EXPECT_NE(complaint_of([&] { write_bids(plain_contents(), parent / "out", {}); }), "");
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(parent));
+    write_bids(plain_contents(), parent / "out", {});
+}
+
+TEST(Bids, NamesATaskByLettersAndDigits) {
+    EXPECT_EQ(bids_task_label("Direction of a blow, 2nd"), "Directionofablow2nd");
+    EXPECT_EQ(bids_task_label("η"), "study");
+}
+
+} // namespace
+} // namespace springdrive::study
