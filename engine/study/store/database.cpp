@@ -79,7 +79,7 @@ Database::Database(std::filesystem::path shown) : shown_(std::move(shown)) {
     if (result != SQLITE_OK) {
         fail();
     }
-    run("PRAGMA foreign_keys = ON");
+    run(std::string(kReadable) + "PRAGMA foreign_keys = ON");
 }
 
 Database::Database(const std::filesystem::path &file, std::filesystem::path shown, Access access,

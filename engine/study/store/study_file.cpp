@@ -57,23 +57,27 @@ Database open_to_write(const std::filesystem::path &file, const std::filesystem:
         check_structure(database, steps);
     }
     migrate(database, steps);
-    const Transaction transaction(database, Transaction::Kind::read);
-    static_cast<void>(read_contents(database)); // checks each row
+    {
+        const Transaction transaction(database, Transaction::Kind::read);
+        static_cast<void>(read_contents(database)); // checks each row
+    }
     return database;
 }
 
 StudyContents read_file(const std::filesystem::path &file, const std::filesystem::path &shown,
                         Steps steps) {
-    const Database database(file, shown, Access::read, {});
-    const Transaction transaction(database, Transaction::Kind::read);
-    check_identity(database, steps);
-    check_structure(database, steps);
-    if (version_of(database) == std::ssize(steps)) {
-        return read_contents(database);
-    }
-    const Database present = database.copy_in_memory();
-    migrate(present, steps);
-    return read_contents(present);
+    // Checks and migration work on a copy in memory, so that a trial that is to be stored meanwhile
+    // waits no longer than copying takes.
+    const auto copied = [&] {
+        const Database database(file, shown, Access::read, {});
+        const Transaction transaction(database, Transaction::Kind::read);
+        check_identity(database, steps);
+        return database.copy_in_memory();
+    };
+    const Database copy = copied();
+    check_structure(copy, steps);
+    migrate(copy, steps);
+    return read_contents(copy);
 }
 
 void create_study(const std::filesystem::path &file, const NewStudy &study, UtcTime now) {
