@@ -8,6 +8,8 @@
 #include "engine/control/velocity_filter.h"
 
 #include <array>
+#include <cmath>
+#include <optional>
 
 namespace springdrive::control {
 
@@ -17,15 +19,32 @@ struct Coupling {
     double K_DC_Nm_per_rad = 0.0;     ///< static stiffness k_T K_P/dR (13)
     double K_HF_Nm_per_rad = 0.0;     ///< high-frequency stiffness k_T²/L (14)
     double B_dR_Nms_per_rad = 0.0;    ///< residual series damper k_T²/dR (8)
-    double loop_lag_s = 0.0;          ///< τ = T (a/(1 − a) + 1 + d)
+    double loop_lag_s = 0.0;          ///< τ, see `loop_lag_s`
     double added_inertia_kg_m2 = 0.0; ///< k_T² τ/dR, at the rotor in free space
 };
+
+/// τ = T (a/(1 − a) + 1 + d) with a = e^(−λT): the whole lag of the loop, which is felt in free
+/// space.
+[[nodiscard]] inline double loop_lag_s(double lambda_rad_per_s, double period_s,
+                                       double delay_periods) {
+    const double a = velocity_filter_pole(lambda_rad_per_s, period_s);
+    return period_s * (a / (1.0 - a) + 1.0 + delay_periods);
+}
+
+/// The λ with that lag; nothing where it is not above T (1 + d), which no filter reaches.
+[[nodiscard]] inline std::optional<double> lambda_of_lag_rad_per_s(double lag_s, double period_s,
+                                                                   double delay_periods) {
+    const double of_filter = lag_s / period_s - 1.0 - delay_periods; // a/(1 − a)
+    if (!(of_filter > 0.0)) {
+        return std::nullopt;
+    }
+    return std::log1p(1.0 / of_filter) / period_s;
+}
 
 /// @param period_s       T, the servo period
 /// @param delay_periods  d, from reading θ to applying e_W
 [[nodiscard]] inline Coupling coupling(const device::MotorParameters &motor, const Tuning &tuning,
                                        double period_s, double delay_periods) {
-    const double a = velocity_filter_pole(tuning.lambda_rad_per_s, period_s);
     Coupling c;
     c.K_L_Nm_per_rad = device::inductive_stiffness_Nm_per_rad(motor);
     const double dR_Ohm = device::residual_resistance_Ohm(motor, tuning.dR_Ohm);
@@ -33,7 +52,7 @@ struct Coupling {
         device::static_stiffness_Nm_per_rad(motor, tuning.K_P_V_per_rad, tuning.dR_Ohm);
     c.K_HF_Nm_per_rad = c.K_L_Nm_per_rad;
     c.B_dR_Nms_per_rad = device::series_damping_Nms_per_rad(motor, dR_Ohm);
-    c.loop_lag_s = period_s * (a / (1.0 - a) + 1.0 + delay_periods);
+    c.loop_lag_s = control::loop_lag_s(tuning.lambda_rad_per_s, period_s, delay_periods);
     c.added_inertia_kg_m2 = c.B_dR_Nms_per_rad * c.loop_lag_s;
     return c;
 }

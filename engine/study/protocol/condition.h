@@ -1,0 +1,114 @@
+// A condition of a study: a full set of parameters, and the list of those that are no gains. The
+// gains are those of engine/control/tuning.h.
+#pragma once
+
+#include "base/vector.h"
+#include "engine/control/tuning.h"
+#include "engine/scene/lesson.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace springdrive::study {
+
+/// What holds the tip where it is presented a stimulus.
+enum class Hold : std::uint8_t {
+    surface, ///< the scene: without friction, so that the tip slides where it is not pressed square
+    cup,     ///< a friction cup at the spot: x₀ stays where the tip first touches the scene
+};
+
+/// By their number, as in protocol files.
+inline constexpr std::array<std::string_view, 2> kHoldNames{"surface", "cup"};
+
+/// The scene of a condition in free space.
+inline constexpr std::string_view kNoScene = "none";
+
+/// The defaults are those of protocol files.
+struct Condition {
+    std::string name;
+    std::string scene = "plate"; ///< included, by its name; a file; or `kNoScene`
+    /// In device coordinates. Nothing: the scene's own spot, which its lesson marks.
+    std::optional<scene::TouchSpot> spot;
+    Hold hold = Hold::surface;
+    control::Tuning tuning; ///< in contact
+    double servo_hz = 1000.0;
+    double delay_periods = 0.0; ///< d of the device at that servo rate
+    double turn_deg = 0.0;      ///< of the force, about the axis below; see `turned`
+    double turn_axis_deg = 0.0;
+    double press_N = 1.0;       ///< with which the hand presses
+    double speed_m_per_s = 0.1; ///< of the hand: of a blow where it touches, of a stroke at most
+    double pulse_N = 1.0;       ///< height of a pulse, as the force of a hand that does not move
+    double pulse_hz = 30.0;     ///< of a pulse: it is one period of 1 − cos, 1/pulse_hz long
+
+    friend bool operator==(const Condition &, const Condition &);
+};
+
+/// A parameter of a condition that is no gain; like `control::Parameter`.
+struct ConditionParameter {
+    std::string_view name;   ///< in files, with its unit
+    std::string_view symbol; ///< UTF-8
+    std::string_view unit;   ///< UTF-8; "–" where it has none
+    double Condition::*value = nullptr;
+    double minimum = 0.0; ///< inclusive
+    double maximum = 0.0; ///< inclusive
+    std::string_view help;
+};
+
+inline constexpr std::array<ConditionParameter, 8> kConditionParameters{{
+    {"servo_hz", "1/T", "Hz", &Condition::servo_hz, 250.0, 10'000.0, "rate of the servo"},
+    {"delay_periods", "d", "–", &Condition::delay_periods, 0.0, 8.0,
+     "from reading θ to applying e_W, in servo periods: what the device has at this rate"},
+    {"turn_deg", "φ", "°", &Condition::turn_deg, -90.0, 90.0,
+     "by which the force is turned out of the surface's normal"},
+    {"turn_axis_deg", "ψ", "°", &Condition::turn_axis_deg, -180.0, 180.0,
+     "direction, in the contact plane, of the axis of that turn: 0 is the device's x axis, laid "
+     "into the plane; on a level surface the force then leans towards the user, at 90 to the "
+     "right"},
+    {"press_N", "F", "N", &Condition::press_N, 0.1, 8.0, "force with which the hand presses"},
+    {"speed_m_per_s", "v", "m/s", &Condition::speed_m_per_s, 0.01, 1.0,
+     "of the hand: of a blow where it touches, of a stroke at most"},
+    {"pulse_N", "F_p", "N", &Condition::pulse_N, 0.05, 5.0,
+     "height of a pulse, as felt by a hand that does not move"},
+    {"pulse_hz", "f_p", "Hz", &Condition::pulse_hz, 1.0, 250.0,
+     "frequency of a pulse: one period of 1 − cos, so it lasts 1/pulse_hz"},
+}};
+
+/// Any parameter of a condition: a gain or one of the above.
+struct ParameterFacts {
+    std::string_view name;
+    std::string_view symbol;
+    std::string_view unit;
+    double minimum = 0.0; ///< inclusive
+    double maximum = 0.0; ///< inclusive
+    double default_value = 0.0;
+    std::string_view help;
+    double control::Tuning::*gain = nullptr; ///< one of these two is set
+    double Condition::*of_condition = nullptr;
+
+    [[nodiscard]] double get(const Condition &condition) const {
+        return gain != nullptr ? condition.tuning.*gain : condition.*of_condition;
+    }
+    void set(Condition &condition, double value) const {
+        (gain != nullptr ? condition.tuning.*gain : condition.*of_condition) = value;
+    }
+};
+
+/// All of them, gains first.
+[[nodiscard]] std::span<const ParameterFacts> condition_parameters();
+
+/// Null for an unknown name.
+[[nodiscard]] const ParameterFacts *condition_parameter_named(std::string_view name);
+
+/// The axis of `turn_deg`: unit, in the plane with that unit normal. At 0° it is the device's x
+/// axis laid into the plane, or, where the normal is within 1° of the x axis, the z axis; from
+/// there right-handed about the normal.
+[[nodiscard]] Vector3 turn_axis(const Vector3 &normal, double turn_axis_deg);
+
+/// A force along the unit normal, turned as the condition says: right-handed about `turn_axis`.
+[[nodiscard]] Vector3 turned(const Condition &condition, const Vector3 &normal);
+
+} // namespace springdrive::study

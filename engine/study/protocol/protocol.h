@@ -1,0 +1,220 @@
+// A protocol: everything about a study that is decided before the first participant sits down, as
+// plain values. Files are read by protocol_file.h; docs/study_protocol.md is the manual.
+//
+// Free space. In free space (η = 1, ẋ_Sd = ẋ) the law (10) is e_W = k_T θ̇_f whatever K_P, K_D, α, η
+// and map are: a device is felt by its own mass and friction and by k_T² τ/dR at each motor, with τ
+// the loop's whole lag. So of a condition's parameters only dR, λ, the servo's rate and the delay
+// matter there. Conditions that are compared are therefore in free space with one dR and one τ, and
+// glide to their own dR and λ in contact only. Where servo rate or delay differ, λ in free space is
+// the one with the same τ. A study whose stimulus is free space itself says so, and is then in free
+// space with each condition's own dR and λ.
+#pragma once
+
+#include "engine/study/methods/block.h"
+#include "engine/study/methods/counterbalancing.h"
+#include "engine/study/protocol/condition.h"
+#include "engine/study/protocol/texts.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::study {
+
+/// How a stimulus comes to the hand.
+enum class StimulusForm : std::uint8_t {
+    press,  ///< the hand presses on the spot with `press_N`
+    blow,   ///< the hand strikes the spot with `speed_m_per_s`
+    pulse,  ///< the hand rests on the spot with `press_N`; the device pushes once, by `pulse_N`
+    stroke, ///< the hand moves to and fro in free space, `speed_m_per_s` at most
+};
+
+/// By their number, as in protocol files.
+inline constexpr std::array<std::string_view, 4> kStimulusFormNames{"press", "blow", "pulse",
+                                                                    "stroke"};
+
+/// What a level of the method is, of the parameter under test.
+enum class LevelMeaning : std::uint8_t {
+    value,    ///< the parameter itself
+    added,    ///< the standard's value plus the level
+    taken_off ///< the standard's value minus the level: where less is felt more
+};
+
+/// By their number, as in protocol files.
+inline constexpr std::array<std::string_view, 3> kLevelMeaningNames{"value", "added", "taken_off"};
+
+/// The parameter that the method varies; beside it, a comparison has its condition's parameters.
+struct Variable {
+    std::string parameter = "eta"; ///< one of `condition_parameters()`
+    LevelMeaning level = LevelMeaning::value;
+    double standard = 0.0; ///< its value in the stimulus that is compared with
+    /// The condition that all are compared with; empty: each with itself, at `standard`.
+    std::string standard_condition;
+    /// The standard is presented before the comparison: of yes/no and adjustment. In a forced
+    /// choice by interval it is what all other intervals present.
+    bool shows_standard = false;
+
+    friend bool operator==(const Variable &, const Variable &) = default;
+};
+
+/// The tuning in free space, see above.
+struct FreeSpaceTuning {
+    double dR_Ohm = 0.5;
+    double lambda_rad_per_s = 1000.0;
+
+    friend bool operator==(const FreeSpaceTuning &, const FreeSpaceTuning &) = default;
+};
+
+/// Times of a trial [s]. An interval is an approach, a presentation and a way back.
+struct TrialTiming {
+    double rest_s = 0.5;         ///< the hand must be at rest in free space at the spot for so long
+    double approach_s = 2.0;     ///< at most, until the hand is in contact
+    double presentation_s = 1.0; ///< of the stimulus
+    double pause_s = 0.5;        ///< between the intervals of a trial
+    double response_s = 5.0;     ///< at most, after the last interval; then the trial is marked
+    double between_trials_s = 1.0;
+    double expected_response_s = 1.0; ///< for the session's length, as `approach_s`
+
+    friend bool operator==(const TrialTiming &, const TrialTiming &) = default;
+};
+
+struct Breaks {
+    int every_trials = 40; ///< within a block; 0: none
+    double break_s = 60.0; ///< the shortest; the participant may rest longer
+    double between_blocks_s = 120.0;
+
+    friend bool operator==(const Breaks &, const Breaks &) = default;
+};
+
+/// The band of what was delivered, around what was intended. Outside it a trial is marked.
+struct Marking {
+    double stiffness_percent = 2.0;
+    double direction_deg = 1.0;
+    double force_percent = 20.0; ///< of the hand's press, or a blow's speed: it is the hand's own
+    double lateness_s = 0.005;   ///< missed deadlines in a row
+    bool repeats = true;         ///< marked trials are presented again, see block.h
+    int most_marked = 20;        ///< in a block, see block.h
+
+    friend bool operator==(const Marking &, const Marking &) = default;
+};
+
+/// The windings are warmed to this band before the first trial and kept in it.
+struct WindingBand {
+    double air_C = 25.0;
+    double from_C = 30.0;
+    double to_C = 60.0;
+
+    friend bool operator==(const WindingBand &, const WindingBand &) = default;
+};
+
+struct StoppingRules {
+    double longest_session_min = 60.0; ///< the present trial is the last
+    int most_trips = 3;                ///< of the safety monitor in a session
+
+    friend bool operator==(const StoppingRules &, const StoppingRules &) = default;
+};
+
+/// What is expected of participants, to place levels and to plan. Never shown as a result.
+struct Expectation {
+    double threshold = 1.0; ///< a level, of the psychometric function's family below
+    double slope = 3.5;
+    double lapse = 0.02;
+    FunctionFamily family;
+    std::string source; ///< where that is from
+
+    friend bool operator==(const Expectation &, const Expectation &) = default;
+};
+
+/// How a participant answers.
+enum class ResponseDevice : std::uint8_t { keyboard, mouse, gesture };
+inline constexpr std::array<std::string_view, 3> kResponseDeviceNames{"keyboard", "mouse",
+                                                                      "gesture"};
+
+struct ResponseWays {
+    ResponseDevice device = ResponseDevice::keyboard;
+    /// One per alternative, "no" and "yes", or "less", "more" and "done" of an adjustment: names of
+    /// keys, of mouse buttons, or of gestures.
+    std::vector<std::string> keys{"1", "2"};
+
+    friend bool operator==(const ResponseWays &, const ResponseWays &) = default;
+};
+
+/// Trials without a break between conditions, which are interleaved.
+struct ProtocolBlock {
+    std::string name;
+    std::vector<std::size_t> conditions; ///< indices into `Protocol::conditions`
+
+    friend bool operator==(const ProtocolBlock &, const ProtocolBlock &) = default;
+};
+
+struct Protocol {
+    std::string title;
+    std::string language = "en"; ///< of the texts
+    Texts texts;
+    int seed = 1;
+    std::string device_file = "phantom_1_0"; ///< included, by its name; or a file
+    std::vector<Condition> conditions;
+    bool free_space_is_stimulus = false;
+    std::optional<FreeSpaceTuning> free_space; ///< nothing: the conditions' own is one
+    StimulusForm stimulus = StimulusForm::press;
+    Variable variable;
+    Task task;
+    Method method;
+    ResponseWays responses;
+    TrialTiming timing;
+    Practice practice;
+    CatchTrials catch_trials;
+    std::vector<ProtocolBlock> blocks;
+    Counterbalancing counterbalancing = Counterbalancing::balanced_latin_square; ///< of the blocks
+    int participants = 12;
+    Breaks breaks;
+    Marking marking;
+    WindingBand windings;
+    StoppingRules stopping;
+    std::optional<Expectation> expected;
+
+    friend bool operator==(const Protocol &, const Protocol &) = default;
+};
+
+/// The first that makes the values no protocol: "KEY is VALUE; it must be …". Empty if there is
+/// none. Whether it is a good one is for protocol_check.h.
+[[nodiscard]] std::string what_is_wrong_with(const Protocol &protocol);
+
+// @pre of all below: what_is_wrong_with(protocol) is empty
+
+[[nodiscard]] const ParameterFacts &variable_of(const Protocol &protocol);
+
+/// The variable's value at a level.
+[[nodiscard]] double value_at(const Protocol &protocol, double level);
+
+/// A condition at a level: what is presented as the comparison. In a forced choice by place, where
+/// the places are m directions, the axis of the turn is turned by 360°/m for each `target`.
+[[nodiscard]] Condition comparison(const Protocol &protocol, std::size_t condition, double level,
+                                   int target = 0);
+
+/// What a condition is compared with: itself at the standard value, or the standard condition.
+[[nodiscard]] Condition standard(const Protocol &protocol, std::size_t condition);
+
+/// Index of `Variable::standard_condition`; nothing if each is compared with itself.
+[[nodiscard]] std::optional<std::size_t> standard_condition_of(const Protocol &protocol);
+
+/// A condition's tuning in free space: dR and λ as said above, all else as in contact. λ may exceed
+/// the range of its parameter; nothing where no λ gives the shared lag.
+[[nodiscard]] std::optional<control::Tuning> free_space_tuning(const Protocol &protocol,
+                                                               const Condition &condition);
+
+/// The block as the methods see it; series are in the order of its conditions.
+[[nodiscard]] Block block_of(const Protocol &protocol, std::size_t block);
+
+/// Levels that can be presented, rising: all of them where they are finite in number, else from
+/// the lowest to the highest in `steps` equal steps on the method's scale.
+[[nodiscard]] std::vector<double> presentable_levels(const Protocol &protocol, int steps = 16);
+
+/// Stimuli that a trial presents, one after the other.
+[[nodiscard]] int presentations_per_trial(const Protocol &protocol);
+
+} // namespace springdrive::study
