@@ -116,6 +116,7 @@ std::unique_ptr<CLI::App> command_tree() {
     add_baseline_command(app);
     add_touch_command(app);
     add_inspect_command(app);
+    add_study_command(app);
     return tree;
 }
 

@@ -3,10 +3,12 @@
 #include "base/input_error.h"
 #include "base/input_file.h"
 #include "base/one_line.h"
+#include "base/similar_names.h"
 
 #include <fmt/core.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -69,6 +71,16 @@ std::string as_written(const toml::node &node) {
     return text;
 }
 
+/// "on_the_fly, global or by_hand".
+std::string any_of(std::span<const std::string_view> names) {
+    std::string list(names.front());
+    for (std::size_t i = 1; i < names.size(); ++i) {
+        list += i + 1 < names.size() ? ", " : " or ";
+        list += names[i];
+    }
+    return list;
+}
+
 } // namespace
 
 StrictTomlTable::StrictTomlTable(std::unique_ptr<Contents> contents)
@@ -113,6 +125,8 @@ bool StrictTomlTable::has(std::string_view key) const {
     return contents_->table->get(key) != nullptr;
 }
 
+bool StrictTomlTable::has_optional(std::string_view key) { return contents_->find(key) != nullptr; }
+
 std::string StrictTomlTable::text(std::string_view key) {
     const toml::node *node = contents_->find(key);
     if (node == nullptr) {
@@ -142,6 +156,71 @@ int StrictTomlTable::integer(std::string_view key, int minimum, int maximum) {
         refuse(key, "is " + plain(value) + "; it must be a whole number");
     }
     return static_cast<int>(value);
+}
+
+bool StrictTomlTable::flag(std::string_view key) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be true or false");
+    }
+    if (!node->is_boolean()) {
+        refuse(key, "is " + as_written(*node) + "; it must be true or false");
+    }
+    return node->value<bool>().value_or(false);
+}
+
+std::size_t StrictTomlTable::choice(std::string_view key, std::span<const std::string_view> names) {
+    const toml::node *node = contents_->find(key);
+    const std::string expected = "it must be " + any_of(names);
+    if (node == nullptr) {
+        refuse(key, "is missing; " + expected);
+    }
+    const auto name = node->value_exact<std::string>();
+    const auto found = name ? std::ranges::find(names, *name) : names.end();
+    if (found == names.end()) {
+        refuse(key, "is " + (name ? '"' + *name + '"' : as_written(*node)) + "; " + expected);
+    }
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+std::vector<double> StrictTomlTable::numbers(std::string_view key, NumberRange range_of_each,
+                                             std::size_t most) {
+    const std::string expected =
+        fmt::format("1 to {} numbers in brackets, each {}", most, allowed(range_of_each));
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be " + expected);
+    }
+    const toml::array *array = node->as_array();
+    if (array == nullptr || array->empty() || array->size() > most) {
+        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
+    }
+    std::vector<double> values;
+    for (const toml::node &one : *array) {
+        values.push_back(as_number(one));
+        if (!lies_in(values.back(), range_of_each)) {
+            refuse(key, "has " + as_written(one) + "; it must be " + expected);
+        }
+    }
+    return values;
+}
+
+std::vector<std::string> StrictTomlTable::texts(std::string_view key, std::size_t most) {
+    const std::string expected = fmt::format("1 to {} texts in brackets", most);
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; it must be " + expected);
+    }
+    const toml::array *array = node->as_array();
+    if (array == nullptr || array->empty() || array->size() > most ||
+        !array->is_homogeneous(toml::node_type::string)) {
+        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
+    }
+    std::vector<std::string> values;
+    for (const toml::node &one : *array) {
+        values.push_back(one.value<std::string>().value_or(""));
+    }
+    return values;
 }
 
 Vector3 StrictTomlTable::vector(std::string_view key, NumberRange range_of_each) {
@@ -184,31 +263,57 @@ int StrictTomlTable::tables(std::string_view key, int count,
         read_one(0, only);
         return 1;
     }
-    const toml::array &array = *node->as_array();
-    if (array.size() != static_cast<std::size_t>(count)) {
-        refuse(key, "appears " + std::to_string(array.size()) + " times; it must appear once or " +
+    const std::size_t there = node->as_array()->size();
+    if (there != static_cast<std::size_t>(count)) {
+        refuse(key, "appears " + std::to_string(there) + " times; it must appear once or " +
                         std::to_string(count) + " times");
     }
     for (int i = 0; i < count; ++i) {
-        auto inner = std::make_unique<Contents>();
-        inner->file = contents_->file;
-        inner->prefix = contents_->prefix + std::string(key) + "[" + std::to_string(i + 1) + "].";
-        inner->root = contents_->root;
-        inner->table = array[static_cast<std::size_t>(i)].as_table();
-        StrictTomlTable one(std::move(inner));
+        StrictTomlTable one = row(key, static_cast<std::size_t>(i));
         read_one(i, one);
     }
     return count;
 }
 
+void StrictTomlTable::rows(std::string_view key, std::size_t most,
+                           const std::function<void(StrictTomlTable &)> &read_one) {
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr || !node->is_array_of_tables()) {
+        refuse(key, "is missing; add a table [[" + contents_->prefix + std::string(key) + "]]");
+    }
+    const std::size_t there = node->as_array()->size();
+    if (there > most) {
+        refuse(key, fmt::format("appears {} times; it must appear 1 to {} times", there, most));
+    }
+    for (std::size_t i = 0; i < there; ++i) {
+        StrictTomlTable one = row(key, i);
+        read_one(one);
+    }
+}
+
+/// One of the tables [[key]]. @pre it is there
+StrictTomlTable StrictTomlTable::row(std::string_view key, std::size_t index) const {
+    auto inner = std::make_unique<Contents>();
+    inner->file = contents_->file;
+    inner->prefix = contents_->prefix + std::string(key) + "[" + std::to_string(index + 1) + "].";
+    inner->root = contents_->root;
+    inner->table = (*contents_->table->get_as<toml::array>(key))[index].as_table();
+    return StrictTomlTable(std::move(inner));
+}
+
 void StrictTomlTable::refuse_unknown_keys() const {
     for (const auto &[key, node] : *contents_->table) {
         if (!contents_->asked.contains(key.str())) {
-            std::string known;
-            for (const std::string &name : contents_->asked) {
-                known += (known.empty() ? "" : ", ") + name;
+            std::vector<std::string_view> known(contents_->asked.begin(), contents_->asked.end());
+            std::string list;
+            for (const std::string_view name : known) {
+                list += (list.empty() ? "" : ", ") + std::string(name);
             }
-            refuse(key.str(), "is not known; the known keys are " + known);
+            sort_by_similarity(known, key.str(), [](std::string_view name) { return name; });
+            refuse(key.str(),
+                   "is not known" +
+                       (known.empty() ? "" : "; the nearest is " + std::string(known[0])) +
+                       "; the known keys are " + list);
         }
     }
 }

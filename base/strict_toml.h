@@ -5,12 +5,15 @@
 
 #include "base/vector.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace springdrive {
 
@@ -32,11 +35,20 @@ public:
 
     /// Whether an optional key is present. Does not mark it as read.
     [[nodiscard]] bool has(std::string_view key) const;
+    /// The same; the key is known from now on, see `refuse_unknown_keys`.
+    [[nodiscard]] bool has_optional(std::string_view key);
 
     [[nodiscard]] std::string text(std::string_view key);
     [[nodiscard]] double number(std::string_view key, NumberRange range = {});
     [[nodiscard]] int integer(std::string_view key, int minimum, int maximum);
+    [[nodiscard]] bool flag(std::string_view key);
+    /// The number of the one of `names` that is there.
+    [[nodiscard]] std::size_t choice(std::string_view key, std::span<const std::string_view> names);
     [[nodiscard]] Vector3 vector(std::string_view key, NumberRange range_of_each = {});
+    /// A list of any length, up to `most`.
+    [[nodiscard]] std::vector<double> numbers(std::string_view key, NumberRange range_of_each,
+                                              std::size_t most);
+    [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::size_t most);
     [[nodiscard]] StrictTomlTable table(std::string_view key);
 
     /// Calls `read_one` once for [key], or once for each of the `count` tables [[key]].
@@ -44,7 +56,12 @@ public:
     int tables(std::string_view key, int count,
                const std::function<void(int, StrictTomlTable &)> &read_one);
 
-    /// Rejects the table if it has a key that was never read. Call after reading everything.
+    /// Calls `read_one` for each of the tables [[key]], of which there are one to `most`.
+    void rows(std::string_view key, std::size_t most,
+              const std::function<void(StrictTomlTable &)> &read_one);
+
+    /// Rejects the table if it has a key that was never read, naming the nearest one that would be.
+    /// Call after reading everything.
     void refuse_unknown_keys() const;
 
     /// An InputError about one key: "FILE:LINE: NAME `problem`".
@@ -57,6 +74,7 @@ public:
 private:
     struct Contents;
     explicit StrictTomlTable(std::unique_ptr<Contents> contents);
+    [[nodiscard]] StrictTomlTable row(std::string_view key, std::size_t index) const;
     std::unique_ptr<Contents> contents_;
 };
 

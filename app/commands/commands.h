@@ -36,5 +36,7 @@ void add_baseline_command(CLI::App &app);
 void add_touch_command(CLI::App &app);
 /// `inspect`: the content of a scene, what can be touched, and the model that it gets.
 void add_inspect_command(CLI::App &app);
+/// `study`: pilot studies.
+void add_study_command(CLI::App &app);
 
 } // namespace springdrive::app

@@ -4,42 +4,12 @@
 #include "base/strict_toml.h"
 #include "engine/control/tuning.h"
 
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
 namespace springdrive::control {
 
 namespace {
-
-/// "on_the_fly, global or by_hand".
-std::string any_of(std::span<const std::string_view> names) {
-    std::string list(names.front());
-    for (std::size_t i = 1; i < names.size(); ++i) {
-        list += i + 1 < names.size() ? ", " : " or ";
-        list += names[i];
-    }
-    return list;
-}
-
-MotionMap read_map(StrictTomlTable &file) {
-    const std::string name = file.text("map");
-    const std::optional<MotionMap> map = motion_map_named(name);
-    if (!map) {
-        file.refuse("map", "is \"" + name + "\"; it must be " + any_of(kMotionMapNames));
-    }
-    return *map;
-}
-
-AlphaMode read_alpha_mode(StrictTomlTable &file) {
-    const std::string name = file.text("alpha_mode");
-    const std::optional<AlphaMode> mode = alpha_mode_named(name);
-    if (!mode) {
-        file.refuse("alpha_mode", "is \"" + name + "\"; it must be " + any_of(kAlphaModeNames));
-    }
-    return *mode;
-}
 
 /// The key of a delay in this file: `key`, or its name from when d was a whole number.
 std::string_view delay_key(StrictTomlTable &table, std::string_view key, std::string_view before) {
@@ -96,8 +66,8 @@ TuningFile read_whole_tuning_file(const std::filesystem::path &path) {
         file.tuning.*parameter.value =
             table.number(parameter.name, {parameter.minimum, parameter.maximum});
     }
-    file.tuning.map = read_map(table);
-    file.tuning.alpha_mode = read_alpha_mode(table);
+    file.tuning.map = static_cast<MotionMap>(table.choice("map", kMotionMapNames));
+    file.tuning.alpha_mode = static_cast<AlphaMode>(table.choice("alpha_mode", kAlphaModeNames));
     if (table.has("margins")) {
         file.margins = read_margins(table.table("margins"));
     }

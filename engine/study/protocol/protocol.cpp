@@ -98,10 +98,11 @@ std::optional<control::Tuning> free_space_tuning(const Protocol &protocol,
     return tuning;
 }
 
-Block block_of(const Protocol &protocol, std::size_t block) {
+Block block_of(const Protocol &protocol, std::size_t block, bool is_first) {
     return {protocol.task,
             std::vector<Method>(protocol.blocks[block].conditions.size(), protocol.method),
-            protocol.practice, protocol.catch_trials, protocol.marking.most_marked};
+            is_first ? protocol.practice : Practice{}, protocol.catch_trials,
+            protocol.marking.most_marked};
 }
 
 std::vector<double> presentable_levels(const Protocol &protocol, int steps) {

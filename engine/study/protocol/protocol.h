@@ -208,7 +208,8 @@ struct Protocol {
                                                                const Condition &condition);
 
 /// The block as the methods see it; series are in the order of its conditions.
-[[nodiscard]] Block block_of(const Protocol &protocol, std::size_t block);
+/// @param is_first  in the participant's order: only that one has the practice
+[[nodiscard]] Block block_of(const Protocol &protocol, std::size_t block, bool is_first);
 
 /// Levels that can be presented, rising: all of them where they are finite in number, else from
 /// the lowest to the highest in `steps` equal steps on the method's scale.

@@ -1,0 +1,150 @@
+#include "app/commands/commands.h"
+
+#include "app/asset_folder.h"
+#include "app/commands/output_files.h"
+#include "app/commands/study_report.h"
+#include "base/input_error.h"
+#include "engine/study/protocol/protocol_check.h"
+#include "engine/study/protocol/protocol_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path protocol_folder() { return asset_folder() / "protocols"; }
+
+/// Of the protocols that are included, in the order of the alphabet.
+std::vector<std::string> included_protocols() {
+    std::vector<std::string> names;
+    for (const fs::directory_entry &entry : fs::directory_iterator(protocol_folder())) {
+        if (entry.path().extension() == ".toml") {
+            names.push_back(entry.path().stem().string());
+        }
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+struct TypedNew {
+    std::string name;
+    std::string out; ///< empty: NAME.toml
+    bool lists = false;
+};
+
+void list_protocols() {
+    for (const std::string &name : included_protocols()) {
+        const study::Protocol protocol =
+            study::read_protocol_file(protocol_folder() / (name + ".toml"));
+        std::cout << fmt::format("{:<12} {}\n", name, protocol.title);
+    }
+}
+
+void write_new(const TypedNew &typed) {
+    if (typed.lists) {
+        list_protocols();
+        return;
+    }
+    const std::vector<std::string> names = included_protocols();
+    if (std::ranges::count(names, typed.name) == 0) {
+        std::string all;
+        for (const std::string &name : names) {
+            all += (all.empty() ? "" : ", ") + name;
+        }
+        throw InputError("study new " + typed.name + ": no such protocol; there are " + all);
+    }
+    const fs::path out = typed.out.empty() ? fs::path(typed.name + ".toml") : fs::path(typed.out);
+    if (typed.out != "-" && fs::exists(out)) {
+        throw InputError(out.string() + ": exists; name another file with --out");
+    }
+    std::ifstream source(protocol_folder() / (typed.name + ".toml"), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(source), {}};
+    write_output(
+        out.string(), [&text](std::ostream &stream) { stream << text; }, Existing::keep);
+    if (typed.out != "-") {
+        std::cerr << "written: " << out.string() << "\nedit it, then: springdrive study check "
+                  << out.string() << '\n';
+    }
+}
+
+void add_study_new(CLI::App &study) {
+    CLI::App &command =
+        *study.add_subcommand("new", "writes an included protocol, to be edited and run");
+    const auto typed = std::make_shared<TypedNew>();
+    CLI::Option *name = command.add_option("name", typed->name, "which protocol, see --list");
+    name->type_name("NAME");
+    command
+        .add_option("--out", typed->out,
+                    "where to [NAME.toml]; - for standard output. An existing file is kept")
+        ->type_name("FILE");
+    CLI::Option *list = command.add_flag("--list", typed->lists, "the included protocols");
+    list->excludes(name);
+    command.callback([typed] {
+        if (!typed->lists && typed->name.empty()) {
+            throw InputError("study new: which protocol? springdrive study new --list tells them");
+        }
+        write_new(*typed);
+    });
+}
+
+struct TypedCheck {
+    fs::path protocol;
+    bool simulates = true;
+};
+
+void check(const TypedCheck &typed) {
+    const study::Protocol protocol = study::read_protocol_file(typed.protocol);
+    study::CheckOptions options;
+    options.simulates = typed.simulates;
+    const study::CheckedProtocol checked =
+        study::check_protocol(protocol, {typed.protocol.parent_path(), asset_folder()}, options);
+    write_study_check(std::cout, protocol, checked);
+    const auto errors = std::ranges::count(checked.findings, study::Severity::error,
+                                           &study::ProtocolFinding::severity);
+    if (errors > 0) {
+        std::cerr << fmt::format("springdrive: {}: {} error{}, see above; nobody should sit down "
+                                 "before {} mended\n",
+                                 typed.protocol.string(), errors, errors == 1 ? "" : "s",
+                                 errors == 1 ? "it is" : "they are");
+        throw CLI::RuntimeError(EXIT_FAILURE);
+    }
+}
+
+void add_study_check(CLI::App &study) {
+    CLI::App &command = *study.add_subcommand(
+        "check", "everything that can be said of a protocol before anybody sits down");
+    const auto typed = std::make_shared<TypedCheck>();
+    command.add_option("protocol", typed->protocol, "a protocol file")
+        ->type_name("FILE")
+        ->required();
+    command.add_flag("!--no-simulation", typed->simulates,
+                     "leave out the simulation of each condition");
+    command.footer("Exit status: 0 no errors, 1 errors, or a file that is no protocol.");
+    command.callback([typed] { check(*typed); });
+}
+
+} // namespace
+
+void add_study_command(CLI::App &app) {
+    CLI::App &study = *app.add_subcommand("study", "pilot studies: protocols and their checks");
+    study.require_subcommand(1);
+    add_study_new(study);
+    add_study_check(study);
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,188 @@
+#include "base/degrees.h"
+#include "device/core/hand_parameters.h"
+#include "device/core/motor/winding_temperature.h"
+#include "engine/servo/command_limiter.h"
+#include "engine/servo/safety_limits.h"
+#include "engine/study/protocol/checks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace springdrive::study {
+
+namespace {
+
+/// Deeper than this a hand does not feel where the surface is [m]: about a finger's width.
+constexpr double kDeep_m = 0.015;
+
+/// What a relaxed hand may be pushed aside without leaving the spot [m].
+constexpr double kAside_m = 0.003;
+
+using Findings = ProtocolFindings;
+
+void check_force(Findings &findings, const std::string &where, const StudySetting &setting,
+                 const PredictedPress &press) {
+    const double limit_N = servo::kLimiterShare * setting.device.limits.tip_force_N;
+    if (press.force_N.norm() > limit_N) {
+        findings.push_back(
+            {Severity::error, where,
+             fmt::format("asks for {:.2f} N at the tip; the servo holds back from {:.2f} N on",
+                         press.force_N.norm(), limit_N),
+             "lower press_N, pulse_N, speed_m_per_s or the stiffness"});
+    }
+}
+
+void check_motors(Findings &findings, const std::string &where, const StudySetting &setting,
+                  const PredictedPress &press, double hot_C) {
+    for (std::size_t i = 0; i < setting.device.motor.size(); ++i) {
+        const device::MotorParameters &motor = setting.device.motor[i];
+        const double current_A = std::abs(press.current_A[static_cast<Eigen::Index>(i)]);
+        const double limit_A = servo::kLimiterShare * motor.peak_current_A;
+        if (current_A > limit_A) {
+            findings.push_back({Severity::error, where,
+                                fmt::format("asks for {:.2f} A in motor {}; the servo holds back "
+                                            "from {:.2f} A on",
+                                            current_A, i + 1, limit_A),
+                                "lower press_N, pulse_N, speed_m_per_s or the stiffness"});
+        }
+        const double voltage_V = current_A * device::max_resistance_Ohm(motor, hot_C);
+        if (voltage_V > motor.supply_V) {
+            findings.push_back({Severity::error, where,
+                                fmt::format("asks for {:.1f} V at motor {} with a winding of {:g} "
+                                            "°C; the supply has {:g} V",
+                                            voltage_V, i + 1, hot_C, motor.supply_V),
+                                "lower press_N, pulse_N or speed_m_per_s, or windings.to_C"});
+        }
+    }
+}
+
+void check_energy(Findings &findings, const std::string &where, const Protocol &protocol,
+                  const StudySetting &setting, const Condition &condition,
+                  const PredictedPress &press) {
+    const double limit_J = setting.device.limits.generated_energy_J;
+    if (press.held_energy_J > limit_J) {
+        findings.push_back(
+            {Severity::error, where,
+             fmt::format("holds {:.1f} mJ in its spring, {:.1f} mm deep; a change of stiffness may "
+                         "give them back, and the limit of generated energy is {:.1f} mJ",
+                         1e3 * press.held_energy_J, 1e3 * press.depth_m, 1e3 * limit_J),
+             "lower press_N or speed_m_per_s, or make it stiffer"});
+    }
+    if (protocol.stimulus != StimulusForm::pulse) {
+        return;
+    }
+    if (const double pulse_J = pulse_energy_J(setting.device, press, condition);
+        pulse_J > limit_J) {
+        findings.push_back(
+            {Severity::error, where,
+             fmt::format("its pulse may give {:.1f} mJ to a light hand; the limit of generated "
+                         "energy is {:.1f} mJ",
+                         1e3 * pulse_J, 1e3 * limit_J),
+             "lower pulse_N or raise pulse_hz"});
+    }
+}
+
+void check_depth(Findings &findings, const std::string &where, const StudySetting &setting,
+                 const PlacedCondition &place, const PredictedPress &press) {
+    const Vector3 deepest_m = place.spot.point_m - press.depth_m * place.spot.normal;
+    if (!device::can_reach(setting.device, deepest_m)) {
+        findings.push_back({Severity::error, where,
+                            fmt::format("lets the hand {:.0f} mm deep, out of the device's reach",
+                                        1e3 * press.depth_m),
+                            "lower press_N, or make it stiffer"});
+    } else if (press.depth_m > kDeep_m) {
+        findings.push_back({Severity::warning, where,
+                            fmt::format("lets the hand {:.0f} mm deep: it will be felt as a place, "
+                                        "not as a surface",
+                                        1e3 * press.depth_m),
+                            "lower press_N, or make it stiffer"});
+    }
+}
+
+/// On a surface without friction nothing but the hand itself holds the tip against a force that is
+/// not square to it.
+void check_slide(Findings &findings, const std::string &where, const PlacedCondition &place,
+                 const Condition &condition, const PredictedPress &press) {
+    if (condition.hold == Hold::cup) {
+        return;
+    }
+    const Vector3 &n = place.spot.normal;
+    const double aside_N = (press.force_N - press.force_N.dot(n) * n).norm();
+    const double aside_m = aside_N / device::HandParameters{}.stiffness_N_per_m;
+    if (aside_m > kAside_m) {
+        findings.push_back(
+            {Severity::error, where,
+             fmt::format("pushes with {:.2f} N along the surface, so a relaxed hand slides {:.1f} "
+                         "mm off the spot; at most {:g} mm",
+                         aside_N, 1e3 * aside_m, 1e3 * kAside_m),
+             "set hold = \"cup\", or lower press_N or turn_deg"});
+    }
+}
+
+Findings findings_of_stimulus(const Protocol &protocol, const StudySetting &setting,
+                              const Presented &one) {
+    const PlacedCondition &place = setting.conditions[one.condition];
+    const std::string where = name_of(protocol, one);
+    const std::optional<PredictedPress> press =
+        predicted_press(setting.device, place, one.parameters, protocol.stimulus);
+    if (!press) {
+        return {{Severity::error, where,
+                 "gives the hand nothing to press on: it has no static stiffness",
+                 "raise K_P_V_per_rad, or lower eta"}};
+    }
+    Findings findings;
+    check_force(findings, where, setting, *press);
+    check_motors(findings, where, setting, *press, protocol.windings.to_C);
+    check_energy(findings, where, protocol, setting, one.parameters, *press);
+    check_depth(findings, where, setting, place, *press);
+    check_slide(findings, where, place, one.parameters, *press);
+    return findings;
+}
+
+} // namespace
+
+ProtocolFindings once_per_condition(const std::vector<StimulusFinding> &all) {
+    ProtocolFindings told;
+    std::vector<std::size_t> condition;
+    std::vector<int> more;
+    for (const StimulusFinding &one : all) {
+        std::size_t i = 0;
+        while (i < told.size() &&
+               (condition[i] != one.condition || told[i].severity != one.finding.severity ||
+                told[i].remedy != one.finding.remedy)) {
+            ++i;
+        }
+        if (i == told.size()) {
+            told.push_back(one.finding);
+            condition.push_back(one.condition);
+            more.push_back(0);
+        } else {
+            ++more[i];
+        }
+    }
+    for (std::size_t i = 0; i < told.size(); ++i) {
+        told[i].what += more[i] == 0 ? "" : fmt::format(" (so at {} further levels)", more[i]);
+    }
+    return told;
+}
+
+ProtocolFindings check_limits(const Protocol &protocol, const StudySetting &setting,
+                              const std::vector<Presented> &presented) {
+    std::vector<StimulusFinding> all;
+    for (const Presented &one : presented) {
+        const PlacedCondition &place = setting.conditions[one.condition];
+        if (place.surface == nullptr || !place.problem.empty()) {
+            continue;
+        }
+        for (ProtocolFinding &finding : findings_of_stimulus(protocol, setting, one)) {
+            all.push_back({one.condition, std::move(finding)});
+        }
+    }
+    return once_per_condition(all);
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,48 @@
+// A stimulus as a simulated hand meets it: the whole servo in closed loop with the simulated
+// device, its limiter and its safety monitor included.
+//
+// The hand rests above the spot until the servo runs, moves down onto it, does what the form of the
+// stimulus asks for, and goes back. It is the relaxed grip of `device::HandParameters`. In a cup,
+// x₀ stays where the tip first touched.
+//
+// The control law cannot turn a force yet: presses and blows are simulated with the force along the
+// normal, whatever `turn_deg` is. A pulse is: its voltages are added to those of the law.
+#pragma once
+
+#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/protocol_finding.h"
+
+#include <string>
+#include <vector>
+
+namespace springdrive::study {
+
+struct ConditionTrial {
+    std::string name;             ///< see `name_of`
+    double largest_force_N = 0.0; ///< of the device at the tip, as the servo reckons it
+    double slid_m = 0.0;          ///< along the surface, from where the tip first touched
+    double deepest_m = 0.0;       ///< below the spot, along its normal
+    double generated_J = 0.0;     ///< largest reading of the energy observer
+    bool has_touched = false;
+    bool is_held_back = false; ///< the servo reduced the force
+    bool is_turned = true;     ///< false: the force was to be turned, and was not
+    std::string trip;          ///< of the safety monitor, with its numbers; empty: none
+};
+
+/// Deterministic; some tenths of a second for a second of stimulus at 1 kHz.
+[[nodiscard]] ConditionTrial try_condition(const Protocol &protocol, const StudySetting &setting,
+                                           const Presented &presented);
+
+/// All of them, on all processors.
+[[nodiscard]] std::vector<ConditionTrial> try_conditions(const Protocol &protocol,
+                                                         const StudySetting &setting,
+                                                         const std::vector<Presented> &presented);
+
+/// The tip may slide so far from where it touched [m].
+inline constexpr double kMostSlide_m = 0.003;
+
+/// What is wrong with what was seen.
+[[nodiscard]] ProtocolFindings findings_of(const Protocol &protocol,
+                                           const std::vector<ConditionTrial> &trials);
+
+} // namespace springdrive::study

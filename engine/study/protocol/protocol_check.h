@@ -1,0 +1,35 @@
+// A protocol checked as a whole, before anybody sits down: by reckoning, and by simulating each
+// condition.
+#pragma once
+
+#include "engine/study/protocol/condition_trial.h"
+#include "engine/study/protocol/protocol_finding.h"
+#include "engine/study/protocol/session_length.h"
+#include "engine/study/protocol/study_setting.h"
+
+#include <functional>
+#include <vector>
+
+namespace springdrive::study {
+
+struct CheckOptions {
+    bool simulates = true; ///< each condition at its extremes, some tenths of a second each
+    /// What precision is to be expected of the design. Empty: a note says that it was not reckoned.
+    std::function<ProtocolFindings(const Protocol &)> precision;
+};
+
+struct CheckedProtocol {
+    ProtocolFindings findings; ///< errors first
+    SessionLength length;
+    std::vector<ConditionTrial> trials; ///< that were simulated
+    double hottest_winding_C = 0.0;     ///< of the session, at the condition that heats most
+};
+
+/// All checks, whatever they find.
+/// @pre what_is_wrong_with(protocol) is empty
+/// @throw InputError if the device or a scene cannot be read.
+[[nodiscard]] CheckedProtocol check_protocol(const Protocol &protocol,
+                                             const ProtocolFolders &folders,
+                                             const CheckOptions &options = {});
+
+} // namespace springdrive::study

@@ -1,0 +1,113 @@
+#include "engine/study/protocol/session_length.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <variant>
+
+namespace springdrive::study {
+
+namespace {
+
+double trial_s(const Protocol &protocol, double approach_s) {
+    const TrialTiming &timing = protocol.timing;
+    const int presentations = presentations_per_trial(protocol);
+    return timing.rest_s + presentations * (approach_s + timing.presentation_s) +
+           (presentations - 1) * timing.pause_s + timing.expected_response_s +
+           timing.between_trials_s;
+}
+
+/// A track of staircases ends at the earliest where it turns after every step: of its reversals
+/// plus one runs every second is a step down, of n right answers.
+int fewest_in_track(const Staircases &method) {
+    if (method.reversals == 0) {
+        return method.trials;
+    }
+    const int runs = method.reversals + 1;
+    return std::min(method.trials, (runs + 1) / 2 + runs / 2 * method.correct_for_down);
+}
+
+/// With the catch trials among them: of each `one_in` one.
+int with_catch_trials(int trials, const CatchTrials &catch_trials) {
+    return catch_trials.one_in < 2 ? trials : trials + trials / (catch_trials.one_in - 1);
+}
+
+int breaks_within(int trials, const Breaks &breaks) {
+    return breaks.every_trials < 1 || trials < 1 ? 0 : (trials - 1) / breaks.every_trials;
+}
+
+} // namespace
+
+bool restarts_within_trial(const Protocol &protocol) {
+    const std::optional<std::size_t> shared = standard_condition_of(protocol);
+    if (!shared || presentations_per_trial(protocol) < 2) {
+        return false;
+    }
+    const Condition &standard = protocol.conditions[*shared];
+    return std::ranges::any_of(protocol.conditions, [&standard](const Condition &one) {
+        return one.servo_hz != standard.servo_hz || one.delay_periods != standard.delay_periods ||
+               one.scene != standard.scene;
+    });
+}
+
+double usual_trial_s(const Protocol &protocol) {
+    return trial_s(protocol, 0.5 * protocol.timing.approach_s);
+}
+
+double long_trial_s(const Protocol &protocol) {
+    return trial_s(protocol, protocol.timing.approach_s);
+}
+
+int fewest_trials(const Method &method) {
+    return std::visit(
+        [](const auto &one) {
+            using Kind = std::decay_t<decltype(one)>;
+            if constexpr (std::is_same_v<Kind, ConstantStimuli>) {
+                return static_cast<int>(one.levels.size()) * one.repetitions * one.blocks;
+            } else if constexpr (std::is_same_v<Kind, Staircases>) {
+                return static_cast<int>(one.start_levels.size()) * fewest_in_track(one);
+            } else if constexpr (std::is_same_v<Kind, QuestPlus>) {
+                return one.threshold_deviation > 0.0 ? one.fewest_trials : one.most_trials;
+            } else {
+                return one.settings;
+            }
+        },
+        method);
+}
+
+SessionLength session_length(const Protocol &protocol) {
+    SessionLength session;
+    const double usual_s = usual_trial_s(protocol);
+    const double long_s = long_trial_s(protocol);
+    for (std::size_t i = 0; i < protocol.blocks.size(); ++i) {
+        const auto series = static_cast<int>(protocol.blocks[i].conditions.size());
+        BlockLength block;
+        block.fewest_trials =
+            (i == 0 && protocol.practice.most_trials > 0 ? protocol.practice.fewest_trials : 0) +
+            with_catch_trials(series * fewest_trials(protocol.method), protocol.catch_trials);
+        block.most_trials = most_trials(block_of(protocol, i, i == 0));
+        block.fewest_s =
+            block.fewest_trials * usual_s +
+            breaks_within(block.fewest_trials, protocol.breaks) * protocol.breaks.break_s;
+        block.most_s = block.most_trials * long_s +
+                       breaks_within(block.most_trials, protocol.breaks) * protocol.breaks.break_s;
+        const int in_a_row = protocol.breaks.every_trials < 1
+                                 ? block.most_trials
+                                 : std::min(block.most_trials, protocol.breaks.every_trials);
+        session.longest_without_break_s =
+            std::max(session.longest_without_break_s, in_a_row * long_s);
+        session.fewest_trials += block.fewest_trials;
+        session.most_trials += block.most_trials;
+        session.fewest_s += block.fewest_s;
+        session.most_s += block.most_s;
+        session.blocks.push_back(block);
+    }
+    const double between_s =
+        protocol.breaks.between_blocks_s *
+        static_cast<double>(std::max<std::size_t>(session.blocks.size(), 1) - 1);
+    session.fewest_s += between_s;
+    session.most_s += between_s;
+    return session;
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,45 @@
+// How many trials a participant has, and how long they take.
+#pragma once
+
+#include "engine/study/protocol/protocol.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace springdrive::study {
+
+/// Without marked trials. Fewest and most differ where a method decides when it is done.
+struct BlockLength {
+    int fewest_trials = 0; ///< practice and catch trials included
+    int most_trials = 0;
+    double fewest_s = 0.0; ///< with the breaks within the block
+    double most_s = 0.0;
+};
+
+struct SessionLength {
+    std::vector<BlockLength> blocks; ///< in the protocol's order
+    int fewest_trials = 0;
+    int most_trials = 0;
+    double fewest_s = 0.0; ///< with all breaks; without instructions and warming
+    double most_s = 0.0;
+    double longest_without_break_s = 0.0; ///< when all trials take their longest
+};
+
+/// A trial that takes `expected_response_s`, and half of `approach_s` for each approach.
+[[nodiscard]] double usual_trial_s(const Protocol &protocol);
+
+/// The same with the whole of `approach_s` each.
+[[nodiscard]] double long_trial_s(const Protocol &protocol);
+
+/// To stop the servo, change its rate and start it again at the spot [s]: in the pause of a trial
+/// whose standard has another servo rate, delay or scene than the comparison.
+inline constexpr double kRestart_s = 2.0;
+
+[[nodiscard]] bool restarts_within_trial(const Protocol &protocol);
+
+/// Lower bound of a method's trials.
+[[nodiscard]] int fewest_trials(const Method &method);
+
+[[nodiscard]] SessionLength session_length(const Protocol &protocol);
+
+} // namespace springdrive::study
