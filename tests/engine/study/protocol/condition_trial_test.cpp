@@ -1,0 +1,126 @@
+// Covers engine/study/protocol/condition_trial.cpp: what a simulated hand meets.
+#include "engine/study/protocol/condition_trial.h"
+
+#include "tests/engine/study/protocol/plain_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace springdrive::study {
+namespace {
+
+using testing::kPlainProtocol;
+using testing::protocol_of;
+using testing::with;
+
+ConditionTrial trial_of(const Protocol &protocol, std::size_t index = 0) {
+    return try_condition(protocol, study_setting(protocol, testing::folders()),
+                         all_presented(protocol)[index]);
+}
+
+TEST(ConditionTrial, AHandPressesAsHardAsTheConditionSays) {
+    const Protocol protocol = protocol_of(kPlainProtocol);
+    const ConditionTrial trial = trial_of(protocol);
+    EXPECT_EQ(trial.trip, "");
+    EXPECT_TRUE(trial.has_touched);
+    EXPECT_FALSE(trial.is_held_back);
+    // The joints' friction of 0.04 N at the tip and the arrival's overshoot, of a grip damped with
+    // 6/(2 √(300 · 0.2)) = 0.4 of critical, come on top of 1 N.
+    EXPECT_GT(trial.largest_force_N, 0.95);
+    EXPECT_LT(trial.largest_force_N, 1.5);
+    EXPECT_LT(trial.slid_m, 1e-3);
+}
+
+TEST(ConditionTrial, IsTheSameEachTime) {
+    const Protocol protocol = protocol_of(kPlainProtocol);
+    const ConditionTrial first = trial_of(protocol);
+    const ConditionTrial again = trial_of(protocol);
+    EXPECT_EQ(first.largest_force_N, again.largest_force_N);
+    EXPECT_EQ(first.slid_m, again.slid_m);
+    EXPECT_EQ(first.generated_J, again.generated_J);
+}
+
+TEST(ConditionTrial, AnUnstableTuningTripsTheMonitor) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions[0].tuning.K_P_V_per_rad = 300.0;
+    const ConditionTrial trial = trial_of(protocol);
+    EXPECT_NE(trial.trip, "");
+    const ProtocolFindings findings = findings_of(protocol, {trial});
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].severity, Severity::error);
+}
+
+/// The inverse map pushes along a sloping surface; on the scene that shows that, by a third and
+/// more of the force. The transpose map does not.
+TEST(ConditionTrial, AHandSlidesWhereTheForceIsNotSquareToTheSurface) {
+    const std::string spot_of_scene =
+        with(with(with(kPlainProtocol, "point_m = [0.0, -0.005, -0.015]\n", ""),
+                  "normal = [0.0, 1.0, 0.0]\n", ""),
+             "\"plate\"", "\"wrong_direction\"");
+    Protocol protocol = protocol_of(spot_of_scene);
+    protocol.conditions[0].press_N = 3.0;
+    const ConditionTrial square = trial_of(protocol);
+    EXPECT_LT(square.slid_m, kMostSlide_m);
+    protocol.conditions[0].tuning.map = control::MotionMap::inverse;
+    const ConditionTrial askew = trial_of(protocol);
+    EXPECT_GT(askew.slid_m, kMostSlide_m);
+    EXPECT_EQ(findings_of(protocol, {askew})[0].severity, Severity::error);
+    protocol.conditions[0].hold = Hold::cup;
+    EXPECT_LT(trial_of(protocol).slid_m, kMostSlide_m);
+}
+
+TEST(ConditionTrial, APulseAddsItsForceToThePress) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::pulse;
+    Condition &condition = protocol.conditions[0];
+    condition.hold = Hold::cup;
+    condition.press_N = 0.5;
+    condition.pulse_N = 1.0;
+    condition.pulse_hz = 5.0; // so slow that hand and windings follow
+    const ConditionTrial with_pulse = trial_of(protocol);
+    condition.pulse_N = 0.05;
+    const ConditionTrial without = trial_of(protocol);
+    EXPECT_EQ(with_pulse.trip, "");
+    EXPECT_GT(with_pulse.largest_force_N, without.largest_force_N + 0.2);
+    EXPECT_TRUE(with_pulse.is_turned);
+}
+
+TEST(ConditionTrial, SaysWhereAForceWasNotTurned) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions[0].turn_deg = 20.0;
+    const ConditionTrial trial = trial_of(protocol);
+    EXPECT_FALSE(trial.is_turned);
+    const ProtocolFindings findings = findings_of(protocol, {trial});
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].severity, Severity::note);
+    EXPECT_NE(findings[0].what.find("along the normal"), std::string::npos);
+}
+
+TEST(ConditionTrial, ABlowIsHarderTheFasterItIs) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::blow;
+    double before_N = 0.0;
+    for (const double speed_m_per_s : {0.05, 0.1, 0.2}) {
+        protocol.conditions[0].speed_m_per_s = speed_m_per_s;
+        const ConditionTrial trial = trial_of(protocol);
+        EXPECT_EQ(trial.trip, "");
+        EXPECT_GT(trial.largest_force_N, before_N);
+        before_N = trial.largest_force_N;
+    }
+}
+
+TEST(ConditionTrial, AStrokeTouchesNothing) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::stroke;
+    protocol.conditions[0].scene = kNoScene;
+    protocol.conditions[0].spot = scene::TouchSpot{Vector3(0.0, 0.01, 0.0), Vector3::UnitY()};
+    const ConditionTrial trial = trial_of(protocol);
+    EXPECT_EQ(trial.trip, "");
+    EXPECT_FALSE(trial.has_touched);
+    EXPECT_TRUE(findings_of(protocol, {trial}).empty());
+}
+
+} // namespace
+} // namespace springdrive::study

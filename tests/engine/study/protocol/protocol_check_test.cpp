@@ -1,0 +1,461 @@
+// Covers engine/study/protocol/check_*.cpp, predicted_press.cpp and study_setting.cpp: both sides
+// of each line.
+#include "engine/study/protocol/protocol_check.h"
+
+#include "base/degrees.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/coupling.h"
+#include "engine/lab/loops/stability_case.h"
+#include "engine/study/protocol/checks.h"
+#include "tests/engine/study/protocol/plain_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace springdrive::study {
+namespace {
+
+using testing::kPlainProtocol;
+using testing::protocol_of;
+using testing::with;
+
+/// The findings of a severity whose text contains a part.
+long count(const ProtocolFindings &findings, Severity severity, const std::string &part) {
+    return std::ranges::count_if(findings, [&](const ProtocolFinding &one) {
+        return one.severity == severity && text_of(one).find(part) != std::string::npos;
+    });
+}
+
+std::string all_texts(const ProtocolFindings &findings) {
+    std::string all;
+    for (const ProtocolFinding &one : findings) {
+        all += text_of(one) + '\n';
+    }
+    return all;
+}
+
+StudySetting setting_of(const Protocol &protocol) {
+    return study_setting(protocol, testing::folders());
+}
+
+TEST(ProtocolCheck, HasNothingAgainstAPlainOne) {
+    const CheckedProtocol checked = check_protocol(protocol_of(kPlainProtocol), testing::folders());
+    EXPECT_EQ(count(checked.findings, Severity::error, ""), 0) << all_texts(checked.findings);
+    EXPECT_EQ(count(checked.findings, Severity::warning, ""), 0) << all_texts(checked.findings);
+    EXPECT_EQ(count(checked.findings, Severity::note, "precision"), 1);
+    EXPECT_EQ(checked.trials.size(), 6U);
+}
+
+TEST(ProtocolCheck, FindsTheFirstUnstableGainOfAnyHand) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions.pop_back();
+    protocol.blocks.pop_back();
+    const StudySetting setting = setting_of(protocol);
+    // The limit of K_P by the loops themselves, at the largest share 1 − η that is presented: of
+    // the standard, 0.6.
+    const auto is_stable = [&](double K_P) {
+        loops::StabilityCase which;
+        which.device = setting.device;
+        which.tuning = protocol.conditions[0].tuning;
+        which.tuning.eta = 0.4;
+        which.tuning.K_P_V_per_rad = K_P;
+        which.q_rad = *device::joint_angles_rad(setting.device.geometry, {0.0, -0.005, -0.015});
+        which.hands = loops::hand_family(41);
+        if (!loops::is_stable(which)) {
+            return false;
+        }
+        which.freedom = loops::Freedom::three_motors;
+        which.hands = loops::hand_family(9);
+        return loops::is_stable(which);
+    };
+    double stable = 6.0;
+    double unstable = 200.0;
+    ASSERT_TRUE(is_stable(stable));
+    ASSERT_FALSE(is_stable(unstable));
+    while (unstable - stable > 1e-4 * stable) {
+        (is_stable(0.5 * (stable + unstable)) ? stable : unstable) = 0.5 * (stable + unstable);
+    }
+    protocol.conditions[0].tuning.K_P_V_per_rad = stable;
+    const ProtocolFindings below = check_stability(protocol, setting, all_presented(protocol));
+    EXPECT_EQ(count(below, Severity::error, ""), 0) << all_texts(below);
+    EXPECT_EQ(count(below, Severity::warning, "within a factor 1.1"), 1) << all_texts(below);
+    protocol.conditions[0].tuning.K_P_V_per_rad = unstable;
+    const ProtocolFindings above = check_stability(protocol, setting, all_presented(protocol));
+    EXPECT_EQ(
+        count(above, Severity::error, "condition \"a\", the standard: is unstable in contact"), 1)
+        << all_texts(above);
+    protocol.conditions[0].tuning.K_P_V_per_rad = stable / 1.2;
+    EXPECT_TRUE(check_stability(protocol, setting, all_presented(protocol)).empty());
+}
+
+TEST(ProtocolCheck, FindsADelayThatTheTuningDoesNotBear) {
+    const Protocol late =
+        protocol_of(with(kPlainProtocol, "delay_periods = 0.0", "delay_periods = 8.0"));
+    EXPECT_GE(count(check_stability(late, setting_of(late), all_presented(late)), Severity::error,
+                    "delay 8"),
+              1);
+}
+
+/// The shared tuning in free space is in force when the hand touches: with a smaller dR the same
+/// K_P is stiffer.
+TEST(ProtocolCheck, FindsAGlideThatBeginsUnstable) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    for (Condition &condition : protocol.conditions) {
+        condition.tuning.dR_Ohm = 2.0;
+        condition.tuning.K_P_V_per_rad = 50.0;
+        condition.tuning.lambda_rad_per_s = 3000.0;
+        condition.tuning.K_D_Vs_per_rad = 0.05;
+    }
+    const StudySetting setting = setting_of(protocol);
+    protocol.free_space.reset();
+    EXPECT_EQ(
+        count(check_stability(protocol, setting, all_presented(protocol)), Severity::error, ""), 0);
+    protocol.free_space = {0.2, 1000.0};
+    EXPECT_EQ(count(check_stability(protocol, setting, all_presented(protocol)), Severity::error,
+                    "before it glides"),
+              2);
+}
+
+/// D² = l₁² + l₂² + 2 l₁ l₂ sin(q₃ − q₂) is the tip's distance from the shoulder, so the soft edge,
+/// 5° before the fold of 55°, is a sphere about it, and the ends of a stroke meet it first.
+TEST(ProtocolCheck, FindsStrokesBeyondTheSoftEdgeOfTheWorkspace) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::stroke;
+    const device::DeviceDescription device = testing::phantom_1_0();
+    const double l_m = device.geometry.upper_arm_m;
+    ASSERT_EQ(l_m, device.geometry.forearm_m);
+    const auto farthest_m = [l_m](double fold_deg) {
+        const double D_m = l_m * std::sqrt(2.0 * (1.0 + std::sin(fold_deg * kRadiansPerDegree)));
+        return std::sqrt(D_m * D_m - kStroke_m * kStroke_m) - l_m;
+    };
+    const auto findings_at = [&](double z_m) {
+        for (Condition &condition : protocol.conditions) {
+            condition.scene = kNoScene;
+            condition.spot = scene::TouchSpot{Vector3(0.0, l_m, z_m), Vector3::UnitY()};
+        }
+        return check_spots(protocol, setting_of(protocol));
+    };
+    EXPECT_TRUE(findings_at(farthest_m(50.0) - 1e-4).empty());
+    EXPECT_EQ(count(findings_at(farthest_m(50.0) + 1e-4), Severity::error, "soft edge"), 2);
+    EXPECT_EQ(count(findings_at(farthest_m(55.0) + 1e-4), Severity::error, "out of the device"), 2);
+}
+
+TEST(ProtocolCheck, FindsSpotsThatAreNotOnTheSurface) {
+    const auto findings_of_spot = [](const std::string &point, const std::string &normal) {
+        const Protocol protocol = protocol_of(
+            with(with(kPlainProtocol, "[0.0, -0.005, -0.015]", point), "[0.0, 1.0, 0.0]", normal));
+        return check_spots(protocol, setting_of(protocol));
+    };
+    const std::string up = "[0.0, 1.0, 0.0]";
+    // The plate's upper side is at y = −5 mm.
+    EXPECT_TRUE(findings_of_spot("[0.0, -0.0045, -0.015]", up).empty());
+    EXPECT_EQ(count(findings_of_spot("[0.0, -0.0035, -0.015]", up), Severity::error,
+                    "not on the surface"),
+              2);
+    EXPECT_TRUE(findings_of_spot("[0.0, -0.0059, -0.015]", up).empty());
+    EXPECT_EQ(count(findings_of_spot("[0.0, -0.0061, -0.015]", up), Severity::error, "off it"), 2);
+    EXPECT_EQ(count(findings_of_spot("[0.08, -0.005, -0.015]", up), Severity::error, "not on"), 2)
+        << "beside the plate";
+    const auto leaning = [](double degrees) {
+        const double rad = degrees * kRadiansPerDegree;
+        return "[" + std::to_string(std::sin(rad)) + ", " + std::to_string(std::cos(rad)) +
+               ", 0.0]";
+    };
+    EXPECT_TRUE(findings_of_spot("[0.0, -0.005, -0.015]", leaning(4.9)).empty());
+    EXPECT_EQ(count(findings_of_spot("[0.0, -0.005, -0.015]", leaning(5.1)), Severity::error,
+                    "off the surface's"),
+              2);
+}
+
+TEST(ProtocolCheck, FindsScenesWithoutASpotAndTakesThatOfALesson) {
+    const std::string without = with(with(kPlainProtocol, "point_m = [0.0, -0.005, -0.015]\n", ""),
+                                     "normal = [0.0, 1.0, 0.0]\n", "");
+    const Protocol plate = protocol_of(without);
+    EXPECT_EQ(count(check_spots(plate, setting_of(plate)), Severity::error, "marks no spot"), 2);
+    const Protocol lesson = protocol_of(with(without, "\"plate\"", "\"wrong_direction\""));
+    EXPECT_TRUE(check_spots(lesson, setting_of(lesson)).empty());
+}
+
+TEST(ProtocolCheck, FindsForcesThatTheServoHoldsBack) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::pulse;
+    const StudySetting setting = setting_of(protocol);
+    const auto findings_with = [&](double pulse_N) {
+        for (Condition &condition : protocol.conditions) {
+            condition.press_N = 5.0;
+            condition.pulse_N = pulse_N;
+            condition.pulse_hz = 100.0;
+        }
+        return check_limits(protocol, setting, all_presented(protocol));
+    };
+    // 95 % of 8.5 N is 8.075 N.
+    EXPECT_EQ(count(findings_with(3.07), Severity::error, "N at the tip"), 0);
+    EXPECT_EQ(count(findings_with(3.08), Severity::error, "N at the tip"), 2);
+}
+
+/// A vertical force F asks of the links F ∂y/∂q, with y = l₂ − l₂ cos q₃ + l₁ sin q₂.
+TEST(ProtocolCheck, FindsCurrentsAndVoltagesBeyondTheMotors) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    StudySetting setting = setting_of(protocol);
+    const device::PhantomGeometry &geometry = setting.device.geometry;
+    const Vector3 q_rad = *device::joint_angles_rad(geometry, {0.0, -0.005, -0.015});
+    const device::MotorParameters motor = setting.device.motor[0];
+    const double F_N = 1.0;
+    const double current_A = std::max(std::abs(F_N * geometry.upper_arm_m * std::cos(q_rad[1])) /
+                                          geometry.transmission_ratio[1],
+                                      std::abs(F_N * geometry.forearm_m * std::sin(q_rad[2])) /
+                                          geometry.transmission_ratio[2]) /
+                             motor.torque_constant_Nm_per_A;
+    const auto findings_with = [&](double peak_A, double supply_V) {
+        for (device::MotorParameters &one : setting.device.motor) {
+            one.peak_current_A = peak_A;
+            one.supply_V = supply_V;
+        }
+        return check_limits(protocol, setting, all_presented(protocol));
+    };
+    EXPECT_EQ(count(findings_with(1.001 * current_A / 0.95, 12.0), Severity::error, "A in motor"),
+              0);
+    EXPECT_EQ(count(findings_with(0.999 * current_A / 0.95, 12.0), Severity::error, "A in motor"),
+              1);
+    // R at 60 °C and at the commutator's worst angle: 2 % above.
+    const double volts_V = current_A * 2.18 * (1.0 + 0.0039 * 35.0) * 1.02;
+    EXPECT_EQ(count(findings_with(5.5, 1.001 * volts_V), Severity::error, "V at motor"), 0);
+    EXPECT_EQ(count(findings_with(5.5, 0.999 * volts_V), Severity::error, "V at motor"), 1);
+}
+
+/// ½ F²/K with K = (1 − η) α K_DC, and α = N²/(l² (1 + |sin(q₃ − q₂)|)) (docs/design.md).
+TEST(ProtocolCheck, FindsEnergyThatAGlideMayGiveBack) {
+    const Protocol protocol = protocol_of(kPlainProtocol);
+    StudySetting setting = setting_of(protocol);
+    const device::PhantomGeometry &geometry = setting.device.geometry;
+    const Vector3 q_rad = *device::joint_angles_rad(geometry, {0.0, -0.005, -0.015});
+    const double alpha = std::pow(geometry.transmission_ratio[1] / geometry.upper_arm_m, 2) /
+                         (1.0 + std::abs(std::sin(q_rad[2] - q_rad[1])));
+    const double K_DC = 23.4e-3 * 6.0 / 0.5;
+    const double softest_eta = 0.7;
+    const double held_J = 0.5 * 1.0 / ((1.0 - softest_eta) * alpha * K_DC);
+    setting.device.limits.generated_energy_J = 1.001 * held_J;
+    EXPECT_EQ(
+        count(check_limits(protocol, setting, all_presented(protocol)), Severity::error, "mJ"), 0);
+    setting.device.limits.generated_energy_J = 0.999 * held_J;
+    EXPECT_EQ(
+        count(check_limits(protocol, setting, all_presented(protocol)), Severity::error, "mJ"), 1)
+        << "of the condition that presses harder";
+}
+
+/// The impulse of a pulse, F/(2 f), gives a light hand and the device ½ p²/m.
+TEST(ProtocolCheck, FindsPulsesThatGiveTooMuchEnergy) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::pulse;
+    StudySetting setting = setting_of(protocol);
+    for (Condition &condition : protocol.conditions) {
+        condition.press_N = 0.5;
+        condition.pulse_N = 1.0;
+        condition.pulse_hz = 30.0;
+    }
+    const Vector3 q_rad = *device::joint_angles_rad(setting.device.geometry, {0.0, -0.005, -0.015});
+    const double mass_kg =
+        loops::hand_of_firmness(0.0).mass_kg + tip_mass_kg(setting.device, q_rad, Vector3::UnitY());
+    const double pulse_J = 0.5 * std::pow(1.0 / 60.0, 2) / mass_kg;
+    setting.device.limits.generated_energy_J = 1.001 * pulse_J;
+    EXPECT_EQ(count(check_limits(protocol, setting, all_presented(protocol)), Severity::error,
+                    "light hand"),
+              0);
+    setting.device.limits.generated_energy_J = 0.999 * pulse_J;
+    EXPECT_EQ(count(check_limits(protocol, setting, all_presented(protocol)), Severity::error,
+                    "light hand"),
+              2);
+}
+
+TEST(ProtocolCheck, TheMassOfTheTipIsTheInertiaSeenAlongADirection) {
+    const device::DeviceDescription device = testing::phantom_1_0();
+    // Sideways only the base turns: its inertia over the squared reach.
+    const double sideways_kg = tip_mass_kg(device, Vector3::Zero(), Vector3::UnitX());
+    loops::StabilityCase which;
+    which.device = device;
+    which.q_rad.setZero();
+    which.freedom = loops::Freedom::three_motors;
+    const double at_motor = loops::driven_load(which, {0, loops::no_hand()}).inertia_kg_m2(0, 0);
+    const double N = device.geometry.transmission_ratio[0];
+    const double reach_m = device.geometry.upper_arm_m;
+    EXPECT_NEAR(sideways_kg, at_motor * N * N / (reach_m * reach_m), 1e-9);
+    // The data sheet's apparent mass is below 75 g.
+    EXPECT_LT(tip_mass_kg(device, Vector3::Zero(), Vector3::UnitY()), 0.15);
+}
+
+TEST(ProtocolCheck, FindsHandsThatSlideFromATurnedForce) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.variable = {"turn_deg", LevelMeaning::value, 0.0, "", false};
+    const auto findings_with = [&](double turn_deg, Hold hold) {
+        protocol.method = ConstantStimuli{{turn_deg}, 1, 10};
+        protocol.practice.most_trials = 0;
+        protocol.catch_trials.one_in = 0;
+        for (Condition &condition : protocol.conditions) {
+            condition.press_N = 1.0;
+            condition.hold = hold;
+        }
+        return check_limits(protocol, setting_of(protocol), all_presented(protocol));
+    };
+    // 1 N tan φ against 300 N/m: 3 mm at 42.0°.
+    const double edge_deg = std::atan(0.9) * kDegreesPerRadian;
+    EXPECT_EQ(count(findings_with(edge_deg - 0.1, Hold::surface), Severity::error, "slides"), 0);
+    EXPECT_EQ(count(findings_with(edge_deg + 0.1, Hold::surface), Severity::error, "slides"), 2);
+    EXPECT_EQ(count(findings_with(edge_deg + 0.1, Hold::cup), Severity::error, "slides"), 0);
+}
+
+TEST(ProtocolCheck, FindsConditionsThatDifferInFreeSpace) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.free_space.reset();
+    const device::DeviceDescription device = testing::phantom_1_0();
+    const auto errors = [&] {
+        return count(check_free_space(protocol, device), Severity::error, "in free space");
+    };
+    EXPECT_EQ(errors(), 0);
+    protocol.conditions[1].tuning.K_P_V_per_rad = 3.0;
+    EXPECT_EQ(errors(), 0) << "gains are not felt in free space";
+    protocol.conditions[1].tuning.dR_Ohm = 0.51;
+    EXPECT_EQ(errors(), 1);
+    protocol.free_space = FreeSpaceTuning{};
+    EXPECT_EQ(errors(), 0);
+    protocol.free_space.reset();
+    protocol.free_space_is_stimulus = true;
+    EXPECT_EQ(errors(), 0);
+
+    protocol.free_space_is_stimulus = false;
+    protocol.conditions[1].tuning.dR_Ohm = 0.5;
+    const double lag_s = control::loop_lag_s(1000.0, 1e-3, 0.0);
+    protocol.conditions[1].tuning.lambda_rad_per_s =
+        *control::lambda_of_lag_rad_per_s(1.009 * lag_s, 1e-3, 0.0);
+    EXPECT_EQ(errors(), 0);
+    protocol.conditions[1].tuning.lambda_rad_per_s =
+        *control::lambda_of_lag_rad_per_s(1.011 * lag_s, 1e-3, 0.0);
+    EXPECT_EQ(errors(), 1);
+}
+
+TEST(ProtocolCheck, FindsServoRatesThatCannotHaveTheSharedLag) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    const device::DeviceDescription device = testing::phantom_1_0();
+    const auto findings_with = [&](double servo_hz) {
+        protocol.conditions[1].servo_hz = servo_hz;
+        return check_free_space(protocol, device);
+    };
+    // The lag is 1.582 ms; λ is at most 5000 rad/s: T (1/(e^(λT) − 1) + 1) with T = 1.5808 ms.
+    EXPECT_TRUE(findings_with(640.0).empty());
+    EXPECT_EQ(count(findings_with(633.0), Severity::error, "needs lambda"), 1);
+    EXPECT_EQ(count(findings_with(631.0), Severity::error, "no filter"), 1);
+}
+
+TEST(ProtocolCheck, FindsSessionsThatAreTooLong) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.breaks.between_blocks_s = 0.0;
+    const double trials_s = session_length(protocol).fewest_s;
+    ASSERT_LT(trials_s, 3599.0);
+    protocol.breaks.between_blocks_s = 3600.0 - trials_s - 0.5;
+    EXPECT_EQ(count(check_session(protocol, session_length(protocol)), Severity::error, "session"),
+              0);
+    EXPECT_EQ(
+        count(check_session(protocol, session_length(protocol)), Severity::warning, "session"), 1)
+        << "at its longest it is longer";
+    protocol.breaks.between_blocks_s = 3600.0 - trials_s + 0.5;
+    EXPECT_EQ(count(check_session(protocol, session_length(protocol)), Severity::error, "60 min"),
+              1);
+}
+
+TEST(ProtocolCheck, FindsHandsWithoutARestAndOrdersOutOfBalance) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    const auto warnings = [&](const std::string &part) {
+        return count(check_session(protocol, session_length(protocol)), Severity::warning, part);
+    };
+    EXPECT_EQ(warnings(""), 0);
+    protocol.participants = 5;
+    EXPECT_EQ(warnings("plan for 6"), 1);
+    protocol.participants = 6;
+    EXPECT_EQ(warnings("participants"), 0);
+    protocol.counterbalancing = Counterbalancing::fixed;
+    EXPECT_EQ(warnings("counterbalancing"), 1);
+    protocol.expected->threshold = 0.31;
+    EXPECT_EQ(warnings("lies outside"), 1);
+    protocol.expected->threshold = 0.29;
+    EXPECT_EQ(warnings("lies outside"), 0);
+    protocol.breaks.every_trials = static_cast<int>(900.0 / long_trial_s(protocol));
+    std::get<ConstantStimuli>(protocol.method).blocks = 1000;
+    EXPECT_EQ(warnings("without a rest"), 0);
+    ++protocol.breaks.every_trials;
+    EXPECT_EQ(warnings("without a rest"), 1);
+}
+
+TEST(ProtocolCheck, FindsPausesTooShortForAnotherServoRate) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.variable.standard_condition = "a";
+    const auto errors = [&] {
+        return count(check_session(protocol, session_length(protocol)), Severity::error, "anew");
+    };
+    EXPECT_EQ(errors(), 0);
+    protocol.conditions[1].servo_hz = 2000.0;
+    EXPECT_EQ(errors(), 1);
+    protocol.timing.pause_s = 2.0;
+    EXPECT_EQ(errors(), 0);
+}
+
+/// A press without a pause, until winding and housing are in balance with the air:
+/// T − T_air = i² R(T) (R_wh + R_ha), so T = T_air + P₀ Z/(1 − ρ P₀ Z) with P₀ Z the rise at 25 °C.
+TEST(ProtocolCheck, PredictsTheWarmthOfALongPress) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.timing = {0.1, 0.2, 60.0, 0.0, 0.5, 0.0, 0.1};
+    protocol.breaks = {0, 0.0, 0.0};
+    std::get<ConstantStimuli>(protocol.method).blocks = 100;
+    protocol.stopping.longest_session_min = 480.0;
+    for (Condition &condition : protocol.conditions) {
+        condition.press_N = 2.0;
+    }
+    StudySetting setting = setting_of(protocol);
+    const std::vector<Presented> presented = all_presented(protocol);
+    const SessionLength length = session_length(protocol);
+    const SessionWarmth warmth = check_warmth(protocol, setting, presented, length);
+
+    const std::optional<PredictedPress> press = predicted_press(
+        setting.device, setting.conditions[0], presented[0].parameters, StimulusForm::press);
+    const double i_A = press->current_A.cwiseAbs().maxCoeff();
+    // Of each 120.3 s the hand presses 120 s.
+    const double rise_K = i_A * i_A * 2.18 * 1.02 * (3.1 + 14.0) * 120.0 / 120.3;
+    const double expected_C = 25.0 + rise_K / (1.0 - 0.0039 * rise_K);
+    // Commutation ripple of 2 % is at the angle that was taken; the gap of 0.3 s lets the winding
+    // cool by 0.3/12 of its own rise at most.
+    EXPECT_NEAR(warmth.hottest_C, expected_C, 0.01 * (expected_C - 25.0));
+
+    for (device::MotorParameters &motor : setting.device.motor) {
+        motor.thermal.max_winding_C = warmth.hottest_C + 0.1;
+    }
+    protocol.windings.to_C = warmth.hottest_C + 0.05;
+    EXPECT_TRUE(check_warmth(protocol, setting, presented, length).findings.empty());
+    protocol.windings.to_C = warmth.hottest_C - 0.05;
+    EXPECT_EQ(count(check_warmth(protocol, setting, presented, length).findings, Severity::warning,
+                    "windings.to_C"),
+              1);
+    for (device::MotorParameters &motor : setting.device.motor) {
+        motor.thermal.max_winding_C = warmth.hottest_C - 0.1;
+    }
+    EXPECT_EQ(count(check_warmth(protocol, setting, presented, length).findings, Severity::error,
+                    "the limit"),
+              1);
+}
+
+TEST(ProtocolCheck, TellsOfOneConditionOnceAndOfHowManyLevels) {
+    const std::vector<StimulusFinding> all{
+        {0, {Severity::error, "a at 1", "is bad", "mend it"}},
+        {0, {Severity::error, "a at 2", "is bad", "mend it"}},
+        {1, {Severity::error, "b at 1", "is bad", "mend it"}},
+        {0, {Severity::warning, "a at 3", "is odd", "mend it"}},
+    };
+    const ProtocolFindings told = once_per_condition(all);
+    ASSERT_EQ(told.size(), 3U);
+    EXPECT_EQ(text_of(told[0]), "error: a at 1: is bad (so at 1 further levels); mend it");
+    EXPECT_EQ(text_of(told[1]), "error: b at 1: is bad; mend it");
+}
+
+} // namespace
+} // namespace springdrive::study

@@ -1,0 +1,265 @@
+// Covers engine/study/protocol/protocol_file.cpp, toml_procedure.cpp, toml_tables.cpp and
+// protocol_complaint.cpp: what is read, and what is refused, with key, value and range.
+#include "engine/study/protocol/protocol_file.h"
+
+#include "base/input_error.h"
+#include "engine/study/methods/random_key.h"
+#include "tests/engine/study/protocol/plain_protocol.h"
+#include "tests/support/complaint.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace springdrive::study {
+namespace {
+
+using testing::kPlainProtocol;
+using testing::protocol_of;
+using testing::with;
+
+TEST(ProtocolFile, ReadsWhatIsThereAndElseTheDefaults) {
+    const Protocol protocol = protocol_of(kPlainProtocol);
+    EXPECT_EQ(protocol.title, "plain");
+    EXPECT_EQ(protocol.stimulus, StimulusForm::press);
+    EXPECT_EQ(protocol.seed, 7);
+    EXPECT_EQ(protocol.texts.question, "Which?");
+    EXPECT_EQ(protocol.texts.end, Texts{}.end);
+    ASSERT_EQ(protocol.conditions.size(), 2U);
+    EXPECT_EQ(protocol.conditions[1].name, "b");
+    EXPECT_EQ(protocol.conditions[0].press_N, 1.0) << "of [common]";
+    EXPECT_EQ(protocol.conditions[1].press_N, 0.8) << "its own";
+    EXPECT_EQ(protocol.conditions[1].tuning.K_P_V_per_rad, 6.0);
+    ASSERT_TRUE(protocol.conditions[0].spot);
+    EXPECT_EQ(protocol.conditions[0].spot->point_m, Vector3(0.0, -0.005, -0.015));
+    EXPECT_EQ(protocol.variable.parameter, "eta");
+    EXPECT_EQ(protocol.variable.level, LevelMeaning::added);
+    const auto *method = std::get_if<ConstantStimuli>(&protocol.method);
+    ASSERT_NE(method, nullptr);
+    EXPECT_EQ(method->levels, (std::vector{0.1, 0.2, 0.3}));
+    EXPECT_EQ(method->blocks, 10);
+    EXPECT_EQ(protocol.practice.fewest_trials, 2);
+    EXPECT_EQ(protocol.catch_trials.one_in, 10);
+    ASSERT_EQ(protocol.blocks.size(), 2U);
+    EXPECT_EQ(protocol.blocks[1].conditions, std::vector<std::size_t>{1});
+    EXPECT_EQ(protocol.timing.approach_s, 1.0);
+    EXPECT_EQ(protocol.timing.pause_s, TrialTiming{}.pause_s);
+    ASSERT_TRUE(protocol.expected);
+    EXPECT_EQ(protocol.expected->threshold, 0.2);
+    EXPECT_EQ(what_is_wrong_with(protocol), "");
+}
+
+TEST(ProtocolFile, NormalsOfAnyLengthBecomeUnitVectors) {
+    const Protocol protocol =
+        protocol_of(with(kPlainProtocol, "normal = [0.0, 1.0, 0.0]", "normal = [0.0, 3.0, 4.0]"));
+    EXPECT_TRUE(protocol.conditions[0].spot->normal.isApprox(Vector3(0.0, 0.6, 0.8), 1e-15));
+}
+
+TEST(ProtocolFile, WithoutBlocksAllConditionsAreInOne) {
+    std::string text = kPlainProtocol;
+    const std::size_t from = text.find("[[block]]");
+    text.erase(from, text.find("[responses]") - from);
+    const Protocol protocol = protocol_of(text);
+    ASSERT_EQ(protocol.blocks.size(), 1U);
+    EXPECT_EQ(protocol.blocks[0].conditions, (std::vector<std::size_t>{0, 1}));
+}
+
+TEST(ProtocolFile, ReadsEveryMethod) {
+    const std::string plain =
+        "kind = \"constant_stimuli\"\nlevels = [0.1, 0.2, 0.3]\nrepetitions = "
+        "1\nblocks = 10";
+    const Protocol staircases = protocol_of(
+        with(kPlainProtocol, plain,
+             "kind = \"staircases\"\nscale = \"logarithmic\"\nstart_levels = [0.4, "
+             "0.3]\nminimum_level = 0.01\nmaximum_level = 0.5\ncorrect_for_down = 3\nsteps = "
+             "[{from_reversal = 0, size = 2.0}, {from_reversal = 2, size = 1.3}]"));
+    const auto &up_down = std::get<Staircases>(staircases.method);
+    EXPECT_EQ(up_down.start_levels, (std::vector{0.4, 0.3}));
+    EXPECT_EQ(up_down.correct_for_down, 3);
+    EXPECT_EQ(up_down.steps, (std::vector<StepSize>{{0, 2.0}, {2, 1.3}}));
+
+    const Protocol quest = protocol_of(
+        with(kPlainProtocol, plain,
+             "kind = \"quest_plus\"\nlevels = [0.1, 0.3]\nthreshold = {minimum = 0.05, maximum = "
+             "0.5, points = 21}\nslope = {minimum = 1, maximum = 5, points = 5}"));
+    const auto &plus = std::get<QuestPlus>(quest.method);
+    EXPECT_EQ(plus.threshold.points, 21);
+    EXPECT_EQ(plus.threshold.prior.scale, Scale::logarithmic) << "that of the method";
+    EXPECT_EQ(plus.guess.prior, known(0.5)) << "of two intervals";
+    EXPECT_EQ(plus.lapse.prior, known(0.02));
+
+    const Protocol adjusted = protocol_of(
+        with(with(with(with(kPlainProtocol, plain,
+                            "kind = \"adjustment\"\nminimum_level = 0.0\nmaximum_level = "
+                            "0.5\nminimum_start = 0.1\nmaximum_start = 0.4\nsettings = 5"),
+                       "forced_choice_by_interval", "adjustment"),
+                  "keys = [\"1\", \"2\"]", "keys = [\"down\", \"up\", \"enter\"]"),
+             "one_in = 10", "one_in = 0"));
+    EXPECT_EQ(std::get<Adjustment>(adjusted.method).settings, 5);
+}
+
+/// A fault, and what the line about it must say.
+struct Malformed {
+    std::string from;
+    std::string to;
+    std::vector<std::string> said;
+};
+
+const std::vector<Malformed> &malformed() {
+    static const std::vector<Malformed> all{
+        // What is no TOML.
+        {"title = \"plain\"", "title = \"plain", {"p.toml:1: is not valid TOML"}},
+        {"[texts]", "[texts", {"p.toml:6: is not valid TOML"}},
+        {"seed = 7", "seed = 7\nseed = 8", {"p.toml:4: is not valid TOML"}},
+        // Unknown keys, each with the nearest one.
+        {"seed = 7", "sead = 7", {"p.toml:3: sead is not known", "the nearest is seed"}},
+        {"approach_s", "aproach_s", {"timing.aproach_s", "the nearest is approach_s"}},
+        {"[windings]", "[winding]", {"winding is not known", "the nearest is windings"}},
+        {"K_P_V_per_rad", "K_P_V_per_Rad", {"common.K_P_V_per_Rad", "nearest is K_P_V_per_rad"}},
+        {"question =", "qestion =", {"texts.qestion", "the nearest is question"}},
+        {"press_N = 0.8", "force_N = 0.8", {"condition[2].force_N is not known", "press_N"}},
+        {"every_trials", "every_trial", {"breaks.every_trial", "the nearest is every_trials"}},
+        {"one_in", "onein", {"catch_trials.onein", "the nearest is one_in"}},
+        {"blocks = 10", "block = 10", {"method.block is not known", "the nearest is blocks"}},
+        // Missing ones.
+        {"title = \"plain\"\n", "", {"title is missing", "must be a text"}},
+        {"stimulus = \"press\"\n", "", {"stimulus is missing", "press, blow, pulse or stroke"}},
+        {"[variable]\nparameter = \"eta\"", "[variable]", {"variable.parameter is missing"}},
+        {"standard = 0.4\n", "", {"variable.standard is missing", "0 to 1"}},
+        {"kind = \"forced_choice_by_interval\"", "", {"task.kind is missing"}},
+        {"kind = \"constant_stimuli\"", "", {"method.kind is missing", "quest_plus"}},
+        {"levels = [0.1, 0.2, 0.3]", "", {"method.levels is missing"}},
+        {"name = \"a\"", "", {"condition[1].name is missing"}},
+        {"point_m = [0.0, -0.005, -0.015]\n", "", {"common.point_m is missing"}},
+        {"source = \"a guess\"", "", {"expected.source is missing"}},
+        // Wrong types.
+        {"seed = 7", "seed = \"seven\"", {"seed", "seven", "0 to 2.14748e+09"}},
+        {"seed = 7", "seed = 7.5", {"seed is 7.5", "whole number"}},
+        {"title = \"plain\"", "title = 3", {"title is 3", "must be a text"}},
+        {"repeats = true", "repeats = 1", {"marking.repeats is 1", "true or false"}},
+        {"levels = [0.1, 0.2, 0.3]", "levels = 0.1", {"method.levels is 0.1", "in brackets"}},
+        {"levels = [0.1, 0.2, 0.3]", "levels = [0.1, \"x\"]", {"method.levels has", "x"}},
+        {"levels = [0.1, 0.2, 0.3]", "levels = []", {"method.levels is", "1 to 1000 numbers"}},
+        {"conditions = [\"a\"]", "conditions = [1]", {"block[1].conditions", "texts"}},
+        {"point_m = [0.0, -0.005, -0.015]", "point_m = [0.0, 1.0]", {"common.point_m", "three"}},
+        {"[breaks]\nevery_trials = 20", "breaks = 3", {"breaks is", "[breaks]"}},
+        // Out of range.
+        {"participants = 4", "participants = 0", {"participants is 0", "1 to 10000"}},
+        {"dR_Ohm = 0.5\nlambda",
+         "dR_Ohm = 0.0\nlambda",
+         {"free_space.dR_Ohm is 0", "0.02 to 2.18"}},
+        {"K_P_V_per_rad = 6.0", "K_P_V_per_rad = -1.0", {"K_P_V_per_rad is -1", "0 to 500"}},
+        {"K_P_V_per_rad = 6.0", "K_P_V_per_rad = nan", {"common.K_P_V_per_rad", "0 to 500"}},
+        {"servo_hz = 1000.0", "servo_hz = 100.0", {"common.servo_hz is 100", "250 to 10000"}},
+        {"delay_periods = 0.0", "delay_periods = 9.0", {"delay_periods is 9", "0 to 8"}},
+        {"press_N = 0.8", "press_N = 80.0", {"condition[2].press_N is 80", "0.1 to 8"}},
+        {"standard = 0.4", "standard = 1.4", {"variable.standard is 1.4", "0 to 1"}},
+        {"alternatives = 2", "alternatives = 9", {"task.alternatives is 9", "2 to 8"}},
+        {"repetitions = 1", "repetitions = 0", {"method.repetitions is 0", "1 to 1000"}},
+        {"approach_s = 1.0", "approach_s = inf", {"timing.approach_s", "0.2 to 30"}},
+        {"stiffness_percent = 2.0",
+         "stiffness_percent = 0",
+         {"stiffness_percent is 0", "0.1 to 100"}},
+        {"longest_session_min = 60.0",
+         "longest_session_min = 0",
+         {"longest_session_min is 0", "1 to"}},
+        {"from_C = 27.0", "from_C = 95.0", {"windings.from_C is 95", "10 to 90"}},
+        // Names that stand for nothing.
+        {"stimulus = \"press\"", "stimulus = \"poke\"", {"stimulus is \"poke\"", "press, blow"}},
+        {"\"balanced_latin_square\"", "\"latin\"", {"counterbalancing is \"latin\"", "full"}},
+        {"hold = \"surface\"", "hold = \"glue\"", {"common.hold is \"glue\"", "surface or cup"}},
+        {"map = \"transpose\"", "map = \"turned\"", {"common.map is \"turned\"", "inverse or"}},
+        {"parameter = \"eta\"", "parameter = \"etta\"", {"variable.parameter is \"etta\"", "eta"}},
+        {"conditions = [\"b\"]", "conditions = [\"c\"]", {"block[2].conditions has \"c\"", "a, b"}},
+        {"standard = 0.4", "standard = 0.4\nstandard_condition = \"z\"", {"has \"z\"", "a, b"}},
+        // What contradicts itself.
+        {"name = \"b\"", "name = \"a\"", {"condition[2].name is \"a\"", "its own"}},
+        {"name = \"two\"", "name = \"one\"", {"block \"one\" is there twice"}},
+        {"conditions = [\"b\"]", "conditions = [\"b\", \"b\"]", {"block \"two\"", "once"}},
+        {"levels = [0.1, 0.2, 0.3]", "levels = [0.2, 0.1]", {"method.levels has 0.1 after 0.2"}},
+        {"levels = [0.1, 0.2, 0.3]", "levels = [0.1, 0.7]", {"level 0.7", "eta is 1.1", "0 to 1"}},
+        {"normal = [0.0, 1.0, 0.0]", "normal = [0.0, 0.0, 0.0]", {"common.normal has no length"}},
+        {"seed = 7", "free_space_is_stimulus = true", {"free_space is given", "left out"}},
+        {"stimulus = \"press\"", "stimulus = \"stroke\"", {"free_space_is_stimulus is false"}},
+        {"parameter = \"eta\"",
+         "parameter = \"pulse_hz\"\nlevel = \"value\"#",
+         {"variable.standard is 0.4", "1 to 250"}},
+        {"keys = [\"1\", \"2\"]",
+         "keys = [\"1\", \"space\"]",
+         {"responses.keys has \"space\"", "stops"}},
+        {"keys = [\"1\", \"2\"]", "keys = [\"1\", \"1\"]", {"responses.keys has \"1\"", "its own"}},
+        {"keys = [\"1\", \"2\"]", "keys = [\"1\"]", {"responses.keys has 1", "2"}},
+        {"to_C = 60.0", "to_C = 20.0", {"windings.to_C is 20", "above windings.from_C, 27"}},
+        {"fewest_trials = 2", "fewest_trials = 9", {"practice.fewest_trials is 9", "0 to 4"}},
+        {"one_in = 10", "one_in = 1", {"catch_trials.one_in is 1", "2 to 1000"}},
+        {"kind = \"forced_choice_by_interval\"",
+         "kind = \"forced_choice_by_place\"",
+         {"variable.parameter is eta", "turn_deg"}},
+        {"kind = \"forced_choice_by_interval\"",
+         "kind = \"adjustment\"",
+         {"method.", "adjustment"}},
+    };
+    return all;
+}
+
+TEST(ProtocolFile, RefusesSeventyMalformedOnesInOneLineEach) {
+    ASSERT_GE(malformed().size(), 50U);
+    for (const Malformed &one : malformed()) {
+        const std::string text = with(kPlainProtocol, one.from, one.to);
+        const std::string line =
+            testing::complaint_of([&text] { static_cast<void>(protocol_of(text)); });
+        EXPECT_EQ(line.substr(0, 7), "p.toml:") << one.to << ": " << line;
+        EXPECT_EQ(std::ranges::count(line, '\n'), 0) << line;
+        for (const std::string &part : one.said) {
+            EXPECT_NE(line.find(part), std::string::npos)
+                << one.to << "\n  said: " << line << "\n  without: " << part;
+        }
+    }
+}
+
+/// A text is read or refused with one line.
+void read_or_refuse(const std::string &text) {
+    try {
+        static_cast<void>(protocol_of(text));
+    } catch (const InputError &error) {
+        const std::string line = error.what();
+        EXPECT_EQ(std::ranges::count(line, '\n'), 0) << line;
+        EXPECT_FALSE(line.empty());
+    }
+}
+
+TEST(ProtocolFile, CutAnywhereItIsReadOrRefused) {
+    for (std::size_t length = 0; length < kPlainProtocol.size(); ++length) {
+        read_or_refuse(kPlainProtocol.substr(0, length));
+    }
+}
+
+TEST(ProtocolFile, WithBytesChangedItIsReadOrRefused) {
+    constexpr int kTexts = 3000;
+    for (int i = 0; i < kTexts; ++i) {
+        const RandomKey key = child(RandomKey{22}, static_cast<std::uint64_t>(i));
+        std::string text = kPlainProtocol;
+        const std::size_t changes = 1 + below(child(key, 0), 4);
+        for (std::size_t j = 1; j <= changes; ++j) {
+            const RandomKey change = child(key, j);
+            const std::size_t at = below(child(change, 0), text.size());
+            const auto letter = static_cast<char>(below(child(change, 1), 256));
+            switch (below(child(change, 2), 3)) {
+            case 0:
+                text[at] = letter;
+                break;
+            case 1:
+                text.erase(at, 1 + below(child(change, 3), 20));
+                break;
+            default:
+                text.insert(at, text, below(child(change, 3), text.size()), 30);
+            }
+        }
+        read_or_refuse(text);
+    }
+}
+
+} // namespace
+} // namespace springdrive::study
